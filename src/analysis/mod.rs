@@ -1,0 +1,1 @@
+//! Comparison across conditions.

@@ -1,0 +1,105 @@
+//! What campaign.toml says: the campaign, its samples, materials and environments.
+
+use serde::{Deserialize, Serialize};
+
+/// A sample: one strip of one material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Id that tags name.
+    pub id: String,
+    /// Material id; one column group in the tables.
+    pub material: String,
+    /// Free length, mm.
+    pub length_mm: Option<f64>,
+    /// Width, mm.
+    pub width_mm: Option<f64>,
+    /// Thickness, mm.
+    pub thickness_mm: Option<f64>,
+    /// Active area, cm2, where it is not length times width.
+    pub area_cm2: Option<f64>,
+    /// Production batch.
+    pub batch: Option<String>,
+}
+
+impl Sample {
+    /// Active area, cm2: given, or length times width.
+    pub fn active_area_cm2(&self) -> Option<f64> {
+        self.area_cm2
+            .or_else(|| Some(self.length_mm? * self.width_mm? / 100.0))
+    }
+}
+
+/// What the tables say of a material.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Material {
+    /// Id that samples name.
+    pub id: String,
+    /// Electrode material.
+    pub electrode: Option<String>,
+    /// Membrane.
+    pub membrane: Option<String>,
+    /// Electrolyte.
+    pub electrolyte: Option<String>,
+    /// Current collector.
+    pub current_collector: Option<String>,
+    /// Reinforcement.
+    pub reinforcement: Option<String>,
+    /// Electrode thickness, micrometres.
+    pub electrode_thickness_um: Option<f64>,
+    /// Membrane thickness, micrometres.
+    pub membrane_thickness_um: Option<f64>,
+}
+
+/// Surroundings of a run with defaults for what nothing measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Environment {
+    /// Id that tags name: `vacuum`, `inert`, `air`, or one of the user's own.
+    pub id: String,
+    /// Default relative humidity, percent.
+    pub relative_humidity_percent: Option<f64>,
+    /// Default temperature, degrees Celsius.
+    pub temperature_c: Option<f64>,
+    /// Default pressure, Pa.
+    pub pressure_pa: Option<f64>,
+}
+
+/// Ids of the environments that need no entry in campaign.toml, in the thesis's order.
+pub const BUILT_IN_ENVIRONMENTS: [&str; 3] = ["vacuum", "inert", "air"];
+
+/// A campaign as its campaign.toml states it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Campaign {
+    /// Short id.
+    pub id: String,
+    /// Title for the report.
+    pub title: String,
+    /// IANA time zone of file times without an offset, `Europe/Tallinn`.
+    pub timezone: Option<String>,
+    /// A statement printed on every page, such as "simulated, not measured".
+    pub notice: Option<String>,
+    /// Samples in the file's order.
+    pub samples: Vec<Sample>,
+    /// Materials in the file's order.
+    pub materials: Vec<Material>,
+    /// Environments: the built-in ones, then the file's own.
+    pub environments: Vec<Environment>,
+    /// Folder with the runs, relative to the campaign.
+    pub runs_folder: String,
+    /// Pattern that reads tags from file names.
+    pub name_pattern: Option<String>,
+    /// Model that runs are fitted with.
+    pub model: String,
+}
+
+impl Campaign {
+    /// The sample of that id.
+    pub fn sample(&self, id: &str) -> Option<&Sample> {
+        self.samples.iter().find(|sample| sample.id == id)
+    }
+
+    /// The environment of that id.
+    pub fn environment(&self, id: &str) -> Option<&Environment> {
+        self.environments.iter().find(|environment| environment.id == id)
+    }
+}

@@ -1,0 +1,148 @@
+//! One measured quantity of a run with its own sampling.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::Quantity;
+
+/// Readings of one quantity: times and values of equal length, finite, in canonical units.
+///
+/// Empty cells of a table are left out, so a camera that is slower than the potentiostat has fewer
+/// readings; channels sampled together share one `time_s`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// What is measured.
+    pub quantity: Quantity,
+    /// The column's name as the file has it.
+    pub raw_name: String,
+    /// The unit as the file has it; empty where the file names none.
+    pub raw_unit: String,
+    /// Time of each reading, s, strictly increasing.
+    pub time_s: Arc<[f64]>,
+    /// Readings in the canonical unit of `quantity`.
+    pub values: Arc<[f64]>,
+    /// Indices (increasing) of readings that are no measurement, such as an overload; a fit leaves them out.
+    pub excluded: Arc<[u32]>,
+}
+
+impl Channel {
+    /// A channel under its canonical name with nothing excluded.
+    pub fn new(quantity: Quantity, time_s: Arc<[f64]>, values: Arc<[f64]>) -> Channel {
+        Channel {
+            quantity,
+            raw_name: quantity.column().to_owned(),
+            raw_unit: quantity.unit().to_owned(),
+            time_s,
+            values,
+            excluded: Arc::from([]),
+        }
+    }
+
+    /// Number of readings, the excluded ones counted.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Whether there is no reading at all.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Times and values of the readings that are not excluded.
+    pub fn included(&self) -> (Arc<[f64]>, Arc<[f64]>) {
+        if self.excluded.is_empty() {
+            return (self.time_s.clone(), self.values.clone());
+        }
+        let keep = |index: &usize| self.excluded.binary_search(&(*index as u32)).is_err();
+        let indices: Vec<usize> = (0..self.len()).filter(keep).collect();
+        (
+            indices.iter().map(|&i| self.time_s[i]).collect(),
+            indices.iter().map(|&i| self.values[i]).collect(),
+        )
+    }
+
+    /// What a table of channels says of this one.
+    pub fn summary(&self) -> ChannelSummary {
+        ChannelSummary {
+            quantity: self.quantity,
+            raw_name: self.raw_name.clone(),
+            raw_unit: self.raw_unit.clone(),
+            readings: self.len(),
+            excluded: self.excluded.len(),
+            first_time_s: self.time_s.first().copied(),
+            last_time_s: self.time_s.last().copied(),
+            first: self.values.first().copied(),
+            last: self.values.last().copied(),
+        }
+    }
+}
+
+/// A channel without its readings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelSummary {
+    /// What is measured.
+    pub quantity: Quantity,
+    /// The column's name as the file has it.
+    pub raw_name: String,
+    /// The unit as the file has it.
+    pub raw_unit: String,
+    /// Number of readings, the excluded ones counted.
+    pub readings: usize,
+    /// How many of them are left out of fits.
+    pub excluded: usize,
+    /// Time of the first reading, s.
+    pub first_time_s: Option<f64>,
+    /// Time of the last reading, s.
+    pub last_time_s: Option<f64>,
+    /// First reading, canonical unit.
+    pub first: Option<f64>,
+    /// Last reading, canonical unit.
+    pub last: Option<f64>,
+}
+
+/// A curve as it is drawn: thinned readings with the fitted value and the residual beside each.
+///
+/// Fits store these, so that figures draw what was computed and never compute.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunCurve {
+    /// What is drawn.
+    pub quantity: Quantity,
+    /// Time of each drawn reading, s.
+    pub time_s: Vec<f64>,
+    /// Measured values, canonical unit.
+    pub measured: Vec<f64>,
+    /// Fitted values at the same times; empty where nothing was fitted.
+    pub fitted: Vec<f64>,
+    /// (measured - fitted) / noise standard deviation at the same times; empty where nothing was fitted.
+    pub residual_sigma: Vec<f64>,
+    /// Number of readings before thinning.
+    pub readings: usize,
+}
+
+/// Gives the curves of a run when a page needs them, so that a report never holds all of them at once.
+pub trait CurveSource {
+    /// Curves of the run with that row id: of its current fit, or thinned readings where there is none.
+    ///
+    /// # Errors
+    /// A message that names the run and what could not be read.
+    fn curves(&self, run_id: i64) -> Result<Vec<RunCurve>, String>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn excluded_readings_are_left_out() {
+        let mut channel = Channel::new(
+            Quantity::Current,
+            Arc::from([0.0, 1.0, 2.0]),
+            Arc::from([5.0, 6.0, 7.0]),
+        );
+        channel.excluded = Arc::from([1]);
+        let (time_s, values) = channel.included();
+        assert_eq!((&time_s[..], &values[..]), (&[0.0, 2.0][..], &[5.0, 7.0][..]));
+        assert_eq!(channel.summary().excluded, 1);
+    }
+}

@@ -1,0 +1,74 @@
+//! The outcome of identifying one run with one model.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Estimate, Issue, Quantity, RunCurve};
+
+/// One identified parameter. The key carries the unit: `r1_ohm_cm2`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Stored key, such as `alpha_per_c_cm`.
+    pub key: String,
+    /// What is known of it.
+    pub estimate: Estimate,
+}
+
+/// Noise of one channel and how the residual compares with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelNoise {
+    /// The channel.
+    pub quantity: Quantity,
+    /// Noise standard deviation estimated without the model, canonical unit of the channel.
+    pub standard_deviation: f64,
+    /// How the noise was estimated, in words.
+    pub basis: String,
+    /// Lag-1 autocorrelation of the residuals.
+    pub residual_autocorrelation: f64,
+    /// Root mean square of the residuals, canonical unit of the channel.
+    pub residual_rms: f64,
+    /// Number of readings used.
+    pub readings: usize,
+    /// Coefficient of determination of the fit on this channel.
+    pub r_squared: Option<f64>,
+}
+
+/// Parameters of one run under one model, with everything needed to judge them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// Model id, `lumped-2`.
+    pub model: String,
+    /// Version of that model's equations and of its identification; a change makes fits out of date.
+    pub model_version: u32,
+    /// How the minimum was searched, `two-step variable projection`.
+    pub method: String,
+    /// Whether the search converged.
+    pub converged: bool,
+    /// Why the search stopped, in words.
+    pub why_stopped: String,
+    /// Number of readings used, over all fitted channels.
+    pub n_samples: usize,
+    /// Parameters in the model's order, derived ones last.
+    pub parameters: Vec<Parameter>,
+    /// Coefficient of determination of the current, as the thesis prints it.
+    pub r_squared_current: Option<f64>,
+    /// Coefficient of determination of the curvature.
+    pub r_squared_curvature: Option<f64>,
+    /// Noise and residual per fitted channel.
+    pub noise: Vec<ChannelNoise>,
+    /// Curves to draw: measured, fitted and residual.
+    pub curves: Vec<RunCurve>,
+    /// What a reader must know: bounds met, parameters not determined and why.
+    pub issues: Vec<Issue>,
+    /// Residual evaluations that the search took.
+    pub evaluations: u64,
+}
+
+impl Fit {
+    /// The estimate stored under `key`.
+    pub fn parameter(&self, key: &str) -> Option<&Estimate> {
+        self.parameters
+            .iter()
+            .find(|parameter| parameter.key == key)
+            .map(|parameter| &parameter.estimate)
+    }
+}

@@ -1,0 +1,140 @@
+//! Physical quantities a run table can hold, each with its one canonical unit.
+
+use serde::{Deserialize, Serialize};
+
+/// What a column of a run table measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Time since the voltage step, s.
+    Time,
+    /// Voltage across the electrodes, V.
+    Voltage,
+    /// Current into the sample, A.
+    Current,
+    /// Bending curvature, 1/cm.
+    Curvature,
+    /// Transverse tip displacement, mm.
+    TipDisplacement,
+    /// Blocking force, mN (millinewton).
+    BlockingForce,
+    /// 1 where the circuit is open, 0 where it is closed.
+    OpenCircuit,
+    /// Temperature beside the sample, degrees Celsius.
+    Temperature,
+    /// Relative humidity beside the sample, percent.
+    RelativeHumidity,
+    /// Pressure around the sample, Pa.
+    Pressure,
+    /// A column that is kept under its own name and not interpreted.
+    Other,
+}
+
+impl Quantity {
+    /// Every quantity, in the order in which tables list them.
+    pub const ALL: [Quantity; 11] = [
+        Quantity::Time,
+        Quantity::Voltage,
+        Quantity::Current,
+        Quantity::Curvature,
+        Quantity::TipDisplacement,
+        Quantity::BlockingForce,
+        Quantity::OpenCircuit,
+        Quantity::Temperature,
+        Quantity::RelativeHumidity,
+        Quantity::Pressure,
+        Quantity::Other,
+    ];
+
+    /// Stored name: `current`, `tip_displacement`, ...
+    pub fn key(self) -> &'static str {
+        match self {
+            Quantity::Time => "time",
+            Quantity::Voltage => "voltage",
+            Quantity::Current => "current",
+            Quantity::Curvature => "curvature",
+            Quantity::TipDisplacement => "tip_displacement",
+            Quantity::BlockingForce => "blocking_force",
+            Quantity::OpenCircuit => "open_circuit",
+            Quantity::Temperature => "temperature",
+            Quantity::RelativeHumidity => "relative_humidity",
+            Quantity::Pressure => "pressure",
+            Quantity::Other => "other",
+        }
+    }
+
+    /// The quantity stored under `key`.
+    pub fn from_key(key: &str) -> Option<Quantity> {
+        Quantity::ALL.into_iter().find(|quantity| quantity.key() == key)
+    }
+
+    /// Canonical unit as printed: `A`, `1/cm`, ...; empty where there is none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Quantity::Time => "s",
+            Quantity::Voltage => "V",
+            Quantity::Current => "A",
+            Quantity::Curvature => "1/cm",
+            Quantity::TipDisplacement => "mm",
+            Quantity::BlockingForce => "mN",
+            Quantity::Temperature => "°C",
+            Quantity::RelativeHumidity => "%",
+            Quantity::Pressure => "Pa",
+            Quantity::OpenCircuit | Quantity::Other => "",
+        }
+    }
+
+    /// Name of the canonical column: the quantity with its unit, `current_a`.
+    pub fn column(self) -> &'static str {
+        match self {
+            Quantity::Time => "time_s",
+            Quantity::Voltage => "voltage_v",
+            Quantity::Current => "current_a",
+            Quantity::Curvature => "curvature_per_cm",
+            Quantity::TipDisplacement => "tip_displacement_mm",
+            Quantity::BlockingForce => "blocking_force_mn",
+            Quantity::OpenCircuit => "open_circuit",
+            Quantity::Temperature => "temperature_c",
+            Quantity::RelativeHumidity => "relative_humidity_percent",
+            Quantity::Pressure => "pressure_pa",
+            Quantity::Other => "",
+        }
+    }
+
+    /// The name a person reads on an axis: `Current`, `Tip displacement`.
+    pub fn label(self) -> &'static str {
+        match self {
+            Quantity::Time => "Time",
+            Quantity::Voltage => "Voltage",
+            Quantity::Current => "Current",
+            Quantity::Curvature => "Curvature",
+            Quantity::TipDisplacement => "Tip displacement",
+            Quantity::BlockingForce => "Blocking force",
+            Quantity::OpenCircuit => "Open circuit",
+            Quantity::Temperature => "Temperature",
+            Quantity::RelativeHumidity => "Relative humidity",
+            Quantity::Pressure => "Pressure",
+            Quantity::Other => "Other",
+        }
+    }
+
+    /// Whether the quantity is a response that a run needs at least one of.
+    pub fn is_response(self) -> bool {
+        matches!(
+            self,
+            Quantity::Current | Quantity::Curvature | Quantity::TipDisplacement
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_unique_and_read_back() {
+        for quantity in Quantity::ALL {
+            assert_eq!(Quantity::from_key(quantity.key()), Some(quantity));
+        }
+    }
+}

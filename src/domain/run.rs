@@ -1,0 +1,216 @@
+//! A run as it is stored: files, tags, channels, issues and its current fit.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ChannelSummary, Drive, Fit, Issue, Tag};
+
+/// Whether a run can be fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RunState {
+    /// Tagged and readable: fitted, or waiting for its fit.
+    Ready,
+    /// A needed tag is missing; the issues say which.
+    Untagged,
+    /// Tagged, but the technique or the channels are not those of a step response.
+    NotFitted,
+}
+
+impl RunState {
+    /// Stored name.
+    pub fn key(self) -> &'static str {
+        match self {
+            RunState::Ready => "ready",
+            RunState::Untagged => "untagged",
+            RunState::NotFitted => "not_fitted",
+        }
+    }
+
+    /// The state stored under `key`.
+    pub fn from_key(key: &str) -> Option<RunState> {
+        [RunState::Ready, RunState::Untagged, RunState::NotFitted]
+            .into_iter()
+            .find(|s| s.key() == key)
+    }
+}
+
+/// How the measurement ended, as far as the file shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RunStatus {
+    /// The file is whole.
+    Complete,
+    /// The instrument says that the run was aborted.
+    Aborted,
+    /// The run ended before its plan, in order.
+    StoppedEarly,
+    /// The file ends in the middle of a line or a table.
+    Cut,
+    /// The instrument had not finished when the file was read.
+    StillRunning,
+    /// The format says nothing of it.
+    Unknown,
+}
+
+impl RunStatus {
+    /// Every status.
+    pub const ALL: [RunStatus; 6] = [
+        RunStatus::Complete,
+        RunStatus::Aborted,
+        RunStatus::StoppedEarly,
+        RunStatus::Cut,
+        RunStatus::StillRunning,
+        RunStatus::Unknown,
+    ];
+
+    /// Stored name.
+    pub fn key(self) -> &'static str {
+        match self {
+            RunStatus::Complete => "complete",
+            RunStatus::Aborted => "aborted",
+            RunStatus::StoppedEarly => "stopped_early",
+            RunStatus::Cut => "cut",
+            RunStatus::StillRunning => "still_running",
+            RunStatus::Unknown => "unknown",
+        }
+    }
+
+    /// The status stored under `key`.
+    pub fn from_key(key: &str) -> Option<RunStatus> {
+        RunStatus::ALL.into_iter().find(|status| status.key() == key)
+    }
+}
+
+/// A raw file that belongs to a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunFile {
+    /// Path relative to the campaign, with `/`.
+    pub path: String,
+    /// BLAKE3 of the bytes, hexadecimal.
+    pub hash: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// Other paths at which the same bytes lie.
+    pub aliases: Vec<String>,
+}
+
+/// A run with everything but its readings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunRecord {
+    /// Row id in the database.
+    pub id: i64,
+    /// Path relative to the campaign, with `/`: the run's name for people and scripts.
+    pub path: String,
+    /// 1 for the first content under this name, 2 for the next, ...
+    pub revision: u32,
+    /// Whether it can be fitted.
+    pub state: RunState,
+    /// How the measurement ended.
+    pub status: RunStatus,
+    /// The evidence for `status`.
+    pub status_evidence: String,
+    /// Format id of the reader, `gamry-dta`.
+    pub format: String,
+    /// Version of that reader.
+    pub reader_version: u32,
+    /// Technique as the file names it.
+    pub technique: Option<String>,
+    /// Raw files, one or several joined.
+    pub files: Vec<RunFile>,
+    /// Every tag from every source, the chosen one of each key first.
+    pub tags: Vec<Tag>,
+    /// Channels without readings.
+    pub channels: Vec<ChannelSummary>,
+    /// The drive, where it is known.
+    pub drive: Option<Drive>,
+    /// Sample's active area used, cm2.
+    pub area_cm2: Option<f64>,
+    /// Hash of readings, drive and area: what a fit depends on.
+    pub data_hash: String,
+    /// When it was taken in, RFC 3339 UTC.
+    pub ingested_at: String,
+    /// What a reader must know.
+    pub issues: Vec<Issue>,
+    /// The current fit.
+    pub fit: Option<Fit>,
+    /// Version of the program that made the fit, and when (RFC 3339 UTC).
+    pub fit_code_version: Option<String>,
+}
+
+impl RunRecord {
+    /// The chosen value of a tag.
+    pub fn tag(&self, key: &str) -> Option<&str> {
+        self.tags
+            .iter()
+            .find(|tag| tag.key == key)
+            .map(|tag| tag.value.as_str())
+    }
+
+    /// The chosen value of a tag as a number.
+    pub fn tag_number(&self, key: &str) -> Option<f64> {
+        self.tag(key)?
+            .parse()
+            .ok()
+            .filter(|number: &f64| number.is_finite())
+    }
+}
+
+/// What became of a file in the campaign folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FileState {
+    /// Holds a run, or a part of one.
+    Run,
+    /// The same bytes as a run's file.
+    Alias,
+    /// Could not be read; its reason is stored.
+    Refused,
+    /// Empty, header only or still growing: looked at again when it changes.
+    Pending,
+    /// Belongs to a run and holds none: a sidecar of the instrument.
+    Sidecar,
+}
+
+impl FileState {
+    /// Every state.
+    pub const ALL: [FileState; 5] = [
+        FileState::Run,
+        FileState::Alias,
+        FileState::Refused,
+        FileState::Pending,
+        FileState::Sidecar,
+    ];
+
+    /// Stored name.
+    pub fn key(self) -> &'static str {
+        match self {
+            FileState::Run => "run",
+            FileState::Alias => "alias",
+            FileState::Refused => "refused",
+            FileState::Pending => "pending",
+            FileState::Sidecar => "sidecar",
+        }
+    }
+
+    /// The state stored under `key`.
+    pub fn from_key(key: &str) -> Option<FileState> {
+        FileState::ALL.into_iter().find(|state| state.key() == key)
+    }
+}
+
+/// A file in the campaign folder as the last scan saw it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SourceFile {
+    /// Path relative to the campaign, with `/`; bytes that are no UTF-8 shown as U+FFFD.
+    pub path: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// Modification time, ns since 1970.
+    pub modified_ns: i64,
+    /// What became of it.
+    pub state: FileState,
+    /// Why it was refused or waits, and how to mend it.
+    pub issue: Option<Issue>,
+    /// Whether the file has gone since.
+    pub missing: bool,
+}

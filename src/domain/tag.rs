@@ -1,0 +1,122 @@
+//! Tags of a run and where each came from.
+
+use serde::{Deserialize, Serialize};
+
+/// Tag keys with a meaning of their own; any other key is a free tag.
+pub mod keys {
+    /// Sample id of campaign.toml.
+    pub const SAMPLE: &str = "sample";
+    /// `vacuum`, `inert`, `air` or an environment of campaign.toml.
+    pub const ENVIRONMENT: &str = "environment";
+    /// Nominal step voltage, V.
+    pub const VOLTAGE_V: &str = "voltage_v";
+    /// Relative humidity, percent.
+    pub const RELATIVE_HUMIDITY_PERCENT: &str = "relative_humidity_percent";
+    /// Temperature, degrees Celsius.
+    pub const TEMPERATURE_C: &str = "temperature_c";
+    /// Pressure, Pa.
+    pub const PRESSURE_PA: &str = "pressure_pa";
+    /// Start of the run, RFC 3339.
+    pub const STARTED_AT: &str = "started_at";
+    /// Shorted time before the run, s.
+    pub const REST_BEFORE_S: &str = "rest_before_s";
+    /// Cycle number, an integer.
+    pub const CYCLE: &str = "cycle";
+    /// The instrument.
+    pub const INSTRUMENT: &str = "instrument";
+    /// Who measured.
+    pub const OPERATOR: &str = "operator";
+    /// Free text.
+    pub const NOTE: &str = "note";
+    /// Keys whose value must be a number.
+    pub const NUMERIC: [&str; 6] = [
+        VOLTAGE_V,
+        RELATIVE_HUMIDITY_PERCENT,
+        TEMPERATURE_C,
+        PRESSURE_PA,
+        REST_BEFORE_S,
+        CYCLE,
+    ];
+}
+
+/// Where a tag came from, strongest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TagSource {
+    /// Set by hand with `ieap tag`.
+    Hand,
+    /// `<file name>.toml` beside the data file.
+    Sidecar,
+    /// `tags.toml` in the file's folder or one above it.
+    Folder,
+    /// `name_pattern` matched against the file name.
+    FileName,
+    /// The file's own header.
+    Header,
+    /// The voltage channel of the file.
+    Channel,
+    /// Ambient logs, averaged over the run.
+    Ambient,
+    /// Defaults of the environment in campaign.toml.
+    EnvironmentDefault,
+}
+
+impl TagSource {
+    /// Every source, strongest first.
+    pub const ALL: [TagSource; 8] = [
+        TagSource::Hand,
+        TagSource::Sidecar,
+        TagSource::Folder,
+        TagSource::FileName,
+        TagSource::Header,
+        TagSource::Channel,
+        TagSource::Ambient,
+        TagSource::EnvironmentDefault,
+    ];
+
+    /// Stored name.
+    pub fn key(self) -> &'static str {
+        match self {
+            TagSource::Hand => "hand",
+            TagSource::Sidecar => "sidecar",
+            TagSource::Folder => "folder",
+            TagSource::FileName => "file_name",
+            TagSource::Header => "header",
+            TagSource::Channel => "channel",
+            TagSource::Ambient => "ambient",
+            TagSource::EnvironmentDefault => "environment_default",
+        }
+    }
+
+    /// The source stored under `key`.
+    pub fn from_key(key: &str) -> Option<TagSource> {
+        TagSource::ALL.into_iter().find(|source| source.key() == key)
+    }
+
+    /// The source in words, for pages.
+    pub fn label(self) -> &'static str {
+        match self {
+            TagSource::Hand => "set by hand",
+            TagSource::Sidecar => "sidecar",
+            TagSource::Folder => "tags.toml",
+            TagSource::FileName => "file name",
+            TagSource::Header => "file header",
+            TagSource::Channel => "voltage channel",
+            TagSource::Ambient => "ambient log",
+            TagSource::EnvironmentDefault => "environment default",
+        }
+    }
+}
+
+/// One tag as one source gives it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Tag {
+    /// Tag key.
+    pub key: String,
+    /// Value as text; numbers in the shortest form that reads back the same.
+    pub value: String,
+    /// Where it came from.
+    pub source: TagSource,
+    /// Which file or rule: `runs/tags.toml`, `VSTEP1`, `tester on 2026-11-20T10:00:00Z`.
+    pub detail: String,
+}

@@ -1,0 +1,1 @@
+//! Identification of a run with a model.

@@ -1,0 +1,5 @@
+//! From files to runs: formats, tags, archive, scanner and watcher.
+
+pub mod reading;
+
+pub use reading::{Reading, RunTable, StartedAt, Timestamp};

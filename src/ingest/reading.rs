@@ -1,0 +1,79 @@
+//! What a reader makes of a file.
+
+use serde::Serialize;
+
+use crate::domain::{Channel, Issue, RunStatus};
+
+/// Which moment a time stamp of a file means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Timestamp {
+    /// Start of the measurement.
+    Start,
+    /// End of the measurement.
+    End,
+    /// Moment of the export.
+    Export,
+}
+
+/// A date and time as a file states it, with the reading of it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct StartedAt {
+    /// The text of the file, unchanged.
+    pub raw: String,
+    /// Which moment it means.
+    pub kind: Timestamp,
+    /// Local date and time, `2024-07-17T10:52:53`; none where the order of day and month is not certain.
+    pub local: Option<String>,
+    /// Offset where the file states one, `+03:00`.
+    pub offset: Option<String>,
+    /// How the order of day and month was decided, in words.
+    pub basis: String,
+}
+
+/// One table of a file that can be a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunTable {
+    /// Name of the table in the file (`CURVE`, a sheet's name); empty where the file has one table only.
+    pub name: String,
+    /// Rows read.
+    pub rows: usize,
+    /// Columns in the file's order, those of `Quantity::Other` included; the time column is not among them.
+    pub channels: Vec<Channel>,
+    /// Name and unit of the time column as the file has them; none where there is none.
+    pub time_column: Option<(String, String)>,
+    /// Numbers of the time column: first and last, s.
+    pub time_first_last_s: Option<(f64, f64)>,
+    /// Whether time zero of the file is known to be the voltage step (the plain run table's contract), or
+    /// the clock starts anywhere (an instrument's clock).
+    pub time_zero_is_step: bool,
+}
+
+/// Everything read from one file. Readers return data *and* issues; they fail only where no table can be had.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// Format id, `gamry-dta`.
+    pub format: &'static str,
+    /// Version of the reader; a change makes earlier readings out of date.
+    pub reader_version: u32,
+    /// Technique as the file names it, such as `CHRONOA`.
+    pub technique: Option<String>,
+    /// Whether that technique is a response to a piecewise-constant voltage, as far as the reader can say.
+    pub is_step_response: bool,
+    /// Text encoding found: `utf-8`, `utf-16le`, `utf-16be`, `windows-1252`; none for binary files.
+    pub encoding: Option<&'static str>,
+    /// How the measurement ended.
+    pub status: RunStatus,
+    /// The evidence for `status`.
+    pub status_evidence: String,
+    /// Date and time stated in the file.
+    pub started_at: Option<StartedAt>,
+    /// Tags that the header gives: tag key, value, and the header's own name of it.
+    pub header_tags: Vec<(String, String, String)>,
+    /// Tables; more than one where a file holds several curves.
+    pub tables: Vec<RunTable>,
+    /// The vendor's metadata as text, in the file's order.
+    pub original_metadata: Vec<(String, String)>,
+    /// What a reader must know.
+    pub issues: Vec<Issue>,
+}

@@ -1,0 +1,1 @@
+//! Models of an actuator: circuits, back-relaxation, the lumped electromechanical model.

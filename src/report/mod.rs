@@ -1,0 +1,1 @@
+//! Static site: pages, tables and figures.
