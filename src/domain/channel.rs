@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::Quantity;
+use super::thinning::{DRAWN_BUCKETS, drawn_indices};
 
 /// Readings of one quantity: times and values of equal length, finite, in canonical units.
 ///
@@ -60,6 +61,20 @@ impl Channel {
             indices.iter().map(|&i| self.time_s[i]).collect(),
             indices.iter().map(|&i| self.values[i]).collect(),
         )
+    }
+
+    /// The readings as they are drawn where nothing was fitted: thinned, excluded ones left out.
+    pub fn drawn(&self) -> RunCurve {
+        let (time_s, values) = self.included();
+        let kept = drawn_indices(&time_s, &[&values], 0.0, DRAWN_BUCKETS);
+        RunCurve {
+            quantity: self.quantity,
+            time_s: kept.iter().map(|&i| time_s[i]).collect(),
+            measured: kept.iter().map(|&i| values[i]).collect(),
+            fitted: Vec::new(),
+            residual_sigma: Vec::new(),
+            readings: values.len(),
+        }
     }
 
     /// What a table of channels says of this one.

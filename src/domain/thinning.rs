@@ -1,5 +1,8 @@
 //! Choosing which readings of a long channel are drawn.
 
+/// Stretches of time that a drawn curve of a run is thinned over: about 480 points at most.
+pub const DRAWN_BUCKETS: usize = 120;
+
 /// Indices (increasing) of the readings that a drawing keeps: the first, the last, and in each of
 /// `buckets` stretches of time the smallest and largest value of every series in `series`.
 ///

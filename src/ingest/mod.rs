@@ -1,5 +1,6 @@
 //! From files to runs: formats, tags, archive, scanner and watcher.
 
+pub mod drive;
 pub mod reading;
 
 pub use reading::{Reading, RunTable, StartedAt, Timestamp};

@@ -1,1 +1,275 @@
-//! The database: all SQL stands here.
+//! The database: all SQL stands here. One SQLite file a campaign, one writer, raw bytes beside it.
+//!
+//! [`Store::open`] takes the working instance's connection; [`Store::open_read_only`] serves `status` and the
+//! like beside it. Every change goes through [`Store::write`], one transaction a step, so nothing half-done
+//! is ever visible.
+
+mod blob;
+mod error;
+mod files;
+mod fits;
+mod lock;
+mod migration;
+mod runs;
+mod tags;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
+
+pub use error::StoreError;
+pub use files::FileRow;
+pub use fits::{FitStamp, FitTask};
+pub use lock::InstanceLock;
+pub use runs::{NewRun, RunContent, Tagging};
+pub use tags::HandTag;
+
+/// Name of the database inside a campaign.
+pub const FILE_NAME: &str = "campaign.db";
+
+/// First SQLite without the WAL-reset corruption bug.
+const OLDEST_SQLITE: i32 = 3_051_003;
+
+/// How long a connection waits for another one's lock.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// A campaign's database.
+#[derive(Debug)]
+pub struct Store {
+    connection: Connection,
+    path: PathBuf,
+}
+
+impl Store {
+    /// Opens the database of the campaign in `folder` for writing; makes it where there is none, and brings
+    /// an older schema up to date after a backup.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; a newer schema is refused.
+    pub fn open(folder: &Path) -> Result<Store, StoreError> {
+        check_sqlite()?;
+        let path = folder.join(FILE_NAME);
+        let mut connection = Connection::open_with_flags(
+            &path,
+            OpenFlags::SQLITE_OPEN_READ_WRITE
+                | OpenFlags::SQLITE_OPEN_CREATE
+                | OpenFlags::SQLITE_OPEN_NO_MUTEX,
+        )
+        .map_err(|e| StoreError::from_sql(&path, "opening", e))?;
+        configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
+        migration::migrate(&mut connection, &path)?;
+        Ok(Store { connection, path })
+    }
+
+    /// Opens the database for reading beside a working instance. `None` where there is none yet.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; a schema that this program does not write is refused.
+    pub fn open_read_only(folder: &Path) -> Result<Option<Store>, StoreError> {
+        check_sqlite()?;
+        let path = folder.join(FILE_NAME);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let connection = Connection::open_with_flags(&path, flags)
+            .map_err(|e| StoreError::from_sql(&path, "opening to read", e))?;
+        let found = connection
+            .busy_timeout(BUSY_TIMEOUT)
+            .and_then(|()| migration::version(&connection))
+            .map_err(|e| StoreError::from_sql(&path, "opening to read", e))?;
+        match found {
+            migration::NEWEST => Ok(Some(Store { connection, path })),
+            0 => Ok(None),
+            found if found > migration::NEWEST => Err(StoreError::Newer {
+                path,
+                found,
+                known: migration::NEWEST,
+            }),
+            _ => Store::open(folder).map(Some),
+        }
+    }
+
+    /// A database in memory, for tests.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn in_memory() -> Result<Store, StoreError> {
+        let path = PathBuf::from(":memory:");
+        let mut connection =
+            Connection::open_in_memory().map_err(|e| StoreError::from_sql(&path, "opening", e))?;
+        configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
+        migration::migrate(&mut connection, &path)?;
+        Ok(Store { connection, path })
+    }
+
+    /// The database file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Runs `work` in one transaction that takes the write lock at once, and counts the change made at `now`
+    /// (RFC 3339 UTC). On an error everything is rolled back.
+    fn write<T>(
+        &mut self,
+        doing: &'static str,
+        now: &str,
+        work: impl FnOnce(&Transaction<'_>) -> Result<T, StepError>,
+    ) -> Result<T, StoreError> {
+        let path = self.path.clone();
+        let named = |error: rusqlite::Error| StoreError::from_sql(&path, doing, error);
+        let transaction = self
+            .connection
+            .transaction_with_behavior(TransactionBehavior::Immediate)
+            .map_err(&named)?;
+        let outcome = work(&transaction).map_err(|error| match error {
+            StepError::Sql(error) => named(error),
+            StepError::Store(error) => error,
+        })?;
+        transaction
+            .execute(
+                "UPDATE change_count SET changes = changes + 1, changed_at = ?1",
+                [now],
+            )
+            .map_err(&named)?;
+        transaction.commit().map_err(&named)?;
+        Ok(outcome)
+    }
+
+    /// Number of committed changes so far, and when the last one was made (RFC 3339 UTC).
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn changes(&self) -> Result<(u64, String), StoreError> {
+        self.connection
+            .query_row("SELECT changes, changed_at FROM change_count", [], |row| {
+                Ok((row.get::<_, i64>(0)?.unsigned_abs(), row.get(1)?))
+            })
+            .map_err(|e| self.failed("counting changes", e))
+    }
+
+    fn failed(&self, doing: &'static str, error: rusqlite::Error) -> StoreError {
+        StoreError::from_sql(&self.path, doing, error)
+    }
+
+    fn named(&self, doing: &'static str) -> impl Fn(StepError) -> StoreError + '_ {
+        move |error| match error {
+            StepError::Sql(error) => self.failed(doing, error),
+            StepError::Store(error) => error,
+        }
+    }
+}
+
+/// A failure inside a transaction, before the step's name is added.
+enum StepError {
+    Sql(rusqlite::Error),
+    Store(StoreError),
+}
+
+impl From<rusqlite::Error> for StepError {
+    fn from(error: rusqlite::Error) -> StepError {
+        StepError::Sql(error)
+    }
+}
+
+impl From<StoreError> for StepError {
+    fn from(error: StoreError) -> StepError {
+        StepError::Store(error)
+    }
+}
+
+/// Refuses to work with an SQLite that can corrupt a database.
+fn check_sqlite() -> Result<(), StoreError> {
+    if rusqlite::version_number() < OLDEST_SQLITE {
+        return Err(StoreError::SqliteTooOld {
+            found: rusqlite::version(),
+        });
+    }
+    Ok(())
+}
+
+/// Settings of a writing connection: write-ahead log, an fsync at every commit (a lab computer loses power),
+/// foreign keys enforced.
+fn configure(connection: &Connection) -> rusqlite::Result<()> {
+    connection.busy_timeout(BUSY_TIMEOUT)?;
+    connection.pragma_update(None, "journal_mode", "WAL")?;
+    connection.pragma_update(None, "synchronous", "FULL")?;
+    connection.pragma_update(None, "foreign_keys", "ON")?;
+    connection.set_prepared_statement_cache_capacity(64);
+    Ok(())
+}
+
+/// A stored text as JSON of `T`.
+fn from_json<T: serde::de::DeserializeOwned>(what: &'static str, text: &str) -> Result<T, StoreError> {
+    serde_json::from_str(text).map_err(|e| StoreError::BadValue {
+        what,
+        detail: e.to_string(),
+    })
+}
+
+/// `value` as JSON text for a column.
+fn to_json<T: serde::Serialize>(what: &'static str, value: &T) -> Result<String, StoreError> {
+    serde_json::to_string(value).map_err(|e| StoreError::BadValue {
+        what,
+        detail: e.to_string(),
+    })
+}
+
+/// The closed vocabulary's member that is stored under `key`.
+fn from_key<T>(what: &'static str, key: &str, find: fn(&str) -> Option<T>) -> Result<T, StoreError> {
+    find(key).ok_or_else(|| StoreError::BadValue {
+        what,
+        detail: key.to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_linked_sqlite_is_new_enough() {
+        assert!(
+            rusqlite::version_number() >= OLDEST_SQLITE,
+            "{}",
+            rusqlite::version()
+        );
+    }
+
+    #[test]
+    fn a_text_file_in_place_of_the_database_is_named_as_such() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(
+            folder.path().join(FILE_NAME),
+            "this is no database, whatever its name says",
+        )
+        .unwrap();
+        let refused = Store::open(folder.path()).unwrap_err();
+        assert!(matches!(refused, StoreError::NotADatabase { .. }), "{refused}");
+    }
+
+    #[test]
+    fn a_missing_folder_is_named_and_no_database_reads_as_none() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(Store::open_read_only(folder.path()).unwrap().is_none());
+        let refused = Store::open(&folder.path().join("gone")).unwrap_err();
+        assert!(matches!(refused, StoreError::CannotOpen { .. }), "{refused}");
+    }
+
+    #[test]
+    fn the_writer_uses_wal_full_and_foreign_keys() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let read = |name: &str| -> String {
+            store
+                .connection
+                .pragma_query_value(None, name, |row| row.get::<_, rusqlite::types::Value>(0))
+                .map(|value| format!("{value:?}"))
+                .unwrap()
+        };
+        assert_eq!(read("journal_mode"), "Text(\"wal\")");
+        assert_eq!(read("synchronous"), "Integer(2)");
+        assert_eq!(read("foreign_keys"), "Integer(1)");
+    }
+}

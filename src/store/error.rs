@@ -1,0 +1,155 @@
+//! Why the database could not do its work.
+
+use std::path::PathBuf;
+
+use rusqlite::ErrorCode;
+use thiserror::Error;
+
+/// A failure of the database, in words a user can act on.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// Another connection held the lock for too long.
+    #[error(
+        "{path}: the database is locked by another program ({doing}). Close programs that have it open, then run again."
+    )]
+    Locked {
+        /// The database file.
+        path: PathBuf,
+        /// What was being done.
+        doing: &'static str,
+    },
+    /// The file or its folder cannot be written.
+    #[error(
+        "{path}: the database cannot be written ({doing}). Check the permissions of the file and of its folder, then run again; nothing was lost."
+    )]
+    ReadOnly {
+        /// The database file.
+        path: PathBuf,
+        /// What was being done.
+        doing: &'static str,
+    },
+    /// No space is left.
+    #[error(
+        "{path}: the disk is full ({doing}). Free some space, then run again; what was stored before is safe."
+    )]
+    DiskFull {
+        /// The database file.
+        path: PathBuf,
+        /// What was being done.
+        doing: &'static str,
+    },
+    /// The file is no database, or is damaged.
+    #[error(
+        "{path}: this is not a readable SQLite database ({detail}). Move it away (with its -wal and -shm files); `ieap run` makes a new one from the files in the campaign."
+    )]
+    NotADatabase {
+        /// The database file.
+        path: PathBuf,
+        /// What SQLite says.
+        detail: String,
+    },
+    /// A newer program made the database.
+    #[error(
+        "{path}: the database has schema {found}, this program knows schemas up to {known}. Use the newer program that wrote it."
+    )]
+    Newer {
+        /// The database file.
+        path: PathBuf,
+        /// Schema version found.
+        found: i64,
+        /// Newest schema version known.
+        known: i64,
+    },
+    /// The database file or its folder cannot be opened.
+    #[error(
+        "{path}: the database cannot be opened ({detail}). Check that the folder exists and that you may write to it."
+    )]
+    CannotOpen {
+        /// The database file.
+        path: PathBuf,
+        /// What SQLite says.
+        detail: String,
+    },
+    /// The linked SQLite has the WAL-reset corruption bug.
+    #[error(
+        "the linked SQLite {found} can corrupt a database in WAL mode; 3.51.3 or newer is needed. Build with the bundled SQLite."
+    )]
+    SqliteTooOld {
+        /// Version found.
+        found: &'static str,
+    },
+    /// The database lies on a network share.
+    #[error(
+        "{path}: the campaign lies on a network file system ({kind}), where SQLite's write-ahead log is not safe. Copy the campaign to a local disk, or pass --i-know to go on at your own risk."
+    )]
+    NetworkShare {
+        /// The database file.
+        path: PathBuf,
+        /// File system found.
+        kind: String,
+    },
+    /// Another `ieap` works on this campaign.
+    #[error("{path}: another ieap works on this campaign ({holder}). Wait until it is done, or stop it.")]
+    SecondInstance {
+        /// The lock file.
+        path: PathBuf,
+        /// What the lock file says of its holder.
+        holder: String,
+    },
+    /// The lock file or a backup could not be written.
+    #[error("{path}: {doing} failed: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What was being done.
+        doing: &'static str,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A stored value does not read back.
+    #[error(
+        "the database holds a value that does not read back: {what} ({detail}). Restore a backup, or move campaign.db away and run `ieap run`."
+    )]
+    BadValue {
+        /// Which value.
+        what: &'static str,
+        /// What was found.
+        detail: String,
+    },
+    /// Any other failure of SQLite.
+    #[error("{path}: {doing} failed: {source}")]
+    Sql {
+        /// The database file.
+        path: PathBuf,
+        /// What was being done.
+        doing: &'static str,
+        /// What SQLite says.
+        source: rusqlite::Error,
+    },
+}
+
+impl StoreError {
+    /// Names what was being done with the database at `path` when SQLite failed.
+    pub(super) fn from_sql(
+        path: &std::path::Path,
+        doing: &'static str,
+        source: rusqlite::Error,
+    ) -> StoreError {
+        let path = path.to_owned();
+        let detail = || source.to_string();
+        match source.sqlite_error_code() {
+            Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => StoreError::Locked { path, doing },
+            Some(ErrorCode::ReadOnly | ErrorCode::PermissionDenied) => StoreError::ReadOnly { path, doing },
+            Some(ErrorCode::DiskFull) => StoreError::DiskFull { path, doing },
+            Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => StoreError::NotADatabase {
+                path,
+                detail: detail(),
+            },
+            Some(ErrorCode::CannotOpen) => StoreError::CannotOpen {
+                path,
+                detail: detail(),
+            },
+            _ => StoreError::Sql { path, doing, source },
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Files of the campaign folder and the bytes that were archived from them.
+
+use std::collections::BTreeMap;
+
+use rusqlite::{Row, Transaction, params};
+
+use super::{StepError, Store, StoreError, from_json, from_key, to_json};
+use crate::domain::{FileState, Issue, SourceFile};
+
+/// A file as the last scan saw it and what became of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FileRow {
+    /// Relative path, bytes as the file system has them.
+    pub path: Vec<u8>,
+    /// The same for people, with `/` and escapes.
+    pub shown_path: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// Modification time, ns since 1970.
+    pub modified_ns: i64,
+    /// Inode, or 0 where the system has none.
+    pub inode: u64,
+    /// BLAKE3 of the bytes, hexadecimal; none where they were not read.
+    pub hash: Option<String>,
+    /// What became of it.
+    pub state: FileState,
+    /// Format id and version that decided, as `id/version`; empty where none did.
+    pub reader: String,
+    /// Why it was refused or waits.
+    pub issue: Option<Issue>,
+    /// Since when it has been gone, RFC 3339 UTC.
+    pub missing_since: Option<String>,
+}
+
+impl FileRow {
+    /// What pages and `status` show of it.
+    pub fn source_file(&self) -> SourceFile {
+        SourceFile {
+            path: self.shown_path.clone(),
+            size_bytes: self.size_bytes,
+            modified_ns: self.modified_ns,
+            state: self.state,
+            issue: self.issue.clone(),
+            missing: self.missing_since.is_some(),
+        }
+    }
+}
+
+impl Store {
+    /// Every file known, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn files(&self) -> Result<Vec<FileRow>, StoreError> {
+        let doing = "listing files";
+        let sql = "SELECT path, shown_path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since
+                   FROM source_file ORDER BY path";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
+        let mut files = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            files.push(read_file(row).map_err(self.named(doing))?);
+        }
+        Ok(files)
+    }
+
+    /// Records what became of files that hold no new run: refused, pending, aliases.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn record_files(&mut self, now: &str, files: &[FileRow]) -> Result<(), StoreError> {
+        if files.is_empty() {
+            return Ok(());
+        }
+        self.write("recording files", now, |transaction| {
+            files.iter().try_for_each(|file| upsert_file(transaction, file))
+        })
+    }
+
+    /// Marks files as gone since `now`. Their runs stay.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn mark_missing(&mut self, now: &str, paths: &[Vec<u8>]) -> Result<(), StoreError> {
+        if paths.is_empty() {
+            return Ok(());
+        }
+        self.write("marking missing files", now, |transaction| {
+            let sql = "UPDATE source_file SET missing_since = ?2 WHERE path = ?1 AND missing_since IS NULL";
+            for path in paths {
+                transaction.prepare_cached(sql)?.execute(params![path, now])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Forgets refused and pending files that are gone: nothing of them was kept.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn forget_files(&mut self, now: &str, paths: &[Vec<u8>]) -> Result<(), StoreError> {
+        if paths.is_empty() {
+            return Ok(());
+        }
+        self.write("forgetting files", now, |transaction| {
+            for path in paths {
+                transaction
+                    .prepare_cached("DELETE FROM source_file WHERE path = ?1")?
+                    .execute([path])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Other present paths of the same bytes, by hash.
+    pub(super) fn aliases(&self) -> Result<BTreeMap<String, Vec<String>>, StoreError> {
+        let doing = "listing aliases";
+        let sql = "SELECT hash, shown_path FROM source_file
+                   WHERE state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL ORDER BY path";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        let mut aliases: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for row in rows {
+            let (hash, path) = row.map_err(|e| self.failed(doing, e))?;
+            aliases.entry(hash).or_default().push(path);
+        }
+        Ok(aliases)
+    }
+}
+
+/// Writes what is known of a file over what was known before.
+pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Result<(), StepError> {
+    let issue = file
+        .issue
+        .as_ref()
+        .map(|issue| to_json("a file's issue", issue))
+        .transpose()?;
+    let sql = "INSERT OR REPLACE INTO source_file
+        (path, shown_path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+    transaction.prepare_cached(sql)?.execute(params![
+        file.path,
+        file.shown_path,
+        file.size_bytes.cast_signed(),
+        file.modified_ns,
+        file.inode.cast_signed(),
+        file.hash,
+        file.state.key(),
+        file.reader,
+        issue,
+        file.missing_since,
+    ])?;
+    Ok(())
+}
+
+fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {
+    let issue: Option<String> = row.get("issue")?;
+    Ok(FileRow {
+        path: row.get("path")?,
+        shown_path: row.get("shown_path")?,
+        size_bytes: row.get::<_, i64>("size_bytes")?.cast_unsigned(),
+        modified_ns: row.get("modified_ns")?,
+        inode: row.get::<_, i64>("inode")?.cast_unsigned(),
+        hash: row.get("hash")?,
+        state: from_key(
+            "a file's state",
+            &row.get::<_, String>("state")?,
+            FileState::from_key,
+        )?,
+        reader: row.get("reader")?,
+        issue: issue.map(|text| from_json("a file's issue", &text)).transpose()?,
+        missing_since: row.get("missing_since")?,
+    })
+}

@@ -1,0 +1,118 @@
+//! The schema's history, and bringing a database up to date.
+
+use std::path::Path;
+
+use rusqlite::Connection;
+use rusqlite_migration::{M, Migrations};
+
+use super::StoreError;
+
+/// Every migration in order. Append only: never change, remove or reorder one.
+const HISTORY: [&str; 1] = [include_str!("../../migrations/0001_initial.sql")];
+
+/// Schema version that this program writes.
+pub(super) const NEWEST: i64 = HISTORY.len() as i64;
+
+/// Version of the schema in the database; 0 where it is empty.
+pub(super) fn version(connection: &Connection) -> rusqlite::Result<i64> {
+    connection.pragma_query_value(None, "user_version", |row| row.get(0))
+}
+
+/// Brings the database up to the newest schema, after a backup where it holds an older one; each migration
+/// runs in a transaction of its own. A newer database is refused.
+pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), StoreError> {
+    let found =
+        version(connection).map_err(|e| StoreError::from_sql(path, "reading the schema version", e))?;
+    if found > NEWEST {
+        return Err(StoreError::Newer {
+            path: path.to_owned(),
+            found,
+            known: NEWEST,
+        });
+    }
+    if found == NEWEST {
+        return Ok(());
+    }
+    if found > 0 {
+        back_up(connection, path, found)?;
+    }
+    let steps = HISTORY.iter().map(|sql| M::up(sql)).collect::<Vec<_>>();
+    Migrations::new(steps)
+        .to_latest(connection)
+        .map_err(|error| match error {
+            rusqlite_migration::Error::RusqliteError { err, .. } => {
+                StoreError::from_sql(path, "bringing the schema up to date", err)
+            }
+            other => StoreError::NotADatabase {
+                path: path.to_owned(),
+                detail: other.to_string(),
+            },
+        })
+}
+
+/// Copies the database to `campaign.db.schema-<version>.backup` beside it.
+fn back_up(connection: &Connection, path: &Path, found: i64) -> Result<(), StoreError> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(format!(".schema-{found}.backup"));
+    connection
+        .backup("main", Path::new(&name), None)
+        .map_err(|e| StoreError::from_sql(path, "backing up before a migration", e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Released migrations, by the BLAKE3 of their text.
+    const RELEASED: [&str; 0] = [];
+
+    #[test]
+    fn released_migrations_are_unchanged() {
+        for (number, (sql, hash)) in HISTORY.iter().zip(RELEASED).enumerate() {
+            assert_eq!(
+                blake3::hash(sql.as_bytes()).to_hex().as_str(),
+                hash,
+                "migration {}",
+                number + 1
+            );
+        }
+    }
+
+    #[test]
+    fn the_schema_is_sound_and_strict() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        migrate(&mut connection, Path::new("memory")).unwrap();
+        assert_eq!(version(&connection).unwrap(), NEWEST);
+        let loose: i64 = connection
+            .query_row("SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND type = 'table' AND strict = 0 AND name NOT LIKE 'sqlite%'", [], |row| row.get(0))
+            .unwrap();
+        assert_eq!(loose, 0);
+    }
+
+    #[test]
+    fn a_newer_database_is_refused_and_left_alone() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        connection
+            .pragma_update(None, "user_version", NEWEST + 1)
+            .unwrap();
+        let refused = migrate(&mut connection, Path::new("memory")).unwrap_err();
+        assert!(matches!(refused, StoreError::Newer { .. }), "{refused}");
+        assert_eq!(version(&connection).unwrap(), NEWEST + 1);
+    }
+
+    #[test]
+    fn an_older_database_is_backed_up_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("campaign.db");
+        let connection = Connection::open(&path).unwrap();
+        connection
+            .execute_batch("CREATE TABLE kept (a); INSERT INTO kept VALUES (7)")
+            .unwrap();
+        back_up(&connection, &path, 3).unwrap();
+        let backup = Connection::open(folder.path().join("campaign.db.schema-3.backup")).unwrap();
+        let kept: i64 = backup
+            .query_row("SELECT a FROM kept", [], |row| row.get(0))
+            .unwrap();
+        assert_eq!(kept, 7);
+    }
+}

@@ -1,0 +1,579 @@
+//! Runs: their readings, tags and issues, revision by revision.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rusqlite::{Row, Transaction, params};
+
+use super::blob::{pack_f64, pack_u32, unpack_f64, unpack_u32};
+use super::files::upsert_file;
+use super::fits::retire_fit;
+use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
+use crate::domain::{
+    Channel, ChannelSummary, Drive, Issue, Quantity, RunFile, RunRecord, RunState, RunStatus, Severity, Tag,
+    TagSource,
+};
+
+/// Raw bytes that are archived.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunContent {
+    /// Path of the file, relative, with `/`.
+    pub path: String,
+    /// BLAKE3 of the bytes, hexadecimal.
+    pub hash: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// Where the archive holds it, relative to the campaign.
+    pub archive_path: String,
+}
+
+/// What follows from the tags of a run, and what they came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tagging {
+    /// Whether the run can be fitted.
+    pub state: RunState,
+    /// Every tag, the chosen ones first.
+    pub tags: Vec<Tag>,
+    /// How many of `tags` are the chosen ones.
+    pub chosen: usize,
+    /// Disagreements, unknown samples, missing tags.
+    pub issues: Vec<Issue>,
+    /// The drive, where it is known.
+    pub drive: Option<Drive>,
+    /// Active area of the sample, cm2, where it is known.
+    pub area_cm2: Option<f64>,
+    /// Free length of the sample, cm, where it is known.
+    pub length_cm: Option<f64>,
+    /// BLAKE3 over everything the tags came from.
+    pub digest: String,
+}
+
+/// A run that was read from one or several files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewRun {
+    /// The run's name.
+    pub path: String,
+    /// Raw files.
+    pub contents: Vec<RunContent>,
+    /// Format id of the reader.
+    pub format: String,
+    /// Version of that reader.
+    pub reader_version: u32,
+    /// Technique as the file names it.
+    pub technique: Option<String>,
+    /// Whether that is a response to a piecewise-constant voltage.
+    pub is_step_response: bool,
+    /// Text encoding.
+    pub encoding: Option<String>,
+    /// How the measurement ended.
+    pub status: RunStatus,
+    /// The evidence for `status`.
+    pub status_evidence: String,
+    /// Whether time zero is known to be the voltage step.
+    pub time_zero_is_step: bool,
+    /// The vendor's metadata.
+    pub original_metadata: Vec<(String, String)>,
+    /// Readings.
+    pub channels: Vec<Channel>,
+    /// BLAKE3 of the readings.
+    pub data_hash: String,
+    /// What the reader noticed.
+    pub issues: Vec<Issue>,
+    /// Tags and what follows from them.
+    pub tagging: Tagging,
+}
+
+impl Store {
+    /// Stores what was read from files, whole or not at all: the files, their contents, and each run as the
+    /// new current revision of its name.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_runs(&mut self, now: &str, files: &[FileRow], runs: &[NewRun]) -> Result<(), StoreError> {
+        self.write("storing a run", now, |transaction| {
+            for run in runs {
+                insert_run(transaction, now, run)?;
+            }
+            files.iter().try_for_each(|file| upsert_file(transaction, file))
+        })
+    }
+
+    /// Puts new tags, and what follows from them, in place of those of a run.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn retag(&mut self, now: &str, run_id: i64, tagging: &Tagging) -> Result<(), StoreError> {
+        self.write("storing tags", now, |transaction| {
+            transaction.execute("DELETE FROM tag WHERE run_id = ?1", [run_id])?;
+            transaction.execute("DELETE FROM run_issue WHERE run_id = ?1 AND stage = 'tag'", [run_id])?;
+            let sql = "UPDATE run SET state = ?2, drive = ?3, area_cm2 = ?4, length_cm = ?5, tag_digest = ?6 WHERE id = ?1";
+            let drive = tagging.drive.as_ref().map(|drive| to_json("a drive", drive)).transpose()?;
+            transaction.prepare_cached(sql)?.execute(params![
+                run_id,
+                tagging.state.key(),
+                drive,
+                tagging.area_cm2,
+                tagging.length_cm,
+                tagging.digest
+            ])?;
+            if tagging.state != RunState::Ready {
+                retire_fit(transaction, now, run_id)?;
+            }
+            insert_tagging(transaction, run_id, tagging)
+        })
+    }
+
+    /// Gives a run the name of the file that now holds its bytes.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn rename_run(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
+        self.write("renaming a run", now, |transaction| {
+            transaction.execute(
+                "UPDATE run_file SET path = ?2 WHERE path = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
+                [old, new],
+            )?;
+            transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
+            transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            upsert_file(transaction, file)
+        })
+    }
+
+    /// Names of current runs and their files' paths that hold the bytes of `hash`.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn runs_with_content(&self, hash: &str) -> Result<Vec<(String, String)>, StoreError> {
+        let doing = "looking for known bytes";
+        let sql = "SELECT run.path, run_file.path FROM run_file JOIN run ON run.id = run_file.run_id
+                   WHERE run_file.hash = ?1 AND run.superseded_at IS NULL ORDER BY run.path, run_file.ordinal";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([hash], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Name, tag digest and reader of every current run.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn tag_digests(&self) -> Result<Vec<(i64, String, String)>, StoreError> {
+        let doing = "reading tag digests";
+        let sql = "SELECT id, path, tag_digest FROM run WHERE superseded_at IS NULL ORDER BY path";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Whether the run's clock starts at the voltage step, and whether its technique is a step response.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn reading_facts(&self, run_id: i64) -> Result<(bool, bool), StoreError> {
+        self.connection
+            .query_row(
+                "SELECT time_zero_is_step, is_step_response FROM run WHERE id = ?1",
+                [run_id],
+                |row| Ok((row.get(0)?, row.get(1)?)),
+            )
+            .map_err(|e| self.failed("reading a run", e))
+    }
+
+    /// Readings of a run.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn channels(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
+        let doing = "reading channels";
+        let sql = "SELECT quantity, raw_name, raw_unit, time_of, time_blob, value_blob, excluded_blob
+                   FROM channel WHERE run_id = ?1 ORDER BY ordinal";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query([run_id]).map_err(|e| self.failed(doing, e))?;
+        let mut channels: Vec<Channel> = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            let channel = read_channel(row, &channels).map_err(self.named(doing))?;
+            channels.push(channel);
+        }
+        Ok(channels)
+    }
+
+    /// Every current run with tags, issues, channels (without readings) and its current fit, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn runs(&self) -> Result<Vec<RunRecord>, StoreError> {
+        self.records("superseded_at IS NULL")
+    }
+
+    /// Every superseded revision, by path and revision.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
+        self.records("superseded_at IS NOT NULL")
+    }
+
+    fn records(&self, condition: &str) -> Result<Vec<RunRecord>, StoreError> {
+        let doing = "reading runs";
+        let sql = format!(
+            "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
+                    area_cm2, data_hash, ingested_at FROM run WHERE {condition} ORDER BY path, revision"
+        );
+        let mut statement = self
+            .connection
+            .prepare_cached(&sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
+        let aliases = self.aliases()?;
+        let mut records = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            let mut record = read_record(row).map_err(self.named(doing))?;
+            self.complete(&mut record, &aliases)?;
+            records.push(record);
+        }
+        Ok(records)
+    }
+
+    /// Fills in what other tables hold of a run.
+    fn complete(
+        &self,
+        record: &mut RunRecord,
+        aliases: &BTreeMap<String, Vec<String>>,
+    ) -> Result<(), StoreError> {
+        record.files = self.run_files(record.id, aliases)?;
+        record.tags = self.tags(record.id)?;
+        record.channels = self.channel_summaries(record.id)?;
+        record.issues = self.run_issues(record.id)?;
+        if let Some((fit, code_version)) = self.fit(record.id)? {
+            record.fit = Some(fit);
+            record.fit_code_version = Some(code_version);
+        }
+        record.issues.extend(self.fit_failure(record.id)?);
+        Ok(())
+    }
+
+    fn run_files(
+        &self,
+        run_id: i64,
+        aliases: &BTreeMap<String, Vec<String>>,
+    ) -> Result<Vec<RunFile>, StoreError> {
+        let sql = "SELECT path, hash, size_bytes FROM run_file JOIN content USING (hash)
+                   WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, |row| {
+            let hash: String = row.get(1)?;
+            Ok(RunFile {
+                path: row.get(0)?,
+                aliases: aliases.get(&hash).cloned().unwrap_or_default(),
+                hash,
+                size_bytes: row.get::<_, i64>(2)?.unsigned_abs(),
+            })
+        })
+    }
+
+    fn tags(&self, run_id: i64) -> Result<Vec<Tag>, StoreError> {
+        self.rows_of(
+            run_id,
+            "SELECT key, value, source, detail FROM tag WHERE run_id = ?1 ORDER BY ordinal",
+            |row| {
+                let source = from_key("a tag's source", &row.get::<_, String>(2)?, TagSource::from_key)?;
+                Ok(Tag {
+                    key: row.get(0)?,
+                    value: row.get(1)?,
+                    source,
+                    detail: row.get(3)?,
+                })
+            },
+        )
+    }
+
+    fn channel_summaries(&self, run_id: i64) -> Result<Vec<ChannelSummary>, StoreError> {
+        let sql =
+            "SELECT quantity, raw_name, raw_unit, readings, excluded, first_time_s, last_time_s, first_value,
+                          last_value FROM channel WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, |row| {
+            Ok(ChannelSummary {
+                quantity: from_key("a quantity", &row.get::<_, String>(0)?, Quantity::from_key)?,
+                raw_name: row.get(1)?,
+                raw_unit: row.get(2)?,
+                readings: row.get::<_, i64>(3)?.unsigned_abs() as usize,
+                excluded: row.get::<_, i64>(4)?.unsigned_abs() as usize,
+                first_time_s: row.get(5)?,
+                last_time_s: row.get(6)?,
+                first: row.get(7)?,
+                last: row.get(8)?,
+            })
+        })
+    }
+
+    fn run_issues(&self, run_id: i64) -> Result<Vec<Issue>, StoreError> {
+        let sql =
+            "SELECT severity, code, place, message, mend FROM run_issue WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, |row| {
+            Ok(Issue {
+                severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
+                code: row.get(1)?,
+                place: row.get(2)?,
+                message: row.get(3)?,
+                mend: row.get(4)?,
+            })
+        })
+    }
+
+    /// Rows of `sql` (one parameter: the run's id), read one by one.
+    fn rows_of<T>(
+        &self,
+        run_id: i64,
+        sql: &str,
+        read: impl Fn(&Row<'_>) -> Result<T, StepError>,
+    ) -> Result<Vec<T>, StoreError> {
+        let doing = "reading a run";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query([run_id]).map_err(|e| self.failed(doing, e))?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            found.push(read(row).map_err(self.named(doing))?);
+        }
+        Ok(found)
+    }
+}
+
+fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<(), StepError> {
+    let revision = supersede(transaction, now, &run.path)? + 1;
+    let tagging = &run.tagging;
+    let drive = tagging
+        .drive
+        .as_ref()
+        .map(|drive| to_json("a drive", drive))
+        .transpose()?;
+    let sql =
+        "INSERT INTO run (path, revision, state, status, status_evidence, format, reader_version, technique,
+                 is_step_response, encoding, time_zero_is_step, original_metadata, drive, area_cm2, length_cm,
+                 data_hash, tag_digest, ingested_at)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18)";
+    transaction.prepare_cached(sql)?.execute(params![
+        run.path,
+        revision,
+        tagging.state.key(),
+        run.status.key(),
+        run.status_evidence,
+        run.format,
+        run.reader_version,
+        run.technique,
+        run.is_step_response,
+        run.encoding,
+        run.time_zero_is_step,
+        to_json("a file's metadata", &run.original_metadata)?,
+        drive,
+        tagging.area_cm2,
+        tagging.length_cm,
+        run.data_hash,
+        tagging.digest,
+        now,
+    ])?;
+    let run_id = transaction.last_insert_rowid();
+    insert_contents(transaction, now, run_id, &run.contents)?;
+    insert_channels(transaction, run_id, &run.channels)?;
+    insert_issues(transaction, run_id, "read", 0, &run.issues)?;
+    insert_tagging(transaction, run_id, tagging)
+}
+
+/// Retires the current revision of a run; gives the newest revision number so far (0: none).
+fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
+    transaction
+        .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
+        .execute(params![path, now])?;
+    Ok(transaction
+        .prepare_cached("SELECT coalesce(max(revision), 0) FROM run WHERE path = ?1")?
+        .query_row([path], |row| row.get(0))?)
+}
+
+fn insert_contents(
+    transaction: &Transaction<'_>,
+    now: &str,
+    run_id: i64,
+    contents: &[RunContent],
+) -> Result<(), StepError> {
+    for (ordinal, content) in contents.iter().enumerate() {
+        transaction
+            .prepare_cached("INSERT OR IGNORE INTO content VALUES (?1, ?2, ?3, ?4)")?
+            .execute(params![
+                content.hash,
+                content.size_bytes.cast_signed(),
+                content.archive_path,
+                now
+            ])?;
+        transaction
+            .prepare_cached("INSERT INTO run_file VALUES (?1, ?2, ?3, ?4)")?
+            .execute(params![run_id, ordinal as i64, content.path, content.hash])?;
+    }
+    Ok(())
+}
+
+fn insert_channels(
+    transaction: &Transaction<'_>,
+    run_id: i64,
+    channels: &[Channel],
+) -> Result<(), StepError> {
+    let sql = "INSERT INTO channel VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15)";
+    for (ordinal, channel) in channels.iter().enumerate() {
+        let time_of = channels[..ordinal]
+            .iter()
+            .position(|earlier| earlier.time_s == channel.time_s);
+        let time_blob = match time_of {
+            Some(_) => None,
+            None => Some(pack_f64(&channel.time_s)?),
+        };
+        let summary = channel.summary();
+        transaction.prepare_cached(sql)?.execute(params![
+            run_id,
+            ordinal as i64,
+            channel.quantity.key(),
+            channel.raw_name,
+            channel.raw_unit,
+            channel.len() as i64,
+            channel.excluded.len() as i64,
+            summary.first_time_s,
+            summary.last_time_s,
+            summary.first,
+            summary.last,
+            time_of.unwrap_or(ordinal) as i64,
+            time_blob,
+            pack_f64(&channel.values)?,
+            pack_u32(&channel.excluded)?,
+        ])?;
+    }
+    Ok(())
+}
+
+fn insert_tagging(transaction: &Transaction<'_>, run_id: i64, tagging: &Tagging) -> Result<(), StepError> {
+    for (ordinal, tag) in tagging.tags.iter().enumerate() {
+        transaction
+            .prepare_cached("INSERT INTO tag VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")?
+            .execute(params![
+                run_id,
+                ordinal as i64,
+                tag.key,
+                tag.value,
+                tag.source.key(),
+                tag.detail,
+                ordinal < tagging.chosen
+            ])?;
+    }
+    let first: i64 = transaction
+        .prepare_cached("SELECT coalesce(max(ordinal) + 1, 0) FROM run_issue WHERE run_id = ?1")?
+        .query_row([run_id], |row| row.get(0))?;
+    insert_issues(transaction, run_id, "tag", first, &tagging.issues)
+}
+
+fn insert_issues(
+    transaction: &Transaction<'_>,
+    run_id: i64,
+    stage: &str,
+    first: i64,
+    issues: &[Issue],
+) -> Result<(), StepError> {
+    for (ordinal, issue) in (first..).zip(issues) {
+        transaction
+            .prepare_cached("INSERT INTO run_issue VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")?
+            .execute(params![
+                run_id,
+                ordinal,
+                stage,
+                issue.severity.key(),
+                issue.code,
+                issue.place,
+                issue.message,
+                issue.mend
+            ])?;
+    }
+    Ok(())
+}
+
+fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError> {
+    let time_blob: Option<Vec<u8>> = row.get("time_blob")?;
+    let time_s: Arc<[f64]> = match time_blob {
+        Some(blob) => unpack_f64(&blob)?.into(),
+        None => {
+            let ordinal: i64 = row.get("time_of")?;
+            let shared = usize::try_from(ordinal)
+                .ok()
+                .and_then(|ordinal| earlier.get(ordinal));
+            let bad = StoreError::BadValue {
+                what: "a channel's times",
+                detail: format!("channel {ordinal}"),
+            };
+            shared.ok_or(bad)?.time_s.clone()
+        }
+    };
+    let values: Arc<[f64]> = unpack_f64(&row.get::<_, Vec<u8>>("value_blob")?)?.into();
+    if values.len() != time_s.len() {
+        let detail = format!("{} times, {} values", time_s.len(), values.len());
+        return Err(StoreError::BadValue {
+            what: "a channel's readings",
+            detail,
+        }
+        .into());
+    }
+    Ok(Channel {
+        quantity: from_key(
+            "a quantity",
+            &row.get::<_, String>("quantity")?,
+            Quantity::from_key,
+        )?,
+        raw_name: row.get("raw_name")?,
+        raw_unit: row.get("raw_unit")?,
+        time_s,
+        values,
+        excluded: unpack_u32(&row.get::<_, Vec<u8>>("excluded_blob")?)?.into(),
+    })
+}
+
+fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
+    let drive: Option<String> = row.get("drive")?;
+    Ok(RunRecord {
+        id: row.get("id")?,
+        path: row.get("path")?,
+        revision: row.get("revision")?,
+        state: from_key(
+            "a run's state",
+            &row.get::<_, String>("state")?,
+            RunState::from_key,
+        )?,
+        status: from_key(
+            "a run's status",
+            &row.get::<_, String>("status")?,
+            RunStatus::from_key,
+        )?,
+        status_evidence: row.get("status_evidence")?,
+        format: row.get("format")?,
+        reader_version: row.get("reader_version")?,
+        technique: row.get("technique")?,
+        files: Vec::new(),
+        tags: Vec::new(),
+        channels: Vec::new(),
+        drive: drive.map(|text| from_json("a run's drive", &text)).transpose()?,
+        area_cm2: row.get("area_cm2")?,
+        data_hash: row.get("data_hash")?,
+        ingested_at: row.get("ingested_at")?,
+        issues: Vec::new(),
+        fit: None,
+        fit_code_version: None,
+    })
+}

@@ -1,0 +1,97 @@
+//! Tags set by hand.
+
+use rusqlite::params;
+
+use super::{Store, StoreError};
+
+/// A tag that a person set with `ieap tag`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HandTag {
+    /// The run's name.
+    pub run_path: String,
+    /// Tag key.
+    pub key: String,
+    /// Value; none takes an earlier hand tag back.
+    pub value: Option<String>,
+    /// Who set it.
+    pub set_by: String,
+    /// When, RFC 3339 UTC.
+    pub set_at: String,
+}
+
+impl Store {
+    /// Adds tags set by hand. They outlive revisions of the run and refits.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn add_hand_tags(&mut self, now: &str, tags: &[HandTag]) -> Result<(), StoreError> {
+        self.write("setting tags", now, |transaction| {
+            let sql =
+                "INSERT INTO hand_tag (run_path, key, value, set_by, set_at) VALUES (?1, ?2, ?3, ?4, ?5)";
+            for tag in tags {
+                transaction.prepare_cached(sql)?.execute(params![
+                    tag.run_path,
+                    tag.key,
+                    tag.value,
+                    tag.set_by,
+                    tag.set_at
+                ])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// The newest hand tag of every run and key, taken-back ones left out, in order of run and key.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn hand_tags(&self) -> Result<Vec<HandTag>, StoreError> {
+        let doing = "reading hand tags";
+        let sql = "SELECT run_path, key, value, set_by, set_at FROM hand_tag
+                   WHERE id IN (SELECT max(id) FROM hand_tag GROUP BY run_path, key) AND value IS NOT NULL
+                   ORDER BY run_path, key";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| {
+                Ok(HandTag {
+                    run_path: row.get(0)?,
+                    key: row.get(1)?,
+                    value: row.get(2)?,
+                    set_by: row.get(3)?,
+                    set_at: row.get(4)?,
+                })
+            })
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_counts_and_can_be_taken_back() {
+        let mut store = Store::in_memory().unwrap();
+        let tag = |key: &str, value: Option<&str>| HandTag {
+            run_path: "runs/a.csv".into(),
+            key: key.into(),
+            value: value.map(str::to_owned),
+            set_by: "tester".into(),
+            set_at: "2026-01-01T00:00:00Z".into(),
+        };
+        let now = "2026-01-01T00:00:00Z";
+        store
+            .add_hand_tags(now, &[tag("sample", Some("A")), tag("note", Some("x"))])
+            .unwrap();
+        store
+            .add_hand_tags(now, &[tag("sample", Some("B")), tag("note", None)])
+            .unwrap();
+        let kept = store.hand_tags().unwrap();
+        assert_eq!(kept, vec![tag("sample", Some("B"))]);
+    }
+}
