@@ -184,7 +184,7 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
     let threshold = step_threshold(values, closed);
     let most = ((closed.len() as f64 * MOST_STEPS_SHARE) as usize).max(20);
     let mut stretches: Vec<Stretch> = Vec::new();
-    let (mut begin, mut last_before_s) = (0, time_s[start]);
+    let (mut begin, mut last_before_s, mut sloping) = (0, time_s[start], 0);
     for position in 1..=closed.len() {
         let changed = position == closed.len() || {
             let jump = (values[closed[position]] - values[closed[position - 1]]).abs() > threshold;
@@ -194,6 +194,9 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
         if !changed {
             continue;
         }
+        // In a sweep each stretch runs from one edge of the threshold to the other.
+        sloping +=
+            usize::from((values[closed[position - 1]] - values[closed[begin]]).abs() > 0.5 * threshold);
         let readings: Vec<f64> = closed[begin..position].iter().map(|&i| values[i]).collect();
         stretches.push(Stretch {
             last_before_s,
@@ -201,21 +204,23 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
             level_v: median(readings),
         });
         if stretches.len() > most {
-            return Err(Issue::warning(
-                "not-piecewise-constant",
-                format!(
-                    "the voltage changes more than {most} times in {} readings: a sweep, not steps",
-                    closed.len()
-                ),
-            )
-            .at("column voltage_v"));
+            return Err(not_constant(stretches.len(), closed.len()));
         }
         if position < closed.len() {
             last_before_s = time_s[closed[position - 1]];
             begin = position;
         }
     }
+    if stretches.len() > 2 && 2 * sloping > stretches.len() {
+        return Err(not_constant(stretches.len(), closed.len()));
+    }
     Ok(without_edges(stretches, threshold))
+}
+
+fn not_constant(changes: usize, readings: usize) -> Issue {
+    let message =
+        format!("the voltage changes {changes} times or more in {readings} readings: a sweep, not steps");
+    Issue::warning("not-piecewise-constant", message).at("column voltage_v")
 }
 
 /// A reading caught while the source was still rising is no level of its own: a stretch of one reading
