@@ -1,1 +1,4 @@
 //! Numerical methods that know nothing of actuators.
+
+pub mod ode;
+pub mod symmetric;

@@ -1,0 +1,56 @@
+//! Why a run cannot be fitted at all.
+
+use thiserror::Error;
+
+/// Input that no parameter can be had from. What the data merely leave open is no error: the fit says so.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FitError {
+    /// There is no response to fit.
+    #[error(
+        "the run has neither a current nor a curvature channel, only {found}; \
+         a fit needs at least one: name the columns current_a or curvature_per_cm, or give the sample's length_mm so that tip_displacement_mm can become a curvature"
+    )]
+    NoResponse {
+        /// The channels that there are, or "none".
+        found: String,
+    },
+    /// No response channel has enough readings after the step.
+    #[error(
+        "channel {channel} has {found} usable readings after the first segment of the drive starts at {start_s} s, \
+         model {model} needs {needed}: check time zero and the excluded readings"
+    )]
+    TooFewReadings {
+        /// The longest response channel, by its canonical column name.
+        channel: &'static str,
+        /// Readings that are finite, not excluded and not before the first segment.
+        found: usize,
+        /// Readings that the model needs.
+        needed: usize,
+        /// Start of the first segment, s.
+        start_s: f64,
+        /// Model id.
+        model: &'static str,
+    },
+    /// The active area is no area.
+    #[error("the active area is {found_cm2} cm2, it must be positive: correct length_mm and width_mm or area_cm2 of the sample")]
+    Area {
+        /// The area given, cm2.
+        found_cm2: f64,
+    },
+    /// The drive has no segment, or its segments are not in order.
+    #[error("segment {index} of the drive starts at {start_s} s: starts must be finite, increase strictly and hold finite voltages, and there must be at least one")]
+    Drive {
+        /// Position of the offending segment; 0 where there is none at all.
+        index: usize,
+        /// Its start, s; NaN where there is none.
+        start_s: f64,
+    },
+    /// No model has this id.
+    #[error("there is no model \"{found}\"; known are {known}")]
+    UnknownModel {
+        /// The id asked for.
+        found: String,
+        /// The ids that exist, with commas.
+        known: String,
+    },
+}

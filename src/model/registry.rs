@@ -1,0 +1,128 @@
+//! The models a run can be fitted with: the one list of their ids, parameters and units.
+
+/// What is known of a parameter before any fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ParameterDescription {
+    /// Stored key with the unit in it, `r1_ohm_cm2`.
+    pub key: &'static str,
+    /// The thesis's symbol.
+    pub symbol: &'static str,
+    /// Unit as printed.
+    pub unit: &'static str,
+    /// What it is, in one line.
+    pub meaning: &'static str,
+    /// Whether it follows from other parameters of the list.
+    pub derived: bool,
+}
+
+/// A model that runs can be fitted with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FitModel {
+    /// Stored id, `lumped-2`.
+    pub id: &'static str,
+    /// Version of the equations and of their identification; a change makes earlier fits out of date.
+    pub version: u32,
+    /// Number of R-C branches.
+    pub branches: usize,
+    /// What it describes, in one line.
+    pub description: &'static str,
+    /// Parameters in the order of a fit, derived ones last.
+    pub parameters: &'static [ParameterDescription],
+}
+
+const fn fitted(
+    key: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+) -> ParameterDescription {
+    ParameterDescription {
+        key,
+        symbol,
+        unit,
+        meaning,
+        derived: false,
+    }
+}
+
+const fn derived(mut description: ParameterDescription) -> ParameterDescription {
+    description.derived = true;
+    description
+}
+
+const R1: ParameterDescription = fitted("r1_ohm_cm2", "R1", "Ohm cm2", "resistance of the fastest branch");
+const C1: ParameterDescription = fitted("c1_f_per_cm2", "C1", "F/cm2", "capacitance of the fastest branch");
+const R2: ParameterDescription = fitted("r2_ohm_cm2", "R2", "Ohm cm2", "resistance of the slower branch");
+const C2: ParameterDescription = fitted("c2_f_per_cm2", "C2", "F/cm2", "capacitance of the slower branch");
+const RSS: ParameterDescription = fitted(
+    "rss_ohm_cm2",
+    "R_ss",
+    "Ohm cm2",
+    "steady-state resistance: carries the current that never decays",
+);
+const ALPHA: ParameterDescription = fitted(
+    "alpha_per_c_cm",
+    "alpha",
+    "1/(C cm)",
+    "curvature per charge of the whole sample",
+);
+const LAMBDA: ParameterDescription = fitted("lambda_per_s", "lambda", "1/s", "rate of back-relaxation");
+const C_TOTAL: ParameterDescription = derived(fitted(
+    "c_total_f_per_cm2",
+    "C1+C2",
+    "F/cm2",
+    "total capacitance: sets the final charge",
+));
+const R_PARALLEL: ParameterDescription = derived(fitted(
+    "r_parallel_ohm_cm2",
+    "R1||R2",
+    "Ohm cm2",
+    "branch resistances in parallel: set the first charging current",
+));
+
+static MODELS: [FitModel; 2] = [
+    FitModel {
+        id: "lumped-1",
+        version: 1,
+        branches: 1,
+        description: "one R-C branch beside the steady-state resistor, with back-relaxation (thin electrodes)",
+        parameters: &[R1, C1, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL],
+    },
+    FitModel {
+        id: "lumped-2",
+        version: 1,
+        branches: 2,
+        description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
+        parameters: &[R1, C1, R2, C2, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL],
+    },
+];
+
+/// Every model, in the order in which lists show them.
+pub fn fit_models() -> &'static [FitModel] {
+    &MODELS
+}
+
+/// The model of that id.
+pub fn fit_model(id: &str) -> Option<&'static FitModel> {
+    MODELS.iter().find(|model| model.id == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_and_keys_are_unique() {
+        for (k, model) in fit_models().iter().enumerate() {
+            assert!(fit_models()[..k].iter().all(|other| other.id != model.id));
+            for (j, parameter) in model.parameters.iter().enumerate() {
+                assert!(
+                    model.parameters[..j]
+                        .iter()
+                        .all(|other| other.key != parameter.key)
+                );
+            }
+            assert_eq!(fit_model(model.id), Some(model));
+        }
+    }
+}

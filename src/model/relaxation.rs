@@ -1,0 +1,46 @@
+//! Back-relaxation: the spring strain that an exponentially arriving charge leaves, thesis [14], [18], [20].
+
+/// Response g of the spring to a unit charge that arrives as `1 - e^(-r t)`, with r = 1/tau:
+/// `g = (e^(-t/tau) - e^(-lambda t)) / (tau lambda - 1)`, dimensionless.
+///
+/// The printed form loses all digits where tau lambda is near 1, which is no pole: the limit there is
+/// `(t/tau) e^(-t/tau)`. Here it is written as `r t e^(-min(r, lambda) t) phi(|r - lambda| t)` with
+/// `phi(d) = (1 - e^-d)/d`, which keeps full precision for every rate, both rates zero included.
+///
+/// `elapsed_s` and both rates (1/s) must be finite and not negative.
+pub fn spring_response(elapsed_s: f64, charging_rate_per_s: f64, relaxation_rate_per_s: f64) -> f64 {
+    let slower = charging_rate_per_s.min(relaxation_rate_per_s);
+    let apart = (charging_rate_per_s - relaxation_rate_per_s).abs() * elapsed_s;
+    charging_rate_per_s * elapsed_s * (-slower * elapsed_s).exp() * saturation(apart)
+}
+
+/// `(1 - e^-d)/d`, 1 at zero; d must not be negative.
+fn saturation(d: f64) -> f64 {
+    if d == 0.0 { 1.0 } else { -(-d).exp_m1() / d }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agrees_with_the_printed_form_where_that_is_well_conditioned() {
+        for (t, tau, lambda) in [(3.0, 5.0, 0.01), (40.0, 2.0, 3.0), (0.1, 100.0, 0.5)] {
+            let printed = ((-t / tau as f64).exp() - (-lambda * t as f64).exp()) / (tau * lambda - 1.0);
+            let ours = spring_response(t, 1.0 / tau, lambda);
+            assert!((ours / printed - 1.0).abs() < 1e-12, "{ours} {printed}");
+        }
+    }
+
+    #[test]
+    fn degenerate_limit_and_no_relaxation() {
+        let (t, tau) = (7.0_f64, 4.0_f64);
+        let limit = t / tau * (-t / tau).exp();
+        assert!((spring_response(t, 1.0 / tau, 1.0 / tau) / limit - 1.0).abs() < 1e-15);
+        let near = spring_response(t, 1.0 / tau, (1.0 + 1e-13) / tau);
+        assert!((near / limit - 1.0).abs() < 1e-12);
+        let charge = -(-t / tau).exp_m1();
+        assert!((spring_response(t, 1.0 / tau, 0.0) / charge - 1.0).abs() < 1e-15);
+        assert_eq!(spring_response(t, 0.0, 0.0), 0.0);
+    }
+}
