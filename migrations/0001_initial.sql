@@ -12,8 +12,7 @@ CREATE TABLE content (
 
 -- Files under the runs folder as the last scan saw them.
 CREATE TABLE source_file (
-    path          BLOB    NOT NULL PRIMARY KEY,  -- relative, bytes as the file system has them
-    shown_path    TEXT    NOT NULL,              -- the same for people, with / and escapes
+    path          TEXT    NOT NULL PRIMARY KEY,  -- relative, with /; bytes that are no UTF-8 escaped without loss
     size_bytes    INTEGER NOT NULL,
     modified_ns   INTEGER NOT NULL,              -- since 1970
     inode         INTEGER NOT NULL,

@@ -1,8 +1,164 @@
-//! The command line: one file per verb.
+//! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
+mod completions;
+mod exit;
+mod export;
+mod fit;
+mod formats;
+mod ingest;
+mod init;
+mod inspect;
+mod models;
+mod output;
+mod printable;
+mod report;
+mod run;
+mod simulate;
+mod status;
+mod tag;
+mod watch;
+
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+use clap::{Args, CommandFactory, Parser, Subcommand};
+
+use crate::ingest::campaign_file;
+use exit::CliError;
+use output::Output;
+
+/// Database and report pipeline for step-response campaigns of ionic electroactive polymer actuators.
+///
+/// A campaign is a folder with a campaign.toml and instrument files under runs/. Start one with `ieap init`,
+/// drop files in, then `ieap run`; or leave `ieap watch` running beside the instrument.
+#[derive(Debug, Parser)]
+#[command(name = "ieap", version, max_term_width = 100, propagate_version = true, disable_help_subcommand = true)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+/// Options of every verb.
+#[derive(Debug, Clone, Args)]
+struct Global {
+    /// Print one JSON document on stdout and nothing else there
+    #[arg(long, global = true)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Say more on stderr: every file and run that was touched
+    #[arg(long, short, global = true)]
+    verbose: bool,
+    /// Show no progress bars
+    #[arg(long, global = true)]
+    no_progress: bool,
+    /// Work on N threads; results do not depend on it [default: all cores]
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<usize>,
+    /// Seed of everything random, in place of the stated one
+    #[arg(long, global = true, value_name = "N")]
+    seed: Option<u64>,
+    /// Keep the database on a network file system at your own risk
+    #[arg(long, global = true, hide_short_help = true)]
+    i_know: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Init(init::InitArgs),
+    Run(run::RunArgs),
+    Watch(watch::WatchArgs),
+    Ingest(ingest::IngestArgs),
+    Fit(fit::FitArgs),
+    Report(report::ReportArgs),
+    Tag(tag::TagArgs),
+    Status(status::StatusArgs),
+    Inspect(inspect::InspectArgs),
+    Simulate(simulate::SimulateArgs),
+    Export(export::ExportArgs),
+    Formats(formats::FormatsArgs),
+    Models(models::ModelsArgs),
+    Completions(completions::CompletionsArgs),
+}
+
+/// The campaign a verb works on.
+#[derive(Debug, Clone, Args)]
+struct CampaignArg {
+    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
+    #[arg(value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
+}
+
+impl CampaignArg {
+    /// The folder meant.
+    fn folder(&self) -> Result<PathBuf, CliError> {
+        folder(self.campaign.as_deref())
+    }
+}
+
+/// The campaign folder meant by `given`, or found from the current folder upward.
+fn folder(given: Option<&Path>) -> Result<PathBuf, CliError> {
+    match given {
+        Some(folder) => Ok(folder.to_owned()),
+        None => campaign_file::find(Path::new(".")).ok_or_else(|| {
+            CliError::usage(
+                "there is no campaign.toml in this folder or above it. Name a campaign folder, or make one with `ieap init FOLDER`.",
+            )
+        }),
+    }
+}
 
 /// Parses the command line, runs the verb and gives its exit status.
 pub fn main() -> ExitCode {
-    ExitCode::SUCCESS
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let status = if error.use_stderr() { exit::USAGE } else { exit::DONE };
+            let _ = error.print();
+            return ExitCode::from(status);
+        }
+    };
+    let output = Output::new(&cli.global);
+    let outcome = set_threads(cli.global.threads).and_then(|()| dispatch(&cli, &output));
+    match outcome {
+        Ok(status) => ExitCode::from(status),
+        Err(error) => {
+            output.error(&error.to_string());
+            ExitCode::from(error.status())
+        }
+    }
+}
+
+fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
+    let global = &cli.global;
+    match &cli.verb {
+        Verb::Init(args) => init::run(args, output),
+        Verb::Run(args) => run::run(args, global, output),
+        Verb::Watch(args) => watch::run(args, global, output),
+        Verb::Ingest(args) => ingest::run(args, global, output),
+        Verb::Fit(args) => fit::run(args, global, output),
+        Verb::Report(args) => report::run(args, global, output),
+        Verb::Tag(args) => tag::run(args, global, output),
+        Verb::Status(args) => status::run(args, output),
+        Verb::Inspect(args) => inspect::run(args, output),
+        Verb::Simulate(args) => simulate::run(args, global, output),
+        Verb::Export(args) => export::run(args, output),
+        Verb::Formats(args) => formats::run(args, output),
+        Verb::Models(args) => models::run(args, output),
+        Verb::Completions(args) => completions::run(args, &mut Cli::command()),
+    }
+}
+
+fn set_threads(threads: Option<usize>) -> Result<(), CliError> {
+    match threads {
+        None => Ok(()),
+        Some(0) => Err(CliError::usage("--threads: found 0, needed 1 or more")),
+        Some(count) => rayon::ThreadPoolBuilder::new()
+            .num_threads(count)
+            .build_global()
+            .map_err(|error| CliError::usage(&format!("--threads {count}: {error}"))),
+    }
 }

@@ -10,10 +10,8 @@ use crate::domain::{FileState, Issue, SourceFile};
 /// A file as the last scan saw it and what became of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FileRow {
-    /// Relative path, bytes as the file system has them.
-    pub path: Vec<u8>,
-    /// The same for people, with `/` and escapes.
-    pub shown_path: String,
+    /// Path relative to the campaign as the scan displays it: with `/`, escaped without loss.
+    pub path: String,
     /// Size, bytes.
     pub size_bytes: u64,
     /// Modification time, ns since 1970.
@@ -36,7 +34,7 @@ impl FileRow {
     /// What pages and `status` show of it.
     pub fn source_file(&self) -> SourceFile {
         SourceFile {
-            path: self.shown_path.clone(),
+            path: self.path.clone(),
             size_bytes: self.size_bytes,
             modified_ns: self.modified_ns,
             state: self.state,
@@ -53,7 +51,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn files(&self) -> Result<Vec<FileRow>, StoreError> {
         let doing = "listing files";
-        let sql = "SELECT path, shown_path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since
+        let sql = "SELECT path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since
                    FROM source_file ORDER BY path";
         let mut statement = self
             .connection
@@ -84,7 +82,7 @@ impl Store {
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn mark_missing(&mut self, now: &str, paths: &[Vec<u8>]) -> Result<(), StoreError> {
+    pub fn mark_missing(&mut self, now: &str, paths: &[String]) -> Result<(), StoreError> {
         if paths.is_empty() {
             return Ok(());
         }
@@ -101,7 +99,7 @@ impl Store {
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn forget_files(&mut self, now: &str, paths: &[Vec<u8>]) -> Result<(), StoreError> {
+    pub fn forget_files(&mut self, now: &str, paths: &[String]) -> Result<(), StoreError> {
         if paths.is_empty() {
             return Ok(());
         }
@@ -118,7 +116,7 @@ impl Store {
     /// Other present paths of the same bytes, by hash.
     pub(super) fn aliases(&self) -> Result<BTreeMap<String, Vec<String>>, StoreError> {
         let doing = "listing aliases";
-        let sql = "SELECT hash, shown_path FROM source_file
+        let sql = "SELECT hash, path FROM source_file
                    WHERE state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL ORDER BY path";
         let mut statement = self
             .connection
@@ -144,11 +142,10 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         .map(|issue| to_json("a file's issue", issue))
         .transpose()?;
     let sql = "INSERT OR REPLACE INTO source_file
-        (path, shown_path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+        (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
     transaction.prepare_cached(sql)?.execute(params![
         file.path,
-        file.shown_path,
         file.size_bytes.cast_signed(),
         file.modified_ns,
         file.inode.cast_signed(),
@@ -165,7 +162,6 @@ fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {
     let issue: Option<String> = row.get("issue")?;
     Ok(FileRow {
         path: row.get("path")?,
-        shown_path: row.get("shown_path")?,
         size_bytes: row.get::<_, i64>("size_bytes")?.cast_unsigned(),
         modified_ns: row.get("modified_ns")?,
         inode: row.get::<_, i64>("inode")?.cast_unsigned(),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rusqlite::{Row, Transaction, params};
+use rusqlite::{OptionalExtension, Row, Transaction, params};
 
 use super::blob::{pack_f64, pack_u32, unpack_f64, unpack_u32};
 use super::files::upsert_file;
@@ -158,7 +158,43 @@ impl Store {
             .map_err(|e| self.failed(doing, e))
     }
 
-    /// Name, tag digest and reader of every current run.
+    /// Names of current runs that lack tags.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn untagged_runs(&self) -> Result<Vec<String>, StoreError> {
+        let doing = "listing untagged runs";
+        let sql = "SELECT path FROM run WHERE superseded_at IS NULL AND state = 'untagged' ORDER BY path";
+        let mut statement = self.connection.prepare_cached(sql).map_err(|e| self.failed(doing, e))?;
+        let rows = statement.query_map([], |row| row.get(0)).map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>().map_err(|e| self.failed(doing, e))
+    }
+
+    /// Whether a run of that name was stored, now or earlier.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn has_run(&self, path: &str) -> Result<bool, StoreError> {
+        self.connection
+            .prepare_cached("SELECT count(*) FROM run WHERE path = ?1")
+            .and_then(|mut statement| statement.query_row([path], |row| row.get::<_, i64>(0)))
+            .map(|count| count > 0)
+            .map_err(|e| self.failed("looking for a run", e))
+    }
+
+    /// Format id and reader version of the current run of that name, as `id/version`.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn reader_of(&self, path: &str) -> Result<Option<String>, StoreError> {
+        let sql = "SELECT format || '/' || reader_version FROM run WHERE path = ?1 AND superseded_at IS NULL";
+        self.connection
+            .prepare_cached(sql)
+            .and_then(|mut statement| statement.query_row([path], |row| row.get(0)).optional())
+            .map_err(|e| self.failed("looking for a run", e))
+    }
+
+    /// Row id, name and tag digest of every current run.
     ///
     /// # Errors
     /// See [`StoreError`].

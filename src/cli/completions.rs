@@ -1,0 +1,18 @@
+//! `ieap completions`.
+
+use clap::{Args, Command};
+use clap_complete::Shell;
+
+use super::exit::{CliError, DONE};
+
+/// Print a completion script for a shell; source it, or save it where your shell looks for completions
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    shell: Shell,
+}
+
+pub fn run(args: &CompletionsArgs, command: &mut Command) -> Result<u8, CliError> {
+    clap_complete::generate(args.shell, command, "ieap", &mut std::io::stdout());
+    Ok(DONE)
+}

@@ -1,0 +1,53 @@
+//! Exit status, and errors that end a verb.
+
+use std::fmt;
+
+use crate::pipeline::PipelineError;
+
+/// Done.
+pub const DONE: u8 = 0;
+/// A fault of the program.
+pub const INTERNAL: u8 = 1;
+/// Wrong usage: an option, an argument, campaign.toml.
+pub const USAGE: u8 = 2;
+/// Done, but some inputs were refused.
+pub const SOME_REFUSED: u8 = 3;
+/// The database or the disk refused.
+pub const STORAGE: u8 = 4;
+
+/// An error that ends a verb.
+#[derive(Debug)]
+pub struct CliError {
+    status: u8,
+    message: String,
+}
+
+impl CliError {
+    /// A mistake in what the user gave.
+    pub fn usage(message: &str) -> CliError {
+        CliError { status: USAGE, message: message.to_owned() }
+    }
+
+    /// A fault of the program.
+    pub fn internal(message: &str) -> CliError {
+        CliError { status: INTERNAL, message: message.to_owned() }
+    }
+
+    /// The exit status it ends with.
+    pub fn status(&self) -> u8 {
+        self.status
+    }
+}
+
+impl fmt::Display for CliError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl From<PipelineError> for CliError {
+    fn from(error: PipelineError) -> CliError {
+        let status = if error.is_storage() { STORAGE } else { USAGE };
+        CliError { status, message: error.to_string() }
+    }
+}

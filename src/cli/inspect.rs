@@ -1,0 +1,69 @@
+//! `ieap inspect`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::output::Output;
+use crate::pipeline::inspect::{Inspection, inspect};
+
+/// Show what a reader makes of a file, without storing it
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// The file
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+pub fn run(args: &InspectArgs, output: &Output) -> Result<u8, CliError> {
+    let inspection = inspect(&args.file).map_err(|error| CliError::usage(&error.to_string()))?;
+    print(&inspection, output);
+    output.document(&inspection)?;
+    Ok(if inspection.format.is_some() { DONE } else { SOME_REFUSED })
+}
+
+fn print(inspection: &Inspection, output: &Output) {
+    let format = inspection.format.as_deref().unwrap_or("no format");
+    output.result(&format!("{}: {format}, {}", inspection.file, inspection.status));
+    if inspection.format.is_some() {
+        output.result(&format!("  status: {}", inspection.status_evidence));
+    }
+    for candidate in &inspection.candidates {
+        output.result(&format!("  candidate: {} ({}) {}", candidate.format, candidate.score, candidate.reason));
+    }
+    let facts = [("technique", &inspection.technique), ("encoding", &inspection.encoding)];
+    for (name, fact) in facts {
+        fact.iter().for_each(|fact| output.result(&format!("  {name}: {fact}")));
+    }
+    if let Some(started) = &inspection.started_at {
+        let local = started.local.as_deref().unwrap_or("not certain");
+        output.result(&format!("  date: {} -> {local} ({})", started.raw, started.basis));
+    }
+    for (key, value, origin) in &inspection.header_tags {
+        output.result(&format!("  tag {key} = {value} (from {origin})"));
+    }
+    for table in &inspection.runs {
+        output.result(&format!("  table {} with {} rows", table.name, table.rows));
+        for column in &table.columns {
+            let canonical = column.canonical.unwrap_or("kept under its own name");
+            let ends = match (column.first, column.last) {
+                (Some(first), Some(last)) => format!("{first} ... {last}"),
+                _ => "no reading".to_owned(),
+            };
+            let excluded =
+                if column.excluded > 0 { format!(", {} left out", column.excluded) } else { String::new() };
+            output.result(&format!(
+                "    {} [{}] -> {canonical}: {} readings{excluded}, {ends}",
+                column.name, column.unit, column.readings
+            ));
+        }
+    }
+    for issue in &inspection.issues {
+        let place = if issue.place.is_empty() { String::new() } else { format!("{}: ", issue.place) };
+        output.result(&format!("  {}: {place}{}", issue.severity.key(), issue.message));
+        if !issue.mend.is_empty() {
+            output.result(&format!("    -> {}", issue.mend));
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! `ieap report`.
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::{CampaignArg, Global};
+use crate::pipeline::{Context, RenderReport};
+
+/// Render the report from the database, without looking for new files
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Render even where nothing changed
+    #[arg(long)]
+    again: bool,
+}
+
+pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let summary = RenderReport { again: args.again }.run(&context, output)?;
+    output.result(&format!("Report: {}", summary.index.display()));
+    output.document(&json!({ "schema": "ieap/report/1", "report": summary }))?;
+    Ok(DONE)
+}

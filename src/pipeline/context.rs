@@ -1,0 +1,110 @@
+//! A campaign that is worked on: its folder, what campaign.toml says, its database.
+
+use std::path::{Path, PathBuf};
+
+use crate::domain::{Campaign, Issue};
+use crate::ingest::{campaign_file, filesystem};
+use crate::store::{InstanceLock, Store, StoreError};
+
+use super::PipelineError;
+
+/// Version of this program, as fits and reports record it.
+pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The campaign at work.
+#[derive(Debug)]
+pub struct Context {
+    /// The campaign folder.
+    pub folder: PathBuf,
+    /// What campaign.toml says.
+    pub campaign: Campaign,
+    /// What is odd in campaign.toml but no error.
+    pub warnings: Vec<Issue>,
+    /// BLAKE3 of campaign.toml's text.
+    pub campaign_digest: String,
+    /// The database.
+    pub store: Store,
+    _lock: Option<InstanceLock>,
+}
+
+impl Context {
+    /// Opens a campaign to work on it; takes the lock that keeps a second instance out.
+    ///
+    /// # Errors
+    /// campaign.toml is missing or wrong; another instance works; the database cannot be used.
+    pub fn open(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let lock = InstanceLock::take(folder)?;
+        let store = Store::open(folder)?;
+        Ok(Context::with(folder, loaded, store, Some(lock)))
+    }
+
+    /// Opens a campaign beside a working instance, for changes that do not read files or fit.
+    ///
+    /// # Errors
+    /// As [`Context::open`], but for the lock.
+    pub fn open_beside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let store = Store::open(folder)?;
+        Ok(Context::with(folder, loaded, store, None))
+    }
+
+    /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in.
+    ///
+    /// # Errors
+    /// campaign.toml is missing or wrong; the database cannot be read.
+    pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        let store = match Store::open_read_only(folder)? {
+            Some(store) => store,
+            None => Store::in_memory()?,
+        };
+        Ok(Context::with(folder, loaded, store, None))
+    }
+
+    /// Reads campaign.toml again, after it changed.
+    ///
+    /// # Errors
+    /// It is missing or wrong; the context keeps what it knew.
+    pub fn reload(&mut self) -> Result<(), PipelineError> {
+        let loaded = campaign_file::read(&self.folder)?;
+        self.campaign_digest = digest(&loaded.text);
+        self.campaign = loaded.campaign;
+        self.warnings = loaded.warnings;
+        Ok(())
+    }
+
+    fn with(folder: &Path, loaded: campaign_file::Loaded, store: Store, lock: Option<InstanceLock>) -> Context {
+        Context {
+            folder: folder.to_owned(),
+            campaign_digest: digest(&loaded.text),
+            campaign: loaded.campaign,
+            warnings: loaded.warnings,
+            store,
+            _lock: lock,
+        }
+    }
+}
+
+/// Now, RFC 3339 in UTC to the second: what the database records.
+pub fn now() -> String {
+    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+}
+
+fn digest(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}
+
+/// SQLite's write-ahead log needs shared memory, which network file systems do not give.
+fn refuse_network(folder: &Path, allow_network: bool) -> Result<(), PipelineError> {
+    // Where the system cannot tell, the file system is taken as local.
+    match filesystem::network_kind(folder).ok().flatten() {
+        Some(kind) if !allow_network => {
+            let path = folder.join(crate::store::FILE_NAME);
+            Err(StoreError::NetworkShare { path, kind: kind.to_owned() }.into())
+        }
+        _ => Ok(()),
+    }
+}

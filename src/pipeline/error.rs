@@ -1,0 +1,93 @@
+//! Why a verb could not do its work.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::simulate::SpecError;
+use crate::analysis::ExportError;
+use crate::ingest::archive::ArchiveError;
+use crate::ingest::campaign_file::CampaignFileError;
+use crate::ingest::scan::ScanError;
+use crate::ingest::watch::WatchError;
+use crate::report::ReportError;
+use crate::store::StoreError;
+
+/// A failure of a verb. Files that cannot be read are no failure: they are refused, and the work goes on.
+#[derive(Debug, Error)]
+pub enum PipelineError {
+    /// campaign.toml is missing or wrong.
+    #[error(transparent)]
+    Campaign(#[from] CampaignFileError),
+    /// The database refused.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The runs folder cannot be listed.
+    #[error(transparent)]
+    Scan(#[from] ScanError),
+    /// Raw bytes cannot be archived.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// The folder cannot be watched.
+    #[error(transparent)]
+    Watch(#[from] WatchError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A table cannot be exported.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// A simulation spec is wrong.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// A file that would be written is there already.
+    #[error("{path}: the file is there already. Remove it, or pass --overwrite.")]
+    FileExists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file cannot be read or written.
+    #[error("{path}: {doing} failed: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What was being done.
+        doing: &'static str,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A model id that no registry holds.
+    #[error("model {found:?} is not known; known are {known}. Mend `model` in campaign.toml or the --model option.")]
+    UnknownModel {
+        /// The id given.
+        found: String,
+        /// Ids known.
+        known: String,
+    },
+    /// No run has that name.
+    #[error("no run is called {found:?}.{nearest} `ieap status` lists the runs.")]
+    UnknownRun {
+        /// The name given.
+        found: String,
+        /// A sentence with the nearest name, or nothing.
+        nearest: String,
+    },
+    /// An argument of a verb makes no sense.
+    #[error("{what}: found {found}, needed {needed}")]
+    BadArgument {
+        /// Which argument.
+        what: &'static str,
+        /// What was given.
+        found: String,
+        /// What may be given.
+        needed: String,
+    },
+}
+
+impl PipelineError {
+    /// Whether the disk or the database refused, rather than the user's input being wrong.
+    pub fn is_storage(&self) -> bool {
+        use PipelineError as E;
+        matches!(self, E::Store(_) | E::Archive(_) | E::Report(_) | E::File { .. })
+    }
+}

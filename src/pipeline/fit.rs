@@ -1,0 +1,139 @@
+//! Fits every run that has no fit yet, or whose readings, tags or model changed.
+
+use rayon::prelude::*;
+
+use super::context::{CODE_VERSION, now};
+use super::{Context, Observer, PipelineError};
+use crate::domain::{Channel, Fit, Issue};
+use crate::fit::{FitInput, FitOptions, fit_run};
+use crate::ingest::derived;
+use crate::model;
+use crate::store::{FitStamp, FitTask};
+
+/// Runs fitted between two commits: bounds memory, and what an interruption costs.
+const BATCH: usize = 32;
+
+/// The verb `fit`.
+#[derive(Debug, Clone, Default)]
+pub struct FitRuns {
+    /// Model to fit with; none takes the campaign's.
+    pub model: Option<String>,
+    /// Fit again even where nothing changed.
+    pub again: bool,
+}
+
+/// What `fit` did.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct FitSummary {
+    /// Runs fitted.
+    pub fitted: usize,
+    /// Runs whose fit was up to date.
+    pub up_to_date: usize,
+    /// Runs that could not be fitted, with the reason.
+    pub failed: Vec<(String, Issue)>,
+    /// Runs whose search did not converge.
+    pub not_converged: Vec<String>,
+}
+
+impl FitRuns {
+    /// Fits what is missing or out of date. The outcome does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The model is not known, or the database fails; a run that cannot be fitted is no error.
+    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
+        let model_id = self.model.as_deref().unwrap_or(&context.campaign.model);
+        let model = model::fit_model(model_id).ok_or_else(|| PipelineError::UnknownModel {
+            found: model_id.to_owned(),
+            known: model::fit_models().iter().map(|m| m.id).collect::<Vec<_>>().join(", "),
+        })?;
+        let options = FitOptions { model: model.id, ..FitOptions::default() };
+        let tasks = context.store.fit_tasks()?;
+        let hashed = tasks.into_iter().map(|task| (input_hash(&task, model.id, model.version), task));
+        let (done, due): (Vec<_>, Vec<_>) =
+            hashed.partition(|(hash, task)| !self.again && task.done_input_hash.as_ref() == Some(hash));
+        let mut summary = FitSummary { up_to_date: done.len(), ..FitSummary::default() };
+        observer.begin("fitting", due.len() as u64);
+        for batch in due.chunks(BATCH) {
+            let outcomes = fit_batch(context, batch, &options, observer)?;
+            save_batch(context, batch, outcomes, &mut summary)?;
+        }
+        observer.end();
+        Ok(summary)
+    }
+}
+
+type Outcome = Result<Fit, Issue>;
+
+fn fit_batch(
+    context: &Context,
+    batch: &[(String, FitTask)],
+    options: &FitOptions,
+    observer: &dyn Observer,
+) -> Result<Vec<Outcome>, PipelineError> {
+    let loaded = batch
+        .iter()
+        .map(|(_, task)| Ok(derived::responses(&context.store.channels(task.run_id)?, task.length_cm)))
+        .collect::<Result<Vec<Vec<Channel>>, PipelineError>>()?;
+    Ok(batch
+        .par_iter()
+        .zip(loaded)
+        .map(|((_, task), channels)| {
+            let outcome = fit_one(task, &channels, options);
+            observer.advance();
+            outcome
+        })
+        .collect())
+}
+
+/// Fits one run; a panic in a kernel is that run's failure, not the program's.
+fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
+    let input = FitInput { channels, drive: &task.drive, area_cm2: task.area_cm2 };
+    match std::panic::catch_unwind(|| fit_run(&input, options)) {
+        Ok(Ok(fit)) => Ok(fit),
+        Ok(Err(error)) => Err(Issue::warning("not-fitted", error.to_string())),
+        Err(_) => Err(Issue::error("fit-fault", "the fit stopped on an internal fault")
+            .mend("report it with the run's file; the other runs are not affected")),
+    }
+}
+
+fn save_batch(
+    context: &mut Context,
+    batch: &[(String, FitTask)],
+    outcomes: Vec<Outcome>,
+    summary: &mut FitSummary,
+) -> Result<(), PipelineError> {
+    let now = now();
+    let mut fits = Vec::new();
+    for ((input_hash, task), outcome) in batch.iter().zip(outcomes) {
+        let stamp = FitStamp {
+            run_id: task.run_id,
+            input_hash: input_hash.clone(),
+            code_version: CODE_VERSION.to_owned(),
+        };
+        match outcome {
+            Ok(fit) => {
+                summary.fitted += 1;
+                if !fit.converged {
+                    summary.not_converged.push(task.path.clone());
+                }
+                fits.push((stamp, fit));
+            }
+            Err(issue) => {
+                context.store.save_fit_failure(&now, &stamp, &issue)?;
+                summary.failed.push((task.path.clone(), issue));
+            }
+        }
+    }
+    Ok(context.store.save_fits(&now, &fits)?)
+}
+
+/// Hash of everything that a fit depends on.
+fn input_hash(task: &FitTask, model_id: &str, model_version: u32) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(task.data_hash.as_bytes());
+    hasher.update(format!("{:?}", task.drive).as_bytes());
+    hasher.update(&task.area_cm2.to_le_bytes());
+    hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
+    hasher.update(format!("{model_id}/{model_version}").as_bytes());
+    hasher.finalize().to_hex().to_string()
+}

@@ -1,0 +1,56 @@
+//! Which files make one run: a file of its own, or the parts of one stem.
+
+use std::collections::BTreeMap;
+
+/// Parts that a run may be recorded in, `a.current.csv` beside `a.curvature.csv`.
+const PARTS: [&str; 9] = [
+    "current",
+    "curvature",
+    "voltage",
+    "displacement",
+    "tip_displacement",
+    "force",
+    "blocking_force",
+    "temperature",
+    "humidity",
+];
+
+/// Name of the run that the file at `path` (relative, with `/`) belongs to: `runs/a.csv` for
+/// `runs/a.current.csv`, else the path itself.
+pub fn run_name(path: &str) -> String {
+    let (folder, file) = path.rsplit_once('/').map_or(("", path), |(folder, file)| (folder, file));
+    let mut pieces: Vec<&str> = file.split('.').collect();
+    if pieces.len() >= 3 {
+        let part = pieces[pieces.len() - 2].to_ascii_lowercase();
+        if PARTS.contains(&part.as_str()) {
+            pieces.remove(pieces.len() - 2);
+        }
+    }
+    let file = pieces.join(".");
+    if folder.is_empty() { file } else { format!("{folder}/{file}") }
+}
+
+/// Groups paths by the run they belong to, both in order.
+pub fn grouped<'a>(paths: impl Iterator<Item = &'a str>) -> BTreeMap<String, Vec<&'a str>> {
+    let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for path in paths {
+        groups.entry(run_name(path)).or_default().push(path);
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_one_stem_share_a_run() {
+        assert_eq!(run_name("runs/a.current.csv"), "runs/a.csv");
+        assert_eq!(run_name("runs/a.Curvature.csv"), "runs/a.csv");
+        assert_eq!(run_name("runs/a.b.csv"), "runs/a.b.csv");
+        assert_eq!(run_name("current.csv"), "current.csv");
+        let groups = grouped(["r/a.current.csv", "r/a.curvature.csv", "r/b.csv"].into_iter());
+        assert_eq!(groups.len(), 2);
+        assert_eq!(groups["r/a.csv"].len(), 2);
+    }
+}

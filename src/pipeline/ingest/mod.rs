@@ -1,0 +1,188 @@
+//! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
+
+mod groups;
+mod prepare;
+mod retag;
+mod settle;
+pub(super) mod tagging;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::context::now;
+use super::{Context, Observer, PipelineError};
+use crate::domain::{FileState, Issue};
+use crate::ingest::formats;
+use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
+use crate::store::FileRow;
+use prepare::{Group, Prepared};
+
+pub use retag::retag_runs;
+
+/// Groups read ahead of their storing: bounds memory.
+const READ_AHEAD: usize = 8;
+
+/// The verb `ingest`.
+pub struct Ingest<'a> {
+    /// Says whether a file may be read now; one that may not waits for the next time.
+    pub ready: &'a mut dyn FnMut(&SeenFile) -> bool,
+}
+
+/// What `ingest` did.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct IngestSummary {
+    /// Files in the runs folder.
+    pub files: usize,
+    /// Runs that came in for the first time.
+    pub new: Vec<String>,
+    /// Runs whose file has new content: a new revision.
+    pub revised: Vec<String>,
+    /// Runs that took the name of a moved file: old and new.
+    pub renamed: Vec<(String, String)>,
+    /// Files that hold the same bytes as a run's file, found now.
+    pub aliases: Vec<String>,
+    /// Files refused, now or before, with the reason.
+    pub refused: Vec<(String, Issue)>,
+    /// Files that wait: empty, header only, or still growing.
+    pub waiting: Vec<String>,
+    /// Files that are no longer there, found now.
+    pub gone: Vec<String>,
+    /// Runs whose tags changed.
+    pub retagged: Vec<String>,
+    /// Runs that lack tags, now.
+    pub untagged: Vec<String>,
+}
+
+impl IngestSummary {
+    /// Whether the database changed.
+    pub fn changed(&self) -> bool {
+        let lists = [&self.new, &self.revised, &self.aliases, &self.gone, &self.retagged];
+        lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty()
+    }
+}
+
+impl Ingest<'_> {
+    /// Takes in what is new; what cannot be read is refused and listed, and the rest goes on.
+    ///
+    /// # Errors
+    /// The folder cannot be listed, the archive or the database refuses.
+    pub fn run(&mut self, context: &mut Context, observer: &dyn Observer) -> Result<IngestSummary, PipelineError> {
+        let runs_folder = context.campaign.runs_folder.clone();
+        let seen = scan::scan(&context.folder, &runs_folder, scan::ScanLimits::default())?;
+        let stored = context.store.files()?;
+        let changes = scan::diff(&known(&stored), &seen);
+        let mut summary = IngestSummary { files: seen.files.len(), ..IngestSummary::default() };
+        let groups = self.due(&stored, &seen, &changes, &mut summary);
+        observer.begin("reading", groups.len() as u64);
+        for batch in groups.chunks(READ_AHEAD) {
+            let prepared: Vec<Prepared> =
+                batch.par_iter().map(|group| prepare::prepare(&context.folder, group)).collect();
+            for prepared in prepared {
+                settle::settle(context, prepared, &changes, &mut summary, observer)?;
+                observer.advance();
+            }
+        }
+        observer.end();
+        settle::gone(context, &stored, &changes, &seen, &mut summary)?;
+        summary.retagged = retag::retag_runs(context, observer)?;
+        list_states(context, &mut summary)?;
+        Ok(summary)
+    }
+
+    /// The groups of files to be read: new or changed ones, and those that another version of a reader read.
+    fn due(
+        &mut self,
+        stored: &[FileRow],
+        seen: &Scan,
+        changes: &Changes,
+        summary: &mut IngestSummary,
+    ) -> Vec<Group> {
+        let outdated = outdated(stored);
+        let retry = changes.unchanged.iter().filter(|file| outdated.contains(file.display.as_str()));
+        let mut due = BTreeSet::new();
+        for file in changes.new.iter().chain(&changes.changed).chain(retry) {
+            if (self.ready)(file) {
+                due.insert(file.display.as_str());
+            } else {
+                summary.waiting.push(file.display.clone());
+            }
+        }
+        let by_path: BTreeMap<&str, &SeenFile> = seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
+        groups::grouped(by_path.keys().copied())
+            .into_iter()
+            .filter(|(_, paths)| paths.iter().any(|path| due.contains(path)))
+            .filter(|(_, paths)| !paths.iter().any(|path| summary.waiting.iter().any(|w| w == path)))
+            .map(|(run_name, paths)| Group {
+                run_name,
+                files: paths.iter().map(|path| by_path[path].clone()).collect(),
+            })
+            .collect()
+    }
+}
+
+fn known(stored: &[FileRow]) -> Vec<Known> {
+    let known = |file: &FileRow| Known {
+        display: file.path.clone(),
+        size_bytes: file.size_bytes,
+        modified_ns: file.modified_ns,
+        inode: file.inode,
+        missing: file.missing_since.is_some(),
+    };
+    stored.iter().map(known).collect()
+}
+
+/// Files that this version of the readers would read anew: of runs, where their format's reader changed; of
+/// refused and waiting files, where any reader changed.
+fn outdated(stored: &[FileRow]) -> BTreeSet<&str> {
+    let current: BTreeSet<String> = formats::ALL.iter().map(|f| reader_stamp(f.id(), f.version())).collect();
+    let all = all_readers_stamp();
+    let is_outdated = |file: &&FileRow| match file.state {
+        FileState::Run => !current.contains(&file.reader),
+        FileState::Refused | FileState::Pending => file.reader != all,
+        FileState::Alias | FileState::Sidecar => false,
+    };
+    stored.iter().filter(is_outdated).map(|file| file.path.as_str()).collect()
+}
+
+/// How a file records which reader decided.
+fn reader_stamp(id: &str, version: u32) -> String {
+    format!("{id}/{version}")
+}
+
+/// The same for files that every reader turned down.
+fn all_readers_stamp() -> String {
+    let stamps: Vec<String> = formats::ALL.iter().map(|f| reader_stamp(f.id(), f.version())).collect();
+    stamps.join(" ")
+}
+
+/// Lists what stands refused, waits or lacks tags after this round.
+fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
+    for file in context.store.files()?.into_iter().filter(|file| file.missing_since.is_none()) {
+        match (file.state, file.issue) {
+            (FileState::Refused, Some(issue)) => summary.refused.push((file.path, issue)),
+            (FileState::Pending, _) => summary.waiting.push(file.path),
+            _ => {}
+        }
+    }
+    summary.waiting.sort();
+    summary.waiting.dedup();
+    summary.untagged = context.store.untagged_runs()?;
+    Ok(())
+}
+
+/// A row for a file that holds no new run.
+fn file_row(file: &SeenFile, hash: Option<String>, state: FileState, reader: String, issue: Option<Issue>) -> FileRow {
+    FileRow {
+        path: file.display.clone(),
+        size_bytes: file.size_bytes,
+        modified_ns: file.modified_ns,
+        inode: file.inode,
+        hash,
+        state,
+        reader,
+        issue,
+        missing_since: None,
+    }
+}

@@ -1,0 +1,230 @@
+//! Decides what files that were read come to, and stores it: one transaction a run.
+
+use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
+use super::tagging::{TaggingInput, tagging};
+use super::{IngestSummary, all_readers_stamp, file_row, now, reader_stamp};
+use crate::domain::{FileState, Issue, RunStatus};
+use crate::ingest::archive::Archive;
+use crate::ingest::data_hash::data_hash;
+use crate::ingest::Reading;
+use crate::ingest::scan::{Changes, Scan};
+use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::{FileRow, NewRun, RunContent};
+
+/// Stores a group: its runs, an alias, a new name, or why it was refused.
+pub fn settle(
+    context: &mut Context,
+    prepared: Prepared,
+    changes: &Changes,
+    summary: &mut IngestSummary,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
+    let mut readable = Vec::new();
+    for file in prepared.files {
+        match &file.outcome {
+            Outcome::Read(_) => readable.push(file),
+            Outcome::Refused(issue) => set_aside(context, &file, FileState::Refused, issue, observer)?,
+            Outcome::Pending(issue) => set_aside(context, &file, FileState::Pending, issue, observer)?,
+        }
+    }
+    match readable.as_slice() {
+        [] => Ok(()),
+        [single] => {
+            if is_known(context, single, changes, summary)? {
+                return Ok(());
+            }
+            store_runs(context, &prepared.run_name, &readable, summary, observer)
+        }
+        _ => store_runs(context, &prepared.run_name, &readable, summary, observer),
+    }
+}
+
+/// Records a file that was refused or waits. A run read from an earlier content of it stays.
+fn set_aside(
+    context: &mut Context,
+    prepared: &PreparedFile,
+    state: FileState,
+    issue: &Issue,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
+    observer.say(&format!("{} {}: {}", state.key(), prepared.file.display, issue.message));
+    let hash = prepared.bytes.as_ref().map(|(_, hash)| hash.clone());
+    let row = file_row(&prepared.file, hash, state, all_readers_stamp(), Some(issue.clone()));
+    Ok(context.store.record_files(&now(), &[row])?)
+}
+
+/// Whether the bytes of a file are those of a current run: then the file is that run's, an alias of it, or
+/// the run takes the file's name because its own file was moved.
+fn is_known(
+    context: &mut Context,
+    prepared: &PreparedFile,
+    changes: &Changes,
+    summary: &mut IngestSummary,
+) -> Result<bool, PipelineError> {
+    let (Some((_, hash)), Outcome::Read(reading)) = (&prepared.bytes, &prepared.outcome) else {
+        return Ok(false);
+    };
+    let path = prepared.file.display.clone();
+    let holders = context.store.runs_with_content(hash)?;
+    let reader = reader_stamp(reading.format, reading.reader_version);
+    let row = |state| file_row(&prepared.file, Some(hash.clone()), state, reader.clone(), None);
+    let Some((run_path, file_path)) = holders.iter().find(|(_, file)| *file == path).or(holders.first()) else {
+        return Ok(false);
+    };
+    let now = now();
+    if *file_path == path {
+        // Touched, or read before by this or another version of the reader.
+        let same_reader = context.store.reader_of(run_path)? == Some(reader.clone());
+        if same_reader {
+            context.store.record_files(&now, &[row(FileState::Run)])?;
+        }
+        return Ok(same_reader);
+    }
+    let moved = holders.len() == 1 && run_path == file_path && changes.gone.contains(file_path);
+    if moved {
+        let (old, new) = (run_path.clone(), path.clone());
+        context.store.rename_run(&now, &old, &new, &row(FileState::Run))?;
+        context.store.forget_files(&now, std::slice::from_ref(&old))?;
+        summary.renamed.push((old, new));
+    } else {
+        context.store.record_files(&now, &[row(FileState::Alias)])?;
+        summary.aliases.push(path);
+    }
+    Ok(true)
+}
+
+/// Archives the bytes, tags the runs and stores everything at once.
+fn store_runs(
+    context: &mut Context,
+    run_name: &str,
+    files: &[PreparedFile],
+    summary: &mut IngestSummary,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
+    let readings: Vec<&Reading> = files
+        .iter()
+        .filter_map(|file| match &file.outcome {
+            Outcome::Read(reading) => Some(&**reading),
+            _ => None,
+        })
+        .collect();
+    let Some(first) = readings.first().copied() else { return Ok(()) };
+    let (parts, join_issues) = if readings.len() == 1 {
+        (run_parts(first), Vec::new())
+    } else {
+        let (part, issues) = joined(&readings);
+        (vec![part], issues)
+    };
+    let contents = archived(context, files)?;
+    let rows: Vec<FileRow> = files.iter().zip(&readings).filter_map(|(file, reading)| run_row(file, reading)).collect();
+    // A single file keeps its own name; a joined run takes that of the stem.
+    let base = if files.len() == 1 { files[0].file.display.as_str() } else { run_name };
+    let runs: Vec<NewRun> = parts
+        .into_iter()
+        .map(|part| new_run(context, format!("{base}{}", part.suffix), part, &readings, &contents, &join_issues))
+        .collect::<Result<_, _>>()?;
+    for run in &runs {
+        let known = context.store.has_run(&run.path)?;
+        observer.say(&format!("{} {} ({})", if known { "new revision of" } else { "read" }, run.path, run.format));
+        if known { &mut summary.revised } else { &mut summary.new }.push(run.path.clone());
+    }
+    Ok(context.store.save_runs(&now(), &rows, &runs)?)
+}
+
+fn archived(context: &Context, files: &[PreparedFile]) -> Result<Vec<RunContent>, PipelineError> {
+    let archive = Archive::new(&context.folder);
+    let mut contents = Vec::new();
+    for file in files {
+        let Some((bytes, _)) = &file.bytes else { continue };
+        let (stored, _) = archive.store(bytes, &file.file.relative)?;
+        contents.push(RunContent {
+            path: file.file.display.clone(),
+            hash: stored.hash,
+            size_bytes: stored.size_bytes,
+            archive_path: stored.path,
+        });
+    }
+    Ok(contents)
+}
+
+fn run_row(file: &PreparedFile, reading: &Reading) -> Option<FileRow> {
+    let (_, hash) = file.bytes.as_ref()?;
+    let reader = reader_stamp(reading.format, reading.reader_version);
+    Some(file_row(&file.file, Some(hash.clone()), FileState::Run, reader, None))
+}
+
+fn new_run(
+    context: &Context,
+    path: String,
+    part: RunPart,
+    readings: &[&Reading],
+    contents: &[RunContent],
+    join_issues: &[Issue],
+) -> Result<NewRun, PipelineError> {
+    let first = readings[0];
+    let is_step_response = readings.iter().all(|reading| reading.is_step_response);
+    let worst = readings.iter().find(|reading| reading.status != RunStatus::Complete).unwrap_or(&first);
+    let input = TaggingInput {
+        run_path: &path,
+        file_path: &contents[0].path,
+        channels: &part.channels,
+        time_zero_is_step: part.time_zero_is_step,
+        is_step_response,
+        header_tags: readings.iter().flat_map(|reading| reading.header_tags.clone()).collect(),
+        started_at: readings.iter().find_map(|reading| reading.started_at.clone()),
+    };
+    Ok(NewRun {
+        tagging: tagging(context, &input)?,
+        data_hash: data_hash(&part.channels),
+        format: first.format.to_owned(),
+        reader_version: first.reader_version,
+        technique: first.technique.clone(),
+        is_step_response,
+        encoding: first.encoding.map(str::to_owned),
+        status: worst.status,
+        status_evidence: worst.status_evidence.clone(),
+        time_zero_is_step: part.time_zero_is_step,
+        original_metadata: readings.iter().flat_map(|reading| reading.original_metadata.clone()).collect(),
+        issues: readings.iter().flat_map(|reading| reading.issues.clone()).chain(join_issues.to_vec()).collect(),
+        channels: part.channels,
+        contents: contents.to_vec(),
+        path,
+    })
+}
+
+/// Files that are no longer there: those of runs are marked, the others forgotten. Links that lead out of the
+/// campaign are listed as refused.
+pub fn gone(
+    context: &mut Context,
+    stored: &[FileRow],
+    changes: &Changes,
+    seen: &Scan,
+    summary: &mut IngestSummary,
+) -> Result<(), PipelineError> {
+    let now = now();
+    let outside: Vec<FileRow> = seen.issues.iter().filter(|issue| !issue.place.is_empty()).map(refused_entry).collect();
+    let listed = |path: &String| outside.iter().any(|row| row.path == *path);
+    let renamed = |path: &String| summary.renamed.iter().any(|(old, _)| old == path);
+    let gone: Vec<&String> = changes.gone.iter().filter(|path| !listed(path) && !renamed(path)).collect();
+    let is_run = |path: &String| stored.iter().any(|file| file.path == *path && file.state == FileState::Run);
+    let (runs, others): (Vec<String>, Vec<String>) = gone.into_iter().cloned().partition(is_run);
+    context.store.mark_missing(&now, &runs)?;
+    context.store.forget_files(&now, &others)?;
+    summary.gone = runs;
+    let fresh: Vec<FileRow> = outside.into_iter().filter(|row| !stored.contains(row)).collect();
+    Ok(context.store.record_files(&now, &fresh)?)
+}
+
+fn refused_entry(issue: &Issue) -> FileRow {
+    FileRow {
+        path: issue.place.clone(),
+        size_bytes: 0,
+        modified_ns: 0,
+        inode: 0,
+        hash: None,
+        state: FileState::Refused,
+        reader: all_readers_stamp(),
+        issue: Some(issue.clone()),
+        missing_since: None,
+    }
+}

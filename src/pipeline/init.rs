@@ -1,0 +1,32 @@
+//! Makes a folder a campaign.
+
+use std::path::{Path, PathBuf};
+
+use super::PipelineError;
+use crate::ingest::campaign_file;
+
+/// Writes a commented campaign.toml and makes the folders; gives the paths made. Files that are there stay.
+///
+/// # Errors
+/// The folder is a campaign already, or cannot be written.
+pub fn init(folder: &Path) -> Result<Vec<PathBuf>, PipelineError> {
+    let file = folder.join(campaign_file::FILE_NAME);
+    if file.exists() {
+        return Err(PipelineError::FileExists { path: file });
+    }
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| PipelineError::File { path, doing: "making the campaign", source }
+    };
+    let mut made = Vec::new();
+    for name in ["runs", "dma", "ambient"] {
+        let path = folder.join(name);
+        std::fs::create_dir_all(&path).map_err(failed(&path))?;
+        made.push(path);
+    }
+    let absolute = std::fs::canonicalize(folder).map_err(failed(folder))?;
+    let id = absolute.file_name().map_or("campaign".into(), |name| name.to_string_lossy().into_owned());
+    std::fs::write(&file, campaign_file::template(&id)).map_err(failed(&file))?;
+    made.push(file);
+    Ok(made)
+}

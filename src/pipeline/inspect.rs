@@ -1,0 +1,174 @@
+//! What a reader makes of a file, without storing it.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::PipelineError;
+use crate::domain::{Issue, Quantity};
+use crate::ingest::formats::{self, Candidate};
+use crate::ingest::{Reading, RunTable, StartedAt};
+
+/// A file as a reader sees it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// Always `ieap/inspect/1`.
+    pub schema: &'static str,
+    /// The file.
+    pub file: String,
+    /// Format id; none where the file was refused.
+    pub format: Option<String>,
+    /// Version of the reader.
+    pub reader_version: Option<u32>,
+    /// Every format that may have written it, best first.
+    pub candidates: Vec<CandidateScore>,
+    /// Technique as the file names it.
+    pub technique: Option<String>,
+    /// How the measurement ended; `refused` or `pending` where it could not be read.
+    pub status: String,
+    /// The evidence for it.
+    pub status_evidence: String,
+    /// Text encoding.
+    pub encoding: Option<String>,
+    /// Date and time stated in the file.
+    pub started_at: Option<StartedAt>,
+    /// Tags that the header gives.
+    pub header_tags: Vec<(String, String, String)>,
+    /// Tables.
+    pub runs: Vec<InspectedTable>,
+    /// What a reader must know.
+    pub issues: Vec<Issue>,
+}
+
+/// A format and how well it fits.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CandidateScore {
+    /// Format id.
+    pub format: String,
+    /// 0 to 100.
+    pub score: u32,
+    /// Why.
+    pub reason: String,
+}
+
+/// One table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InspectedTable {
+    /// Name of the table in the file.
+    pub name: String,
+    /// Rows read.
+    pub rows: usize,
+    /// Columns, time first.
+    pub columns: Vec<InspectedColumn>,
+}
+
+/// One column; values in the canonical unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InspectedColumn {
+    /// Name as the file has it.
+    pub name: String,
+    /// What it measures; null where it is kept under its own name only.
+    pub quantity: Option<&'static str>,
+    /// Unit as the file has it.
+    pub unit: String,
+    /// Canonical column name.
+    pub canonical: Option<&'static str>,
+    /// Readings; empty cells are not counted.
+    pub readings: usize,
+    /// Readings left out of fits.
+    pub excluded: usize,
+    /// First reading.
+    pub first: Option<f64>,
+    /// Last reading.
+    pub last: Option<f64>,
+}
+
+/// Reads `file` and says what was seen; a refusal is an answer, too.
+///
+/// # Errors
+/// The file cannot be opened.
+pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
+    let bytes = std::fs::read(file).map_err(|source| PipelineError::File {
+        path: file.to_owned(),
+        doing: "reading the file",
+        source,
+    })?;
+    let name = file.file_name().unwrap_or_default();
+    let candidates = formats::candidates(name, &bytes);
+    let shown = file.display().to_string();
+    Ok(match formats::read(name, &bytes) {
+        Ok(reading) => of_reading(shown, &candidates, &reading),
+        Err(error) => refused(shown, &candidates, error.issue(), error.is_pending()),
+    })
+}
+
+fn scores(candidates: &[Candidate]) -> Vec<CandidateScore> {
+    candidates
+        .iter()
+        .map(|c| CandidateScore { format: c.format.to_owned(), score: u32::from(c.score), reason: c.reason.clone() })
+        .collect()
+}
+
+fn refused(file: String, candidates: &[Candidate], issue: Issue, pending: bool) -> Inspection {
+    Inspection {
+        schema: "ieap/inspect/1",
+        file,
+        format: None,
+        reader_version: None,
+        candidates: scores(candidates),
+        technique: None,
+        status: if pending { "pending" } else { "refused" }.to_owned(),
+        status_evidence: issue.message.clone(),
+        encoding: None,
+        started_at: None,
+        header_tags: Vec::new(),
+        runs: Vec::new(),
+        issues: vec![issue],
+    }
+}
+
+fn of_reading(file: String, candidates: &[Candidate], reading: &Reading) -> Inspection {
+    Inspection {
+        schema: "ieap/inspect/1",
+        file,
+        format: Some(reading.format.to_owned()),
+        reader_version: Some(reading.reader_version),
+        candidates: scores(candidates),
+        technique: reading.technique.clone(),
+        status: reading.status.key().to_owned(),
+        status_evidence: reading.status_evidence.clone(),
+        encoding: reading.encoding.map(str::to_owned),
+        started_at: reading.started_at.clone(),
+        header_tags: reading.header_tags.clone(),
+        runs: reading.tables.iter().map(inspected_table).collect(),
+        issues: reading.issues.clone(),
+    }
+}
+
+fn inspected_table(table: &RunTable) -> InspectedTable {
+    let time = table.time_column.as_ref().map(|(name, unit)| InspectedColumn {
+        name: name.clone(),
+        quantity: Some(Quantity::Time.key()),
+        unit: unit.clone(),
+        canonical: Some(Quantity::Time.column()),
+        readings: table.rows,
+        excluded: 0,
+        first: table.time_first_last_s.map(|t| t.0),
+        last: table.time_first_last_s.map(|t| t.1),
+    });
+    let channels = table.channels.iter().map(|channel| {
+        let summary = channel.summary();
+        let known = channel.quantity != Quantity::Other;
+        InspectedColumn {
+            name: summary.raw_name,
+            quantity: known.then(|| channel.quantity.key()),
+            unit: summary.raw_unit,
+            canonical: known.then(|| channel.quantity.column()),
+            readings: summary.readings,
+            excluded: summary.excluded,
+            first: summary.first,
+            last: summary.last,
+        }
+    });
+    InspectedTable { name: table.name.clone(), rows: table.rows, columns: time.into_iter().chain(channels).collect() }
+}

@@ -1,0 +1,116 @@
+//! Renders the report, where it is out of date, and puts it in place as a whole.
+
+use std::path::{Path, PathBuf};
+
+use super::context::CODE_VERSION;
+use super::swap::replace_folder;
+use super::{Context, Observer, PipelineError};
+use crate::report;
+
+/// Folder of the report inside a campaign.
+pub const REPORT_FOLDER: &str = "report";
+/// Says what a report was made from, so that an unchanged one is not made again.
+const STAMP: &str = ".made-from";
+
+/// The verb `report`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RenderReport {
+    /// Render even where nothing changed.
+    pub again: bool,
+}
+
+/// What `report` did.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct ReportSummary {
+    /// The page to open.
+    pub index: PathBuf,
+    /// Whether it was made anew.
+    pub rendered: bool,
+    /// Number of pages written.
+    pub pages: usize,
+}
+
+impl RenderReport {
+    /// Renders into a folder beside the report and exchanges the two; the last good report stays until then.
+    ///
+    /// # Errors
+    /// The database cannot be read, or the report cannot be written.
+    pub fn run(&self, context: &Context, observer: &dyn Observer) -> Result<ReportSummary, PipelineError> {
+        let target = context.folder.join(REPORT_FOLDER);
+        let index = target.join("index.html");
+        let (changes, changed_at) = context.store.changes()?;
+        let stamp = format!("{CODE_VERSION} {changes} {changed_at} {}\n", context.campaign_digest);
+        let current = std::fs::read_to_string(target.join(STAMP)).is_ok_and(|found| found == stamp);
+        if current && !self.again && index.exists() {
+            return Ok(ReportSummary { index, rendered: false, pages: 0 });
+        }
+        let input = input(context, changes, &changed_at)?;
+        let fresh = context.folder.join(format!(".{REPORT_FOLDER}-{}", std::process::id()));
+        remove_leftovers(&context.folder);
+        let rendered = write_fresh(context, &input, &fresh, &stamp, observer).inspect_err(|_| {
+            let _ = std::fs::remove_dir_all(&fresh);
+        })?;
+        replace_folder(&fresh, &target).map_err(failed(&target, "putting the report in place"))?;
+        Ok(ReportSummary { index, rendered: true, pages: rendered })
+    }
+}
+
+fn write_fresh(
+    context: &Context,
+    input: &report::Input,
+    fresh: &Path,
+    stamp: &str,
+    observer: &dyn Observer,
+) -> Result<usize, PipelineError> {
+    std::fs::create_dir_all(fresh).map_err(failed(fresh, "making the report's folder"))?;
+    observer.begin("rendering", input.runs.len() as u64);
+    let rendered = report::render(input, &context.store, fresh, &|_, _| observer.advance())?;
+    observer.end();
+    std::fs::write(fresh.join(STAMP), stamp).map_err(failed(fresh, "stamping the report"))?;
+    sync(fresh);
+    Ok(rendered.pages)
+}
+
+/// Brings the report to the disk before it takes the old one's place. What fails here costs durability only:
+/// a report can always be made again.
+fn sync(folder: &Path) {
+    #[cfg(target_os = "linux")]
+    if let Ok(folder) = std::fs::File::open(folder) {
+        let _ = rustix::fs::syncfs(folder);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = folder;
+}
+
+/// Removes what renderings that were cut short left behind.
+fn remove_leftovers(folder: &Path) {
+    let prefix = format!(".{REPORT_FOLDER}-");
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(&prefix) {
+            let _ = std::fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::Input, PipelineError> {
+    let runs = context.store.runs()?;
+    let mut news: Vec<report::News> =
+        runs.iter().map(|run| report::News { run_path: run.path.clone(), at: run.ingested_at.clone() }).collect();
+    news.sort_by(|a, b| b.at.cmp(&a.at).then_with(|| a.run_path.cmp(&b.run_path)));
+    Ok(report::Input {
+        campaign: context.campaign.clone(),
+        superseded: context.store.superseded_runs()?,
+        files: context.store.files()?.iter().map(|file| file.source_file()).collect(),
+        origin: report::Origin {
+            program: format!("ieap {CODE_VERSION}"),
+            database: format!("change {changes} of {changed_at}"),
+        },
+        news,
+        runs,
+    })
+}
+
+fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
+    let path = path.to_owned();
+    move |source| PipelineError::File { path, doing, source }
+}

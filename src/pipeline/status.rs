@@ -1,0 +1,127 @@
+//! Counts: runs by state, refused files with reasons, gaps in the condition matrix, what is out of date.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::context::CODE_VERSION;
+use super::{Context, PipelineError};
+use crate::domain::tag::keys;
+use crate::domain::{FileState, Issue, RunRecord, RunState};
+
+/// The state of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Status {
+    /// Campaign id.
+    pub campaign: String,
+    /// Number of current runs.
+    pub runs: usize,
+    /// Current runs by state; fitted ones counted as `fitted`.
+    pub runs_by_state: BTreeMap<&'static str, usize>,
+    /// Runs that wait for tags, with what is missing.
+    pub untagged: Vec<Reasoned>,
+    /// Runs that are tagged but could not be fitted, with the reason.
+    pub not_fitted: Vec<Reasoned>,
+    /// Files that were refused.
+    pub refused: Vec<Reasoned>,
+    /// Files that wait: empty, header only, still growing.
+    pub pending: Vec<Reasoned>,
+    /// Files that hold the same bytes as a run's file.
+    pub aliases: usize,
+    /// Files of runs that are no longer in the folder.
+    pub missing_files: Vec<String>,
+    /// Conditions without a run, among all combinations of the materials, environments and voltages measured.
+    pub gaps: Vec<Gap>,
+    /// Runs whose fit an older program made.
+    pub fitted_by_older_program: Vec<String>,
+}
+
+/// A file or run with the reasons for its state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reasoned {
+    /// Path relative to the campaign.
+    pub path: String,
+    /// Why.
+    pub issues: Vec<Issue>,
+}
+
+/// A condition that nothing was measured in.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gap {
+    /// Material id.
+    pub material: String,
+    /// Environment id.
+    pub environment: String,
+    /// Nominal voltage, V, as tagged.
+    pub voltage_v: String,
+}
+
+/// Reads the state of a campaign.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn status(context: &Context) -> Result<Status, PipelineError> {
+    let runs = context.store.runs()?;
+    let files = context.store.files()?;
+    let file_list = |state: FileState| {
+        let of_state = files.iter().filter(move |file| file.state == state && file.missing_since.is_none());
+        of_state
+            .map(|file| Reasoned { path: file.path.clone(), issues: file.issue.iter().cloned().collect() })
+            .collect::<Vec<_>>()
+    };
+    let mut runs_by_state = BTreeMap::new();
+    for run in &runs {
+        let state = if run.fit.is_some() { "fitted" } else { run.state.key() };
+        *runs_by_state.entry(state).or_insert(0) += 1;
+    }
+    let missing = files.iter().filter(|file| file.state == FileState::Run && file.missing_since.is_some());
+    Ok(Status {
+        campaign: context.campaign.id.clone(),
+        runs: runs.len(),
+        runs_by_state,
+        untagged: reasoned(&runs, |run| run.state == RunState::Untagged),
+        not_fitted: reasoned(&runs, |run| run.state != RunState::Untagged && run.fit.is_none()),
+        refused: file_list(FileState::Refused),
+        pending: file_list(FileState::Pending),
+        aliases: file_list(FileState::Alias).len(),
+        missing_files: missing.map(|file| file.path.clone()).collect(),
+        gaps: gaps(context, &runs),
+        fitted_by_older_program: runs
+            .iter()
+            .filter(|run| run.fit_code_version.as_deref().is_some_and(|version| version != CODE_VERSION))
+            .map(|run| run.path.clone())
+            .collect(),
+    })
+}
+
+fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reasoned> {
+    runs.iter()
+        .filter(|run| wanted(run))
+        .map(|run| Reasoned { path: run.path.clone(), issues: run.issues.clone() })
+        .collect()
+}
+
+fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {
+    let condition = |run: &RunRecord| {
+        let material = context.campaign.sample(run.tag(keys::SAMPLE)?)?.material.clone();
+        Some((material, run.tag(keys::ENVIRONMENT)?.to_owned(), run.tag(keys::VOLTAGE_V)?.to_owned()))
+    };
+    let measured: BTreeSet<_> = runs.iter().filter_map(condition).collect();
+    let axis = |pick: fn(&(String, String, String)) -> &String| -> BTreeSet<String> {
+        measured.iter().map(|condition| pick(condition).clone()).collect()
+    };
+    let (materials, environments, voltages) = (axis(|c| &c.0), axis(|c| &c.1), axis(|c| &c.2));
+    let mut gaps = Vec::new();
+    for material in &materials {
+        for environment in &environments {
+            for voltage_v in &voltages {
+                let condition = (material.clone(), environment.clone(), voltage_v.clone());
+                if !measured.contains(&condition) {
+                    let (material, environment, voltage_v) = condition;
+                    gaps.push(Gap { material, environment, voltage_v });
+                }
+            }
+        }
+    }
+    gaps
+}
