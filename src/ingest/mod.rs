@@ -1,5 +1,12 @@
 //! From files to runs: formats, tags, archive, scanner and watcher.
 
+pub mod archive;
+pub mod campaign_file;
+pub mod filesystem;
+pub mod name_pattern;
 pub mod reading;
+pub mod scan;
+pub mod tags;
+pub mod watch;
 
 pub use reading::{Reading, RunTable, StartedAt, Timestamp};
