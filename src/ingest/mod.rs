@@ -1,6 +1,14 @@
 //! From files to runs: formats, tags, archive, scanner and watcher.
 
+pub mod archive;
+pub mod campaign_file;
+pub mod data_hash;
+pub mod derived;
 pub mod drive;
+pub mod filesystem;
+pub mod name_pattern;
 pub mod reading;
+pub mod scan;
+pub mod tags;
 
 pub use reading::{Reading, RunTable, StartedAt, Timestamp};

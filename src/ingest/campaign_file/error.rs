@@ -1,0 +1,116 @@
+//! Why a campaign.toml cannot be used.
+
+use std::path::PathBuf;
+
+use crate::ingest::name_pattern::PatternError;
+
+/// Why a campaign.toml cannot be used: where, what was found, what is needed, how to mend it.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignFileError {
+    /// There is no such file.
+    #[error("{}: not found; a campaign folder needs it: `ieap init` writes one", path.display())]
+    Missing {
+        /// The file looked for.
+        path: PathBuf,
+    },
+    /// The operating system refused to read it.
+    #[error("{}: cannot be read ({source}); give your user the right to read it", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The bytes are no UTF-8.
+    #[error("{}, line {line}: a character is not UTF-8; save the file with the encoding UTF-8", path.display())]
+    NotUtf8 {
+        /// The file.
+        path: PathBuf,
+        /// Line of the first such byte.
+        line: usize,
+    },
+    /// The text is no TOML.
+    #[error("{}, line {line}, column {column}: not TOML: {found}; correct that line (see https://toml.io)", path.display())]
+    NotToml {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What the TOML reader says.
+        found: String,
+    },
+    /// A value has another type than needed.
+    #[error("{}, line {line}, column {column}: {found}; numbers stand without quotes (5.0), texts with quotes (\"CNaf\")", path.display())]
+    WrongType {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What was found and what was expected.
+        found: String,
+    },
+    /// A needed key is missing or empty.
+    #[error("{}, {place}: `{key}` is missing or empty; add {key} = \"...\"", path.display())]
+    MissingKey {
+        /// The file.
+        path: PathBuf,
+        /// The table: `[campaign]`, `line 8, [[sample]]`.
+        place: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// Two entries have the same id.
+    #[error("{}, {place}: the id \"{id}\" is already taken by an entry above; give each its own id", path.display())]
+    DuplicateId {
+        /// The file.
+        path: PathBuf,
+        /// The second entry: `line 14, [[sample]]`.
+        place: String,
+        /// The id.
+        id: String,
+    },
+    /// A number that cannot be.
+    #[error("{}, {place}: {key} = {found} cannot be: {needed} is needed", path.display())]
+    NumberOutOfRange {
+        /// The file.
+        path: PathBuf,
+        /// The entry: `line 8, [[sample]] "CNaf-01"`.
+        place: String,
+        /// The key.
+        key: &'static str,
+        /// The number found.
+        found: f64,
+        /// What is needed: `a number above 0`.
+        needed: &'static str,
+    },
+    /// A time zone that the IANA database does not know.
+    #[error("{}, [campaign]: the time zone \"{found}\" is not known; write an IANA name such as \"Europe/Tallinn\" or \"UTC\"", path.display())]
+    UnknownTimezone {
+        /// The file.
+        path: PathBuf,
+        /// The name found.
+        found: String,
+    },
+    /// A name pattern that cannot be used.
+    #[error("{}, [runs] name_pattern: {source}", path.display())]
+    BadNamePattern {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: PatternError,
+    },
+    /// The runs folder is not one inside the campaign.
+    #[error("{}, [runs] folder = \"{found}\": {reason}; name a folder inside the campaign, such as \"runs\"", path.display())]
+    FolderOutside {
+        /// The file.
+        path: PathBuf,
+        /// The folder found.
+        found: String,
+        /// Why it is refused: `it leads out of the campaign`.
+        reason: &'static str,
+    },
+}

@@ -1,0 +1,96 @@
+//! Keys of campaign.toml that nothing reads, with the known key that was probably meant.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::{line_and_column, nearest};
+use crate::domain::Issue;
+
+/// Each table with the keys that it may hold.
+const KNOWN: [(&str, &[&str]); 5] = [
+    (
+        "campaign",
+        &["id", "title", "timezone", "notice", "model", "group_by"],
+    ),
+    (
+        "sample",
+        &[
+            "id",
+            "material",
+            "length_mm",
+            "width_mm",
+            "thickness_mm",
+            "area_cm2",
+            "batch",
+        ],
+    ),
+    (
+        "material",
+        &[
+            "id",
+            "electrode",
+            "membrane",
+            "electrolyte",
+            "current_collector",
+            "reinforcement",
+            "electrode_thickness_um",
+            "membrane_thickness_um",
+        ],
+    ),
+    (
+        "environment",
+        &["id", "relative_humidity_percent", "temperature_c", "pressure_pa"],
+    ),
+    ("runs", &["folder", "name_pattern"]),
+];
+
+/// One warning for each key that is not known, in the file's order.
+pub(super) fn unknown_keys(file: &DeTable, text: &str) -> Vec<Issue> {
+    let mut found = Vec::new();
+    for (name, value) in file {
+        match KNOWN.iter().find(|(table, _)| table == name.get_ref()) {
+            Some((table, keys)) => in_value(value.get_ref(), table, keys, &mut found),
+            None => found.push((name.span().start, warning(name.get_ref(), "", &table_names()))),
+        }
+    }
+    found.sort_by_key(|(offset, _)| *offset);
+    let place = |offset| {
+        let (line, column) = line_and_column(text, offset);
+        format!("line {line}, column {column}")
+    };
+    found
+        .into_iter()
+        .map(|(offset, issue)| issue.at(place(offset)))
+        .collect()
+}
+
+fn table_names() -> Vec<&'static str> {
+    KNOWN.iter().map(|(table, _)| *table).collect()
+}
+
+fn in_value(value: &DeValue, table: &str, keys: &[&str], found: &mut Vec<(usize, Issue)>) {
+    if let Some(entries) = value.as_array() {
+        for entry in entries {
+            in_value(Spanned::get_ref(entry), table, keys, found);
+        }
+    }
+    for (key, _) in value.as_table().into_iter().flatten() {
+        if !keys.contains(&&**key.get_ref()) {
+            found.push((key.span().start, warning(key.get_ref(), table, keys)));
+        }
+    }
+}
+
+fn warning(key: &str, table: &str, known: &[&str]) -> Issue {
+    let of_table = if table.is_empty() {
+        String::new()
+    } else {
+        format!(" of [{table}]")
+    };
+    let message = format!("the key `{key}`{of_table} is not known and is not used");
+    let mend = match nearest(key, known.iter().copied()) {
+        Some(meant) => format!("write `{meant}` if that is meant"),
+        None => format!("known here: {}", known.join(", ")),
+    };
+    Issue::warning("unknown-key", message).mend(mend)
+}

@@ -1,0 +1,53 @@
+//! The campaign.toml that `ieap init` writes.
+
+/// A commented campaign.toml for a campaign of that id. Samples and environments stand as comments, so that
+/// no invented dimension is ever taken for a measured one.
+pub fn template(id: &str) -> String {
+    let id = toml::Value::String(id.to_owned());
+    format!(
+        r#"# A campaign of runs on ionic electroactive polymer actuators. Lines that start with # are comments:
+# take the # away from a line to use it. Units stand in the names.
+
+[campaign]
+id = {id}                               # short name, for files and pages
+title = {id}                            # what stands above the report
+# timezone = "Europe/Tallinn"            # for times in files that state no offset
+# notice = "simulated, not measured"     # printed on every page of the report
+# model = "lumped-2"                     # model that runs are fitted with
+# group_by = ["sample", "environment", "relative_humidity_percent"]
+
+# One entry for each strip. Runs name it by the tag `sample`.
+# [[sample]]
+# id = "CNaf-01"
+# material = "CNaf"                      # one column group in the tables
+# length_mm = 5.0                        # free length
+# width_mm = 2.0
+# thickness_mm = 0.22
+# area_cm2 = 0.1                         # only where it is not length times width
+# batch = "2026-03"
+
+# What the tables say of a material (optional).
+# [[material]]
+# id = "CNaf"
+# electrode = "CDC + Nafion"
+# membrane = "Nafion 117"
+# electrolyte = "EMImTFS"
+# current_collector = "gold foil"
+# reinforcement = "none"
+# electrode_thickness_um = 30.0
+# membrane_thickness_um = 200.0
+
+# vacuum, inert and air are known without an entry. An entry gives what holds where nothing was measured.
+# [[environment]]
+# id = "air"
+# relative_humidity_percent = 34.0
+# temperature_c = 22.0
+# pressure_pa = 101325.0
+
+[runs]
+folder = "runs"                          # every file in it and below it is looked at
+# Reads tags from file names, here CNaf-01_air_rh34_2.5V_1.csv:
+# name_pattern = "{{sample}}_{{environment}}_rh{{relative_humidity_percent}}_{{voltage_v}}V_{{cycle}}"
+"#
+    )
+}

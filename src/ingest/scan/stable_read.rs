@@ -1,0 +1,190 @@
+//! Reads a file whole, and only if nobody wrote to it meanwhile.
+
+use std::fs::{self, File, Metadata, OpenOptions};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::{identity, modified_ns};
+
+/// Largest file that is read unless the caller says otherwise: 1 GiB.
+pub const DEFAULT_LIMIT_BYTES: u64 = 1 << 30;
+
+/// Why a file was not read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadFileError {
+    /// It has gone.
+    #[error("{}: the file has gone", path.display())]
+    Gone {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error("{}: the file cannot be opened ({source}); give your user the right to read it", path.display())]
+    Denied {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The name is a link, and links are followed by the scan only.
+    #[error("{}: a link stands where a file was expected; put the file itself there", path.display())]
+    IsLink {
+        /// The link.
+        path: PathBuf,
+    },
+    /// Neither file nor link.
+    #[error("{}: not a file; take it out of the runs folder", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
+    /// Larger than the limit.
+    #[error("{}: {size_bytes} bytes, more than the limit of {limit_bytes} bytes; split the export, or raise the limit", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        size_bytes: u64,
+        /// The limit.
+        limit_bytes: u64,
+    },
+    /// Somebody wrote to it while it was read.
+    #[error("{}: still being written ({before_bytes} bytes when opened, {after_bytes} after reading); it is read when it rests", path.display())]
+    StillGrowing {
+        /// The file.
+        path: PathBuf,
+        /// Size when opened.
+        before_bytes: u64,
+        /// Size after reading, or bytes read where that differs.
+        after_bytes: u64,
+    },
+    /// Reading failed midway.
+    #[error("{}: reading failed ({source}); check the disk or share, then try again", path.display())]
+    Failed {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+}
+
+/// Reads the file at `path`, which must be no link, if it is not larger than `limit_bytes` and has the same
+/// size, modification time and inode before and after.
+///
+/// # Errors
+/// Each reason why there are no bytes that can be trusted, [`ReadFileError`].
+pub fn read_stable(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ReadFileError> {
+    let opened = open(path)?;
+    let failed = |source| ReadFileError::Failed {
+        path: path.into(),
+        source,
+    };
+    let before = opened.metadata().map_err(failed)?;
+    if !before.is_file() {
+        return Err(ReadFileError::NotAFile { path: path.into() });
+    }
+    let size_bytes = before.len();
+    if size_bytes > limit_bytes {
+        return Err(ReadFileError::TooLarge {
+            path: path.into(),
+            size_bytes,
+            limit_bytes,
+        });
+    }
+    let mut bytes = Vec::with_capacity(usize::try_from(size_bytes).unwrap_or(0));
+    // One byte more than expected is enough to know that it grew.
+    (&opened)
+        .take(size_bytes + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
+    let same = |after: &Metadata| fingerprint(after) == fingerprint(&before);
+    let still_growing = |after_bytes| ReadFileError::StillGrowing {
+        path: path.into(),
+        before_bytes: size_bytes,
+        after_bytes,
+    };
+    // The name is asked as well as the open file: it may stand for another file by now.
+    match (opened.metadata(), fs::symlink_metadata(path)) {
+        (Ok(after), Ok(named)) if same(&after) && same(&named) && bytes.len() as u64 == size_bytes => {
+            Ok(bytes)
+        }
+        (Ok(after), Ok(_)) => Err(still_growing(after.len().max(bytes.len() as u64))),
+        (_, Err(error)) if error.kind() == io::ErrorKind::NotFound => {
+            Err(ReadFileError::Gone { path: path.into() })
+        }
+        (Err(source), _) | (_, Err(source)) => Err(failed(source)),
+    }
+}
+
+fn fingerprint(metadata: &Metadata) -> (u64, i64, (u64, u64)) {
+    (metadata.len(), modified_ns(metadata), identity(metadata))
+}
+
+/// Opens without following a link and without waiting for the writer of a pipe.
+fn open(path: &Path) -> Result<File, ReadFileError> {
+    use std::os::unix::fs::OpenOptionsExt;
+    let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
+    let opened = OpenOptions::new()
+        .read(true)
+        .custom_flags(flags.bits().cast_signed())
+        .open(path);
+    opened.map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => ReadFileError::Gone { path: path.into() },
+        _ if fs::symlink_metadata(path).is_ok_and(|named| named.is_symlink()) => {
+            ReadFileError::IsLink { path: path.into() }
+        }
+        _ => ReadFileError::Denied {
+            path: path.into(),
+            source,
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_at_rest_is_read_whole_and_an_empty_one_is_empty() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        for text in [&b""[..], b"time_s,current_a\n0,1\n"] {
+            fs::write(&path, text).unwrap();
+            assert_eq!(read_stable(&path, DEFAULT_LIMIT_BYTES).unwrap(), text);
+        }
+    }
+
+    #[test]
+    fn what_is_no_file_is_refused_with_its_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        assert!(matches!(read_stable(&path, 10), Err(ReadFileError::Gone { .. })));
+        fs::write(&path, [0; 11]).unwrap();
+        let error = read_stable(&path, 10).unwrap_err();
+        assert!(
+            error.to_string().contains("11 bytes, more than the limit of 10"),
+            "{error}"
+        );
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        assert!(matches!(
+            read_stable(&link, 99),
+            Err(ReadFileError::IsLink { .. })
+        ));
+        assert!(matches!(
+            read_stable(folder.path(), 99),
+            Err(ReadFileError::NotAFile { .. })
+        ));
+    }
+
+    #[test]
+    fn a_pipe_without_a_writer_does_not_block() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pipe");
+        rustix::fs::mkfifoat(rustix::fs::CWD, &path, rustix::fs::Mode::RWXU).unwrap();
+        assert!(matches!(
+            read_stable(&path, 99),
+            Err(ReadFileError::NotAFile { .. })
+        ));
+    }
+}

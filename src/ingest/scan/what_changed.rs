@@ -1,0 +1,174 @@
+//! What is new, changed or gone between what is stored and what a scan saw.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Scan, SeenFile};
+
+/// A file as it is stored from the scan before.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Known {
+    /// Path as text, [`super::display_path`].
+    pub display: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// Modification time, ns since 1970.
+    pub modified_ns: i64,
+    /// Inode; 0 where it is not known, and then not compared.
+    pub inode: u64,
+    /// Whether an earlier scan already found it gone.
+    pub missing: bool,
+}
+
+/// The difference between what is stored and what a scan saw, each list in the order of the paths.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Seen for the first time.
+    pub new: Vec<SeenFile>,
+    /// Other size, modification time or inode than stored, or back after it was gone: read it again.
+    pub changed: Vec<SeenFile>,
+    /// As stored.
+    pub unchanged: Vec<SeenFile>,
+    /// Stored, not marked missing, and not seen any more.
+    pub gone: Vec<String>,
+    /// Stored and not seen, but their folder could not be looked into: nothing is known of them.
+    pub out_of_sight: Vec<String>,
+}
+
+impl Changes {
+    /// Whether nothing is left of what was known: a share that came back empty looks the same as a folder
+    /// that was emptied, so say it before marking anything.
+    pub fn everything_gone(&self) -> bool {
+        !self.gone.is_empty() && self.new.is_empty() && self.changed.is_empty() && self.unchanged.is_empty()
+    }
+}
+
+/// Compares what is stored with what a scan saw.
+pub fn diff(known: &[Known], seen: &Scan) -> Changes {
+    let stored: BTreeMap<&str, &Known> = known.iter().map(|file| (file.display.as_str(), file)).collect();
+    let present: BTreeSet<&str> = seen.files.iter().map(|file| file.display.as_str()).collect();
+    let mut changes = Changes::default();
+    for file in &seen.files {
+        let list = match stored.get(file.display.as_str()) {
+            None => &mut changes.new,
+            Some(known) if known.missing || differs(known, file) => &mut changes.changed,
+            Some(_) => &mut changes.unchanged,
+        };
+        list.push(file.clone());
+    }
+    for (display, known) in stored {
+        if known.missing || present.contains(display) {
+            continue;
+        }
+        let list = if is_below(display, &seen.unreadable) {
+            &mut changes.out_of_sight
+        } else {
+            &mut changes.gone
+        };
+        list.push(display.to_owned());
+    }
+    changes
+}
+
+fn differs(known: &Known, seen: &SeenFile) -> bool {
+    let other_inode = known.inode != 0 && seen.inode != 0 && known.inode != seen.inode;
+    known.size_bytes != seen.size_bytes || known.modified_ns != seen.modified_ns || other_inode
+}
+
+fn is_below(display: &str, folders: &[String]) -> bool {
+    folders.iter().any(|folder| {
+        let rest = display.strip_prefix(folder.as_str());
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known(display: &str, size_bytes: u64, modified_ns: i64, inode: u64, missing: bool) -> Known {
+        Known {
+            display: display.to_owned(),
+            size_bytes,
+            modified_ns,
+            inode,
+            missing,
+        }
+    }
+
+    fn seen(display: &str, size_bytes: u64, modified_ns: i64, inode: u64) -> SeenFile {
+        SeenFile {
+            relative: display.into(),
+            display: display.to_owned(),
+            size_bytes,
+            modified_ns,
+            inode,
+            age: None,
+            link_target: None,
+        }
+    }
+
+    /// Which list the one file goes to.
+    fn list(known: Option<Known>, seen: Option<SeenFile>, unreadable: &[&str]) -> &'static str {
+        let scan = Scan {
+            files: seen.into_iter().collect(),
+            unreadable: unreadable.iter().map(|folder| (*folder).to_owned()).collect(),
+            ..Scan::default()
+        };
+        let changes = diff(known.as_slice(), &scan);
+        let lengths = [
+            (changes.new.len(), "new"),
+            (changes.changed.len(), "changed"),
+            (changes.unchanged.len(), "unchanged"),
+            (changes.gone.len(), "gone"),
+            (changes.out_of_sight.len(), "out of sight"),
+        ];
+        let filled: Vec<&str> = lengths
+            .iter()
+            .filter(|(n, _)| *n > 0)
+            .map(|(_, name)| *name)
+            .collect();
+        assert!(filled.len() <= 1, "{changes:?}");
+        filled.first().copied().unwrap_or("nothing")
+    }
+
+    #[test]
+    fn each_case_goes_to_its_list() {
+        let stored = || Some(known("runs/a/x.csv", 10, 100, 7, false));
+        let lost = || Some(known("runs/a/x.csv", 10, 100, 7, true));
+        let file = |size, time, inode| Some(seen("runs/a/x.csv", size, time, inode));
+        for (before, now, unreadable, expected) in [
+            (None, file(10, 100, 7), &[][..], "new"),
+            (stored(), file(10, 100, 7), &[], "unchanged"),
+            (stored(), file(11, 100, 7), &[], "changed"),
+            (stored(), file(10, 99, 7), &[], "changed"), // a copy that keeps an older time
+            (stored(), file(10, 101, 7), &[], "changed"), // within the same second
+            (stored(), file(10, 100, 8), &[], "changed"), // replaced by rename
+            (stored(), file(10, 100, 0), &[], "unchanged"), // the file system gives no inode
+            (stored(), None, &[], "gone"),
+            (stored(), None, &["runs/a"], "out of sight"),
+            (stored(), None, &["runs/a/x.csv"], "out of sight"),
+            (stored(), None, &["runs/a/x"], "gone"),
+            (stored(), None, &["run"], "gone"),
+            (lost(), None, &[], "nothing"),
+            (lost(), file(10, 100, 7), &[], "changed"),
+        ] {
+            assert_eq!(
+                list(before.clone(), now.clone(), unreadable),
+                expected,
+                "{before:?} {now:?} {unreadable:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_emptied_folder_is_told_from_single_losses() {
+        let stored = [known("runs/a", 1, 1, 1, false), known("runs/b", 1, 1, 2, false)];
+        assert!(diff(&stored, &Scan::default()).everything_gone());
+        let one_left = Scan {
+            files: vec![seen("runs/b", 1, 1, 2)],
+            ..Scan::default()
+        };
+        assert!(!diff(&stored, &one_left).everything_gone());
+        assert!(!diff(&[], &Scan::default()).everything_gone());
+    }
+}
