@@ -1,1 +1,28 @@
-//! The verbs as values.
+//! The verbs as values: the command line, the watcher and the tests call the same ones.
+
+mod context;
+mod error;
+mod fit;
+pub mod fits_document;
+mod ingest;
+mod init;
+pub mod inspect;
+mod observer;
+mod report;
+mod run;
+pub mod simulate;
+pub mod status;
+mod swap;
+mod tag;
+mod watch;
+
+pub use context::{CODE_VERSION, Context};
+pub use error::PipelineError;
+pub use fit::{FitRuns, FitSummary};
+pub use ingest::{Ingest, IngestSummary};
+pub use init::init;
+pub use observer::{Observer, Silent};
+pub use report::{REPORT_FOLDER, RenderReport, ReportSummary};
+pub use run::{Run, RunSummary};
+pub use tag::{SetTags, TagSummary};
+pub use watch::{Watch, WatchSettings};

@@ -212,6 +212,17 @@ impl Store {
             .map_err(|e| self.failed(doing, e))
     }
 
+    /// Path of a run's first file.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn first_file(&self, run_id: i64) -> Result<Option<String>, StoreError> {
+        self.connection
+            .prepare_cached("SELECT path FROM run_file WHERE run_id = ?1 ORDER BY ordinal LIMIT 1")
+            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)).optional())
+            .map_err(|e| self.failed("reading a run", e))
+    }
+
     /// Whether the run's clock starts at the voltage step, and whether its technique is a step response.
     ///
     /// # Errors

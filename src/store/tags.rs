@@ -41,21 +41,21 @@ impl Store {
         })
     }
 
-    /// The newest hand tag of every run and key, taken-back ones left out, in order of run and key.
+    /// The newest hand tag of each key of a run, taken-back ones left out, in order of the keys.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn hand_tags(&self) -> Result<Vec<HandTag>, StoreError> {
+    pub fn hand_tags(&self, run_path: &str) -> Result<Vec<HandTag>, StoreError> {
         let doing = "reading hand tags";
         let sql = "SELECT run_path, key, value, set_by, set_at FROM hand_tag
-                   WHERE id IN (SELECT max(id) FROM hand_tag GROUP BY run_path, key) AND value IS NOT NULL
-                   ORDER BY run_path, key";
+                   WHERE id IN (SELECT max(id) FROM hand_tag WHERE run_path = ?1 GROUP BY key) AND value IS NOT NULL
+                   ORDER BY key";
         let mut statement = self
             .connection
             .prepare_cached(sql)
             .map_err(|e| self.failed(doing, e))?;
         let rows = statement
-            .query_map([], |row| {
+            .query_map([run_path], |row| {
                 Ok(HandTag {
                     run_path: row.get(0)?,
                     key: row.get(1)?,
@@ -91,7 +91,7 @@ mod tests {
         store
             .add_hand_tags(now, &[tag("sample", Some("B")), tag("note", None)])
             .unwrap();
-        let kept = store.hand_tags().unwrap();
+        let kept = store.hand_tags("runs/a.csv").unwrap();
         assert_eq!(kept, vec![tag("sample", Some("B"))]);
     }
 }

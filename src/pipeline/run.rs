@@ -1,0 +1,53 @@
+//! The main job, once: ingest, fit, render.
+
+use serde::Serialize;
+
+use super::{
+    Context, FitRuns, FitSummary, Ingest, IngestSummary, Observer, PipelineError, RenderReport, ReportSummary,
+};
+use crate::ingest::scan::SeenFile;
+
+/// The verb `run`.
+#[derive(Debug, Clone, Default)]
+pub struct Run {
+    /// Model to fit with; none takes the campaign's.
+    pub model: Option<String>,
+}
+
+/// What `run` did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunSummary {
+    /// Files and runs.
+    pub ingest: IngestSummary,
+    /// Fits.
+    pub fit: FitSummary,
+    /// The report.
+    pub report: ReportSummary,
+}
+
+impl Run {
+    /// Does the main job once with every file that is there. A file that is still written when it is read is
+    /// noticed (its size or time changes, or its last line is not whole) and taken as a new revision later.
+    ///
+    /// # Errors
+    /// See the single steps.
+    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<RunSummary, PipelineError> {
+        self.run_ready(context, observer, &mut |_| true)
+    }
+
+    /// The same with those files only that `ready` lets pass.
+    ///
+    /// # Errors
+    /// See the single steps.
+    pub fn run_ready(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+        ready: &mut dyn FnMut(&SeenFile) -> bool,
+    ) -> Result<RunSummary, PipelineError> {
+        let ingest = Ingest { ready }.run(context, observer)?;
+        let fit = FitRuns { model: self.model.clone(), again: false }.run(context, observer)?;
+        let report = RenderReport::default().run(context, observer)?;
+        Ok(RunSummary { ingest, fit, report })
+    }
+}

@@ -1,0 +1,87 @@
+//! Sets tags by hand.
+
+use serde::Serialize;
+
+use super::context::now;
+use super::{Context, Observer, PipelineError};
+use crate::domain::{Issue, RunState};
+use crate::pipeline::ingest::retag_runs;
+use crate::store::HandTag;
+
+/// The verb `tag`.
+#[derive(Debug, Clone)]
+pub struct SetTags {
+    /// The run's name.
+    pub run: String,
+    /// Keys and values; an empty value takes an earlier hand tag back.
+    pub pairs: Vec<(String, String)>,
+    /// Who sets them.
+    pub set_by: String,
+}
+
+/// What `tag` did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TagSummary {
+    /// The run.
+    pub run: String,
+    /// Its state now.
+    pub state: &'static str,
+    /// Its chosen tags now: key, value, source.
+    pub tags: Vec<(String, String, String)>,
+    /// What a reader must know of its tags.
+    pub issues: Vec<Issue>,
+}
+
+impl SetTags {
+    /// Stores the tags and tags the run again.
+    ///
+    /// # Errors
+    /// No run has that name, or the database refuses.
+    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<TagSummary, PipelineError> {
+        let run_path = self.known_run(context)?;
+        let now = now();
+        let tag = |(key, value): &(String, String)| HandTag {
+            run_path: run_path.clone(),
+            key: key.clone(),
+            value: (!value.is_empty()).then(|| value.clone()),
+            set_by: self.set_by.clone(),
+            set_at: now.clone(),
+        };
+        context.store.add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
+        retag_runs(context, observer)?;
+        let runs = context.store.runs()?;
+        let found = runs.into_iter().find(|run| run.path == run_path);
+        let Some(run) = found else { return Err(unknown(&run_path, "")) };
+        let mut seen = std::collections::BTreeSet::new();
+        let chosen = run.tags.iter().take_while(|tag| seen.insert(tag.key.clone()));
+        Ok(TagSummary {
+            state: if run.state == RunState::Ready { "ready" } else { run.state.key() },
+            tags: chosen.map(|t| (t.key.clone(), t.value.clone(), t.source.label().to_owned())).collect(),
+            issues: run.issues,
+            run: run.path,
+        })
+    }
+
+    /// The run meant: by its whole name, or by the end of it where only one run ends so.
+    fn known_run(&self, context: &Context) -> Result<String, PipelineError> {
+        let names: Vec<String> = context.store.tag_digests()?.into_iter().map(|(_, path, _)| path).collect();
+        let wanted = self.run.trim_start_matches("./").replace('\\', "/");
+        if names.contains(&wanted) {
+            return Ok(wanted);
+        }
+        let ends: Vec<&String> = names.iter().filter(|name| name.ends_with(&format!("/{wanted}"))).collect();
+        match ends.as_slice() {
+            [one] => Ok((*one).clone()),
+            [] => {
+                let file = wanted.rsplit('/').next().unwrap_or(&wanted);
+                let near = names.iter().find(|name| name.ends_with(file) || name.contains(&wanted));
+                Err(unknown(&self.run, &near.map(|name| format!(" Is {name} meant?")).unwrap_or_default()))
+            }
+            _ => Err(unknown(&self.run, &format!(" {} runs end so; give the whole name.", ends.len()))),
+        }
+    }
+}
+
+fn unknown(found: &str, nearest: &str) -> PipelineError {
+    PipelineError::UnknownRun { found: found.to_owned(), nearest: nearest.to_owned() }
+}
