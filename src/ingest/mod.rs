@@ -1,5 +1,7 @@
 //! From files to runs: formats, tags, archive, scanner and watcher.
 
+pub mod formats;
 pub mod reading;
+pub mod text;
 
 pub use reading::{Reading, RunTable, StartedAt, Timestamp};
