@@ -11,6 +11,7 @@ pub mod quantity;
 pub mod run;
 pub mod tag;
 pub mod thinning;
+pub mod unit;
 
 pub use campaign::{Campaign, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};

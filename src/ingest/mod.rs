@@ -6,9 +6,11 @@ pub mod data_hash;
 pub mod derived;
 pub mod drive;
 pub mod filesystem;
+pub mod formats;
 pub mod name_pattern;
 pub mod reading;
 pub mod scan;
 pub mod tags;
+pub mod text;
 
 pub use reading::{Reading, RunTable, StartedAt, Timestamp};

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::PipelineError;
 use crate::domain::{Issue, Quantity};
-use crate::ingest::formats::{self, Candidate};
+use crate::ingest::formats::{self, Candidate, FileHead, ReadContext};
 use crate::ingest::{Reading, RunTable, StartedAt};
 
 /// A file as a reader sees it.
@@ -93,10 +93,12 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
         doing: "reading the file",
         source,
     })?;
-    let name = file.file_name().unwrap_or_default();
-    let candidates = formats::candidates(name, &bytes);
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shown = file.display().to_string();
-    Ok(match formats::read(name, &bytes) {
+    let recognised = formats::recognise(&FileHead::of(&name, &bytes));
+    let candidates = recognised.as_ref().map_or(Vec::new(), |(_, candidates)| candidates.clone());
+    let read = recognised.and_then(|(format, _)| format.read(&bytes, &ReadContext::default()));
+    Ok(match read {
         Ok(reading) => of_reading(shown, &candidates, &reading),
         Err(error) => refused(shown, &candidates, error.issue(), error.is_pending()),
     })

@@ -41,12 +41,14 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
     let mut header = input.header_tags.clone();
     header.extend(input.started_at.as_ref().and_then(start_tag));
     let files = [parse_display_path(input.file_path)];
+    // A table of a file with several has the file's name; a joined run has the name of the stem.
+    let named = if input.run_path.starts_with(input.file_path) { input.file_path } else { input.run_path };
     let from_channel = drive::find(input.channels, input.time_zero_is_step, None, &[]);
     let request = TagRequest {
         campaign: &context.campaign,
         folder: &context.folder,
         data_files: &files,
-        stem: &tags::stem(&parse_display_path(input.run_path)),
+        stem: &tags::stem(&parse_display_path(named)),
         hand: &hand,
         header: &header,
         channel_voltage_v: from_channel.drive.as_ref().map(|d| rounded_level(d.nominal_step_v())),

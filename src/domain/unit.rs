@@ -1,0 +1,414 @@
+//! Units as files spell them, and their conversion to the canonical unit of a quantity.
+
+use thiserror::Error;
+
+use super::Quantity;
+
+/// What a unit measures; only units of the same dimension convert into each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Dimension {
+    /// Canonical s.
+    Time,
+    /// Canonical V.
+    Voltage,
+    /// Canonical A.
+    Current,
+    /// Canonical 1/cm.
+    Curvature,
+    /// Canonical mm.
+    Length,
+    /// Canonical mN.
+    Force,
+    /// Canonical degrees Celsius.
+    Temperature,
+    /// Canonical percent.
+    Ratio,
+    /// Canonical Pa.
+    Pressure,
+}
+
+/// Conversion of a reading to the canonical unit: `(value + before) * numerator / denominator + after`.
+///
+/// Numerator and denominator stand apart so that 0.3 mA becomes the double nearest to 0.0003, not one beside it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conversion {
+    before: f64,
+    numerator: f64,
+    denominator: f64,
+    after: f64,
+}
+
+impl Conversion {
+    /// Leaves readings as they are.
+    pub const IDENTITY: Conversion = Conversion::scale(1.0, 1.0);
+
+    const fn scale(numerator: f64, denominator: f64) -> Conversion {
+        Conversion {
+            before: 0.0,
+            numerator,
+            denominator,
+            after: 0.0,
+        }
+    }
+
+    /// The reading in the canonical unit.
+    pub fn apply(self, value: f64) -> f64 {
+        if self == Conversion::IDENTITY {
+            return value;
+        }
+        (value + self.before) * self.numerator / self.denominator + self.after
+    }
+}
+
+/// Why a unit cannot be used for a quantity.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum UnitError {
+    /// Nothing is written where a unit must stand.
+    #[error("{quantity} has no unit; known are {known}")]
+    Missing {
+        /// Label of the quantity.
+        quantity: &'static str,
+        /// Units that would do.
+        known: &'static str,
+    },
+    /// The spelling is not known.
+    #[error("unit \"{found}\" of {quantity} is not known; known are {known}")]
+    Unknown {
+        /// Label of the quantity.
+        quantity: &'static str,
+        /// The unit as written.
+        found: String,
+        /// Units that would do.
+        known: &'static str,
+    },
+    /// The unit measures something else.
+    #[error("unit \"{found}\" does not measure {quantity}; known are {known}")]
+    WrongDimension {
+        /// Label of the quantity.
+        quantity: &'static str,
+        /// The unit as written.
+        found: String,
+        /// Units that would do.
+        known: &'static str,
+    },
+}
+
+/// Dimension of the canonical unit of `quantity`; none for flags and for columns that are not interpreted.
+pub fn dimension(quantity: Quantity) -> Option<Dimension> {
+    Some(match quantity {
+        Quantity::Time => Dimension::Time,
+        Quantity::Voltage => Dimension::Voltage,
+        Quantity::Current => Dimension::Current,
+        Quantity::Curvature => Dimension::Curvature,
+        Quantity::TipDisplacement => Dimension::Length,
+        Quantity::BlockingForce => Dimension::Force,
+        Quantity::Temperature => Dimension::Temperature,
+        Quantity::RelativeHumidity => Dimension::Ratio,
+        Quantity::Pressure => Dimension::Pressure,
+        Quantity::OpenCircuit | Quantity::Other => return None,
+    })
+}
+
+/// Conversion from `unit`, as a file spells it, to the canonical unit of `quantity`.
+///
+/// # Errors
+/// The unit is missing, not known, or measures something else. Flags and uninterpreted columns convert with
+/// any unit, unchanged.
+pub fn conversion(quantity: Quantity, unit: &str) -> Result<Conversion, UnitError> {
+    let Some(wanted) = dimension(quantity) else {
+        return Ok(Conversion::IDENTITY);
+    };
+    let (label, known) = (quantity.label(), known_units(wanted));
+    let spelled = normalise(unit);
+    if matches!(spelled.as_str(), "" | "-") {
+        return Err(UnitError::Missing {
+            quantity: label,
+            known,
+        });
+    }
+    let found = unit.trim().escape_debug().to_string();
+    match parse_as(&spelled, wanted) {
+        Some(conversion) => Ok(conversion),
+        None if is_known(&spelled) => Err(UnitError::WrongDimension {
+            quantity: label,
+            found,
+            known,
+        }),
+        None => Err(UnitError::Unknown {
+            quantity: label,
+            found,
+            known,
+        }),
+    }
+}
+
+/// Whether the spelling is that of any unit ieap converts.
+pub fn is_known(unit: &str) -> bool {
+    let spelled = normalise(unit);
+    Quantity::ALL
+        .into_iter()
+        .filter_map(dimension)
+        .any(|dimension| parse_as(&spelled, dimension).is_some())
+}
+
+/// One spelling for what files write in several: micro and degree signs, powers, bracketed stars, references.
+fn normalise(unit: &str) -> String {
+    let mut text = unit.trim().to_owned();
+    for (from, to) in [
+        ("\u{b5}", "u"),
+        ("\u{3bc}", "u"),
+        ("\u{b0}", "deg"),
+        ("\u{ba}", "deg"),
+        ("\u{2103}", "degC"),
+        ("\u{2109}", "degF"),
+        ("\u{207b}\u{b9}", "-1"),
+        ("\u{2212}", "-"),
+        ("^", ""),
+        ("*", "deg"),
+        ("deg ", "deg"),
+        ("degrees ", "deg"),
+        ("per ", "1/"),
+        ("per_", "1/"),
+    ] {
+        if text.contains(from) {
+            text = text.replace(from, to);
+        }
+    }
+    let bare = text.trim_start_matches(['(', '[']).trim_end_matches([')', ']']);
+    let bare = match bare.to_ascii_lowercase().find(" vs") {
+        Some(reference) => &bare[..reference],
+        None => bare,
+    };
+    bare.chars().filter(|c| !c.is_whitespace()).collect()
+}
+
+fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion> {
+    let word = spelled.to_ascii_lowercase();
+    match dimension {
+        Dimension::Time => time(spelled, &word),
+        Dimension::Voltage => prefixed(spelled, "V").or_else(|| named(&word, &["volt", "volts"])),
+        Dimension::Current => {
+            prefixed(spelled, "A").or_else(|| named(&word, &["amp", "amps", "ampere", "amperes"]))
+        }
+        Dimension::Curvature => curvature(spelled),
+        Dimension::Length => length(spelled),
+        Dimension::Force => force(spelled),
+        Dimension::Temperature => temperature(spelled, &word),
+        Dimension::Ratio => named(&word, &["%", "percent", "%rh", "rh%", "%r.h.", "pct"]),
+        Dimension::Pressure => pressure(spelled, &word),
+    }
+}
+
+fn named(word: &str, names: &[&str]) -> Option<Conversion> {
+    names.contains(&word).then_some(Conversion::IDENTITY)
+}
+
+/// `symbol` behind an SI prefix that laboratory quantities carry; upper-case prefixes are left out on purpose,
+/// for `MA` and `MV` are misspelt milli far more often than mega.
+fn prefixed(spelled: &str, symbol: &str) -> Option<Conversion> {
+    let denominator = match spelled.strip_suffix(symbol)? {
+        "" => 1.0,
+        "m" => 1e3,
+        "u" => 1e6,
+        "n" => 1e9,
+        "p" => 1e12,
+        "f" => 1e15,
+        "k" => return Some(Conversion::scale(1e3, 1.0)),
+        _ => return None,
+    };
+    Some(Conversion::scale(1.0, denominator))
+}
+
+fn time(spelled: &str, word: &str) -> Option<Conversion> {
+    if let Some(conversion) = prefixed(spelled, "s").filter(|_| spelled != "ks" && spelled != "fs") {
+        return Some(conversion);
+    }
+    Some(match word {
+        "sec" | "secs" | "second" | "seconds" => Conversion::IDENTITY,
+        "msec" | "millisecond" | "milliseconds" => Conversion::scale(1.0, 1e3),
+        "usec" | "microsecond" | "microseconds" => Conversion::scale(1.0, 1e6),
+        "min" | "minute" | "minutes" => Conversion::scale(60.0, 1.0),
+        "h" | "hr" | "hrs" | "hour" | "hours" => Conversion::scale(3600.0, 1.0),
+        "d" | "day" | "days" => Conversion::scale(86_400.0, 1.0),
+        _ => return None,
+    })
+}
+
+/// Metres per unit as numerator over denominator.
+fn metres(spelled: &str) -> Option<(f64, f64)> {
+    Some(match spelled {
+        "m" => (1.0, 1.0),
+        "dm" => (1.0, 10.0),
+        "cm" => (1.0, 1e2),
+        "mm" => (1.0, 1e3),
+        "um" | "micron" | "microns" => (1.0, 1e6),
+        "nm" => (1.0, 1e9),
+        _ => return None,
+    })
+}
+
+fn length(spelled: &str) -> Option<Conversion> {
+    let (_, per_metre) = metres(spelled)?;
+    Some(if per_metre <= 1e3 {
+        Conversion::scale(1e3 / per_metre, 1.0)
+    } else {
+        Conversion::scale(1.0, per_metre / 1e3)
+    })
+}
+
+fn curvature(spelled: &str) -> Option<Conversion> {
+    let unit = ["1/", "/"]
+        .into_iter()
+        .find_map(|start| spelled.strip_prefix(start))
+        .or_else(|| spelled.strip_suffix("-1"))?;
+    let (_, per_metre) = metres(unit)?;
+    Some(if per_metre >= 1e2 {
+        Conversion::scale(per_metre / 1e2, 1.0)
+    } else {
+        Conversion::scale(1.0, 1e2 / per_metre)
+    })
+}
+
+fn force(spelled: &str) -> Option<Conversion> {
+    Some(match spelled {
+        "kN" => Conversion::scale(1e6, 1.0),
+        "N" => Conversion::scale(1e3, 1.0),
+        "mN" => Conversion::IDENTITY,
+        "uN" => Conversion::scale(1.0, 1e3),
+        "nN" => Conversion::scale(1.0, 1e6),
+        _ => return None,
+    })
+}
+
+fn temperature(spelled: &str, word: &str) -> Option<Conversion> {
+    Some(match (spelled, word) {
+        ("C", _) | (_, "degc" | "celsius" | "deg.c" | "degcelsius") => Conversion::IDENTITY,
+        ("K", _) | (_, "kelvin" | "degk") => Conversion {
+            after: -273.15,
+            ..Conversion::IDENTITY
+        },
+        ("F", _) | (_, "degf" | "fahrenheit" | "deg.f") => Conversion {
+            before: -32.0,
+            ..Conversion::scale(5.0, 9.0)
+        },
+        _ => return None,
+    })
+}
+
+fn pressure(spelled: &str, word: &str) -> Option<Conversion> {
+    let pascals = match spelled {
+        "Pa" => 1.0,
+        "hPa" => 1e2,
+        "kPa" => 1e3,
+        "MPa" => 1e6,
+        "mPa" => return Some(Conversion::scale(1.0, 1e3)),
+        _ => match word {
+            "bar" => 1e5,
+            "mbar" => 1e2,
+            "ubar" => return Some(Conversion::scale(1.0, 10.0)),
+            "atm" => 101_325.0,
+            "torr" | "mmhg" => return Some(Conversion::scale(101_325.0, 760.0)),
+            "mtorr" => return Some(Conversion::scale(101_325.0, 760_000.0)),
+            _ => return None,
+        },
+    };
+    Some(Conversion::scale(pascals, 1.0))
+}
+
+/// The spellings an error offers; every one is accepted (a test sees to it).
+fn known_units(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::Time => "s, ms, us, min, h, d",
+        Dimension::Voltage => "V, mV, uV, kV",
+        Dimension::Current => "A, mA, uA, nA, pA",
+        Dimension::Curvature => "1/cm, 1/m, 1/mm, cm-1, m^-1, per cm",
+        Dimension::Length => "mm, cm, m, um, nm",
+        Dimension::Force => "mN, N, uN, nN, kN",
+        Dimension::Temperature => "°C, degC, C, K, °F, degF",
+        Dimension::Ratio => "%, percent, %RH",
+        Dimension::Pressure => "Pa, hPa, kPa, MPa, mbar, bar, atm, Torr",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn convert(quantity: Quantity, unit: &str, value: f64) -> f64 {
+        conversion(quantity, unit)
+            .unwrap_or_else(|error| panic!("{unit}: {error}"))
+            .apply(value)
+    }
+
+    #[test]
+    fn spellings_convert_to_the_canonical_unit() {
+        for (quantity, unit, value, canonical) in [
+            (Quantity::Time, "ms", 250.0, 0.25),
+            (Quantity::Time, "min", 1.5, 90.0),
+            (Quantity::Time, "Seconds", 2.0, 2.0),
+            (Quantity::Current, "mA", 0.3, 0.0003),
+            (Quantity::Current, "\u{b5}A", 1.0, 1e-6),
+            (Quantity::Current, "\u{3bc}A", 1.0, 1e-6),
+            (Quantity::Current, "uA", 7.0, 7e-6),
+            (Quantity::Voltage, "V vs. Ref.", -0.4, -0.4),
+            (Quantity::Voltage, "mV", 1500.0, 1.5),
+            (Quantity::Curvature, "1/m", 50.0, 0.5),
+            (Quantity::Curvature, "1/mm", 0.05, 0.5),
+            (Quantity::Curvature, "m^-1", 50.0, 0.5),
+            (Quantity::Curvature, "cm\u{207b}\u{b9}", 0.5, 0.5),
+            (Quantity::TipDisplacement, "\u{b5}m", 1500.0, 1.5),
+            (Quantity::TipDisplacement, "m", 0.002, 2.0),
+            (Quantity::BlockingForce, "N", 0.002, 2.0),
+            (Quantity::Temperature, "(*F)", 212.0, 100.0),
+            (Quantity::Temperature, "deg C", 21.0, 21.0),
+            (Quantity::Temperature, "K", 273.15, 0.0),
+            (Quantity::RelativeHumidity, "%RH", 34.0, 34.0),
+            (Quantity::Pressure, "mbar", 1013.25, 101_325.0),
+            (Quantity::Pressure, "Torr", 760.0, 101_325.0),
+        ] {
+            assert_eq!(convert(quantity, unit, value), canonical, "{unit}");
+        }
+    }
+
+    #[test]
+    fn every_offered_unit_is_accepted() {
+        for quantity in Quantity::ALL {
+            let Some(dimension) = dimension(quantity) else {
+                continue;
+            };
+            for unit in known_units(dimension).split(", ") {
+                assert!(
+                    conversion(quantity, unit).is_ok(),
+                    "{unit} of {}",
+                    quantity.label()
+                );
+            }
+            assert_eq!(conversion(quantity, quantity.unit()), Ok(Conversion::IDENTITY));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_named() {
+        let missing = conversion(Quantity::Time, " ").unwrap_err();
+        assert_eq!(
+            missing.to_string(),
+            "Time has no unit; known are s, ms, us, min, h, d"
+        );
+        let unknown = conversion(Quantity::Current, "MA\u{7}").unwrap_err();
+        assert!(
+            unknown
+                .to_string()
+                .starts_with(r#"unit "MA\u{7}" of Current is not known"#),
+            "{unknown}"
+        );
+        let wrong = conversion(Quantity::Current, "V").unwrap_err();
+        assert!(matches!(wrong, UnitError::WrongDimension { .. }));
+    }
+
+    #[test]
+    fn current_densities_and_mega_are_refused() {
+        for unit in ["A/cm2", "mA/cm^2", "MA", "mAh"] {
+            assert!(conversion(Quantity::Current, unit).is_err(), "{unit}");
+        }
+    }
+}

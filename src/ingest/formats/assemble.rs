@@ -1,0 +1,393 @@
+//! From cells to channels: units, order of time, text among numbers, ranges, and what a run needs.
+
+use std::sync::Arc;
+
+use super::cells::{CellColumn, CellTable};
+use super::error::{ReadError, quoted};
+use super::time_axis::{self, TimeAxis};
+use crate::domain::unit::Conversion;
+use crate::domain::{Channel, Issue, Quantity};
+use crate::ingest::RunTable;
+use crate::ingest::text::header::{Header, Meaning};
+
+/// Share of the cells of a number column that may hold text (one cell always may) before it is refused.
+const TEXT_SHARE: f64 = 0.05;
+/// Share of rows that may have another number of fields than the header (one row always may).
+const RAGGED_SHARE: f64 = 0.05;
+
+/// A table as read, with what its columns mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raw {
+    /// Name of the table in the file; empty where there is one only.
+    pub name: String,
+    /// Meaning of each column.
+    pub headers: Vec<Header>,
+    /// The cells.
+    pub cells: CellTable,
+    /// Rows (increasing) whose current is no measurement, such as an overload.
+    pub excluded_rows: Vec<u32>,
+    /// Whether time zero is the voltage step.
+    pub time_zero_is_step: bool,
+    /// Whether the table must be a run: without a time column or a response it is refused then.
+    pub must_be_run: bool,
+}
+
+/// Makes the channels of a table and notes what a reader must know.
+///
+/// Where the table has no time column and need not be a run, channels are numbered by row.
+///
+/// # Errors
+/// No row; too many ragged rows; no usable time column; time out of order; no response.
+pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+    let rows = raw.cells.rows();
+    if rows == 0 {
+        return Err(ReadError::HeaderOnly {
+            line: raw.cells.header_line,
+            found: "no row of numbers".to_owned(),
+        });
+    }
+    check_ragged(&raw, issues)?;
+    read_flags(&mut raw);
+    let meanings = judge_columns(&raw, issues);
+    let time_index = time_column(&raw, &meanings)?;
+    let axis = match time_index {
+        Some(index) => {
+            let conversion = conversion_of(&meanings[index]);
+            let column = &raw.headers[index].raw_name;
+            let time_s: Vec<f64> = raw.cells.columns[index]
+                .numbers
+                .iter()
+                .map(|&t| conversion.apply(t))
+                .collect();
+            time_axis::increasing(&time_s, &raw.cells, column, issues)?
+        }
+        None => TimeAxis {
+            time_s: (0..rows).map(|row| row as f64).collect(),
+            rows: (0..rows as u32).collect(),
+        },
+    };
+    if axis.rows.is_empty() {
+        return Err(ReadError::HeaderOnly {
+            line: raw.cells.header_line,
+            found: "no row with a time".to_owned(),
+        });
+    }
+    let channels = channels(&raw, &meanings, time_index, &axis, issues);
+    if raw.must_be_run && !channels.iter().any(|channel| channel.quantity.is_response()) {
+        return Err(no_response(&raw, &meanings));
+    }
+    Ok(RunTable {
+        name: raw.name,
+        rows,
+        channels,
+        time_column: time_index.map(|index| {
+            let header = &raw.headers[index];
+            (header.raw_name.clone(), header.raw_unit.clone())
+        }),
+        time_first_last_s: time_index.and_then(|_| Some((*axis.time_s.first()?, *axis.time_s.last()?))),
+        time_zero_is_step: raw.time_zero_is_step,
+    })
+}
+
+fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {
+    let (ragged, rows, needed) = (&raw.cells.ragged, raw.cells.rows(), raw.headers.len());
+    let Some((line, found)) = &ragged.first else {
+        return Ok(());
+    };
+    if ragged.count > 1 && ragged.count as f64 > RAGGED_SHARE * rows as f64 {
+        return Err(ReadError::Ragged {
+            line: *line,
+            count: ragged.count,
+            rows,
+            found: found.parse().unwrap_or(0),
+            needed,
+        });
+    }
+    let message = format!(
+        "{} of {rows} rows do not have the {needed} fields of the header, the first has {found}; missing cells \
+         are empty, surplus ones are left out",
+        ragged.count
+    );
+    issues.push(Issue::warning("ragged-rows", message).at(format!("line {line}")));
+    Ok(())
+}
+
+/// Turns `true` and `false` in flag columns into 1 and 0; other words are text where a flag must stand.
+fn read_flags(raw: &mut Raw) {
+    for (index, column) in raw.cells.columns.iter_mut().enumerate() {
+        if raw.headers[index].meaning.quantity() != Some(Quantity::OpenCircuit) {
+            continue;
+        }
+        for (row, text) in std::mem::take(&mut column.texts) {
+            match text.to_ascii_lowercase().as_str() {
+                "true" | "yes" | "open" => column.numbers[row as usize] = 1.0,
+                "false" | "no" | "closed" => column.numbers[row as usize] = 0.0,
+                _ => column
+                    .text
+                    .add(raw.cells.line_of_row[row as usize] as usize, || text.clone()),
+            }
+        }
+    }
+}
+
+/// What each column means once its cells are known: one that holds too much text is refused.
+fn judge_columns(raw: &Raw, issues: &mut Vec<Issue>) -> Vec<Meaning> {
+    let mut meanings = Vec::with_capacity(raw.headers.len());
+    for (index, header) in raw.headers.iter().enumerate() {
+        let column = &raw.cells.columns[index];
+        let place = |line: usize| format!("line {line}, column {}", index + 1);
+        let name = quoted(&header.raw_name);
+        let mut meaning = header.meaning.clone();
+        if let Meaning::Refused { error, .. } = &meaning {
+            let message = format!("column {name}: {error}; it is kept, but not used");
+            let mend = "write the unit into the header, as in Current (mA)";
+            issues.push(
+                Issue::warning("column-refused", message)
+                    .at(place(raw.cells.header_line))
+                    .mend(mend),
+            );
+        }
+        if let Some((line, found)) = &column.text.first {
+            let (count, filled) = (column.text.count, column.filled);
+            let found = quoted(found);
+            let known = meaning != Meaning::Other;
+            if holds_text(column) {
+                meaning = Meaning::Other;
+                let message = format!("column {name} holds text in {count} of {filled} cells, first {found}");
+                let issue = if known {
+                    Issue::warning("column-refused", message).mend("leave only numbers below the header")
+                } else {
+                    Issue::note("text-column", message + "; it is left out")
+                };
+                issues.push(issue.at(place(*line)));
+            } else {
+                let message =
+                    format!("{count} of {filled} cells of {name} hold text, first {found}; taken as empty");
+                issues.push(Issue::warning("text-in-number-column", message).at(place(*line)));
+            }
+        }
+        if let Some((line, found)) = &column.not_finite.first {
+            let message = format!(
+                "{} of {} cells of {name} hold no finite number, first {}; left out",
+                column.not_finite.count,
+                column.filled,
+                quoted(found)
+            );
+            issues.push(Issue::warning("not-finite", message).at(place(*line)));
+        }
+        meanings.push(meaning);
+    }
+    meanings
+}
+
+/// Whether so many cells hold text that the column is none of numbers.
+fn holds_text(column: &CellColumn) -> bool {
+    let count = column.text.count;
+    2 * count > column.filled || (count > 1 && count as f64 > TEXT_SHARE * column.filled as f64)
+}
+
+/// The column that times the table: a corrected time where there is one, else the first.
+fn time_column(raw: &Raw, meanings: &[Meaning]) -> Result<Option<usize>, ReadError> {
+    let corrected = |index: &usize| {
+        raw.headers[*index]
+            .raw_name
+            .to_lowercase()
+            .starts_with("corrected time")
+    };
+    let mut times = (0..meanings.len()).filter(|&k| meanings[k].quantity() == Some(Quantity::Time));
+    if let Some(first) = times.clone().find(corrected).or_else(|| times.next()) {
+        return Ok(Some(first));
+    }
+    if !raw.must_be_run {
+        return Ok(None);
+    }
+    let line = raw.cells.header_line;
+    for (index, header) in raw.headers.iter().enumerate() {
+        if header.meaning.named_quantity() == Some(Quantity::Time) {
+            let (column, text) = (quoted(&header.raw_name), &raw.cells.columns[index].text);
+            let (line, reason) = match (&header.meaning, &text.first) {
+                (Meaning::Refused { error, .. }, _) => (line, error.to_string()),
+                (_, Some((line, found))) => (
+                    *line,
+                    format!("{} cells hold text, first {}", text.count, quoted(found)),
+                ),
+                _ => (line, "it holds no number".to_owned()),
+            };
+            return Err(ReadError::Column {
+                line,
+                index: index + 1,
+                column,
+                reason,
+            });
+        }
+    }
+    Err(ReadError::NoHeader {
+        line,
+        found: quoted(
+            &raw.headers
+                .iter()
+                .map(|h| h.raw_name.as_str())
+                .collect::<Vec<_>>()
+                .join(", "),
+        ),
+    })
+}
+
+fn conversion_of(meaning: &Meaning) -> Conversion {
+    match meaning {
+        Meaning::Known { conversion, .. } => *conversion,
+        _ => Conversion::IDENTITY,
+    }
+}
+
+fn channels(
+    raw: &Raw,
+    meanings: &[Meaning],
+    time_index: Option<usize>,
+    axis: &TimeAxis,
+    issues: &mut Vec<Issue>,
+) -> Vec<Channel> {
+    let all: Arc<[f64]> = axis.time_s.as_slice().into();
+    let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
+    let mut channels: Vec<Channel> = Vec::new();
+    for (index, header) in raw.headers.iter().enumerate() {
+        let column = &raw.cells.columns[index];
+        let is_texts = column.keep_text && header.meaning.quantity() != Some(Quantity::OpenCircuit);
+        if Some(index) == time_index || is_texts || holds_text(column) {
+            continue;
+        }
+        let mut quantity = meanings[index].quantity().unwrap_or(Quantity::Other);
+        let first = channels
+            .iter()
+            .find(|c| c.quantity == quantity && quantity != Quantity::Other);
+        if let Some(first) = first {
+            let message = format!(
+                "column {} measures what {} does; it is kept under its own name",
+                quoted(&header.raw_name),
+                quoted(&first.raw_name)
+            );
+            issues.push(Issue::note("duplicate-quantity", message).at(format!("column {}", index + 1)));
+            quantity = Quantity::Other;
+        }
+        if quantity == Quantity::Time {
+            quantity = Quantity::Other;
+        }
+        // A second time, or a second current, keeps the file's own unit, for it is not interpreted.
+        let conversion = match quantity {
+            Quantity::Other => Conversion::IDENTITY,
+            _ => conversion_of(&meanings[index]),
+        };
+        let mut rows = Vec::with_capacity(axis.rows.len());
+        let mut values = Vec::with_capacity(axis.rows.len());
+        for (k, &row) in axis.rows.iter().enumerate() {
+            let value = conversion.apply(column.numbers[row as usize]);
+            if value.is_finite() {
+                rows.push(k as u32);
+                values.push(value);
+            }
+        }
+        if values.is_empty() {
+            if quantity != Quantity::Other {
+                let message = format!("column {} holds no number", quoted(&header.raw_name));
+                issues.push(Issue::warning("empty-column", message).at(format!("column {}", index + 1)));
+            }
+            continue;
+        }
+        issues.extend(implausible(quantity, header, &values, &rows, axis, &raw.cells));
+        channels.push(Channel {
+            quantity,
+            raw_name: header.raw_name.clone(),
+            raw_unit: header.raw_unit.clone(),
+            excluded: match quantity {
+                Quantity::Current => excluded(&raw.excluded_rows, axis, &rows),
+                _ => Arc::from([]),
+            },
+            time_s: time_of(rows, &all, &mut shared),
+            values: values.into(),
+        });
+    }
+    channels
+}
+
+/// Times of the channel with readings at `rows` of the axis: one array for all channels with the same rows.
+fn time_of(rows: Vec<u32>, all: &Arc<[f64]>, shared: &mut Vec<(Vec<u32>, Arc<[f64]>)>) -> Arc<[f64]> {
+    if rows.len() == all.len() {
+        return all.clone();
+    }
+    if let Some((_, time_s)) = shared.iter().find(|(known, _)| *known == rows) {
+        return time_s.clone();
+    }
+    let time_s: Arc<[f64]> = rows.iter().map(|&k| all[k as usize]).collect();
+    shared.push((rows, time_s.clone()));
+    time_s
+}
+
+/// Indices among the channel's readings of those that stand in excluded rows of the table.
+fn excluded(excluded_rows: &[u32], axis: &TimeAxis, rows: &[u32]) -> Arc<[u32]> {
+    if excluded_rows.is_empty() {
+        return Arc::from([]);
+    }
+    let is_excluded = |k: &u32| {
+        excluded_rows
+            .binary_search(&axis.rows[rows[*k as usize] as usize])
+            .is_ok()
+    };
+    (0..rows.len() as u32).filter(is_excluded).collect()
+}
+
+/// Readings that no actuator gives, such as a current in mA under a header that says A: flagged, never corrected.
+fn implausible(
+    quantity: Quantity,
+    header: &Header,
+    values: &[f64],
+    rows: &[u32],
+    axis: &TimeAxis,
+    cells: &CellTable,
+) -> Option<Issue> {
+    let (low, high) = plausible(quantity)?;
+    let outside = |value: &&f64| **value < low || **value > high;
+    let first = values.iter().position(|value| outside(&value))?;
+    let count = values.iter().filter(outside).count();
+    let line = cells.line_of_row[axis.rows[rows[first] as usize] as usize];
+    let unit = quantity.unit();
+    let message = format!(
+        "{count} of {} readings of {} lie outside {low} to {high} {unit}, first {} {unit}; they are taken as they are",
+        values.len(),
+        quoted(&header.raw_name),
+        values[first]
+    );
+    let mend = "check the unit in the header";
+    Some(
+        Issue::warning("suspicious-range", message)
+            .at(format!("line {line}"))
+            .mend(mend),
+    )
+}
+
+/// What a bench for ionic actuators can plausibly measure, in canonical units.
+fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
+    Some(match quantity {
+        Quantity::Voltage => (-50.0, 50.0),
+        Quantity::Current => (-1.0, 1.0),
+        Quantity::Curvature => (-50.0, 50.0),
+        Quantity::TipDisplacement => (-1e3, 1e3),
+        Quantity::BlockingForce => (-1e5, 1e5),
+        Quantity::OpenCircuit => (0.0, 1.0),
+        Quantity::Temperature => (-80.0, 400.0),
+        Quantity::RelativeHumidity => (-2.0, 105.0),
+        Quantity::Pressure => (-1.0, 1e7),
+        Quantity::Time | Quantity::Other => return None,
+    })
+}
+
+fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {
+    let describe = |(header, meaning): (&Header, &Meaning)| match meaning {
+        Meaning::Refused { error, .. } => format!("{} ({error})", quoted(&header.raw_name)),
+        _ => quoted(&header.raw_name),
+    };
+    let columns: Vec<String> = raw.headers.iter().zip(meanings).map(describe).collect();
+    ReadError::NoResponse {
+        line: raw.cells.header_line,
+        found: columns.join(", "),
+    }
+}

@@ -1,0 +1,119 @@
+//! The plain run table: a header that names quantities with their units, then numbers.
+
+use super::assemble::{Raw, assemble};
+use super::delimited;
+use super::recognition::{FileHead, Match};
+use super::{Format, ReadContext, ReadError};
+use crate::domain::tag::keys;
+use crate::domain::{Quantity, RunStatus};
+use crate::ingest::Reading;
+use crate::ingest::text::grid::is_blank_or_comment;
+use crate::ingest::text::header::Header;
+use crate::ingest::text::{Delimiter, Lines};
+
+/// Reader of the plain run table, in every spelling: delimiter, decimal sign, encoding and units are found.
+pub struct PlainTable;
+
+/// Keys of `#` comments that are tags: `# sample: CNaf-01`.
+const COMMENT_TAGS: [&str; 12] = [
+    keys::SAMPLE,
+    keys::ENVIRONMENT,
+    keys::VOLTAGE_V,
+    keys::RELATIVE_HUMIDITY_PERCENT,
+    keys::TEMPERATURE_C,
+    keys::PRESSURE_PA,
+    keys::STARTED_AT,
+    keys::REST_BEFORE_S,
+    keys::CYCLE,
+    keys::INSTRUMENT,
+    keys::OPERATOR,
+    keys::NOTE,
+];
+
+impl Format for PlainTable {
+    fn id(&self) -> &'static str {
+        "plain-table"
+    }
+
+    fn title(&self) -> &'static str {
+        "plain run table: time_s, voltage_v, current_a, curvature_per_cm (CSV, TSV)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv", "tsv", "txt", "dat"]
+    }
+
+    fn version(&self) -> u32 {
+        1
+    }
+
+    fn recognise(&self, head: &FileHead<'_>) -> Match {
+        let Some(text) = head.text() else {
+            return Match::No;
+        };
+        let lines = Lines::new(&text).filter(|line| !is_blank_or_comment(line.text));
+        let mut is_table = false;
+        for line in lines.take(64) {
+            for delimiter in Delimiter::ALL {
+                let cells = delimiter.header_cells(line.text);
+                is_table |= cells.len() >= 2 && delimiter != Delimiter::Blanks;
+                let is_time =
+                    |cell: &String| Header::parse(cell).meaning.named_quantity() == Some(Quantity::Time);
+                if cells.len() >= 2 && cells.iter().any(is_time) {
+                    return Match::Possible {
+                        score: 0.6,
+                        reason: "a header row names a time column",
+                    };
+                }
+            }
+        }
+        match is_table {
+            true => Match::Possible {
+                score: 0.1,
+                reason: "text with delimiters",
+            },
+            false => Match::No,
+        }
+    }
+
+    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+        let mut issues = Vec::new();
+        let text = delimited::read(bytes, is_flag, &mut issues)?;
+        let raw = Raw {
+            name: String::new(),
+            headers: text.headers,
+            cells: text.cells,
+            excluded_rows: Vec::new(),
+            time_zero_is_step: true,
+            must_be_run: true,
+        };
+        let table = assemble(raw, &mut issues)?;
+        let is_tag =
+            |(key, value): &&(String, String)| COMMENT_TAGS.contains(&key.as_str()) && !value.is_empty();
+        let header_tags = text.metadata.iter().filter(is_tag);
+        Ok(Reading {
+            format: self.id(),
+            reader_version: self.version(),
+            technique: None,
+            is_step_response: true,
+            encoding: Some(text.encoding),
+            status: text.status,
+            status_evidence: match text.status {
+                RunStatus::Complete => text.status_evidence + "; the format declares no number of rows",
+                _ => text.status_evidence,
+            },
+            started_at: None,
+            header_tags: header_tags
+                .map(|(key, value)| (key.clone(), value.clone(), format!("# {key}")))
+                .collect(),
+            tables: vec![table],
+            original_metadata: text.metadata,
+            issues,
+        })
+    }
+}
+
+/// Whether a column may hold `true` and `false`.
+pub fn is_flag(header: &Header) -> bool {
+    header.meaning.quantity() == Some(Quantity::OpenCircuit)
+}

@@ -1,0 +1,171 @@
+//! Cells of a workbook, read sparsely: a cell far out in an empty sheet costs nothing.
+
+use std::io::Cursor;
+
+use calamine::{Data, DataRef, Reader, Xls, Xlsx};
+
+use super::error::ReadError;
+
+/// Most cells that are read from one workbook.
+const MAX_CELLS: u64 = 50_000_000;
+
+/// A cell that is not empty.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SheetCell {
+    /// A number; booleans are 1 and 0.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// A date or duration, as text: its number counts days and means nothing beside a unit of seconds.
+    Date(String),
+    /// An error value such as `#DIV/0!`.
+    Error(String),
+}
+
+/// A row with its cells in the order of columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetRow {
+    /// Row number from 1.
+    pub number: u32,
+    /// Column (from 0) and cell.
+    pub cells: Vec<(u32, SheetCell)>,
+}
+
+/// A sheet with its rows in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// Name of the sheet.
+    pub name: String,
+    /// Rows that hold any cell.
+    pub rows: Vec<SheetRow>,
+}
+
+/// Reads every sheet of an .xlsx or .xls workbook.
+///
+/// # Errors
+/// The workbook is damaged, or holds more cells than any measurement fills.
+pub fn read(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
+    match bytes.starts_with(b"PK") {
+        true => read_xlsx(bytes),
+        false => read_xls(bytes),
+    }
+}
+
+fn read_xlsx(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
+    let mut book: Xlsx<_> =
+        Xlsx::new(Cursor::new(bytes)).map_err(|error| broken("spreadsheet (.xlsx)", &error))?;
+    let mut sheets = Vec::new();
+    let mut count = 0;
+    for name in book.sheet_names() {
+        // Chart sheets and the like have no cells to read.
+        let Ok(mut reader) = book.worksheet_cells_reader(&name) else {
+            continue;
+        };
+        let mut rows = Vec::new();
+        while let Some(cell) = reader
+            .next_cell()
+            .map_err(|error| broken("spreadsheet (.xlsx)", &error))?
+        {
+            let (row, column) = cell.get_position();
+            count += 1;
+            check_count(&name, row, column, count)?;
+            if let Some(content) = from_ref(cell.get_value()) {
+                place(&mut rows, row, column, content);
+            }
+        }
+        sheets.push(finish(name, rows));
+    }
+    Ok(sheets)
+}
+
+fn read_xls(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
+    let mut book: Xls<_> =
+        Xls::new(Cursor::new(bytes)).map_err(|error| broken("spreadsheet (.xls)", &error))?;
+    let mut sheets = Vec::new();
+    let mut count = 0;
+    for (name, range) in book.worksheets() {
+        let (first_row, first_column) = range.start().unwrap_or((0, 0));
+        let mut rows = Vec::new();
+        for (row, column, value) in range.used_cells() {
+            let (row, column) = (first_row + row as u32, first_column + column as u32);
+            count += 1;
+            check_count(&name, row, column, count)?;
+            if let Some(content) = from_data(value) {
+                place(&mut rows, row, column, content);
+            }
+        }
+        sheets.push(finish(name, rows));
+    }
+    Ok(sheets)
+}
+
+fn check_count(sheet: &str, row: u32, column: u32, count: u64) -> Result<(), ReadError> {
+    if count <= MAX_CELLS {
+        return Ok(());
+    }
+    Err(ReadError::SheetTooWide {
+        sheet: sheet.escape_debug().to_string(),
+        row: u64::from(row) + 1,
+        column: u64::from(column) + 1,
+        limit: MAX_CELLS,
+    })
+}
+
+fn place(rows: &mut Vec<SheetRow>, row: u32, column: u32, content: SheetCell) {
+    let number = row.saturating_add(1);
+    match rows.last_mut() {
+        Some(last) if last.number == number => last.cells.push((column, content)),
+        _ => rows.push(SheetRow {
+            number,
+            cells: vec![(column, content)],
+        }),
+    }
+}
+
+/// Rows and cells in order: a workbook may store them in any, and may repeat one (the first counts).
+fn finish(name: String, mut rows: Vec<SheetRow>) -> Sheet {
+    rows.sort_by_key(|row| row.number);
+    rows.dedup_by(|next, kept| {
+        let is_same = next.number == kept.number;
+        if is_same {
+            kept.cells.append(&mut next.cells);
+        }
+        is_same
+    });
+    for row in &mut rows {
+        row.cells.sort_by_key(|(column, _)| *column);
+        row.cells.dedup_by_key(|(column, _)| *column);
+    }
+    Sheet { name, rows }
+}
+
+fn from_ref(value: &DataRef<'_>) -> Option<SheetCell> {
+    match value {
+        DataRef::SharedString(text) => from_text(text),
+        other => from_data(&Data::from(other.clone())),
+    }
+}
+
+fn from_data(value: &Data) -> Option<SheetCell> {
+    Some(match value {
+        Data::Int(number) => SheetCell::Number(*number as f64),
+        Data::Float(number) => SheetCell::Number(*number),
+        Data::Bool(is_true) => SheetCell::Number(f64::from(u8::from(*is_true))),
+        Data::String(text) => return from_text(text),
+        Data::DateTime(date) => SheetCell::Date(format!("date {}", date.as_f64())),
+        Data::DateTimeIso(text) | Data::DurationIso(text) => SheetCell::Date(text.clone()),
+        Data::Error(error) => SheetCell::Error(error.to_string()),
+        Data::Empty => return None,
+    })
+}
+
+fn from_text(text: &str) -> Option<SheetCell> {
+    (!text.trim().is_empty()).then(|| SheetCell::Text(text.to_owned()))
+}
+
+fn broken(kind: &'static str, error: &dyn std::fmt::Display) -> ReadError {
+    ReadError::BrokenContainer {
+        kind,
+        found: error.to_string().escape_debug().to_string(),
+    }
+}

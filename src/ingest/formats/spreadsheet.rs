@@ -1,0 +1,212 @@
+//! Spreadsheets (.xlsx, .xls): every sheet with a header row that names a time column, the plain run table's
+//! columns and those of the NOVA export alike.
+
+use super::assemble::{Raw, assemble};
+use super::autolab_nova;
+use super::cells::CellTable;
+use super::recognition::{FileHead, Match};
+use super::sheet_cells::{self, Sheet, SheetCell};
+use super::{Format, ReadContext, ReadError, plain_table, unpacking};
+use crate::domain::{Issue, Quantity, RunStatus};
+use crate::ingest::text::header::Header;
+use crate::ingest::text::number;
+use crate::ingest::text::{Cell, Decimal};
+use crate::ingest::{Reading, RunTable};
+
+/// Reader of spreadsheets.
+pub struct Spreadsheet;
+
+/// Rows that a header may be looked for in.
+const HEADER_WITHIN: usize = 64;
+
+impl Format for Spreadsheet {
+    fn id(&self) -> &'static str {
+        "spreadsheet"
+    }
+
+    fn title(&self) -> &'static str {
+        "Excel spreadsheet with a run table, or as exported by Metrohm Autolab NOVA (.xlsx, .xls)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["xlsx", "xls", "xlsm"]
+    }
+
+    fn version(&self) -> u32 {
+        1
+    }
+
+    fn recognise(&self, head: &FileHead<'_>) -> Match {
+        let holds = |mark: &[u8]| head.bytes.windows(mark.len()).any(|window| window == mark);
+        match head.bytes {
+            [b'P', b'K', 3, 4, ..] if holds(b"[Content_Types].xml") || holds(b"xl/") => {
+                Match::Certain("a zip archive with the parts of an Excel workbook")
+            }
+            [b'P', b'K', 3, 4, ..] if self.extensions().contains(&head.extension().as_str()) => {
+                Match::Possible {
+                    score: 0.5,
+                    reason: "a zip archive with the extension of a spreadsheet",
+                }
+            }
+            [0xD0, 0xCF, 0x11, 0xE0, ..] => Match::Certain("a compound file, as .xls is"),
+            _ => Match::No,
+        }
+    }
+
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
+        if bytes.is_empty() {
+            return Err(ReadError::Empty);
+        }
+        if bytes.starts_with(b"PK") {
+            unpacking::check_size(bytes, context.max_unpacked_bytes)?;
+        }
+        let mut issues = Vec::new();
+        let mut tables = Vec::new();
+        let mut refusal = None;
+        let mut is_step_response = true;
+        for sheet in sheet_cells::read(bytes)? {
+            let Some(header_at) = header_row(&sheet) else {
+                continue;
+            };
+            let mut found = Vec::new();
+            match table(&sheet, header_at, &mut found) {
+                Ok((table, is_step)) => {
+                    tables.push(table);
+                    issues.extend(found);
+                    is_step_response &= is_step;
+                }
+                Err(error) => {
+                    let message = format!("sheet {} is left out: {error}", super::error::quoted(&sheet.name));
+                    issues.push(Issue::warning("table-refused", message).at(error.place()));
+                    refusal = refusal.or(Some(error));
+                }
+            }
+        }
+        if tables.is_empty() {
+            return Err(refusal.unwrap_or(ReadError::NoHeader {
+                line: 0,
+                found: "no sheet has a row that names a time column".to_owned(),
+            }));
+        }
+        if let [only] = tables.as_mut_slice() {
+            only.name.clear();
+        }
+        Ok(Reading {
+            format: self.id(),
+            reader_version: self.version(),
+            technique: None,
+            is_step_response,
+            encoding: None,
+            status: RunStatus::Complete,
+            status_evidence: "the workbook is whole; the format declares no number of rows".to_owned(),
+            started_at: None,
+            header_tags: Vec::new(),
+            tables,
+            original_metadata: Vec::new(),
+            issues,
+        })
+    }
+}
+
+/// Index of the first row that names a time column and one more.
+fn header_row(sheet: &Sheet) -> Option<usize> {
+    sheet.rows.iter().take(HEADER_WITHIN).position(|row| {
+        let headers: Vec<Header> = row
+            .cells
+            .iter()
+            .filter_map(|(_, cell)| match cell {
+                SheetCell::Text(text) => Some(Header::parse(text)),
+                _ => None,
+            })
+            .collect();
+        headers.len() >= 2
+            && headers
+                .iter()
+                .any(|h| h.meaning.named_quantity() == Some(Quantity::Time))
+    })
+}
+
+/// The run table of a sheet, and whether it can be a step response.
+fn table(sheet: &Sheet, header_at: usize, issues: &mut Vec<Issue>) -> Result<(RunTable, bool), ReadError> {
+    let header_row = &sheet.rows[header_at];
+    let named = header_row.cells.iter().filter_map(|(column, cell)| match cell {
+        SheetCell::Text(text) if !text.trim().is_empty() => Some((*column, text)),
+        _ => None,
+    });
+    let (places, headers): (Vec<u32>, Vec<Header>) =
+        named.map(|(column, text)| (column, Header::parse(text))).unzip();
+    let is_nova = autolab_nova::is_nova(&headers);
+    let keep_text: Vec<bool> = headers
+        .iter()
+        .map(|header| plain_table::is_flag(header) || (is_nova && autolab_nova::is_flag(header)))
+        .collect();
+    let cells = cells(sheet, header_at, &places, &keep_text);
+    let name = sheet.name.clone();
+    if is_nova {
+        let is_step_response = !autolab_nova::is_cyclic(&headers);
+        return Ok((
+            autolab_nova::table(name, headers, cells, issues)?,
+            is_step_response,
+        ));
+    }
+    let raw = Raw {
+        name,
+        headers,
+        cells,
+        excluded_rows: Vec::new(),
+        time_zero_is_step: true,
+        must_be_run: true,
+    };
+    Ok((assemble(raw, issues)?, true))
+}
+
+fn cells(sheet: &Sheet, header_at: usize, places: &[u32], keep_text: &[bool]) -> CellTable {
+    let data = &sheet.rows[header_at + 1..];
+    let decimal = decimal_of_texts(data.iter().flat_map(|row| row.cells.iter().map(|(_, cell)| cell)));
+    let mut table = CellTable::new(sheet.rows[header_at].number as usize, keep_text, data.len());
+    for row in data {
+        let mut any = false;
+        for (index, place) in places.iter().enumerate() {
+            let found = row.cells.binary_search_by_key(place, |(column, _)| *column);
+            let (cell, text) = match found.map(|at| &row.cells[at].1) {
+                Ok(SheetCell::Number(number)) => (Cell::Number(*number), ""),
+                Ok(SheetCell::Error(text)) => (Cell::NotFinite, text.as_str()),
+                Ok(SheetCell::Date(text)) => (Cell::Text, text.as_str()),
+                Ok(SheetCell::Text(text)) => (number::parse(text, decimal), text.as_str()),
+                Err(_) => (Cell::Empty, ""),
+            };
+            any |= cell != Cell::Empty;
+            let column = &mut table.columns[index];
+            // A row without any cell is none, so columns run ahead of the rows until it is ended.
+            column.push(row.number as usize, cell, || text.to_owned());
+        }
+        if any {
+            table.end_row(row.number as usize, places.len());
+        } else {
+            let rows = table.rows();
+            table
+                .columns
+                .iter_mut()
+                .for_each(|column| column.numbers.truncate(rows));
+        }
+    }
+    table
+}
+
+/// Decimal sign of numbers that a sheet stores as text: a comma where only that makes them numbers.
+fn decimal_of_texts<'a>(cells: impl Iterator<Item = &'a SheetCell>) -> Decimal {
+    let (mut point, mut comma) = (false, false);
+    for cell in cells {
+        if let SheetCell::Text(text) = cell {
+            let reads = |decimal| matches!(number::parse(text, decimal), Cell::Number(_));
+            let (as_point, as_comma) = (reads(Decimal::Point), reads(Decimal::Comma));
+            point |= as_point && !as_comma;
+            comma |= as_comma && !as_point;
+        }
+    }
+    if comma && !point {
+        Decimal::Comma
+    } else {
+        Decimal::Point
+    }
+}

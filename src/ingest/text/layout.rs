@@ -1,0 +1,360 @@
+//! Where the header of a delimited text stands, what separates its cells and which decimal sign it uses.
+//!
+//! The decision comes from the grammar of the data and never from the computer's locale: a reading holds where
+//! every data line has as many fields as the header and the columns ieap knows are numbers. Where two readings
+//! hold and give different numbers the file is refused.
+
+use super::delimiter::Delimiter;
+use super::grid::{Dialect, is_blank_or_comment};
+use super::header::Header;
+use super::lines::Line;
+use super::number::{self, Cell, Decimal};
+use crate::domain::Quantity;
+use crate::ingest::formats::error::{ReadError, quoted};
+
+/// Lines that a header may be looked for in.
+const HEADER_WITHIN: usize = 64;
+/// Data lines that the decision is taken from.
+const SAMPLE: usize = 256;
+/// Share of data lines, and of cells of a column, that must obey the reading.
+const OBEYING: f64 = 0.9;
+
+/// What was decided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// Delimiter and decimal sign.
+    pub dialect: Dialect,
+    /// Columns as the header describes them.
+    pub headers: Vec<Header>,
+    /// Index of the header line among the lines given.
+    pub header_at: usize,
+    /// Index of the first data line among the lines given; a row of units may stand between.
+    pub data_at: usize,
+}
+
+/// A header found under one delimiter.
+struct Found {
+    delimiter: Delimiter,
+    headers: Vec<Header>,
+    header_at: usize,
+    data_at: usize,
+}
+
+/// One way to read the file.
+struct Candidate {
+    found: usize,
+    decimal: Decimal,
+    /// Columns that ieap knows and that are numbers; then columns that are numbers; then cells that are.
+    grade: (usize, usize, usize),
+    numbers: Vec<Vec<Option<u64>>>,
+}
+
+/// Decides how to read `lines`, all of which have their line end.
+///
+/// # Errors
+/// No line names a time column, no data line follows, no reading holds, or several do.
+pub fn decide(lines: &[Line<'_>]) -> Result<Layout, ReadError> {
+    let mut found: Vec<Found> = Delimiter::ALL
+        .into_iter()
+        .filter_map(|d| find_header(lines, d))
+        .collect();
+    if found.is_empty() {
+        return Err(no_header(lines));
+    }
+    let mut sample = sample(lines, &found, SAMPLE);
+    if sample.is_empty() {
+        let line = lines[found[0].header_at];
+        return Err(ReadError::HeaderOnly {
+            line: line.number,
+            found: quoted(line.text),
+        });
+    }
+    if !sample.iter().any(|line| line.text.contains(['.', ','])) {
+        // Whole numbers only so far: the sign shows further down, or nowhere.
+        sample = self::sample(lines, &found, usize::MAX);
+    }
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for (index, found) in found.iter().enumerate() {
+        for decimal in [Decimal::Point, Decimal::Comma] {
+            candidates.extend(judge(found, index, decimal, &sample));
+        }
+    }
+    let best = choose(&candidates, &found, &sample)?;
+    let decimal = best.decimal;
+    let chosen = found.swap_remove(best.found);
+    Ok(Layout {
+        dialect: Dialect {
+            delimiter: chosen.delimiter,
+            decimal,
+        },
+        headers: chosen.headers,
+        header_at: chosen.header_at,
+        data_at: chosen.data_at,
+    })
+}
+
+/// The first line that names a time column under `delimiter`.
+fn find_header(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Found> {
+    let header_at = lines
+        .iter()
+        .take(HEADER_WITHIN)
+        .position(|line| !is_blank_or_comment(line.text) && names_time(&delimiter.header_cells(line.text)))?;
+    let mut cells = delimiter.header_cells(lines[header_at].text);
+    while cells.last().is_some_and(|cell| cell.is_empty()) {
+        cells.pop();
+    }
+    let headers: Vec<Header> = cells.iter().map(|cell| Header::parse(cell)).collect();
+    let units = lines
+        .get(header_at + 1)
+        .and_then(|line| headers_with_units(&cells, &delimiter.header_cells(line.text)));
+    let after = header_at + 1 + usize::from(units.is_some());
+    Some(Found {
+        delimiter,
+        headers: units.unwrap_or(headers),
+        header_at,
+        data_at: after,
+    })
+}
+
+fn names_time(cells: &[String]) -> bool {
+    cells.len() >= 2
+        && cells
+            .iter()
+            .any(|cell| Header::parse(cell).meaning.named_quantity() == Some(Quantity::Time))
+}
+
+/// Headers whose units stand in the next row, where that row makes the time column usable and holds no number.
+fn headers_with_units(names: &[String], units: &[String]) -> Option<Vec<Header>> {
+    if units.len() > names.len()
+        || units
+            .iter()
+            .any(|unit| matches!(number::parse(unit, Decimal::Point), Cell::Number(_)))
+    {
+        return None;
+    }
+    let unit_of = |index: usize| units.get(index).map_or("", String::as_str);
+    let headers: Vec<Header> = names
+        .iter()
+        .enumerate()
+        .map(|(index, name)| match Header::parse(name) {
+            header if header.raw_unit.is_empty() => Header::with_unit(name, unit_of(index)),
+            header => header,
+        })
+        .collect();
+    let usable = |headers: &[Header]| {
+        headers
+            .iter()
+            .any(|h| h.meaning.quantity() == Some(Quantity::Time))
+    };
+    let as_they_are: Vec<Header> = names.iter().map(|name| Header::parse(name)).collect();
+    (usable(&headers) && !usable(&as_they_are)).then_some(headers)
+}
+
+/// Data lines after the last of the headers found.
+fn sample<'a>(lines: &[Line<'a>], found: &[Found], limit: usize) -> Vec<Line<'a>> {
+    let data_at = found.iter().map(|found| found.data_at).max().unwrap_or(0);
+    let data = lines[data_at.min(lines.len())..].iter().copied();
+    data.filter(|line| !is_blank_or_comment(line.text))
+        .take(limit)
+        .collect()
+}
+
+/// The reading under one delimiter and decimal sign; none where fields or the time column do not obey it.
+fn judge(found: &Found, index: usize, decimal: Decimal, sample: &[Line<'_>]) -> Option<Candidate> {
+    let width = found.headers.len();
+    let mut numeric = vec![0usize; width];
+    let mut filled = vec![0usize; width];
+    let mut even_lines = 0usize;
+    let mut numbers = Vec::with_capacity(sample.len());
+    for line in sample {
+        let mut row = vec![None; width];
+        let mut beyond = false;
+        let fields = found.delimiter.split(line.text, |k, text| {
+            if k >= width {
+                beyond |= !text.trim().is_empty();
+                return;
+            }
+            let cell = number::parse(text, decimal);
+            filled[k] += usize::from(cell != Cell::Empty);
+            numeric[k] += usize::from(matches!(cell, Cell::Number(_) | Cell::NotFinite));
+            if let Cell::Number(number) = cell {
+                row[k] = Some(number.to_bits());
+            }
+        });
+        even_lines += usize::from(fields == width || (fields > width && !beyond));
+        numbers.push(row);
+    }
+    let obeys = |part: usize, whole: usize| part > 0 && part as f64 >= OBEYING * whole as f64;
+    let is_number = |k: usize| obeys(numeric[k], filled[k]);
+    let known = (0..width).filter(|&k| found.headers[k].meaning.named_quantity().is_some() && is_number(k));
+    let time = |k: &usize| found.headers[*k].meaning.named_quantity() == Some(Quantity::Time);
+    if !obeys(even_lines, sample.len()) || !known.clone().any(|k| time(&k)) {
+        return None;
+    }
+    Some(Candidate {
+        found: index,
+        decimal,
+        grade: (
+            known.count(),
+            (0..width).filter(|&k| is_number(k)).count(),
+            numeric.iter().sum(),
+        ),
+        numbers,
+    })
+}
+
+fn choose<'c>(
+    candidates: &'c [Candidate],
+    found: &[Found],
+    sample: &[Line<'_>],
+) -> Result<&'c Candidate, ReadError> {
+    let Some(best) = candidates
+        .iter()
+        .reduce(|a, b| if b.grade > a.grade { b } else { a })
+    else {
+        return Err(no_reading(found, sample));
+    };
+    match candidates
+        .iter()
+        .find(|other| other.grade == best.grade && other.numbers != best.numbers)
+    {
+        None => Ok(best),
+        Some(other) => Err(ReadError::AmbiguousNumbers {
+            line: sample[0].number,
+            found: format!(
+                "{} can be read with {} and with {}, and the numbers differ",
+                quoted(sample[0].text),
+                reading(best, found),
+                reading(other, found)
+            ),
+        }),
+    }
+}
+
+fn reading(candidate: &Candidate, found: &[Found]) -> String {
+    let sign = match candidate.decimal {
+        Decimal::Point => "decimal point",
+        Decimal::Comma => "decimal comma",
+    };
+    format!(
+        "{} between columns and {sign}",
+        found[candidate.found].delimiter.label()
+    )
+}
+
+/// No reading holds: says how the first data line differs from the header it was held against.
+fn no_reading(found: &[Found], sample: &[Line<'_>]) -> ReadError {
+    let widest = found
+        .iter()
+        .max_by_key(|found| found.headers.len())
+        .unwrap_or(&found[0]);
+    let line = sample[0];
+    let mut fields = Vec::new();
+    widest.delimiter.split(line.text, |_, text| fields.push(text));
+    ReadError::AmbiguousNumbers {
+        line: line.number,
+        found: format!(
+            "under the {} names of the header (between them: {}) stands {}, which has {} fields; no delimiter and \
+             decimal sign makes the time column a number in every row",
+            widest.headers.len(),
+            widest.delimiter.label(),
+            quoted(line.text),
+            fields.len()
+        ),
+    }
+}
+
+fn no_header(lines: &[Line<'_>]) -> ReadError {
+    let first = lines.iter().find(|line| !is_blank_or_comment(line.text));
+    ReadError::NoHeader {
+        line: first.map_or(0, |line| line.number),
+        found: quoted(first.map_or("", |line| line.text)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ingest::text::Lines;
+
+    fn layout(text: &str) -> Result<Layout, ReadError> {
+        decide(&Lines::new(text).collect::<Vec<_>>())
+    }
+
+    fn dialect(text: &str) -> (Delimiter, Decimal) {
+        let layout = layout(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+        (layout.dialect.delimiter, layout.dialect.decimal)
+    }
+
+    #[test]
+    fn every_delimiter_with_its_decimal_sign() {
+        for (text, delimiter, decimal) in [
+            ("time_s,current_a\n0.5,1.5\n", Delimiter::Comma, Decimal::Point),
+            (
+                "time_s;current_a\n0.5;1.5\n",
+                Delimiter::Semicolon,
+                Decimal::Point,
+            ),
+            (
+                "time_s;current_a\n0,5;1,5\n",
+                Delimiter::Semicolon,
+                Decimal::Comma,
+            ),
+            ("time_s\tcurrent_a\n0,5\t1,5\n", Delimiter::Tab, Decimal::Comma),
+            ("Time (s)  I/mA\n0.5  1.5\n", Delimiter::Blanks, Decimal::Point),
+            (
+                "Time (s) ;  I/mA\n  0,5;  1\n",
+                Delimiter::Semicolon,
+                Decimal::Comma,
+            ),
+            (
+                "\"Time, s\",\"I/mA\"\n\"0,5\",\"1,5\"\n",
+                Delimiter::Comma,
+                Decimal::Comma,
+            ),
+        ] {
+            assert_eq!(dialect(text), (delimiter, decimal), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_late_decimal_comma_is_found() {
+        let mut text = "time_s;current_a\n".to_owned();
+        (0..400).for_each(|k| text.push_str(&format!("{k};0\n")));
+        text.push_str("400;0,5\n");
+        assert_eq!(dialect(&text).1, Decimal::Comma);
+    }
+
+    #[test]
+    fn two_readings_are_refused() {
+        for text in ["time_s,current_a\n0,5,1,5\n", "time_s;current_a\n0.5,0;1,5\n"] {
+            let error = layout(text).unwrap_err();
+            assert!(
+                matches!(error, ReadError::AmbiguousNumbers { line: 2, .. }),
+                "{error}"
+            );
+        }
+        let text = "time_s;current_a,t (s);i (A)\n0;1,5;2\n";
+        let error = layout(text).unwrap_err();
+        assert!(matches!(error, ReadError::AmbiguousNumbers { .. }), "{error}");
+    }
+
+    #[test]
+    fn units_may_stand_in_a_row_of_their_own() {
+        let layout = layout("preamble\n\ntime,current\ns,mA\n0,1\n").unwrap();
+        assert_eq!((layout.header_at, layout.data_at), (2, 4));
+        assert_eq!(layout.headers[1].meaning.quantity(), Some(Quantity::Current));
+    }
+
+    #[test]
+    fn a_missing_header_or_body_is_named() {
+        assert!(matches!(
+            layout("1,2\n3,4\n"),
+            Err(ReadError::NoHeader { line: 1, .. })
+        ));
+        assert!(matches!(
+            layout("time_s,current_a\n# no more\n"),
+            Err(ReadError::HeaderOnly { line: 1, .. })
+        ));
+    }
+}

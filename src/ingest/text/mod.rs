@@ -1,0 +1,14 @@
+//! Text of instrument files: encoding, lines, delimiter and decimal sign, numbers.
+
+pub mod delimiter;
+pub mod encoding;
+pub mod grid;
+pub mod header;
+pub mod layout;
+pub mod lines;
+pub mod number;
+
+pub use delimiter::Delimiter;
+pub use encoding::{Decoded, decode};
+pub use lines::{Line, Lines};
+pub use number::{Cell, Decimal};
