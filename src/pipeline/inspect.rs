@@ -45,8 +45,8 @@ pub struct Inspection {
 pub struct CandidateScore {
     /// Format id.
     pub format: String,
-    /// 0 to 100.
-    pub score: u32,
+    /// 1 for a certain match, less for a possible one.
+    pub score: f64,
     /// Why.
     pub reason: String,
 }
@@ -107,7 +107,7 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
 fn scores(candidates: &[Candidate]) -> Vec<CandidateScore> {
     candidates
         .iter()
-        .map(|c| CandidateScore { format: c.format.to_owned(), score: u32::from(c.score), reason: c.reason.clone() })
+        .map(|c| CandidateScore { format: c.format.id().to_owned(), score: c.score, reason: c.reason.to_owned() })
         .collect()
 }
 

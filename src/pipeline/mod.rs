@@ -2,6 +2,7 @@
 
 mod context;
 mod error;
+pub mod export;
 mod fit;
 pub mod fits_document;
 mod ingest;

@@ -1,0 +1,111 @@
+//! Readings for other programs: one row a reading, written run by run so that memory stays small.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use polars::prelude::{Column, DataFrame, DataType, Field, IntoColumn, NamedFrom, PolarsError, Schema, Series};
+use polars_io::SerWriter;
+use polars_io::csv::write::CsvWriter;
+use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
+
+use super::{ExportError, TableFormat};
+use crate::domain::{Channel, Quantity};
+
+/// Writes channels as rows of run, quantity, unit, time, value and whether the reading is left out of fits.
+pub struct TraceWriter {
+    sink: Sink,
+    path: PathBuf,
+    rows: usize,
+}
+
+enum Sink {
+    Csv(BufWriter<File>),
+    Parquet(Box<BatchedWriter<BufWriter<File>>>),
+}
+
+impl TraceWriter {
+    /// Makes the file.
+    ///
+    /// # Errors
+    /// [`ExportError::Write`] where it cannot be made.
+    pub fn create(path: &Path, format: TableFormat) -> Result<TraceWriter, ExportError> {
+        let file = File::create(path).map_err(|source| ExportError::Write { path: path.to_owned(), source })?;
+        let file = BufWriter::new(file);
+        let mut writer = TraceWriter { sink: Sink::Csv(file), path: path.to_owned(), rows: 0 };
+        if format == TableFormat::Parquet {
+            let Sink::Csv(file) = writer.sink else { return Ok(writer) };
+            let batched = ParquetWriter::new(file).batched(&schema());
+            let batched = batched.map_err(|source| table_error(path, source))?;
+            writer.sink = Sink::Parquet(Box::new(batched));
+        }
+        Ok(writer)
+    }
+
+    /// Adds the channels of a run; columns that are not interpreted are left out.
+    ///
+    /// # Errors
+    /// [`ExportError`] where the file cannot be written.
+    pub fn write(&mut self, run: &str, channels: &[Channel]) -> Result<(), ExportError> {
+        for channel in channels.iter().filter(|c| c.quantity != Quantity::Other && !c.is_empty()) {
+            let mut rows = rows(run, channel).map_err(|source| table_error(&self.path, source))?;
+            let written = match &mut self.sink {
+                Sink::Csv(file) => CsvWriter::new(file).include_header(self.rows == 0).finish(&mut rows),
+                Sink::Parquet(batched) => batched.write_batch(&rows),
+            };
+            written.map_err(|source| table_error(&self.path, source))?;
+            self.rows += rows.height();
+        }
+        Ok(())
+    }
+
+    /// Ends the file; gives the number of rows.
+    ///
+    /// # Errors
+    /// [`ExportError`] where the file cannot be written.
+    pub fn finish(self) -> Result<usize, ExportError> {
+        match self.sink {
+            Sink::Csv(mut file) => {
+                let failed = |source: io::Error| ExportError::Write { path: self.path.clone(), source };
+                file.flush().map_err(failed)?;
+            }
+            Sink::Parquet(batched) => {
+                batched.finish().map_err(|source| table_error(&self.path, source))?;
+            }
+        }
+        Ok(self.rows)
+    }
+}
+
+fn schema() -> Schema {
+    let field = |name: &str, kind: DataType| Field::new(name.into(), kind);
+    Schema::from_iter([
+        field("run", DataType::String),
+        field("quantity", DataType::String),
+        field("unit", DataType::String),
+        field("time_s", DataType::Float64),
+        field("value", DataType::Float64),
+        field("excluded", DataType::Boolean),
+    ])
+}
+
+fn rows(run: &str, channel: &Channel) -> Result<DataFrame, PolarsError> {
+    let n = channel.len();
+    let text = |name: &str, text: &str| Series::new(name.into(), vec![text; n]).into_column();
+    let numbers = |name: &str, values: &[f64]| Series::new(name.into(), values).into_column();
+    let mut excluded = vec![false; n];
+    channel.excluded.iter().filter_map(|&i| excluded.get_mut(i as usize)).for_each(|flag| *flag = true);
+    let columns: Vec<Column> = vec![
+        text("run", run),
+        text("quantity", channel.quantity.key()),
+        text("unit", channel.quantity.unit()),
+        numbers("time_s", &channel.time_s),
+        numbers("value", &channel.values),
+        Series::new("excluded".into(), excluded).into_column(),
+    ];
+    DataFrame::new(n, columns)
+}
+
+fn table_error(path: &Path, source: PolarsError) -> ExportError {
+    ExportError::Table { table: path.display().to_string(), source }
+}

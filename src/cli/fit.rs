@@ -1,0 +1,58 @@
+//! `ieap fit`.
+
+use clap::Args;
+
+use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::output::Output;
+use super::{CampaignArg, Global};
+use crate::pipeline::fits_document::{FitEntry, fits_document};
+use crate::pipeline::{Context, FitRuns, Ingest};
+
+/// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
+#[derive(Debug, Args)]
+pub struct FitArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Model to fit with [default: the campaign's; `ieap models` lists them]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// Fit again even where nothing changed
+    #[arg(long)]
+    again: bool,
+}
+
+pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
+    ingest.refused.iter().for_each(|(path, issue)| output.issue(path, issue));
+    let summary = FitRuns { model: args.model.clone(), again: args.again }.run(&mut context, output)?;
+    output.message(&format!(
+        "{} fitted, {} up to date, {} could not be fitted",
+        summary.fitted,
+        summary.up_to_date,
+        summary.failed.len()
+    ));
+    summary.failed.iter().for_each(|(path, issue)| output.issue(path, issue));
+    let document = fits_document(&context)?;
+    document.fits.iter().for_each(|fit| print(fit, output));
+    output.document(&document)?;
+    Ok(if ingest.refused.is_empty() { DONE } else { SOME_REFUSED })
+}
+
+fn print(fit: &FitEntry, output: &Output) {
+    output.result(&format!("{}  {}  {}", fit.run, fit.model, fit.why_stopped));
+    for (key, parameter) in &fit.parameters {
+        let text = match (parameter.value, parameter.standard_error) {
+            (Some(value), Some(error)) => format!("{value:.5e} +- {error:.1e}"),
+            _ => {
+                let bound = match (parameter.low_95, parameter.high_95) {
+                    (Some(low), None) => format!("above {low:.2e}"),
+                    (None, Some(high)) => format!("below {high:.2e}"),
+                    _ => "not determined".to_owned(),
+                };
+                format!("{bound}: {}", parameter.reason.as_deref().unwrap_or_default())
+            }
+        };
+        output.result(&format!("    {key:<22} {text}"));
+    }
+}

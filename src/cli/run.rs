@@ -1,0 +1,46 @@
+//! `ieap run`.
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::output::Output;
+use super::{CampaignArg, Global, ingest};
+use crate::pipeline::{Context, Run, RunSummary};
+
+/// Take in new files, fit every run and render the report; once. Running again does only what is new
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Model to fit with [default: the campaign's; `ieap models` lists them]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+}
+
+pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    context.warnings.iter().for_each(|issue| output.issue("campaign.toml", issue));
+    let summary = Run { model: args.model.clone() }.run(&mut context, output)?;
+    print(&summary, output);
+    output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
+    Ok(status(&summary))
+}
+
+/// Done, or done with refusals.
+pub fn status(summary: &RunSummary) -> u8 {
+    if summary.ingest.refused.is_empty() { DONE } else { SOME_REFUSED }
+}
+
+/// What was done, and where the report is.
+pub fn print(summary: &RunSummary, output: &Output) {
+    ingest::print(&summary.ingest, output);
+    let fit = &summary.fit;
+    output.result(&format!("fits: {} new, {} up to date, {} could not be made", fit.fitted, fit.up_to_date, fit.failed.len()));
+    fit.failed.iter().for_each(|(path, issue)| output.issue(path, issue));
+    for path in &fit.not_converged {
+        output.message(&format!("  {path}: the search did not converge; see its page"));
+    }
+    let state = if summary.report.rendered { "" } else { " (unchanged)" };
+    output.result(&format!("Report: {}{state}", summary.report.index.display()));
+}

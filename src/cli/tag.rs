@@ -1,0 +1,82 @@
+//! `ieap tag`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::{Global, folder};
+use crate::ingest::campaign_file;
+use crate::pipeline::{Context, SetTags};
+
+/// Set tags of a run by hand: they count more than any other source, and who set them when is recorded
+#[derive(Debug, Args)]
+pub struct TagArgs {
+    /// The run: its name in the report, or a path to its file
+    #[arg(value_name = "RUN")]
+    run: String,
+    /// Tags as key=value; `key=` takes a tag back. The campaign folder may stand last
+    #[arg(value_name = "KEY=VALUE", required = true)]
+    pairs: Vec<String>,
+    /// Who sets them [default: the user's name]
+    #[arg(long, value_name = "NAME")]
+    by: Option<String>,
+}
+
+pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let (pairs, named) = split(&args.pairs)?;
+    let (folder, run) = place(&args.run, named.as_deref())?;
+    let mut context = Context::open_beside(&folder, global.i_know)?;
+    let set = SetTags { run, pairs, set_by: args.by.clone().unwrap_or_else(user_name) };
+    let summary = set.run(&mut context, output)?;
+    output.result(&format!("{}: {}", summary.run, summary.state.replace('_', " ")));
+    for (key, value, source) in &summary.tags {
+        output.result(&format!("    {key} = {value} ({source})"));
+    }
+    summary.issues.iter().for_each(|issue| output.issue(&summary.run, issue));
+    output.message("The next `ieap run` (or the running `ieap watch`) fits and renders with these tags.");
+    output.document(&json!({ "schema": "ieap/tag/1", "tag": summary }))?;
+    Ok(DONE)
+}
+
+/// Pairs, and the campaign folder where the last argument is one.
+fn split(arguments: &[String]) -> Result<(Vec<(String, String)>, Option<PathBuf>), CliError> {
+    let (mut pairs, mut campaign) = (Vec::new(), None);
+    for (index, argument) in arguments.iter().enumerate() {
+        match argument.split_once('=') {
+            Some((key, value)) if is_key(key) => pairs.push((key.to_owned(), value.trim().to_owned())),
+            _ if index + 1 == arguments.len() && Path::new(argument).is_dir() && !pairs.is_empty() => {
+                campaign = Some(PathBuf::from(argument));
+            }
+            _ => {
+                let needed = "key=value, the key of lower-case letters, digits and _";
+                return Err(CliError::usage(&format!("found {argument:?}, needed {needed}")));
+            }
+        }
+    }
+    Ok((pairs, campaign))
+}
+
+fn is_key(key: &str) -> bool {
+    !key.is_empty() && key.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+}
+
+/// The campaign folder, and the run's name in it. A path to a file tells both.
+fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError> {
+    let file = Path::new(run);
+    if named.is_none() && file.is_file() {
+        let absolute = std::fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
+        if let Some(campaign) = absolute.parent().and_then(campaign_file::find) {
+            let inside = absolute.strip_prefix(&campaign).unwrap_or(&absolute);
+            return Ok((campaign.clone(), crate::ingest::scan::display_path(inside)));
+        }
+    }
+    Ok((folder(named)?, run.to_owned()))
+}
+
+fn user_name() -> String {
+    let variables = ["USER", "LOGNAME", "USERNAME"];
+    variables.iter().find_map(|name| std::env::var(name).ok()).unwrap_or_else(|| "unknown user".to_owned())
+}
