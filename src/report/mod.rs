@@ -1,1 +1,11 @@
-//! Static site: pages, tables and figures.
+//! Static site: pages, tables and figures. Pages show what analysis computed and curves that fits stored;
+//! nothing is fitted here.
+
+pub mod error;
+pub mod input;
+pub mod number;
+pub mod slug;
+pub mod visible;
+
+pub use error::ReportError;
+pub use input::{Input, News, Origin};
