@@ -1,1 +1,15 @@
 //! Comparison across conditions.
+
+pub mod conditions;
+pub mod design;
+pub mod export;
+pub mod findings;
+pub mod parameters;
+#[cfg(test)]
+pub mod sample_campaign;
+
+pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
+pub use design::confounding;
+pub use export::{ExportError, TableFormat, conditions_table, fits_long, fits_wide, write_table};
+pub use findings::{Contrast, contrasts};
+pub use parameters::{PARAMETERS, ParameterInfo};

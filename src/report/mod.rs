@@ -1,1 +1,15 @@
-//! Static site: pages, tables and figures.
+//! Static site: pages, tables and figures. Pages show what analysis computed and curves that fits stored;
+//! nothing is fitted here.
+
+pub mod error;
+pub mod figures;
+pub mod input;
+pub mod number;
+pub mod pages;
+pub mod site;
+pub mod slug;
+pub mod visible;
+
+pub use error::ReportError;
+pub use input::{Input, News, Origin};
+pub use site::{Rendered, Site, render};

@@ -1,0 +1,94 @@
+//! The identified parameters of the lumped model as tables and figures name them.
+
+/// How one parameter is named and shown. The stored key carries the unit in which values are kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParameterInfo {
+    /// Stored key, `rss_ohm_cm2`.
+    pub key: &'static str,
+    /// Symbol, `R_ss`, with plain subscripts: `Rₛₛ`.
+    pub symbol: &'static str,
+    /// What it is, in words.
+    pub name: &'static str,
+    /// Unit of the stored value.
+    pub unit: &'static str,
+    /// Unit in which tables and figures show it.
+    pub shown_unit: &'static str,
+    /// Shown number per stored number.
+    pub shown_factor: f64,
+    /// Whether values of one material differ by orders of magnitude, so that an axis must be logarithmic.
+    pub spans_decades: bool,
+    /// Which response the parameter is identified from: its absence explains a missing value.
+    pub needs_curvature: bool,
+}
+
+/// Every parameter of the lumped model, the thesis's table 5 first, then the two sums of its figure 26.
+pub const PARAMETERS: [ParameterInfo; 9] = [
+    electrical("r1_ohm_cm2", "R₁", "resistance of the fast branch", "Ω cm²"),
+    electrical("c1_f_per_cm2", "C₁", "capacitance of the fast branch", "F cm⁻²"),
+    electrical("r2_ohm_cm2", "R₂", "resistance of the slow branch", "Ω cm²"),
+    electrical("c2_f_per_cm2", "C₂", "capacitance of the slow branch", "F cm⁻²"),
+    ParameterInfo {
+        shown_unit: "kΩ cm²",
+        shown_factor: 1e-3,
+        spans_decades: true,
+        ..electrical("rss_ohm_cm2", "Rₛₛ", "steady-state resistance", "Ω cm²")
+    },
+    ParameterInfo {
+        needs_curvature: true,
+        ..electrical("alpha_per_c_cm", "α", "charge-to-curvature coupling", "C⁻¹ cm⁻¹")
+    },
+    ParameterInfo {
+        needs_curvature: true,
+        spans_decades: true,
+        ..electrical("lambda_per_s", "λ", "back-relaxation rate", "s⁻¹")
+    },
+    electrical("c_total_f_per_cm2", "C₁ + C₂", "total capacitance", "F cm⁻²"),
+    electrical("r_parallel_ohm_cm2", "R₁ ∥ R₂", "charging resistance", "Ω cm²"),
+];
+
+/// Keys of the parameters that figure 26 of the thesis compares, in this report's order: what bends first.
+pub const COMPARED: [&str; 5] = [
+    "alpha_per_c_cm",
+    "lambda_per_s",
+    "c_total_f_per_cm2",
+    "r_parallel_ohm_cm2",
+    "rss_ohm_cm2",
+];
+
+impl ParameterInfo {
+    /// The parameter stored under `key`; none for a parameter of another model.
+    pub fn of(key: &str) -> Option<&'static ParameterInfo> {
+        PARAMETERS.iter().find(|parameter| parameter.key == key)
+    }
+}
+
+const fn electrical(
+    key: &'static str,
+    symbol: &'static str,
+    name: &'static str,
+    unit: &'static str,
+) -> ParameterInfo {
+    ParameterInfo {
+        key,
+        symbol,
+        name,
+        unit,
+        shown_unit: unit,
+        shown_factor: 1.0,
+        spans_decades: false,
+        needs_curvature: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_compared_parameter_is_known() {
+        for key in COMPARED {
+            assert!(ParameterInfo::of(key).is_some(), "{key}");
+        }
+        assert!(ParameterInfo::of("mu_cm_per_c").is_none());
+    }
+}

@@ -1,0 +1,226 @@
+//! Axes: which range is shown, where ticks stand and what they say.
+
+use crate::report::number::{Prefix, fixed, si_prefix, superscript};
+
+/// How numbers become positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Proportional.
+    Linear,
+    /// Proportional to the logarithm; numbers must be positive.
+    Log,
+}
+
+/// A mark on an axis: its position on the scale and its text (empty for a minor tick).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tick {
+    /// Position on the scale (the logarithm on a log axis).
+    pub at: f64,
+    /// Text beside it.
+    pub label: String,
+}
+
+/// One axis of a panel. Positions are on the scale: logarithms on a log axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// How numbers become positions.
+    pub scale: Scale,
+    /// Smallest position shown.
+    pub low: f64,
+    /// Largest position shown.
+    pub high: f64,
+    /// Ticks, rising.
+    pub ticks: Vec<Tick>,
+    /// Quantity with its unit.
+    pub title: String,
+}
+
+impl Axis {
+    /// A linear axis over `low..=high`, with an SI prefix before `unit` where there is a unit.
+    pub fn linear(low: f64, high: f64, quantity: &str, unit: &str, wanted_ticks: usize) -> Axis {
+        let (low, high) = widened(low, high);
+        let prefix = match unit {
+            "" | "1/cm" => si_prefix(1.0),
+            "s" if low.abs().max(high.abs()) < 10_000.0 => si_prefix(1.0),
+            _ => si_prefix(low.abs().max(high.abs())),
+        };
+        let step = tick_step((high - low) * prefix.factor, wanted_ticks);
+        Axis {
+            scale: Scale::Linear,
+            low,
+            high,
+            ticks: linear_ticks(low, high, step, prefix),
+            title: titled(quantity, &format!("{}{}", prefix.symbol, shown_unit(unit))),
+        }
+    }
+
+    /// A linear axis whose ends are ticks; it includes `low..=high`. The unit is printed as it is.
+    pub fn linear_rounded(low: f64, high: f64, quantity: &str, unit: &str, wanted_ticks: usize) -> Axis {
+        let (low, high) = widened(low, high);
+        let step = tick_step(high - low, wanted_ticks);
+        let (low, high) = ((low / step).floor() * step, (high / step).ceil() * step);
+        Axis {
+            scale: Scale::Linear,
+            low,
+            high,
+            ticks: linear_ticks(low, high, step, si_prefix(1.0)),
+            title: titled(quantity, shown_unit(unit)),
+        }
+    }
+
+    /// A logarithmic axis over the positive numbers `low..=high`.
+    pub fn log(low: f64, high: f64, quantity: &str, unit: &str) -> Axis {
+        let (low, high) = (low.log10(), high.log10().max(low.log10() + 0.1));
+        Axis {
+            scale: Scale::Log,
+            low,
+            high,
+            ticks: log_ticks(low, high),
+            title: titled(quantity, shown_unit(unit)),
+        }
+    }
+
+    /// Position of a number on the scale.
+    pub fn position(&self, number: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => number,
+            Scale::Log => number.log10(),
+        }
+    }
+
+    /// Whether a number can be shown: finite, positive on a log axis, within the range.
+    pub fn shows(&self, number: f64) -> bool {
+        let margin = 1e-9 * (self.high - self.low);
+        (self.low - margin..=self.high + margin).contains(&self.position(number))
+    }
+}
+
+fn titled(quantity: &str, unit: &str) -> String {
+    match unit.is_empty() {
+        true => quantity.to_owned(),
+        false => format!("{quantity} ({unit})"),
+    }
+}
+
+fn shown_unit(unit: &str) -> &str {
+    match unit {
+        "1/cm" => "cm⁻¹",
+        unit => unit,
+    }
+}
+
+/// A range that is not empty.
+fn widened(low: f64, high: f64) -> (f64, f64) {
+    if !(low.is_finite() && high.is_finite()) {
+        return (0.0, 1.0);
+    }
+    match high > low {
+        true => (low, high),
+        false => {
+            let half = if low == 0.0 { 1.0 } else { 0.1 * low.abs() };
+            (low - half, high + half)
+        }
+    }
+}
+
+/// The step of 1, 2 or 5 times a power of ten that gives at most `wanted` steps.
+fn tick_step(span: f64, wanted: usize) -> f64 {
+    let rough = span / wanted.max(1) as f64;
+    let power = 10f64.powf(rough.log10().floor());
+    let factor = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .find(|factor| factor * power >= rough * (1.0 - 1e-9));
+    factor.unwrap_or(10.0) * power
+}
+
+/// Ticks at multiples of `step` (in the prefixed unit), labelled with the decimals the step needs.
+fn linear_ticks(low: f64, high: f64, step: f64, prefix: Prefix) -> Vec<Tick> {
+    let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+    let first = (low * prefix.factor / step - 1e-6).ceil() as i64;
+    let last = (high * prefix.factor / step + 1e-6).floor() as i64;
+    (first..=last.min(first + 100))
+        .map(|multiple| Tick {
+            at: multiple as f64 * step / prefix.factor,
+            label: fixed(multiple as f64 * step, decimals),
+        })
+        .collect()
+}
+
+/// Ticks at powers of ten; within less than two decades also at 2 and 5 times them.
+fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
+    let every = (((high - low) / 7.0).ceil() as i32).max(1);
+    let factors: &[f64] = match high - low < 1.7 {
+        true => &[1.0, 2.0, 5.0],
+        false => &[1.0],
+    };
+    let mut ticks = Vec::new();
+    for decade in low.floor() as i32..=high.ceil() as i32 {
+        for &factor in factors {
+            let at = f64::from(decade) + factor.log10();
+            if at >= low - 1e-9 && at <= high + 1e-9 {
+                let label = match decade.rem_euclid(every) == 0 {
+                    true => log_label(decade, factor),
+                    false => String::new(),
+                };
+                ticks.push(Tick { at, label });
+            }
+        }
+    }
+    ticks
+}
+
+fn log_label(decade: i32, factor: f64) -> String {
+    match decade {
+        -2..=-1 => fixed(factor * 10f64.powi(decade), (-decade) as usize),
+        0..=3 => fixed(factor * 10f64.powi(decade), 0),
+        _ if factor == 1.0 => format!("10{}", superscript(decade)),
+        _ => format!("{}·10{}", fixed(factor, 0), superscript(decade)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn labels(axis: &Axis) -> Vec<&str> {
+        axis.ticks.iter().map(|tick| tick.label.as_str()).collect()
+    }
+
+    #[test]
+    fn linear_axis_takes_a_prefix() {
+        let axis = Axis::linear(-0.4e-3, 2.1e-3, "Current", "A", 5);
+        assert_eq!(axis.title, "Current (mA)");
+        assert_eq!(labels(&axis), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
+        assert_eq!(Axis::linear(0.0, 40_000.0, "Time", "s", 5).title, "Time (ks)");
+        assert_eq!(Axis::linear(0.0, 3600.0, "Time", "s", 5).title, "Time (s)");
+    }
+
+    #[test]
+    fn log_axis_labels_decades() {
+        assert_eq!(
+            labels(&Axis::log(0.1, 1000.0, "Time", "s")),
+            ["0.1", "1", "10", "100", "1000"]
+        );
+        assert_eq!(
+            labels(&Axis::log(4e-5, 2e-3, "λ", "s⁻¹")),
+            ["5·10⁻⁵", "10⁻⁴", "2·10⁻⁴", "5·10⁻⁴", "10⁻³", "2·10⁻³"]
+        );
+        assert!(
+            labels(&Axis::log(1e-9, 1e9, "x", ""))
+                .iter()
+                .filter(|label| !label.is_empty())
+                .count()
+                <= 8
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn any_range_gets_a_few_rising_ticks(low in -1e9..1e9f64, span in 1e-9..1e9f64, wanted in 2usize..9) {
+            let axis = Axis::linear(low, low + span, "q", "A", wanted);
+            prop_assert!(axis.ticks.len() <= wanted + 2);
+            prop_assert!(axis.ticks.windows(2).all(|pair| pair[0].at < pair[1].at));
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! One parameter of one material over all conditions: the panels of the thesis's figure 26.
+
+use plotters::element::{Circle, PathElement};
+use plotters::style::text_anchor::{HPos, VPos};
+use plotters::style::{Color, ShapeStyle};
+
+use super::axis::Axis;
+use super::canvas::{Ink, svg};
+use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
+use crate::domain::Estimate;
+
+/// Size of one panel, px.
+const SIZE: (u32, u32) = (440, 262);
+const MARGINS: Margins = Margins {
+    left: 66,
+    right: 12,
+    top: 10,
+    bottom: 66,
+};
+/// Estimated width of a character of a tick label, px.
+const CHARACTER: f64 = 6.2;
+
+/// The marks of one surroundings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Group {
+    /// Environment.
+    pub label: String,
+    /// Humidity, where it is known.
+    pub humidity: String,
+    /// Index of the environment: its colour and marker.
+    pub style: usize,
+    /// One slot per voltage.
+    pub slots: Vec<Slot>,
+}
+
+/// The marks of one condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slot {
+    /// Voltage.
+    pub label: String,
+    /// One estimate per run, in shown units; repeats stand side by side.
+    pub estimates: Vec<Estimate>,
+}
+
+/// Draws one panel. `y` must cover every number of the groups that is to be seen.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn comparison(id: &str, groups: &[Group], y: &Axis, title: &str, desc: &str) -> Result<String, String> {
+    let slots: usize = groups.iter().map(|group| group.slots.len()).sum();
+    let width = slots as f64 + GAP * groups.len().saturating_sub(1) as f64;
+    let x = Axis {
+        title: String::new(),
+        ticks: vec![],
+        ..Axis::linear(-0.5, width - 0.5, "", "", 2)
+    };
+    svg(id, SIZE, title, desc, |area| {
+        let mut chart = panel(area, MARGINS, &x, y, true)?;
+        let pixels_per_slot = f64::from(SIZE.0 - MARGINS.left - MARGINS.right) / width.max(1.0);
+        let axis_title = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
+        label(
+            &mut chart,
+            (0.5 * width - 0.5, y.low),
+            (0, 51),
+            "Step voltage (V)",
+            &axis_title,
+        )?;
+        let mut left = 0.0;
+        for group in groups {
+            draw_group(&mut chart, y, group, left, pixels_per_slot)?;
+            left += group.slots.len() as f64 + GAP;
+        }
+        Ok(())
+    })
+}
+
+/// Room between two groups, in slots.
+const GAP: f64 = 0.6;
+
+fn draw_group(
+    chart: &mut Chart,
+    y: &Axis,
+    group: &Group,
+    left: f64,
+    pixels_per_slot: f64,
+) -> Result<(), String> {
+    let tick = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
+    let longest = group
+        .slots
+        .iter()
+        .map(|slot| slot.label.chars().count())
+        .max()
+        .unwrap_or(0);
+    let every = ((longest as f64 * CHARACTER + 5.0) / pixels_per_slot)
+        .ceil()
+        .max(1.0) as usize;
+    for (index, slot) in group.slots.iter().enumerate() {
+        let at = left + index as f64;
+        if index % every == 0 {
+            label(chart, (at, y.low), (0, 7), &slot.label, &tick)?;
+        }
+        let n = slot.estimates.len() as f64;
+        for (repeat, estimate) in slot.estimates.iter().enumerate() {
+            let beside = (repeat as f64 - 0.5 * (n - 1.0)) * (0.7 / n).min(0.22);
+            draw_estimate(chart, y, at + beside, estimate, group.style)?;
+        }
+    }
+    let count = group.slots.len() as f64;
+    let middle = left + 0.5 * (count - 1.0);
+    let room = ((count + GAP) * pixels_per_slot / CHARACTER) as usize;
+    let name = text_style(Ink::Text, TICK_SIZE, HPos::Center, VPos::Top);
+    let text = match group.humidity.is_empty() {
+        true => group.label.clone(),
+        false => format!("{}, {}", group.label, group.humidity),
+    };
+    let rule = [(left - 0.3, y.low), (left + count - 0.7, y.low)];
+    let style = ink(group.style).color().stroke_width(20);
+    chart
+        .draw_series([PathElement::new(rule, style)])
+        .map_err(|error| error.to_string())?;
+    label(
+        chart,
+        (middle, y.low),
+        (0, 27),
+        &shortened(&text, &group.label, room),
+        &name,
+    )
+}
+
+/// The longest of the full text, the name alone and its beginning that fits into `room` characters.
+fn shortened(text: &str, name: &str, room: usize) -> String {
+    if text.chars().count() <= room {
+        return text.to_owned();
+    }
+    if name.chars().count() <= room {
+        return name.to_owned();
+    }
+    let kept: String = name.chars().take(room.saturating_sub(1)).collect();
+    format!("{kept}…")
+}
+
+fn draw_estimate(
+    chart: &mut Chart,
+    y: &Axis,
+    at: f64,
+    estimate: &Estimate,
+    style: usize,
+) -> Result<(), String> {
+    let line = ink(style).color().stroke_width(14);
+    let within = |number: f64| y.position(number).clamp(y.low, y.high);
+    // A lower end at or below zero has no place on a log axis: the bar goes down to the frame.
+    let position = |number: f64| {
+        if number > 0.0 || y.shows(number) {
+            within(number)
+        } else {
+            y.low
+        }
+    };
+    let ends = (estimate.low_95.map(position), estimate.high_95.map(position));
+    match (estimate.value, ends) {
+        (Some(value), (low, high)) => {
+            let bar = [
+                (at, low.unwrap_or(position(value))),
+                (at, high.unwrap_or(position(value))),
+            ];
+            draw_path(chart, &bar, line)?;
+            marker(chart, (at, position(value)), style, y.shows(value))
+        }
+        (None, (Some(low), Some(high))) => draw_path(chart, &[(at, low), (at, high)], line),
+        (None, (None, Some(high))) => arrow(chart, (at, high), 1, line),
+        (None, (Some(low), None)) => arrow(chart, (at, low), -1, line),
+        (None, (None, None)) => {
+            let muted = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Bottom);
+            label(chart, (at, y.low), (0, -4), "–", &muted)
+        }
+    }
+}
+
+/// A bar at the bound and an arrow away from it: `down` is 1 below an upper bound, -1 above a lower one.
+fn arrow(chart: &mut Chart, at: (f64, f64), down: i32, style: ShapeStyle) -> Result<(), String> {
+    use plotters::element::EmptyElement;
+    let shape = EmptyElement::at(at)
+        + PathElement::new([(-45, 0), (45, 0)], style)
+        + PathElement::new([(0, 0), (0, 180 * down)], style)
+        + PathElement::new([(-32, 130 * down), (0, 180 * down), (32, 130 * down)], style);
+    chart
+        .draw_series([shape])
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}
+
+/// Marker shapes differ as well as colours; a value outside the range shown is hollow.
+fn marker(chart: &mut Chart, at: (f64, f64), style: usize, within: bool) -> Result<(), String> {
+    use plotters::element::{EmptyElement, Polygon};
+    let color = ink(style).color();
+    let filled = color.filled();
+    if !within || style % SHAPES == 0 {
+        let style = if within { filled } else { color.stroke_width(14) };
+        let dot = Circle::new(at, 36, style);
+        return chart
+            .draw_series([dot])
+            .map(|_| ())
+            .map_err(|error| error.to_string());
+    }
+    let corners: &[(i32, i32)] = match style % SHAPES {
+        1 => &[(-33, -33), (33, -33), (33, 33), (-33, 33)],
+        2 => &[(0, -44), (42, 32), (-42, 32)],
+        3 => &[(0, -48), (48, 0), (0, 48), (-48, 0)],
+        _ => &[(0, 44), (42, -32), (-42, -32)],
+    };
+    let shape = EmptyElement::at(at) + Polygon::new(corners.to_vec(), filled);
+    chart
+        .draw_series([shape])
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}
+
+/// Number of marker shapes.
+const SHAPES: usize = 5;
+
+fn draw_path(chart: &mut Chart, points: &[(f64, f64)], style: ShapeStyle) -> Result<(), String> {
+    let path = PathElement::new(points.to_vec(), style);
+    chart
+        .draw_series([path])
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}
+
+/// Colour of the environment with that index.
+pub fn ink(style: usize) -> Ink {
+    Ink::SERIES[style % Ink::SERIES.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn group(estimates: Vec<Estimate>) -> Group {
+        Group {
+            label: "air".to_owned(),
+            humidity: "28–38 % RH".to_owned(),
+            style: 2,
+            slots: vec![Slot {
+                label: "2.5".to_owned(),
+                estimates,
+            }],
+        }
+    }
+
+    fn drawn(estimates: Vec<Estimate>, y: &Axis) -> String {
+        comparison("p", &[group(estimates)], y, "t", "d").unwrap()
+    }
+
+    #[test]
+    fn a_bound_is_an_arrow_and_a_gap_a_dash() {
+        let y = Axis::log(1e-5, 1e-2, "λ", "s⁻¹");
+        let empty = drawn(vec![], &y);
+        let bound = drawn(vec![Estimate::below(1e-4, "r")], &y);
+        assert_eq!(bound.matches("<path").count(), empty.matches("<path").count() + 3);
+        let gap = drawn(vec![Estimate::not_determined("r")], &y);
+        assert!(gap.contains(">–</text>") && !empty.contains(">–</text>"));
+    }
+
+    #[test]
+    fn an_interval_that_reaches_zero_stays_inside_a_log_axis() {
+        let y = Axis::log(1e-5, 1e-2, "λ", "s⁻¹");
+        let text = drawn(vec![Estimate::determined(1e-5, 1e-5, -1e-5, 3e-5)], &y);
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+    }
+
+    #[test]
+    fn long_names_are_cut_not_overlapped() {
+        assert_eq!(shortened("air, 28–38 % RH", "air", 15), "air, 28–38 % RH");
+        assert_eq!(shortened("air, 28–38 % RH", "air", 6), "air");
+        assert_eq!(shortened("glove box, dry", "glove box", 5), "glov…");
+    }
+
+    #[test]
+    fn fifteen_voltages_fit() {
+        let slots = (0..15)
+            .map(|k| Slot {
+                label: format!("−0.{:02}", 5 * k),
+                estimates: vec![],
+            })
+            .collect();
+        let group = Group {
+            slots,
+            ..group(vec![])
+        };
+        let y = Axis::linear_rounded(0.0, 1.0, "α", "", 5);
+        let text = comparison("p", &[group], &y, "t", "d").unwrap();
+        assert!(text.matches("−0.").count() < 10, "labels are thinned");
+    }
+}

@@ -1,0 +1,9 @@
+//! Figures as inline SVG, drawn by plotters: one file per kind.
+
+pub mod axis;
+pub mod canvas;
+pub mod comparison;
+pub mod panel;
+pub mod response;
+
+pub use canvas::{Ink, svg};

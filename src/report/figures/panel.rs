@@ -1,0 +1,133 @@
+//! A panel: grid, ticks, axis titles and a chart to draw series in.
+
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::{
+    Cartesian2d, ChartBuilder, ChartContext, EmptyElement, IntoFont, PathElement, Text, TextStyle,
+};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontTransform};
+
+use super::axis::Axis;
+use super::canvas::{Area, Canvas, Ink, TENTHS};
+
+/// Size of tick labels, px.
+pub const TICK_SIZE: i32 = 11;
+/// Size of axis titles, px.
+pub const TITLE_SIZE: i32 = 12;
+
+/// Chart with linear coordinates; positions on log axes are logarithms.
+pub type Chart<'a, 'b> = ChartContext<'a, Canvas<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Room around the plotting area, px.
+#[derive(Debug, Clone, Copy)]
+pub struct Margins {
+    /// Left of it: tick labels and title.
+    pub left: u32,
+    /// Right of it: half a tick label.
+    pub right: u32,
+    /// Above it.
+    pub top: u32,
+    /// Below it: tick labels and title.
+    pub bottom: u32,
+}
+
+/// A text style in `ink`, `size` px, anchored there.
+pub fn text_style(ink: Ink, size: i32, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
+    ("sans-serif", size * TENTHS)
+        .into_font()
+        .color(&ink.color())
+        .pos(Pos::new(horizontal, vertical))
+}
+
+/// Builds a panel on `area`: grid, axis line at the bottom, tick labels and titles.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn panel<'a, 'b>(
+    area: &'a Area<'b>,
+    margins: Margins,
+    x: &Axis,
+    y: &Axis,
+    x_labels: bool,
+) -> Result<Chart<'a, 'b>, String> {
+    let tenths = |pixels: u32| pixels as i32 * TENTHS;
+    let mut chart = ChartBuilder::on(area)
+        .margin_left(tenths(margins.left))
+        .margin_right(tenths(margins.right))
+        .margin_top(tenths(margins.top))
+        .margin_bottom(tenths(margins.bottom))
+        .build_cartesian_2d(x.low..x.high, y.low..y.high)
+        .map_err(|error| error.to_string())?;
+    let line = |chart: &mut Chart<'a, 'b>, points: Vec<(f64, f64)>, ink: Ink, width: u32| {
+        let path = PathElement::new(points, ink.color().stroke_width(width));
+        chart
+            .draw_series([path])
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    };
+    for tick in &y.ticks {
+        line(
+            &mut chart,
+            vec![(x.low, tick.at), (x.high, tick.at)],
+            Ink::Grid,
+            10,
+        )?;
+    }
+    line(&mut chart, vec![(x.low, y.low), (x.high, y.low)], Ink::Muted, 10)?;
+    let label_right = text_style(Ink::Muted, TICK_SIZE, HPos::Right, VPos::Center);
+    for tick in y.ticks.iter().filter(|tick| !tick.label.is_empty()) {
+        label(&mut chart, (x.low, tick.at), (-6, 0), &tick.label, &label_right)?;
+    }
+    let below = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
+    for tick in &x.ticks {
+        let mark = EmptyElement::at((tick.at, y.low))
+            + PathElement::new([(0, 0), (0, 4 * TENTHS)], Ink::Muted.color().stroke_width(10));
+        chart.draw_series([mark]).map_err(|error| error.to_string())?;
+        if x_labels {
+            label(&mut chart, (tick.at, y.low), (0, 7), &tick.label, &below)?;
+        }
+    }
+    let middle_y = 0.5 * (y.low + y.high);
+    let rotated = ("sans-serif", TITLE_SIZE * TENTHS)
+        .into_font()
+        .transform(FontTransform::Rotate270)
+        .color(&Ink::Text.color())
+        .pos(Pos::new(HPos::Center, VPos::Top));
+    label(
+        &mut chart,
+        (x.low, middle_y),
+        (-(margins.left as i32) + 2, 0),
+        &y.title,
+        &rotated,
+    )?;
+    if x_labels {
+        let title = text_style(Ink::Text, TITLE_SIZE, HPos::Center, VPos::Top);
+        label(
+            &mut chart,
+            (0.5 * (x.low + x.high), y.low),
+            (0, 24),
+            &x.title,
+            &title,
+        )?;
+    }
+    Ok(chart)
+}
+
+/// Writes `text` at a position, moved by `shift` px (right, down).
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn label(
+    chart: &mut Chart,
+    at: (f64, f64),
+    shift: (i32, i32),
+    text: &str,
+    style: &TextStyle<'static>,
+) -> Result<(), String> {
+    let moved = (shift.0 * TENTHS, shift.1 * TENTHS);
+    let element = EmptyElement::at(at) + Text::new(text.to_owned(), moved, style.clone());
+    chart
+        .draw_series([element])
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}

@@ -1,0 +1,260 @@
+//! One response of a run: measured readings with the fitted curve, and the residuals under them.
+//!
+//! Each response is drawn twice, side by side, with the same vertical axis: over the whole run in linear
+//! time, as the thesis draws it and where back-relaxation is seen, and over the logarithm of the time since
+//! the step, where charging (seconds) and creep (hours) get equal room. A linear axis alone hides the first
+//! seconds, in which the fit of R₁ and C₁ is decided; a logarithmic one alone hides what precedes the step
+//! and squeezes the hours that decide λ.
+
+use plotters::element::{Circle, PathElement};
+use plotters::series::LineSeries;
+use plotters::style::Color;
+
+use super::axis::Axis;
+use super::canvas::{Area, Ink, TENTHS, svg};
+use super::panel::{Chart, Margins, panel};
+use crate::domain::RunCurve;
+use crate::report::number::fixed;
+
+/// Width of one figure, px.
+const WIDTH: u32 = 470;
+/// Height of the panel with the readings, px.
+const READINGS_HEIGHT: u32 = 210;
+/// Height of the panel with the residuals, px.
+const RESIDUALS_HEIGHT: u32 = 120;
+/// Room under the lowest panel for the time axis, px.
+const TIME_AXIS_HEIGHT: u32 = 42;
+/// Shortest time shown on a logarithmic axis, as a fraction of the longest.
+const SHORTEST: f64 = 1e-6;
+
+/// Which times a figure shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TimeView {
+    /// The whole run in linear time.
+    Whole,
+    /// Logarithm of the time since the step at `step_s`, until the drive changes again.
+    SinceStep {
+        /// Time of the step, s.
+        step_s: f64,
+        /// Time of the next change of the drive, s; infinite where there is none.
+        until_s: f64,
+    },
+}
+
+/// Draws `curve` over the times of `view`; none where no reading lies in them.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn response(
+    id: &str,
+    curve: &RunCurve,
+    view: TimeView,
+    title: &str,
+    desc: &str,
+) -> Result<Option<String>, String> {
+    let shown = shown_indices(curve, view);
+    let Some(x) = time_axis(curve, view, &shown) else {
+        return Ok(None);
+    };
+    let residuals = curve.residual_sigma.len() == curve.time_s.len();
+    let height = READINGS_HEIGHT + TIME_AXIS_HEIGHT + if residuals { RESIDUALS_HEIGHT } else { 0 };
+    let drawn = svg(id, (WIDTH, height), title, desc, |area| {
+        let drawing = Drawing {
+            curve,
+            view,
+            shown: &shown,
+            x: &x,
+        };
+        if !residuals {
+            return drawing.readings(area, true);
+        }
+        let (above, below) = area.split_vertically(READINGS_HEIGHT as i32 * TENTHS);
+        drawing.readings(&above, false)?;
+        drawing.residuals(&below)
+    })?;
+    Ok(Some(drawn))
+}
+
+/// What both panels of a figure share.
+struct Drawing<'a> {
+    curve: &'a RunCurve,
+    view: TimeView,
+    shown: &'a [usize],
+    x: &'a Axis,
+}
+
+impl Drawing<'_> {
+    fn readings(&self, area: &Area, x_labels: bool) -> Result<(), String> {
+        let curve = self.curve;
+        let all = curve.measured.iter().chain(&curve.fitted).copied();
+        let (low, high) = range(all);
+        let margin = 0.05 * (high - low);
+        let quantity = curve.quantity;
+        let y = Axis::linear(low - margin, high + margin, quantity.label(), quantity.unit(), 5);
+        let mut chart = panel(area, margins(x_labels), self.x, &y, x_labels)?;
+        self.dots(&mut chart, &curve.measured, 11, 0.6)?;
+        if curve.fitted.len() == curve.time_s.len() {
+            let points = self
+                .shown
+                .iter()
+                .map(|&index| (self.x_at(index), curve.fitted[index]));
+            let line = LineSeries::new(points, Ink::Vermillion.color().stroke_width(16));
+            chart.draw_series(line).map_err(|error| error.to_string())?;
+        }
+        Ok(())
+    }
+
+    fn residuals(&self, area: &Area) -> Result<(), String> {
+        let residuals = &self.curve.residual_sigma;
+        let (low, high) = range(residuals.iter().copied());
+        let reach = 1.05 * low.abs().max(high.abs()).max(3.0);
+        let y = Axis::linear(-reach, reach, "Residual / σ", "", 3);
+        let mut chart = panel(area, margins(true), self.x, &y, true)?;
+        let zero = [(self.x.low, 0.0), (self.x.high, 0.0)];
+        chart
+            .draw_series([PathElement::new(zero, Ink::Vermillion.color().stroke_width(10))])
+            .map_err(|error| error.to_string())?;
+        self.dots(&mut chart, residuals, 10, 0.6)
+    }
+
+    fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32, opacity: f64) -> Result<(), String> {
+        let style = Ink::Text.color().mix(opacity).filled();
+        let dot = |&index: &usize| Circle::new((self.x_at(index), values[index]), radius, style);
+        chart
+            .draw_series(self.shown.iter().map(dot))
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    }
+
+    fn x_at(&self, index: usize) -> f64 {
+        let time_s = self.curve.time_s[index];
+        match self.view {
+            TimeView::Whole => time_s,
+            TimeView::SinceStep { step_s, .. } => (time_s - step_s).log10(),
+        }
+    }
+}
+
+fn margins(x_labels: bool) -> Margins {
+    Margins {
+        left: 62,
+        right: 16,
+        top: 8,
+        bottom: if x_labels { TIME_AXIS_HEIGHT } else { 6 },
+    }
+}
+
+/// Indices of the readings that a view shows.
+fn shown_indices(curve: &RunCurve, view: TimeView) -> Vec<usize> {
+    let all = 0..curve.time_s.len();
+    match view {
+        TimeView::Whole => all.collect(),
+        TimeView::SinceStep { step_s, until_s } => {
+            let last_s = curve.time_s.last().copied().unwrap_or(step_s).min(until_s);
+            let first_s = step_s + SHORTEST * (last_s - step_s);
+            all.filter(|&index| {
+                let time_s = curve.time_s[index];
+                time_s > step_s && time_s >= first_s && time_s < until_s
+            })
+            .collect()
+        }
+    }
+}
+
+/// None where fewer than two readings are shown.
+fn time_axis(curve: &RunCurve, view: TimeView, shown: &[usize]) -> Option<Axis> {
+    let first_s = curve.time_s[*shown.first()?];
+    let last_s = curve.time_s[*shown.last()?];
+    if last_s <= first_s {
+        return None;
+    }
+    Some(match view {
+        TimeView::Whole => {
+            let margin = 0.015 * (last_s - first_s);
+            Axis::linear(first_s - margin, last_s + margin, "Time", "s", 6)
+        }
+        TimeView::SinceStep { step_s, .. } => {
+            let title = match step_s == 0.0 {
+                true => "Time since the step".to_owned(),
+                false => format!("Time since the step at {} s", fixed(step_s, 2)),
+            };
+            Axis::log(0.9 * (first_s - step_s), 1.1 * (last_s - step_s), &title, "s")
+        }
+    })
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Quantity;
+
+    fn curve(n: usize, fitted: bool) -> RunCurve {
+        let time_s: Vec<f64> = (0..n).map(|k| 1e-2 * 1.026f64.powi(k as i32) - 0.02).collect();
+        let measured: Vec<f64> = time_s
+            .iter()
+            .map(|t| 2e-3 * (-t.max(0.0) / 30.0).exp() + 1e-5)
+            .collect();
+        RunCurve {
+            quantity: Quantity::Current,
+            fitted: if fitted { measured.clone() } else { vec![] },
+            residual_sigma: if fitted {
+                time_s.iter().map(|t| (17.0 * t).sin()).collect()
+            } else {
+                vec![]
+            },
+            measured,
+            time_s,
+            readings: 10 * n,
+        }
+    }
+
+    #[test]
+    fn a_figure_of_450_readings_stays_small() {
+        for view in [
+            TimeView::Whole,
+            TimeView::SinceStep {
+                step_s: 0.0,
+                until_s: f64::INFINITY,
+            },
+        ] {
+            let drawn = response("c", &curve(450, true), view, "t", "d").unwrap().unwrap();
+            assert!(drawn.len() < 20_000, "{} bytes", drawn.len());
+        }
+    }
+
+    #[test]
+    fn an_unfitted_run_has_readings_only() {
+        let drawn = response("c", &curve(50, false), TimeView::Whole, "t", "d")
+            .unwrap()
+            .unwrap();
+        assert!(!drawn.contains("Residual"));
+        assert!(drawn.contains("Current (mA)"));
+    }
+
+    #[test]
+    fn the_view_since_the_step_leaves_out_what_precedes_it_and_what_follows_the_next() {
+        let curve = curve(300, false);
+        let view = TimeView::SinceStep {
+            step_s: 0.0,
+            until_s: 5.0,
+        };
+        let shown = shown_indices(&curve, view);
+        assert!(
+            shown
+                .iter()
+                .all(|&index| curve.time_s[index] > 0.0 && curve.time_s[index] < 5.0)
+        );
+        let empty = TimeView::SinceStep {
+            step_s: 1e9,
+            until_s: f64::INFINITY,
+        };
+        assert_eq!(response("c", &curve, empty, "t", "d").unwrap(), None);
+    }
+}

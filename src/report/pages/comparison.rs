@@ -1,0 +1,346 @@
+//! The comparison: each parameter over all conditions, with 95 % intervals.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::wording::{
+    counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label, voltage_labels,
+    why_unfitted,
+};
+use crate::analysis::conditions::nominal_voltage_v;
+use crate::analysis::parameters::COMPARED;
+use crate::analysis::{Contrast, ParameterInfo, confounding, contrasts};
+use crate::domain::Estimate;
+use crate::report::error::ReportError;
+use crate::report::figures::axis::Axis;
+use crate::report::figures::comparison::{Group, Slot, comparison};
+use crate::report::number::significant;
+use crate::report::site::Site;
+
+/// How far beyond the largest (or below the smallest positive) value an interval may stretch an axis.
+const STRETCH: f64 = 2.0;
+
+#[derive(Debug, Serialize)]
+struct Comparison {
+    caution: Vec<String>,
+    single_material: bool,
+    parameters: Vec<ParameterSection>,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterSection {
+    id: &'static str,
+    symbol: &'static str,
+    name: &'static str,
+    sentences: Vec<String>,
+    panels: Vec<Panel>,
+}
+
+#[derive(Debug, Serialize)]
+struct Panel {
+    material: String,
+    /// Id of the figure; none where nothing is determined.
+    figure: Option<String>,
+    /// Why there is no figure, or which runs are missing from it and why.
+    note: String,
+}
+
+/// Makes the page.
+pub fn content(site: &Site) -> Result<Content, ReportError> {
+    let mut figures = BTreeMap::new();
+    let parameters: Result<Vec<ParameterSection>, ReportError> = COMPARED
+        .iter()
+        .filter_map(|key| ParameterInfo::of(key))
+        .map(|parameter| section(site, parameter, &mut figures))
+        .collect();
+    let page = Comparison {
+        caution: caution(site),
+        single_material: site.conditions.materials.len() == 1,
+        parameters: parameters?,
+    };
+    Content::new("comparison.html", &page, figures)
+}
+
+/// What the order of the runs lets nobody tell apart, in sentences.
+pub fn caution(site: &Site) -> Vec<String> {
+    let found = confounding(&site.input.runs);
+    let mut sentences = Vec::new();
+    if !found.environment_with_age.is_empty() {
+        sentences.push(format!(
+            "The environments of {} were measured one after the other: a difference between them may also be age.",
+            listed(&found.environment_with_age)
+        ));
+    }
+    if !found.voltage_with_age.is_empty() {
+        sentences.push(format!(
+            "The voltages of {} only rose with time: an effect of voltage may also be the effect of the steps before.",
+            listed(&found.voltage_with_age)
+        ));
+    }
+    sentences
+}
+
+/// Differences beyond the 95 % intervals with at least `ratio`, the largest first.
+pub fn contrast_sentences(site: &Site, ratio: f64) -> Vec<String> {
+    let mut found: Vec<(f64, String)> = Vec::new();
+    for parameter in COMPARED.iter().filter_map(|key| ParameterInfo::of(key)) {
+        for (material, contrast) in contrasts_of(site, parameter).into_iter().enumerate() {
+            if let Contrast::Differs { ratio: by, .. } = contrast
+                && by >= ratio
+            {
+                found.push((by, sentence(site, parameter, material, &contrast)));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, sentence)| sentence).collect()
+}
+
+fn contrasts_of(site: &Site, parameter: &ParameterInfo) -> Vec<Contrast> {
+    contrasts(&site.input.runs, &site.conditions, parameter.key)
+}
+
+fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &Contrast) -> String {
+    let material = &site.conditions.materials[material];
+    let symbol = parameter.symbol;
+    match contrast {
+        Contrast::Differs {
+            low_run,
+            high_run,
+            ratio,
+            ..
+        } => format!(
+            "{material}: {} {symbol} is {} times larger {} than {} ({} against {} {}).",
+            parameter.name,
+            significant(*ratio, 2),
+            condition_of(site, *high_run),
+            condition_of(site, *low_run),
+            estimate_of(&site.input.runs[*high_run], parameter).text,
+            estimate_of(&site.input.runs[*low_run], parameter).text,
+            parameter.shown_unit,
+        ),
+        Contrast::Agrees { runs } => {
+            format!(
+                "{material}: the 95 % intervals of all {} overlap.",
+                counted(*runs, "run")
+            )
+        }
+        Contrast::Single => {
+            format!("{material}: one run determines {symbol}; there is nothing to compare it with.")
+        }
+        Contrast::NotDetermined => format!("{material}: no run determines {symbol}."),
+    }
+}
+
+/// `in air at 2.5 V`
+fn condition_of(site: &Site, run: usize) -> String {
+    let conditions = &site.conditions;
+    let place = conditions
+        .measured
+        .iter()
+        .find(|condition| condition.runs.contains(&run));
+    let surroundings = place.map_or_else(String::new, |c| {
+        surroundings_label(&conditions.surroundings[c.surroundings])
+    });
+    let voltage = nominal_voltage_v(&site.input.runs[run]).map_or_else(String::new, voltage_label);
+    format!("in {surroundings} at {voltage}")
+}
+
+fn section(
+    site: &Site,
+    parameter: &'static ParameterInfo,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<ParameterSection, ReportError> {
+    let materials = &site.conditions.materials;
+    let groups: Vec<Vec<Group>> = (0..materials.len())
+        .map(|material| groups(site, material, parameter))
+        .collect();
+    let shared = parameter
+        .spans_decades
+        .then(|| axis(parameter, groups.iter().flatten()));
+    let mut panels = Vec::new();
+    for (material, groups) in groups.iter().enumerate() {
+        let mut panel = Panel {
+            material: materials[material].clone(),
+            figure: None,
+            note: note(site, material, parameter),
+        };
+        if groups
+            .iter()
+            .flat_map(|group| &group.slots)
+            .flat_map(|slot| &slot.estimates)
+            .any(says_something)
+        {
+            let id = format!("{}-{material}", parameter.key.replace('_', "-"));
+            let axis = shared.clone().unwrap_or_else(|| axis(parameter, groups.iter()));
+            let title = format!("{} of {}", parameter.name, panel.material);
+            let desc = format!(
+                "{} against step voltage in each environment, with 95 % intervals. The numbers stand in the table of parameters.",
+                parameter.symbol
+            );
+            let drawn =
+                comparison(&id, groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
+                    figure: id.clone(),
+                    reason,
+                })?;
+            figures.insert(id.clone(), drawn);
+            panel.figure = Some(id);
+        }
+        panels.push(panel);
+    }
+    let sentences = contrasts_of(site, parameter)
+        .iter()
+        .enumerate()
+        .filter(|(_, contrast)| !matches!(contrast, Contrast::NotDetermined))
+        .map(|(material, contrast)| sentence(site, parameter, material, contrast))
+        .collect();
+    Ok(ParameterSection {
+        id: parameter.key,
+        symbol: parameter.symbol,
+        name: parameter.name,
+        sentences,
+        panels,
+    })
+}
+
+fn says_something(estimate: &Estimate) -> bool {
+    estimate.value.or(estimate.low_95).or(estimate.high_95).is_some()
+}
+
+/// Every surroundings with every voltage of the campaign, measured or not: panels of one row line up.
+fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group> {
+    let conditions = &site.conditions;
+    let labels = voltage_labels(&conditions.voltages_v);
+    let mut environments: Vec<&str> = Vec::new();
+    let mut groups = Vec::new();
+    for (index, surroundings) in conditions.surroundings.iter().enumerate() {
+        if environments.last() != Some(&surroundings.environment.as_str()) {
+            environments.push(&surroundings.environment);
+        }
+        let slot = |(voltage, label): (usize, &String)| Slot {
+            label: label.clone(),
+            estimates: match conditions.at(material, index, voltage) {
+                Some(condition) => estimates(site, &condition.runs, parameter),
+                None => vec![],
+            },
+        };
+        groups.push(Group {
+            label: surroundings.environment.clone(),
+            humidity: humidity_label(surroundings),
+            style: environments.len() - 1,
+            slots: labels.iter().enumerate().map(slot).collect(),
+        });
+    }
+    groups
+}
+
+/// Estimates of the fitted runs among `runs`, in shown units.
+fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Estimate> {
+    let shown = |number: Option<f64>| number.map(|number| number * parameter.shown_factor);
+    let of = |&run: &usize| {
+        let estimate = site.input.runs[run].fit.as_ref()?.parameter(parameter.key)?;
+        Some(Estimate {
+            value: shown(estimate.value),
+            standard_error: shown(estimate.standard_error),
+            low_95: shown(estimate.low_95),
+            high_95: shown(estimate.high_95),
+            ..estimate.clone()
+        })
+    };
+    runs.iter().filter_map(of).collect()
+}
+
+/// An axis that shows every value and bound, and intervals as far as [`STRETCH`] lets them reach.
+fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Group>) -> Axis {
+    let estimates: Vec<&Estimate> = groups
+        .flat_map(|group| &group.slots)
+        .flat_map(|slot| &slot.estimates)
+        .collect();
+    let core = |estimate: &&Estimate| match estimate.value {
+        Some(value) => vec![value],
+        None => [estimate.low_95, estimate.high_95]
+            .into_iter()
+            .flatten()
+            .collect(),
+    };
+    let values: Vec<f64> = estimates.iter().flat_map(core).collect();
+    let ends = estimates
+        .iter()
+        .flat_map(|estimate| [estimate.low_95, estimate.high_95])
+        .flatten();
+    let unit = parameter.shown_unit;
+    if parameter.spans_decades {
+        let positive = || values.iter().copied().filter(|value| *value > 0.0);
+        let (low, high) = (
+            positive().fold(f64::INFINITY, f64::min),
+            positive().fold(0.0, f64::max),
+        );
+        let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 1.0) };
+        let reach = |(l, h): (f64, f64), end: f64| match end > 0.0 {
+            true => (l.min(end.max(low / STRETCH)), h.max(end.min(high * STRETCH))),
+            false => (l, h),
+        };
+        let (low, high) = ends.fold((low, high), reach);
+        return Axis::log(low / 1.6, high * 1.3, parameter.symbol, unit);
+    }
+    let largest = values.iter().fold(0.0, |far: f64, value| far.max(value.abs()));
+    let limit = if largest > 0.0 { STRETCH * largest } else { 1.0 };
+    let (low, high) = ends
+        .chain(values.iter().copied())
+        .fold((0.0, 0.0), |(l, h): (f64, f64), end| {
+            (l.min(end.max(-limit)), h.max(end.min(limit)))
+        });
+    Axis::linear_rounded(low, high, parameter.symbol, unit, 5)
+}
+
+/// Which runs of a material do not determine the parameter, by reason.
+fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
+    let of_material = site
+        .conditions
+        .measured
+        .iter()
+        .filter(|condition| condition.material == material);
+    let runs: Vec<usize> = of_material.flat_map(|condition| condition.runs.clone()).collect();
+    let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
+    let mut determined = 0;
+    for &run in &runs {
+        let record = &site.input.runs[run];
+        let estimate = record.fit.as_ref().and_then(|fit| fit.parameter(parameter.key));
+        match estimate {
+            Some(estimate) if estimate.value.is_some() => determined += 1,
+            Some(estimate) => {
+                let reason = estimate
+                    .reason
+                    .clone()
+                    .unwrap_or_else(|| "no reason is stored".to_owned());
+                *reasons.entry(reason).or_default() += 1;
+            }
+            None if record.fit.is_none() => *reasons.entry(why_unfitted(record).to_owned()).or_default() += 1,
+            None => {
+                *reasons
+                    .entry("its model has no such parameter".to_owned())
+                    .or_default() += 1
+            }
+        }
+    }
+    if reasons.is_empty() {
+        return String::new();
+    }
+    let mut gathered: Vec<(String, usize)> = reasons.into_iter().collect();
+    gathered.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    if determined == 0 && gathered.len() == 1 {
+        return format!("Not determined in any run, because {}.", gathered[0].0);
+    }
+    let parts: Vec<String> = gathered
+        .iter()
+        .map(|(reason, count)| format!("{} because {reason}", counted(*count, "run")))
+        .collect();
+    let lead = if determined == 0 {
+        "Not determined in any run: "
+    } else {
+        "Not determined: "
+    };
+    format!("{lead}{}.", parts.join("; "))
+}

@@ -1,0 +1,313 @@
+//! The overview: what was found, which conditions are measured, what is new, what needs a hand.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::comparison::{caution, contrast_sentences};
+use super::wording::{
+    IssueText, RunLink, counted, has_warnings, humidity_label, listed, moment, voltage_labels,
+};
+use crate::domain::{FileState, Issue, RunState, Severity};
+use crate::report::error::ReportError;
+use crate::report::site::Site;
+
+/// Entries shown of what came in last.
+const NEWS: usize = 8;
+/// Contrasts named on this page; the comparison has all.
+const CONTRASTS: usize = 4;
+/// Ratio from which a contrast is worth a sentence here.
+const NOTABLE_RATIO: f64 = 1.5;
+
+/// The page's text.
+#[derive(Debug, Serialize)]
+struct Index {
+    findings: Vec<String>,
+    caution: Vec<String>,
+    counts: Vec<Count>,
+    voltages: Vec<String>,
+    rows: Vec<MatrixRow>,
+    unplaced: Vec<RunLink>,
+    news: Vec<NewsRow>,
+    refused: Vec<RefusedRow>,
+    waiting: Vec<RefusedRow>,
+    untagged: Vec<RunIssues>,
+    problems: Vec<Problem>,
+}
+
+#[derive(Debug, Serialize)]
+struct Count {
+    number: usize,
+    label: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct MatrixRow {
+    /// Set in the first row of a material: its name, and over how many rows it stands.
+    material: Option<(String, usize)>,
+    environment: String,
+    humidity: String,
+    cells: Vec<Vec<MatrixRun>>,
+}
+
+#[derive(Debug, Serialize)]
+struct MatrixRun {
+    link: RunLink,
+    ordinal: usize,
+    /// `fitted`, `warned` or `unfitted`: class and word.
+    state: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct NewsRow {
+    link: Option<RunLink>,
+    path: String,
+    when: String,
+}
+
+#[derive(Debug, Serialize)]
+struct RefusedRow {
+    path: String,
+    missing: bool,
+    issue: Option<IssueText>,
+}
+
+#[derive(Debug, Serialize)]
+struct RunIssues {
+    link: RunLink,
+    issues: Vec<IssueText>,
+}
+
+/// One kind of issue with every run that has it.
+#[derive(Debug, Serialize)]
+struct Problem {
+    issue: IssueText,
+    count: String,
+    runs: Vec<RunLink>,
+}
+
+/// Makes the page.
+pub fn content(site: &Site) -> Result<Content, ReportError> {
+    let index = Index {
+        findings: findings(site),
+        caution: caution(site),
+        counts: counts(site),
+        voltages: voltage_labels(&site.conditions.voltages_v),
+        rows: rows(site),
+        unplaced: site
+            .conditions
+            .unplaced
+            .iter()
+            .map(|&run| RunLink::to(site, run))
+            .collect(),
+        news: news(site),
+        refused: files(site, FileState::Refused),
+        waiting: files(site, FileState::Pending),
+        untagged: untagged(site),
+        problems: problems(site),
+    };
+    Content::new("index.html", &index, BTreeMap::new())
+}
+
+fn findings(site: &Site) -> Vec<String> {
+    let runs = &site.input.runs;
+    let conditions = &site.conditions;
+    if runs.is_empty() {
+        return vec!["No run has been taken in yet.".to_owned()];
+    }
+    let fitted = runs.iter().filter(|run| run.fit.is_some()).count();
+    let mut sentences = vec![format!(
+        "{} in {}; {} fitted.",
+        counted(runs.len(), "run"),
+        counted(conditions.measured.len(), "condition"),
+        match fitted == runs.len() {
+            true => "all are".to_owned(),
+            false => format!("{fitted} {}", if fitted == 1 { "is" } else { "are" }),
+        }
+    )];
+    sentences.extend(
+        contrast_sentences(site, NOTABLE_RATIO)
+            .into_iter()
+            .take(CONTRASTS),
+    );
+    let possible = conditions.materials.len() * conditions.surroundings.len() * conditions.voltages_v.len();
+    let missing = possible - conditions.measured.len();
+    if missing > 0 {
+        sentences.push(format!(
+            "{missing} of the {possible} combinations of material, environment and voltage are not measured."
+        ));
+    }
+    sentences.extend(needs_a_hand(site));
+    sentences
+}
+
+/// What only a person can mend.
+fn needs_a_hand(site: &Site) -> Option<String> {
+    let refused = files(site, FileState::Refused).len();
+    let untagged = site
+        .input
+        .runs
+        .iter()
+        .filter(|run| run.state == RunState::Untagged)
+        .count();
+    let stuck = |run: &&crate::domain::RunRecord| run.fit.as_ref().is_some_and(|fit| !fit.converged);
+    let not_converged = site.input.runs.iter().filter(stuck).count();
+    let mut parts = Vec::new();
+    if refused > 0 {
+        parts.push(format!("{} could not be read", counted(refused, "file")));
+    }
+    if untagged > 0 {
+        let verb = if untagged == 1 { "lacks" } else { "lack" };
+        parts.push(format!("{} {verb} a tag", counted(untagged, "run")));
+    }
+    if not_converged > 0 {
+        parts.push(format!("{} did not converge", counted(not_converged, "fit")));
+    }
+    (!parts.is_empty()).then(|| format!("{}: see below.", listed(&parts)))
+}
+
+fn counts(site: &Site) -> Vec<Count> {
+    let runs = &site.input.runs;
+    let of_state = |state| runs.iter().filter(|run| run.state == state).count();
+    let waiting = runs
+        .iter()
+        .filter(|run| run.state == RunState::Ready && run.fit.is_none())
+        .count();
+    let count = |number, label| Count { number, label };
+    let all = vec![
+        count(runs.len(), "runs"),
+        count(runs.iter().filter(|run| run.fit.is_some()).count(), "fitted"),
+        count(
+            runs.iter().filter(|run| has_warnings(run)).count(),
+            "with warnings",
+        ),
+        count(waiting, "waiting for a fit"),
+        count(of_state(RunState::Untagged), "lacking a tag"),
+        count(of_state(RunState::NotFitted), "not a step response"),
+        count(files(site, FileState::Refused).len(), "files refused"),
+        count(files(site, FileState::Pending).len(), "files waiting"),
+    ];
+    // The first two are always of interest, the others where there are any.
+    all.into_iter()
+        .enumerate()
+        .filter(|(k, c)| *k < 2 || c.number > 0)
+        .map(|(_, c)| c)
+        .collect()
+}
+
+fn rows(site: &Site) -> Vec<MatrixRow> {
+    let conditions = &site.conditions;
+    let span = conditions.surroundings.len();
+    let mut rows = Vec::new();
+    for (material, name) in conditions.materials.iter().enumerate() {
+        for (surroundings, at) in conditions.surroundings.iter().enumerate() {
+            let cell = |voltage| match conditions.at(material, surroundings, voltage) {
+                Some(condition) => matrix_runs(site, &condition.runs),
+                None => vec![],
+            };
+            rows.push(MatrixRow {
+                material: (surroundings == 0).then(|| (name.clone(), span)),
+                environment: at.environment.clone(),
+                humidity: humidity_label(at),
+                cells: (0..conditions.voltages_v.len()).map(cell).collect(),
+            });
+        }
+    }
+    rows
+}
+
+fn matrix_runs(site: &Site, runs: &[usize]) -> Vec<MatrixRun> {
+    let matrix_run = |(ordinal, &run): (usize, &usize)| {
+        let record = &site.input.runs[run];
+        MatrixRun {
+            link: RunLink::to(site, run),
+            ordinal: ordinal + 1,
+            state: match (record.fit.is_some(), has_warnings(record)) {
+                (false, _) => "unfitted",
+                (true, true) => "warned",
+                (true, false) => "fitted",
+            },
+        }
+    };
+    runs.iter().enumerate().map(matrix_run).collect()
+}
+
+fn news(site: &Site) -> Vec<NewsRow> {
+    let row = |news: &crate::report::News| {
+        let run = site.input.runs.iter().position(|run| run.path == news.run_path);
+        NewsRow {
+            link: run.map(|run| RunLink::to(site, run)),
+            path: news.run_path.clone(),
+            when: moment(&news.at),
+        }
+    };
+    site.input.news.iter().take(NEWS).map(row).collect()
+}
+
+fn files(site: &Site, state: FileState) -> Vec<RefusedRow> {
+    let listed = site
+        .input
+        .files
+        .iter()
+        .filter(|file| file.state == state && !file.missing);
+    listed
+        .map(|file| RefusedRow {
+            path: file.path.clone(),
+            missing: file.missing,
+            issue: file.issue.as_ref().map(IssueText::from),
+        })
+        .collect()
+}
+
+fn untagged(site: &Site) -> Vec<RunIssues> {
+    let runs = site.input.runs.iter().enumerate();
+    runs.filter(|(_, run)| run.state == RunState::Untagged)
+        .map(|(index, run)| RunIssues {
+            link: RunLink::to(site, index),
+            issues: run.issues.iter().map(IssueText::from).collect(),
+        })
+        .collect()
+}
+
+/// Warnings and errors of runs and fits, gathered by code; the worst and the most frequent first.
+fn problems(site: &Site) -> Vec<Problem> {
+    let mut by_code: BTreeMap<String, (Issue, Vec<usize>)> = BTreeMap::new();
+    for (index, run) in site.input.runs.iter().enumerate() {
+        for issue in worrying(run) {
+            let entry = by_code
+                .entry(issue.code.clone())
+                .or_insert_with(|| (issue.clone(), vec![]));
+            if entry.1.last() != Some(&index) {
+                entry.1.push(index);
+            }
+        }
+    }
+    let mut gathered: Vec<(Issue, Vec<usize>)> = by_code.into_values().collect();
+    gathered.sort_by_key(|(issue, runs)| (std::cmp::Reverse(issue.severity), std::cmp::Reverse(runs.len())));
+    let problem = |(issue, runs): (Issue, Vec<usize>)| Problem {
+        issue: IssueText::from(&issue),
+        count: counted(runs.len(), "run"),
+        runs: runs.into_iter().map(|run| RunLink::to(site, run)).collect(),
+    };
+    gathered.into_iter().map(problem).collect()
+}
+
+/// Issues worth a place on this page: those of a run whose tags are complete, and of its fit.
+fn worrying(run: &crate::domain::RunRecord) -> Vec<Issue> {
+    let mut issues = match run.state {
+        RunState::Untagged => vec![],
+        RunState::Ready | RunState::NotFitted => run.issues.clone(),
+    };
+    if let Some(fit) = &run.fit {
+        issues.extend(fit.issues.iter().cloned());
+        if !fit.converged {
+            issues.push(Issue::error(
+                "fit-not-converged",
+                format!("the fit did not converge: {}", fit.why_stopped),
+            ));
+        }
+    }
+    issues.retain(|issue| issue.severity >= Severity::Warning);
+    issues
+}

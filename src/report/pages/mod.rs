@@ -1,0 +1,82 @@
+//! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
+
+pub mod comparison;
+pub mod index;
+pub mod run;
+pub mod run_evidence;
+pub mod table5;
+pub mod wording;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::error::ReportError;
+use super::site::Site;
+
+pub use run::content as run_content;
+
+/// What a page shows: formatted text, and figures apart, so that goldens of the text stay readable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Content {
+    /// Text, ready to print; templates never calculate.
+    pub context: Value,
+    /// SVG by the id under which the context names it.
+    pub figures: BTreeMap<String, String>,
+}
+
+impl Content {
+    /// The content of `page` from its context struct.
+    ///
+    /// # Errors
+    /// [`ReportError::Context`]: a fault of the program.
+    pub fn new(
+        page: &str,
+        context: &impl Serialize,
+        figures: BTreeMap<String, String>,
+    ) -> Result<Content, ReportError> {
+        let context = serde_json::to_value(context).map_err(|source| ReportError::Context {
+            page: page.to_owned(),
+            source,
+        })?;
+        Ok(Content { context, figures })
+    }
+}
+
+/// A page that the site has once.
+pub struct Page {
+    /// File name; also the name of its template.
+    pub file: &'static str,
+    /// Title in the navigation.
+    pub title: &'static str,
+    /// Template text.
+    pub template: &'static str,
+    /// Makes the content.
+    pub content: fn(&Site) -> Result<Content, ReportError>,
+}
+
+/// Every page that the site has once, in the order of the navigation.
+pub const PAGES: [Page; 3] = [
+    Page {
+        file: "index.html",
+        title: "Overview",
+        template: include_str!("../../../templates/pages/index.html"),
+        content: index::content,
+    },
+    Page {
+        file: "comparison.html",
+        title: "Comparison",
+        template: include_str!("../../../templates/pages/comparison.html"),
+        content: comparison::content,
+    },
+    Page {
+        file: "table5.html",
+        title: "Parameters",
+        template: include_str!("../../../templates/pages/table5.html"),
+        content: table5::content,
+    },
+];
+
+/// Template of the pages that every run has.
+pub const RUN_TEMPLATE: &str = include_str!("../../../templates/pages/run.html");

@@ -1,0 +1,346 @@
+//! The page of one run: curves with the fit and its residuals, parameters, and everything they rest on.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::run_evidence::{Evidence, evidence};
+use super::table5::r_squared_text;
+use super::wording::{
+    EstimateText, IssueText, RunLink, counted, humidity_label, voltage_label, why_unfitted,
+};
+use crate::analysis::ParameterInfo;
+use crate::analysis::conditions::{material, nominal_voltage_v};
+use crate::domain::{ChannelNoise, Drive, Fit, RunCurve, RunRecord};
+use crate::report::error::ReportError;
+use crate::report::figures::response::{TimeView, response};
+use crate::report::number::{fixed, significant, with_unit};
+use crate::report::site::Site;
+
+/// Residual over noise up to which the model describes the readings.
+const WITHIN_NOISE: f64 = 1.3;
+/// Residual over noise from which a misfit is called systematic whatever its shape.
+const SYSTEMATIC: f64 = 3.0;
+/// Lag-1 autocorrelation from which neighbouring residuals clearly go together.
+const CORRELATED: f64 = 0.5;
+
+#[derive(Debug, Serialize)]
+struct RunPage {
+    name: String,
+    path: String,
+    condition: String,
+    /// Findings first: what the fit says, or why there is none.
+    summary: Vec<String>,
+    responses: Vec<Response>,
+    parameters: Vec<ParameterRow>,
+    fit: Option<FitText>,
+    issues: Vec<IssueText>,
+    same_condition: Vec<RunLink>,
+    evidence: Evidence,
+}
+
+#[derive(Debug, Serialize)]
+struct Response {
+    heading: String,
+    /// Ids of the figures, side by side.
+    figures: Vec<String>,
+    note: String,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterRow {
+    symbol: String,
+    name: String,
+    unit: String,
+    estimate: EstimateText,
+}
+
+#[derive(Debug, Serialize)]
+struct FitText {
+    model: String,
+    method: String,
+    convergence: String,
+    r_squared: Vec<(String, String)>,
+}
+
+/// Makes the page of run number `run` with its curves.
+pub fn content(site: &Site, run: usize, curves: &[RunCurve]) -> Result<Content, ReportError> {
+    let record = &site.input.runs[run];
+    let mut figures = BTreeMap::new();
+    let responses: Result<Vec<Response>, ReportError> = curves
+        .iter()
+        .map(|curve| drawn(record, curve, site.run_name(run), &mut figures))
+        .collect();
+    let mut issues: Vec<IssueText> = worst_first(record).collect();
+    issues.dedup();
+    let page = RunPage {
+        name: site.run_name(run).to_owned(),
+        path: record.path.clone(),
+        condition: condition(site, run),
+        summary: summary(record),
+        responses: responses?
+            .into_iter()
+            .filter(|response| !response.figures.is_empty())
+            .collect(),
+        parameters: record.fit.as_ref().map_or_else(Vec::new, parameters),
+        fit: record.fit.as_ref().map(|fit| fit_text(fit, record)),
+        issues,
+        same_condition: same_condition(site, run),
+        evidence: evidence(site, record),
+    };
+    Content::new("run.html", &page, figures)
+}
+
+/// `CNaf in air, 34 % RH, 2.5 V`, as far as it is known.
+fn condition(site: &Site, run: usize) -> String {
+    let record = &site.input.runs[run];
+    let conditions = &site.conditions;
+    let place = conditions
+        .measured
+        .iter()
+        .find(|condition| condition.runs.contains(&run));
+    let mut parts: Vec<String> = Vec::new();
+    parts.extend(material(record, &site.input.campaign).map(str::to_owned));
+    if let Some(surroundings) = place.map(|place| &conditions.surroundings[place.surroundings]) {
+        parts.push(format!("in {}", surroundings.environment));
+        if let Some(percent) = record.tag_number(crate::domain::tag::keys::RELATIVE_HUMIDITY_PERCENT) {
+            parts.push(format!("at {} % RH", significant(percent, 3)));
+        } else if surroundings.humidity_varies {
+            parts.push(humidity_label(surroundings));
+        }
+    }
+    parts.extend(nominal_voltage_v(record).map(|voltage| format!("stepped to {}", voltage_label(voltage))));
+    parts.join(" ").trim().to_owned()
+}
+
+fn summary(record: &RunRecord) -> Vec<String> {
+    let Some(fit) = &record.fit else {
+        return vec![format!("Not fitted: {}.", why_unfitted(record))];
+    };
+    let mut sentences = Vec::new();
+    if !fit.converged {
+        sentences.push(format!(
+            "The fit did not converge: {}. Its numbers are not to be used.",
+            fit.why_stopped
+        ));
+    }
+    sentences.extend(fit.noise.iter().map(noise_sentence));
+    let undetermined = fit
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.estimate.value.is_none());
+    let symbols: Vec<String> = undetermined.map(|parameter| symbol_of(&parameter.key)).collect();
+    if !symbols.is_empty() {
+        sentences.push(format!(
+            "Not determined by this run: {}.",
+            super::wording::listed(&symbols)
+        ));
+    }
+    sentences
+}
+
+/// How the residual of one channel compares with its noise.
+fn noise_sentence(noise: &ChannelNoise) -> String {
+    let channel = noise.quantity.label();
+    let ratio = noise.residual_rms / noise.standard_deviation;
+    if !ratio.is_finite() {
+        return format!("{channel}: the noise could not be estimated, so the residuals cannot be judged.");
+    }
+    let times = format!("{} × the noise", significant(ratio, 2));
+    let correlated = noise.residual_autocorrelation >= CORRELATED;
+    let correlation = format!(
+        "lag-1 autocorrelation {}",
+        fixed(noise.residual_autocorrelation, 2)
+    );
+    if ratio <= WITHIN_NOISE && !correlated {
+        return format!("{channel}: residual rms {times}; the model describes the readings.");
+    }
+    if ratio >= SYSTEMATIC {
+        return format!(
+            "{channel}: systematic misfit, residual rms {times} ({correlation}); the model lacks something."
+        );
+    }
+    if correlated {
+        return format!(
+            "{channel}: residual rms {times}, but neighbouring residuals go together ({correlation}): a small systematic misfit."
+        );
+    }
+    format!("{channel}: residual rms {times}; more than noise alone.")
+}
+
+fn symbol_of(key: &str) -> String {
+    ParameterInfo::of(key).map_or_else(|| key.to_owned(), |parameter| parameter.symbol.to_owned())
+}
+
+fn drawn(
+    record: &RunRecord,
+    curve: &RunCurve,
+    name: &str,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Response, ReportError> {
+    let quantity = curve.quantity;
+    let fitted = !curve.fitted.is_empty();
+    let mut ids = Vec::new();
+    for (suffix, view, words) in views(record.drive.as_ref()) {
+        let id = format!("{}-{suffix}", quantity.key().replace('_', "-"));
+        let title = format!("{} of {name} over {words}", quantity.label());
+        let desc = match fitted {
+            true => "Measured readings as dots, the fitted model as a line; residuals over noise below.",
+            false => "Measured readings as dots; nothing is fitted.",
+        };
+        let figure = response(&id, curve, view, &title, desc).map_err(|reason| ReportError::Figure {
+            figure: id.clone(),
+            reason,
+        })?;
+        if let Some(svg) = figure {
+            figures.insert(id.clone(), svg);
+            ids.push(id);
+        }
+    }
+    let shown = curve.time_s.len();
+    let thinned = match shown < curve.readings {
+        true => format!(
+            "{shown} of {} readings are drawn; extremes are kept.",
+            curve.readings
+        ),
+        false => format!("All {} are drawn.", counted(curve.readings, "reading")),
+    };
+    Ok(Response {
+        heading: quantity.label().to_owned(),
+        figures: ids,
+        note: thinned,
+    })
+}
+
+/// The two time axes of every response: see [`crate::report::figures::response`].
+fn views(drive: Option<&Drive>) -> [(&'static str, TimeView, &'static str); 2] {
+    let starts = || {
+        drive
+            .into_iter()
+            .flat_map(|drive| drive.segments.iter().map(|segment| segment.start_s))
+    };
+    let since = TimeView::SinceStep {
+        step_s: starts().next().unwrap_or(0.0),
+        until_s: starts().nth(1).unwrap_or(f64::INFINITY),
+    };
+    [
+        ("whole", TimeView::Whole, "the whole run"),
+        ("step", since, "the logarithm of the time since the step"),
+    ]
+}
+
+fn parameters(fit: &Fit) -> Vec<ParameterRow> {
+    let row = |parameter: &crate::domain::Parameter| {
+        let known = ParameterInfo::of(&parameter.key);
+        ParameterRow {
+            symbol: symbol_of(&parameter.key),
+            name: known.map_or_else(String::new, |known| known.name.to_owned()),
+            unit: known.map_or_else(String::new, |known| known.shown_unit.to_owned()),
+            estimate: EstimateText::of(&parameter.estimate, known.map_or(1.0, |known| known.shown_factor)),
+        }
+    };
+    fit.parameters.iter().map(row).collect()
+}
+
+fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
+    let r_squared = [
+        ("current", fit.r_squared_current),
+        ("curvature", fit.r_squared_curvature),
+    ];
+    let program = record
+        .fit_code_version
+        .as_deref()
+        .unwrap_or("a program version that is not stored");
+    let verb = if fit.converged {
+        "converged"
+    } else {
+        "did not converge"
+    };
+    FitText {
+        model: format!("{} version {}, fitted by {program}", fit.model, fit.model_version),
+        method: fit.method.clone(),
+        convergence: format!(
+            "{verb} after {}: {}",
+            counted(fit.evaluations as usize, "evaluation"),
+            fit.why_stopped
+        ),
+        r_squared: r_squared
+            .into_iter()
+            .filter_map(|(of, value)| Some((of.to_owned(), r_squared_text(value?))))
+            .chain(fit.noise.iter().map(noise_pair))
+            .collect(),
+    }
+}
+
+/// Noise of a channel and where its estimate comes from.
+fn noise_pair(noise: &ChannelNoise) -> (String, String) {
+    let amount = with_unit(noise.standard_deviation, noise.quantity.unit());
+    let label = format!("{} noise", noise.quantity.label().to_lowercase());
+    (
+        label,
+        format!(
+            "{amount} ({}; {})",
+            noise.basis,
+            counted(noise.readings, "reading")
+        ),
+    )
+}
+
+/// Issues of the run and of its fit, errors first.
+fn worst_first(record: &RunRecord) -> impl Iterator<Item = IssueText> {
+    let mut issues: Vec<_> = record
+        .issues
+        .iter()
+        .chain(record.fit.iter().flat_map(|fit| &fit.issues))
+        .collect();
+    issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
+    issues
+        .into_iter()
+        .map(IssueText::from)
+        .collect::<Vec<_>>()
+        .into_iter()
+}
+
+fn same_condition(site: &Site, run: usize) -> Vec<RunLink> {
+    let conditions = &site.conditions.measured;
+    let here = conditions.iter().find(|condition| condition.runs.contains(&run));
+    let runs = here.map_or(&[][..], |condition| &condition.runs);
+    runs.iter()
+        .filter(|&&other| other != run)
+        .map(|&other| RunLink::to(site, other))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Quantity;
+
+    fn noise(residual_rms: f64, residual_autocorrelation: f64) -> ChannelNoise {
+        ChannelNoise {
+            quantity: Quantity::Current,
+            standard_deviation: 1e-6,
+            basis: "differences of neighbours".to_owned(),
+            residual_autocorrelation,
+            residual_rms,
+            readings: 1200,
+            r_squared: None,
+        }
+    }
+
+    #[test]
+    fn residuals_are_judged_against_noise_and_correlation() {
+        assert!(noise_sentence(&noise(1.2e-6, 0.1)).contains("1.2 × the noise; the model describes"));
+        assert!(noise_sentence(&noise(1.2e-6, 0.9)).contains("small systematic misfit"));
+        assert!(
+            noise_sentence(&noise(20e-6, 0.99)).contains("systematic misfit, residual rms 20 × the noise")
+        );
+        assert!(noise_sentence(&noise(2e-6, 0.0)).contains("more than noise alone"));
+        let silent = ChannelNoise {
+            standard_deviation: 0.0,
+            ..noise(1.0, 0.0)
+        };
+        assert!(noise_sentence(&silent).contains("could not be estimated"));
+    }
+}

@@ -1,0 +1,229 @@
+//! What a run rests on: tags, channels, drive, files, versions, history.
+
+use serde::Serialize;
+
+use super::wording::{moment, voltage_label};
+use crate::domain::{ChannelSummary, Drive, Level, Quantity, RunRecord, RunStatus};
+use crate::report::number::{plain, significant, with_unit};
+use crate::report::site::Site;
+
+/// Segments of a drive that are spelled out.
+const SEGMENTS: usize = 6;
+
+/// The lower half of a run's page.
+#[derive(Debug, Serialize)]
+pub struct Evidence {
+    status: String,
+    drive: String,
+    tags: Vec<TagRow>,
+    channels: Vec<ChannelRow>,
+    files: Vec<FileRow>,
+    facts: Vec<(String, String)>,
+    history: Vec<Revision>,
+}
+
+#[derive(Debug, Serialize)]
+struct TagRow {
+    key: String,
+    value: String,
+    origin: String,
+    detail: String,
+    /// Whether a stronger source overruled it.
+    overruled: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct ChannelRow {
+    quantity: String,
+    raw: String,
+    readings: String,
+    times: String,
+    values: String,
+}
+
+#[derive(Debug, Serialize)]
+struct FileRow {
+    path: String,
+    size: String,
+    hash: String,
+    aliases: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Revision {
+    revision: u32,
+    ingested: String,
+    hashes: Vec<String>,
+    current: bool,
+}
+
+/// Gathers the evidence of `record`.
+pub fn evidence(site: &Site, record: &RunRecord) -> Evidence {
+    Evidence {
+        status: status(record),
+        drive: record
+            .drive
+            .as_ref()
+            .map_or_else(|| "not known".to_owned(), drive_text),
+        tags: tags(record),
+        channels: record.channels.iter().map(channel).collect(),
+        files: record.files.iter().map(file).collect(),
+        facts: facts(record),
+        history: history(site, record),
+    }
+}
+
+fn status(record: &RunRecord) -> String {
+    let word = match record.status {
+        RunStatus::Complete => "complete",
+        RunStatus::Aborted => "aborted",
+        RunStatus::StoppedEarly => "stopped early",
+        RunStatus::Cut => "cut off",
+        RunStatus::StillRunning => "still running when read",
+        RunStatus::Unknown => "not known",
+    };
+    match record.status_evidence.is_empty() {
+        true => word.to_owned(),
+        false => format!("{word}: {}", record.status_evidence),
+    }
+}
+
+/// `from 0 V: 2.5 V at 0 s, open circuit at 600 s`
+fn drive_text(drive: &Drive) -> String {
+    let segment = |segment: &crate::domain::Segment| {
+        let level = match segment.level {
+            Level::Voltage(voltage_v) => voltage_label(voltage_v),
+            Level::OpenCircuit => "open circuit".to_owned(),
+        };
+        format!("{level} at {} s", plain(segment.start_s))
+    };
+    let shown: Vec<String> = drive.segments.iter().take(SEGMENTS).map(segment).collect();
+    let more = match drive.segments.len().saturating_sub(SEGMENTS) {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    format!(
+        "from {}: {}{more}",
+        voltage_label(drive.baseline_v),
+        shown.join(", ")
+    )
+}
+
+/// The tags in stored order; after the first of a key, the others are overruled.
+fn tags(record: &RunRecord) -> Vec<TagRow> {
+    let row = |(index, tag): (usize, &crate::domain::Tag)| TagRow {
+        key: tag.key.clone(),
+        value: tag.value.clone(),
+        origin: tag.source.label().to_owned(),
+        detail: tag.detail.clone(),
+        overruled: record.tags[..index].iter().any(|earlier| earlier.key == tag.key),
+    };
+    record.tags.iter().enumerate().map(row).collect()
+}
+
+fn channel(channel: &ChannelSummary) -> ChannelRow {
+    let unit = channel.quantity.unit();
+    let between = |first: Option<f64>, last: Option<f64>, unit: &str| match (first, last) {
+        (Some(first), Some(last)) => format!("{} … {}", in_unit(first, unit), in_unit(last, unit)),
+        _ => "–".to_owned(),
+    };
+    let excluded = match channel.excluded {
+        0 => String::new(),
+        excluded => format!(", {excluded} left out"),
+    };
+    ChannelRow {
+        quantity: match channel.quantity {
+            Quantity::Other => "kept as it is".to_owned(),
+            quantity => quantity.label().to_owned(),
+        },
+        raw: match channel.raw_unit.is_empty() {
+            true => channel.raw_name.clone(),
+            false => format!("{} [{}]", channel.raw_name, channel.raw_unit),
+        },
+        readings: format!("{}{excluded}", channel.readings),
+        times: between(channel.first_time_s, channel.last_time_s, "s"),
+        values: between(channel.first, channel.last, unit),
+    }
+}
+
+/// Units that take no prefix stay as they are.
+fn in_unit(value: f64, unit: &str) -> String {
+    match unit {
+        "V" | "A" => with_unit(value, unit),
+        "" => significant(value, 4),
+        "1/cm" => format!("{} cm⁻¹", significant(value, 4)),
+        unit => format!("{} {unit}", significant(value, 4)),
+    }
+}
+
+fn file(file: &crate::domain::RunFile) -> FileRow {
+    FileRow {
+        path: file.path.clone(),
+        size: size(file.size_bytes),
+        hash: file.hash.clone(),
+        aliases: file.aliases.clone(),
+    }
+}
+
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..=999 => format!("{bytes} B"),
+        _ => with_unit(bytes as f64, "B"),
+    }
+}
+
+fn facts(record: &RunRecord) -> Vec<(String, String)> {
+    let mut facts = vec![
+        (
+            "Format",
+            format!("{}, reader version {}", record.format, record.reader_version),
+        ),
+        ("Taken in", moment(&record.ingested_at)),
+        ("Data hash", record.data_hash.clone()),
+    ];
+    if let Some(technique) = &record.technique {
+        facts.insert(1, ("Technique", technique.clone()));
+    }
+    if let Some(area_cm2) = record.area_cm2 {
+        facts.insert(1, ("Active area", format!("{} cm²", significant(area_cm2, 3))));
+    }
+    facts
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
+}
+
+/// Every revision of this path, the newest first; empty where there has been one only.
+fn history(site: &Site, record: &RunRecord) -> Vec<Revision> {
+    let earlier = site.input.superseded.iter().filter(|old| old.path == record.path);
+    let mut revisions: Vec<&RunRecord> = earlier.chain([record]).collect();
+    if revisions.len() == 1 {
+        return vec![];
+    }
+    revisions.sort_by_key(|run| std::cmp::Reverse(run.revision));
+    let revision = |run: &RunRecord| Revision {
+        revision: run.revision,
+        ingested: moment(&run.ingested_at),
+        hashes: run.files.iter().map(|file| file.hash.clone()).collect(),
+        current: run.revision == record.revision,
+    };
+    revisions.into_iter().map(revision).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Segment;
+
+    #[test]
+    fn drives_in_words() {
+        let mut drive = Drive::step(2.5);
+        assert_eq!(drive_text(&drive), "from 0 V: 2.5 V at 0 s");
+        let pulse = |k: i32| Segment {
+            start_s: 10.0 * f64::from(k),
+            level: Level::OpenCircuit,
+        };
+        drive.segments = (0..8).map(pulse).collect();
+        assert!(drive_text(&drive).ends_with("open circuit at 50 s, and 2 more"));
+    }
+}

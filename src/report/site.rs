@@ -1,0 +1,215 @@
+//! Writes the site: every page of the list, a page per run, the style sheet and the tables beside them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+use tera::Tera;
+
+use super::error::ReportError;
+use super::input::Input;
+use super::pages::{Content, PAGES, RUN_TEMPLATE, run_content};
+use super::slug::slugs;
+use super::visible::write_escaped;
+use crate::analysis::{Conditions, TableFormat, conditions, conditions_table, fits_wide, write_table};
+use crate::domain::{CurveSource, RunCurve};
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rendered {
+    /// The page to open.
+    pub index: PathBuf,
+    /// Number of pages, those of the runs counted.
+    pub pages: usize,
+    /// Bytes of all files.
+    pub bytes: u64,
+}
+
+/// What pages are made from: the input with the conditions and the names of the run pages.
+pub struct Site<'a> {
+    /// The input.
+    pub input: &'a Input,
+    /// Conditions of its runs.
+    pub conditions: Conditions,
+    slugs: Vec<String>,
+}
+
+impl<'a> Site<'a> {
+    /// Sorts the runs of `input` into conditions and names their pages.
+    pub fn new(input: &'a Input) -> Site<'a> {
+        Site {
+            input,
+            conditions: conditions(&input.runs, &input.campaign),
+            slugs: slugs(input.runs.iter().map(|run| run.path.as_str())),
+        }
+    }
+
+    /// Address of a run's page, relative to the site's root.
+    pub fn run_href(&self, run: usize) -> String {
+        format!("runs/{}.html", self.slugs[run])
+    }
+
+    /// Name of a run as lists show it: its path without the folder that all runs share.
+    pub fn run_name(&self, run: usize) -> &str {
+        let path = self.input.runs[run].path.as_str();
+        let folder = self.input.campaign.runs_folder.trim_end_matches('/');
+        path.strip_prefix(folder)
+            .and_then(|rest| rest.strip_prefix('/'))
+            .unwrap_or(path)
+    }
+}
+
+/// Run pages made at a time: enough for every core, few enough that only their curves are in memory.
+const BATCH: usize = 32;
+
+/// Writes the whole site into `out_dir`, which is made where it is missing.
+///
+/// `progress` hears how many of how many pages are done. Curves are asked for on the calling thread, so that
+/// a database connection can be their source; pages are drawn in parallel, and the bytes are the same at any
+/// number of threads. The caller swaps folders, so that nobody sees half a site.
+///
+/// # Errors
+/// [`ReportError`]: what could not be written or drawn.
+pub fn render(
+    input: &Input,
+    curves: &dyn CurveSource,
+    out_dir: &Path,
+    progress: &dyn Fn(usize, usize),
+) -> Result<Rendered, ReportError> {
+    let site = Site::new(input);
+    let templates = templates()?;
+    make_folder(&out_dir.join("runs"))?;
+    let total = PAGES.len() + input.runs.len();
+    let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
+    for (done, page) in PAGES.iter().enumerate() {
+        let html = filled(&templates, &site, page.file, page.title, (page.content)(&site)?)?;
+        bytes += write(&out_dir.join(page.file), &html)?;
+        progress(done + 1, total);
+    }
+    for first in (0..input.runs.len()).step_by(BATCH) {
+        let batch = first..input.runs.len().min(first + BATCH);
+        let drawn: Result<Vec<(usize, Vec<RunCurve>)>, ReportError> = batch
+            .clone()
+            .map(|run| Ok((run, curves_of(input, run, curves)?)))
+            .collect();
+        let page = |(run, drawn): &(usize, Vec<RunCurve>)| run_page(&templates, &site, *run, drawn, out_dir);
+        let sizes: Result<Vec<u64>, ReportError> = drawn?.par_iter().map(page).collect();
+        bytes += sizes?.iter().sum::<u64>();
+        progress(PAGES.len() + batch.end, total);
+    }
+    bytes += write_tables(input, out_dir)?;
+    Ok(Rendered {
+        index: out_dir.join("index.html"),
+        pages: total,
+        bytes,
+    })
+}
+
+const STYLE: &str = include_str!("../../templates/style.css");
+const LAYOUT: &str = include_str!("../../templates/layout.html");
+
+/// All templates with the escaping of [`write_escaped`].
+fn templates() -> Result<Tera, ReportError> {
+    let mut tera = Tera::new();
+    tera.set_escape_fn(write_escaped);
+    let pages = PAGES.iter().map(|page| (page.file, page.template));
+    let all = [("layout.html", LAYOUT), ("run.html", RUN_TEMPLATE)]
+        .into_iter()
+        .chain(pages);
+    tera.add_raw_templates(all)
+        .map_err(|source| template_error("templates", source))?;
+    Ok(tera)
+}
+
+fn curves_of(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<Vec<RunCurve>, ReportError> {
+    let record = &input.runs[run];
+    curves.curves(record.id).map_err(|reason| ReportError::Curves {
+        run: record.path.clone(),
+        reason,
+    })
+}
+
+fn run_page(
+    templates: &Tera,
+    site: &Site,
+    run: usize,
+    drawn: &[RunCurve],
+    out_dir: &Path,
+) -> Result<u64, ReportError> {
+    let content = run_content(site, run, drawn)?;
+    let html = filled(templates, site, "run.html", site.run_name(run), content)?;
+    write(&out_dir.join(site.run_href(run)), &html)
+}
+
+/// The page `file` with its content and what the layout needs.
+fn filled(
+    templates: &Tera,
+    site: &Site,
+    file: &str,
+    title: &str,
+    content: Content,
+) -> Result<String, ReportError> {
+    let campaign = &site.input.campaign;
+    let nav: Vec<Value> = PAGES
+        .iter()
+        .map(|page| json!({ "href": page.file, "title": page.title, "current": page.file == file }))
+        .collect();
+    let figures: Map<String, Value> = content
+        .figures
+        .into_iter()
+        .map(|(id, svg)| (id, Value::String(svg)))
+        .collect();
+    let context = json!({
+        "root": if file == "run.html" { "../" } else { "" },
+        "page_title": title,
+        "campaign_title": campaign.title,
+        "notice": campaign.notice,
+        "nav": nav,
+        "origin": { "program": site.input.origin.program, "database": site.input.origin.database },
+        "figures": figures,
+        "page": content.context,
+    });
+    let context = tera::Context::from_serialize(&context).map_err(|source| template_error(file, source))?;
+    templates
+        .render(file, &context)
+        .map_err(|source| template_error(file, source))
+}
+
+fn template_error(page: &str, source: tera::Error) -> ReportError {
+    ReportError::Template {
+        page: page.to_owned(),
+        source: Box::new(source),
+    }
+}
+
+fn write_tables(input: &Input, out_dir: &Path) -> Result<u64, ReportError> {
+    let tables = [
+        ("table5.csv", fits_wide(&input.runs, &input.campaign)?),
+        ("conditions.csv", conditions_table(&input.runs, &input.campaign)?),
+    ];
+    let mut bytes = 0;
+    for (name, mut table) in tables {
+        let path = out_dir.join(name);
+        write_table(&mut table, TableFormat::Csv, &path)?;
+        bytes += fs::metadata(&path)
+            .map_err(|source| ReportError::Write { path, source })?
+            .len();
+    }
+    Ok(bytes)
+}
+
+fn make_folder(path: &Path) -> Result<(), ReportError> {
+    fs::create_dir_all(path).map_err(|source| ReportError::Write {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn write(path: &Path, text: &str) -> Result<u64, ReportError> {
+    fs::write(path, text).map_err(|source| ReportError::Write {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok(text.len() as u64)
+}
