@@ -5,6 +5,7 @@ pub mod design;
 pub mod export;
 pub mod findings;
 pub mod parameters;
+pub mod traces;
 #[cfg(test)]
 pub mod sample_campaign;
 
@@ -13,3 +14,4 @@ pub use design::confounding;
 pub use export::{ExportError, TableFormat, conditions_table, fits_long, fits_wide, write_table};
 pub use findings::{Contrast, contrasts};
 pub use parameters::{PARAMETERS, ParameterInfo};
+pub use traces::TraceWriter;

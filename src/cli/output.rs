@@ -111,6 +111,12 @@ impl Observer for Output {
         }
     }
 
+    fn reach(&self, done: u64) {
+        if let Some(bar) = self.bar.lock().ok().and_then(|bar| bar.clone()) {
+            bar.set_position(done);
+        }
+    }
+
     fn end(&self) {
         if let Some(bar) = self.bar.lock().ok().and_then(|mut bar| bar.take()) {
             bar.finish_and_clear();

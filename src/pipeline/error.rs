@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::simulate::SpecError;
 use crate::analysis::ExportError;
+use crate::fit::FitError;
 use crate::ingest::archive::ArchiveError;
 use crate::ingest::campaign_file::CampaignFileError;
 use crate::ingest::scan::ScanError;
@@ -56,14 +57,9 @@ pub enum PipelineError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// A model id that no registry holds.
-    #[error("model {found:?} is not known; known are {known}. Mend `model` in campaign.toml or the --model option.")]
-    UnknownModel {
-        /// The id given.
-        found: String,
-        /// Ids known.
-        known: String,
-    },
+    /// The model is not known.
+    #[error("{0} Mend `model` in campaign.toml or the --model option.")]
+    Model(#[from] FitError),
     /// No run has that name.
     #[error("no run is called {found:?}.{nearest} `ieap status` lists the runs.")]
     UnknownRun {

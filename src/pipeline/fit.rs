@@ -7,7 +7,6 @@ use super::{Context, Observer, PipelineError};
 use crate::domain::{Channel, Fit, Issue};
 use crate::fit::{FitInput, FitOptions, fit_run};
 use crate::ingest::derived;
-use crate::model;
 use crate::store::{FitStamp, FitTask};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
@@ -42,11 +41,8 @@ impl FitRuns {
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
         let model_id = self.model.as_deref().unwrap_or(&context.campaign.model);
-        let model = model::fit_model(model_id).ok_or_else(|| PipelineError::UnknownModel {
-            found: model_id.to_owned(),
-            known: model::fit_models().iter().map(|m| m.id).collect::<Vec<_>>().join(", "),
-        })?;
-        let options = FitOptions { model: model.id, ..FitOptions::default() };
+        let options = FitOptions::for_model(model_id)?;
+        let model = options.model;
         let tasks = context.store.fit_tasks()?;
         let hashed = tasks.into_iter().map(|task| (input_hash(&task, model.id, model.version), task));
         let (done, due): (Vec<_>, Vec<_>) =

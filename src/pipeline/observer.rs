@@ -6,6 +6,8 @@ pub trait Observer: Sync {
     fn begin(&self, step: &str, total: u64);
     /// One more part of the step is done.
     fn advance(&self);
+    /// `done` of the step's parts are done.
+    fn reach(&self, done: u64);
     /// The step is over.
     fn end(&self);
     /// Something worth a line was done.
@@ -21,6 +23,7 @@ pub struct Silent;
 impl Observer for Silent {
     fn begin(&self, _step: &str, _total: u64) {}
     fn advance(&self) {}
+    fn reach(&self, _done: u64) {}
     fn end(&self) {}
     fn say(&self, _text: &str) {}
     fn warn(&self, _text: &str) {}

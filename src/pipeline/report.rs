@@ -64,7 +64,7 @@ fn write_fresh(
 ) -> Result<usize, PipelineError> {
     std::fs::create_dir_all(fresh).map_err(failed(fresh, "making the report's folder"))?;
     observer.begin("rendering", input.runs.len() as u64);
-    let rendered = report::render(input, &context.store, fresh, &|_, _| observer.advance())?;
+    let rendered = report::render(input, &context.store, fresh, &|done, _| observer.reach(done as u64))?;
     observer.end();
     std::fs::write(fresh.join(STAMP), stamp).map_err(failed(fresh, "stamping the report"))?;
     sync(fresh);

@@ -1,0 +1,51 @@
+//! `ieap watch`.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::Args;
+
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::{CampaignArg, Global, run};
+use crate::pipeline::{Context, Run, Watch, WatchSettings};
+
+/// Do what `run` does, then the same for every file that arrives, until stopped (Ctrl-C)
+#[derive(Debug, Args)]
+pub struct WatchArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Take a file when it has not changed for this many seconds; 30 suits a network share
+    #[arg(long, value_name = "SECONDS", default_value = "5")]
+    quiet_s: f64,
+    /// Look every so many seconds instead of waiting for events, as on network shares
+    #[arg(long, value_name = "SECONDS")]
+    poll_s: Option<f64>,
+    /// Model to fit with [default: the campaign's; `ieap models` lists them]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+}
+
+pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let settings = WatchSettings {
+        quiet: seconds("--quiet-s", args.quiet_s)?,
+        poll: args.poll_s.map(|poll_s| seconds("--poll-s", poll_s)).transpose()?,
+    };
+    let stop = Arc::new(AtomicBool::new(false));
+    let heard = stop.clone();
+    ctrlc::set_handler(move || heard.store(true, Ordering::SeqCst))
+        .map_err(|error| CliError::internal(&format!("cannot listen for Ctrl-C: {error}")))?;
+    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    context.warnings.iter().for_each(|issue| output.issue("campaign.toml", issue));
+    output.message(&format!("Watching {}; stop with Ctrl-C.", context.folder.join(&context.campaign.runs_folder).display()));
+    let watch = Watch { settings, job: Run { model: args.model.clone() } };
+    watch.run(&mut context, output, &stop, &mut |summary| run::print(summary, output))?;
+    output.message("Stopped.");
+    Ok(DONE)
+}
+
+fn seconds(option: &str, seconds: f64) -> Result<Duration, CliError> {
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|_| CliError::usage(&format!("{option}: found {seconds}, needed a number of seconds not below 0")))
+}
