@@ -32,13 +32,17 @@ pub enum FitError {
         model: &'static str,
     },
     /// The active area is no area.
-    #[error("the active area is {found_cm2} cm2, it must be positive: correct length_mm and width_mm or area_cm2 of the sample")]
+    #[error(
+        "the active area is {found_cm2} cm2, it must be positive: correct length_mm and width_mm or area_cm2 of the sample"
+    )]
     Area {
         /// The area given, cm2.
         found_cm2: f64,
     },
     /// The drive has no segment, or its segments are not in order.
-    #[error("segment {index} of the drive starts at {start_s} s: starts must be finite, increase strictly and hold finite voltages, and there must be at least one")]
+    #[error(
+        "segment {index} of the drive starts at {start_s} s: starts must be finite, increase strictly and hold finite voltages, and there must be at least one"
+    )]
     Drive {
         /// Position of the offending segment; 0 where there is none at all.
         index: usize,

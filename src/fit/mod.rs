@@ -1,1 +1,229 @@
-//! Identification of a run with a model.
+//! Identification of a run with a model, in two steps as in the thesis: the electrical parameters from the
+//! current; then, with those fixed, coupling and relaxation rate from the curvature.
+//!
+//! A fit is a pure function of its input: nothing is random, and the same readings give the same bytes.
+
+mod bending;
+mod circuit;
+mod electrical;
+mod error;
+mod estimates;
+mod outcome;
+mod sampled;
+mod search;
+
+use crate::domain::{Channel, Drive, Fit, Level, Quantity};
+use crate::model::{FitModel, fit_model, fit_models};
+
+pub use error::FitError;
+
+use bending::Bending;
+use electrical::Electrical;
+use sampled::Sampled;
+
+#[cfg(test)]
+mod tests;
+
+/// What one run gives to a fit.
+#[derive(Debug, Clone, Copy)]
+pub struct FitInput<'a> {
+    /// Channels of the run; current and curvature are fitted, the first of each, others are not looked at.
+    pub channels: &'a [Channel],
+    /// Voltage that drove the run.
+    pub drive: &'a Drive,
+    /// Active area of the sample, cm2.
+    pub area_cm2: f64,
+}
+
+/// How to fit.
+#[derive(Debug, Clone, Copy)]
+pub struct FitOptions {
+    /// The model.
+    pub model: &'static FitModel,
+}
+
+impl Default for FitOptions {
+    /// Two branches, `lumped-2`.
+    fn default() -> FitOptions {
+        FitOptions {
+            model: fit_models().last().unwrap_or(&fit_models()[0]),
+        }
+    }
+}
+
+impl FitOptions {
+    /// Options for the model of that id.
+    ///
+    /// # Errors
+    /// [`FitError::UnknownModel`] where there is none.
+    pub fn for_model(id: &str) -> Result<FitOptions, FitError> {
+        let known = || {
+            fit_models()
+                .iter()
+                .map(|model| model.id)
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        fit_model(id)
+            .map(|model| FitOptions { model })
+            .ok_or_else(|| FitError::UnknownModel {
+                found: id.to_owned(),
+                known: known(),
+            })
+    }
+}
+
+/// Both steps as far as the channels allow; what is missing says why.
+struct Identified {
+    current: Result<(Sampled, Electrical), String>,
+    curvature: Result<(Sampled, Bending), String>,
+    /// The curvature's readings where they could not be fitted, to be drawn all the same.
+    unfitted_curvature: Option<Sampled>,
+}
+
+/// Fits a run.
+///
+/// What the data leave open is reported in the fit: an estimate without a value, or with a bound, says why.
+///
+/// # Errors
+/// [`FitError`] where there is nothing to fit: no response channel, too few readings after the step, an area
+/// or a drive that is none.
+pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
+    check(input, options)?;
+    let identified = identify(input, options);
+    Ok(outcome::fit(input, options.model, &identified))
+}
+
+/// Readings after the step that the electrical step needs: two more than parameters, and never below five.
+fn needed(model: &FitModel) -> usize {
+    2 * model.branches + 3
+}
+
+fn channel(input: &FitInput, quantity: Quantity) -> Option<Channel> {
+    input
+        .channels
+        .iter()
+        .find(|channel| channel.quantity == quantity)
+        .cloned()
+}
+
+fn check(input: &FitInput, options: &FitOptions) -> Result<(), FitError> {
+    if !(input.area_cm2.is_finite() && input.area_cm2 > 0.0) {
+        return Err(FitError::Area {
+            found_cm2: input.area_cm2,
+        });
+    }
+    check_drive(input.drive)?;
+    let fitted = [Quantity::Current, Quantity::Curvature];
+    let mut most: Option<(usize, &'static str)> = None;
+    for quantity in fitted {
+        let Some(channel) = channel(input, quantity) else {
+            continue;
+        };
+        let readings = Sampled::new(&channel, input.drive, quantity == Quantity::Curvature).after_step();
+        if most.is_none_or(|(count, _)| readings > count) {
+            most = Some((readings, quantity.column()));
+        }
+    }
+    let Some((found, channel)) = most else {
+        let names: Vec<&str> = input
+            .channels
+            .iter()
+            .map(|channel| channel.raw_name.as_str())
+            .collect();
+        let found = if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        };
+        return Err(FitError::NoResponse { found });
+    };
+    let needed = needed(options.model);
+    if found < needed {
+        return Err(FitError::TooFewReadings {
+            channel,
+            found,
+            needed,
+            start_s: input.drive.segments[0].start_s,
+            model: options.model.id,
+        });
+    }
+    Ok(())
+}
+
+fn check_drive(drive: &Drive) -> Result<(), FitError> {
+    let finite = |level: Level| !matches!(level, Level::Voltage(v) if !v.is_finite());
+    let mut last_s = f64::NEG_INFINITY;
+    for (index, segment) in drive.segments.iter().enumerate() {
+        let in_order = segment.start_s.is_finite() && segment.start_s > last_s;
+        if !in_order || !finite(segment.level) {
+            return Err(FitError::Drive {
+                index,
+                start_s: segment.start_s,
+            });
+        }
+        last_s = segment.start_s;
+    }
+    if drive.segments.is_empty() || !drive.baseline_v.is_finite() {
+        return Err(FitError::Drive {
+            index: 0,
+            start_s: f64::NAN,
+        });
+    }
+    Ok(())
+}
+
+fn identify(input: &FitInput, options: &FitOptions) -> Identified {
+    let needed = needed(options.model);
+    let enough = |sampled: &Sampled, name: &str| {
+        if sampled.after_step() >= needed {
+            return Ok(());
+        }
+        let found = sampled.after_step();
+        Err(format!(
+            "the {name} has {found} usable readings after the step, {needed} are needed"
+        ))
+    };
+    let current = channel(input, Quantity::Current)
+        .ok_or_else(|| "the run has no current channel".to_owned())
+        .and_then(|channel| {
+            let sampled = Sampled::new(&channel, input.drive, false);
+            enough(&sampled, "current")?;
+            let electrical =
+                electrical::identify(input.drive, input.area_cm2, &sampled, options.model.branches);
+            Ok((sampled, electrical))
+        });
+    let mut unfitted_curvature = None;
+    let curvature = channel(input, Quantity::Curvature)
+        .ok_or_else(|| "the run has no curvature channel".to_owned())
+        .and_then(|channel| {
+            let sampled = Sampled::new(&channel, input.drive, true);
+            let fitted = enough(&sampled, "curvature").and_then(|()| bend(input, &current, &sampled));
+            match fitted {
+                Ok(bending) => Ok((sampled, bending)),
+                Err(reason) => {
+                    unfitted_curvature = Some(sampled);
+                    Err(reason)
+                }
+            }
+        });
+    Identified {
+        current,
+        curvature,
+        unfitted_curvature,
+    }
+}
+
+fn bend(
+    input: &FitInput,
+    current: &Result<(Sampled, Electrical), String>,
+    sampled: &Sampled,
+) -> Result<Bending, String> {
+    let (_, electrical) = current
+        .as_ref()
+        .map_err(|reason| format!("the charge that bends the strip is not known: {reason}"))?;
+    if electrical.conductances_s.is_empty() {
+        return Err("the current shows no charge that could bend the strip".to_owned());
+    }
+    Ok(bending::identify(input.drive, electrical, sampled))
+}

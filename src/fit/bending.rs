@@ -1,0 +1,430 @@
+//! Step two: coupling and relaxation rate from the curvature, with the electrical parameters fixed.
+//!
+//! Curvature is `alpha A h(t; lambda)`, where h is the spring strain that the stored charge leaves; alpha is
+//! linear. An offset is fitted beside it only where the readings before the step show one.
+
+use crate::domain::Drive;
+use crate::model::lumped::SegmentResponse;
+use crate::model::relaxation::spring_response;
+use crate::numerics::decay::{BLOCK, Block, Column, Decay};
+use crate::numerics::gram::Gram;
+use crate::numerics::levenberg::{Local, Stop, minimise};
+use crate::numerics::symmetric::{CAPACITY, Symmetric};
+
+use super::electrical::{CovarianceSums, Electrical, Residuals};
+use super::sampled::Sampled;
+
+/// Relative distance of lambda from a charging rate below which h is evaluated reading by reading.
+const NEAR: f64 = 1e-3;
+/// A bending response must lower the sum of squares by this many long-run variances: chance does so in about
+/// one of 500 runs.
+const BENDING_EVIDENCE: f64 = 12.0;
+/// An offset is fitted where the mean before the step is this many standard errors from zero.
+const OFFSET_EVIDENCE: f64 = 4.0;
+/// Rates in the coarse look.
+const GRID: usize = 16;
+
+/// What the curvature says.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Bending {
+    /// Coupling alpha, 1/(C cm).
+    pub(super) coupling_per_c_cm: f64,
+    /// Rate lambda, 1/s.
+    pub(super) rate_per_s: f64,
+    /// Offset of the curvature, 1/cm, where one was fitted.
+    pub(super) offset_per_cm: Option<f64>,
+    /// Covariance of [alpha, lambda], the uncertainty of the electrical parameters included.
+    pub(super) covariance: Symmetric,
+    /// Whether the curvature shows any response to the charge.
+    pub(super) evident: bool,
+    /// Whether the rate lies at the upper limit of the search.
+    pub(super) at_upper_bound: bool,
+    /// Residuals of the curvature.
+    pub(super) residuals: Residuals,
+    /// Why the search stopped.
+    pub(super) stop: Stop,
+    /// Evaluations of the whole step.
+    pub(super) evaluations: u64,
+}
+
+/// The strain response per unit coupling and its derivative, block by block.
+struct Strain<'a> {
+    responses: &'a [SegmentResponse],
+    area_cm2: f64,
+    sampled: &'a Sampled,
+    with_offset: bool,
+}
+
+/// Strain at one moment and its derivative with respect to lambda.
+#[derive(Clone, Copy)]
+struct At {
+    strain: f64,
+    slope: f64,
+}
+
+impl Strain<'_> {
+    /// Strain at the start of every segment.
+    fn starts(&self, rate_per_s: f64) -> Vec<At> {
+        let mut now = At {
+            strain: 0.0,
+            slope: 0.0,
+        };
+        let mut starts = Vec::with_capacity(self.responses.len());
+        for (index, response) in self.responses.iter().enumerate() {
+            starts.push(now);
+            if let Some(next) = self.responses.get(index + 1) {
+                now = later(response, now, next.start_s - response.start_s, rate_per_s);
+            }
+        }
+        starts
+    }
+
+    /// Columns of every block: strain, its derivative, ones where an offset is fitted; all times the area.
+    fn each_block(&self, rate_per_s: f64, mut visit: impl FnMut(&Block, &[Column], &Column)) {
+        let starts = self.starts(rate_per_s);
+        let mut relaxing = Decay::new(rate_per_s);
+        let mut charging: Vec<Decay> = Vec::new();
+        let mut current = None;
+        let mut columns = vec![[0.0; BLOCK]; if self.with_offset { 3 } else { 2 }];
+        let mut y = [0.0; BLOCK];
+        for (segment, block) in &self.sampled.blocks {
+            columns[0].fill(0.0);
+            columns[1].fill(0.0);
+            if let Some(index) = *segment {
+                let response = &self.responses[index];
+                if current != Some(index) {
+                    current = Some(index);
+                    charging = response
+                        .rates_per_s
+                        .iter()
+                        .map(|&rate| Decay::new(rate))
+                        .collect();
+                }
+                self.fill(
+                    block,
+                    response,
+                    starts[index],
+                    rate_per_s,
+                    &mut relaxing,
+                    &mut charging,
+                    &mut columns,
+                );
+            }
+            if self.with_offset {
+                columns[2] = Sampled::ones(block);
+            }
+            for column in &mut columns {
+                self.sampled.weigh(block, column);
+            }
+            self.sampled.fill_values(block, &mut y);
+            visit(block, &columns, &y);
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)] // One call; the buffers are kept between blocks for speed.
+    fn fill(
+        &self,
+        block: &Block,
+        response: &SegmentResponse,
+        start: At,
+        rate_per_s: f64,
+        relaxing: &mut Decay,
+        charging: &mut [Decay],
+        columns: &mut [Column],
+    ) {
+        let elapsed_s = &self.sampled.elapsed_s[block.first..block.first + block.len];
+        let (strain, slope) = columns.split_at_mut(1);
+        let (strain, slope) = (&mut strain[0], &mut slope[0]);
+        let mut relaxed = [0.0; BLOCK];
+        relaxing.fill(block, &self.sampled.elapsed_s, &mut relaxed);
+        for (k, &t) in elapsed_s.iter().enumerate() {
+            strain[k] = self.area_cm2 * start.strain * relaxed[k];
+            slope[k] = self.area_cm2 * (start.slope - t * start.strain) * relaxed[k];
+        }
+        let mut charged = [0.0; BLOCK];
+        let modes = response
+            .rates_per_s
+            .iter()
+            .zip(&response.charge_amplitudes_c_per_cm2);
+        for ((&mode_rate, amplitude), decay) in modes.zip(charging) {
+            let scale = -self.area_cm2 * amplitude;
+            let apart = rate_per_s - mode_rate;
+            if apart.abs() <= NEAR * mode_rate {
+                for (k, &t) in elapsed_s.iter().enumerate() {
+                    let (value, derivative) = spring(t, mode_rate, rate_per_s);
+                    strain[k] += scale * value;
+                    slope[k] += scale * derivative;
+                }
+                continue;
+            }
+            if mode_rate == 0.0 {
+                continue;
+            }
+            decay.fill(block, &self.sampled.elapsed_s, &mut charged);
+            let per_apart = apart.recip();
+            for (k, &t) in elapsed_s.iter().enumerate() {
+                let value = mode_rate * (charged[k] - relaxed[k]) * per_apart;
+                strain[k] += scale * value;
+                slope[k] += scale * (mode_rate * t * relaxed[k] - value) * per_apart;
+            }
+        }
+    }
+
+    fn gram(&self, rate_per_s: f64) -> Gram {
+        let mut gram = Gram::new(if self.with_offset { 3 } else { 2 });
+        self.each_block(rate_per_s, |_, columns, y| gram.add(columns, y));
+        gram
+    }
+
+    /// Coefficients of strain and offset, and the sum of squares they leave.
+    fn solve(&self, gram: &Gram) -> ([f64; CAPACITY], f64) {
+        let keep: &[usize] = if self.with_offset { &[0, 2] } else { &[0] };
+        let mut x = [0.0; CAPACITY];
+        let right: Vec<f64> = keep.iter().map(|&k| gram.right[k]).collect();
+        if let Some(factor) = gram.matrix.part(keep).cholesky(1e-14) {
+            let solution = factor.solve(&right);
+            for (value, &k) in solution.iter().zip(keep) {
+                x[k] = *value;
+            }
+        }
+        (x, gram.residual_square(&x))
+    }
+
+    /// Sum of squares with the coupling (and offset) eliminated; the coordinate is lambda times `unit_s`.
+    fn projected(&self, rate_per_s: f64, unit_s: f64) -> Local {
+        let gram = self.gram(rate_per_s);
+        let (x, square) = self.solve(&gram);
+        let residual = gram.matrix.times(&x);
+        let keep: &[usize] = if self.with_offset { &[0, 2] } else { &[0] };
+        let coupling: Vec<f64> = keep.iter().map(|&k| gram.matrix.get(k, 1)).collect();
+        let explained = gram.matrix.part(keep).cholesky(0.0).map_or(0.0, |factor| {
+            let solved = factor.solve(&coupling);
+            coupling.iter().zip(solved).map(|(a, b)| a * b).sum()
+        });
+        let scale = x[0] / unit_s;
+        let mut descent = [0.0; CAPACITY];
+        descent[0] = scale * (gram.right[1] - residual[1]);
+        Local {
+            square,
+            descent,
+            normal: Symmetric::from_fn(1, |_, _| {
+                scale * scale * (gram.matrix.get(1, 1) - explained).max(0.0)
+            }),
+        }
+    }
+}
+
+/// Strain and its derivative `elapsed_s` later within a segment.
+fn later(response: &SegmentResponse, start: At, elapsed_s: f64, rate_per_s: f64) -> At {
+    let left = (-rate_per_s * elapsed_s).exp();
+    let mut now = At {
+        strain: start.strain * left,
+        slope: (start.slope - elapsed_s * start.strain) * left,
+    };
+    let modes = response
+        .rates_per_s
+        .iter()
+        .zip(&response.charge_amplitudes_c_per_cm2);
+    for (&mode_rate, amplitude) in modes {
+        let (value, derivative) = spring(elapsed_s, mode_rate, rate_per_s);
+        now.strain -= amplitude * value;
+        now.slope -= amplitude * derivative;
+    }
+    now
+}
+
+/// The spring response g and its derivative with respect to lambda; near the removable singularity the
+/// derivative is a difference, elsewhere `(r t e^(-lambda t) - g) / (lambda - r)`.
+fn spring(elapsed_s: f64, mode_rate: f64, rate_per_s: f64) -> (f64, f64) {
+    let value = spring_response(elapsed_s, mode_rate, rate_per_s);
+    let apart = rate_per_s - mode_rate;
+    if apart.abs() > NEAR * mode_rate {
+        let relaxed = (-rate_per_s * elapsed_s).exp();
+        return (value, (mode_rate * elapsed_s * relaxed - value) / apart);
+    }
+    let step = 1e-4 * mode_rate;
+    if step == 0.0 {
+        return (value, 0.0);
+    }
+    let above = spring_response(elapsed_s, mode_rate, rate_per_s + step);
+    let below = spring_response(elapsed_s, mode_rate, rate_per_s - step);
+    (value, (above - below) / (2.0 * step))
+}
+
+/// Fits coupling and rate to the curvature readings, given the circuit (with one branch at least).
+pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled) -> Bending {
+    let responses = electrical.model(1.0, 0.0).segment_responses(drive);
+    let strain = |sampled| Strain {
+        responses: &responses,
+        area_cm2: electrical.area_cm2,
+        sampled,
+        with_offset: shows_offset(sampled),
+    };
+    let grouped = sampled.grouped();
+    let full = strain(sampled);
+    let coarse = Strain {
+        sampled: &grouped,
+        ..strain(sampled)
+    };
+    let (shortest_s, longest_s) = sampled.time_scales_s();
+    let unit_s = if longest_s > 0.0 { longest_s } else { 1.0 };
+    let high = 10.0 * unit_s / shortest_s.min(unit_s);
+    let (start, looked) = coarse_look(&coarse, unit_s, high);
+    let square: f64 = sampled.values.iter().map(|v| v * v).sum();
+    let rounding = 4.0 * f64::EPSILON * square;
+    let local = |strain: &Strain, at: &[f64]| strain.projected(at[0] / unit_s, unit_s);
+    let rough = minimise(&[start], &[0.0], &[high], 60, rounding, |at| local(&coarse, at));
+    let found = minimise(&rough.at[..1], &[0.0], &[high], 60, rounding, |at| {
+        local(&full, at)
+    });
+    let rate_per_s = found.at[0] / unit_s;
+    let (x, _) = full.solve(&full.gram(rate_per_s));
+    let residuals = residuals(&full, rate_per_s, &x);
+    let evident = response_is_evident(&full, &residuals);
+    Bending {
+        coupling_per_c_cm: x[0],
+        rate_per_s,
+        offset_per_cm: full.with_offset.then_some(x[2]),
+        covariance: covariance(drive, electrical, &full, &coarse, rate_per_s, &x, &residuals),
+        evident,
+        at_upper_bound: found.at[0] >= high * (1.0 - 1e-9),
+        residuals,
+        stop: found.stop,
+        evaluations: looked + rough.evaluations + found.evaluations + 1,
+    }
+}
+
+/// Whether the mean before the step differs from zero beyond its own error.
+fn shows_offset(sampled: &Sampled) -> bool {
+    let before = &sampled.values[..sampled.before_step()];
+    if before.len() < 4 {
+        return false;
+    }
+    let count = before.len() as f64;
+    let mean = before.iter().sum::<f64>() / count;
+    let (mut square, mut product, mut last) = (0.0, 0.0, 0.0);
+    for value in before {
+        let e = value - mean;
+        square += e * e;
+        product += e * last;
+        last = e;
+    }
+    let noise = crate::numerics::correlation::Autoregression::from_sums(square, product, count, 1.0);
+    let variance = noise.long_run_variance().max(noise.variance) / count;
+    mean.abs() > OFFSET_EVIDENCE * variance.sqrt() && mean != 0.0
+}
+
+/// Where the sum of squares is least among no relaxation and rates spread over the record (in 1/unit).
+fn coarse_look(coarse: &Strain, unit_s: f64, high: f64) -> (f64, u64) {
+    let (low, top) = (0.02_f64.ln(), high.max(0.1).ln());
+    let rates = (0..GRID).map(|k| (low + (top - low) * k as f64 / GRID as f64).exp());
+    let squares = std::iter::once(0.0).chain(rates).map(|rate| {
+        let (_, square) = coarse.solve(&coarse.gram(rate / unit_s));
+        (rate, square)
+    });
+    let best = squares
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map_or(0.0, |(rate, _)| rate);
+    (best, GRID as u64 + 1)
+}
+
+fn residuals(full: &Strain, rate_per_s: f64, x: &[f64; CAPACITY]) -> Residuals {
+    let mut fitted = Vec::with_capacity(full.sampled.len());
+    full.each_block(rate_per_s, |block, columns, _| {
+        let offset = x[2];
+        fitted.extend(columns[0][..block.len].iter().map(|h| x[0] * h + offset));
+    });
+    Residuals::new(full.sampled, fitted, if full.with_offset { 3 } else { 2 })
+}
+
+fn response_is_evident(full: &Strain, residuals: &Residuals) -> bool {
+    let values = &full.sampled.values;
+    let mean = if full.with_offset {
+        values.iter().sum::<f64>() / values.len() as f64
+    } else {
+        0.0
+    };
+    let without: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let peak = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    without - residuals.square > BENDING_EVIDENCE * residuals.long_run_variance(peak)
+}
+
+/// Covariance of [alpha, lambda]: noise of the curvature, plus what the uncertainty of the electrical
+/// parameters moves them by (delta method).
+fn covariance(
+    drive: &Drive,
+    electrical: &Electrical,
+    full: &Strain,
+    coarse: &Strain,
+    rate_per_s: f64,
+    x: &[f64; CAPACITY],
+    residuals: &Residuals,
+) -> Symmetric {
+    let columns = if full.with_offset { 3 } else { 2 };
+    let mut scales = [1.0; CAPACITY];
+    scales[1] = x[0];
+    let mut sums = CovarianceSums::new(columns, residuals.noise.correlation);
+    full.each_block(rate_per_s, |block, columns, _| {
+        sums.add(block.len, columns, &scales)
+    });
+    let own = sums.covariance(residuals);
+    let moves = moved_by_circuit(drive, electrical, coarse, rate_per_s, x, &scales);
+    Symmetric::from_fn(2, |row, column| {
+        own.get(row, column) + electrical.covariance.form(&moves[row], &moves[column])
+    })
+}
+
+/// How far alpha and lambda move per unit of each electrical parameter: rows alpha and lambda.
+///
+/// The fit answers a change of the strain by `-(J'J)^-1 J' (change of the curvature)`; the change is taken as
+/// a difference over the grouped readings, since only its smooth shape matters.
+fn moved_by_circuit(
+    drive: &Drive,
+    electrical: &Electrical,
+    coarse: &Strain,
+    rate_per_s: f64,
+    x: &[f64; CAPACITY],
+    scales: &[f64; CAPACITY],
+) -> [[f64; CAPACITY]; 2] {
+    const STEP: f64 = 1e-5;
+    let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); if coarse.with_offset { 3 } else { 2 }];
+    coarse.each_block(rate_per_s, |block, columns, _| {
+        for (k, column) in columns.iter().enumerate() {
+            jacobian[k].extend(column[..block.len].iter().map(|value| scales[k] * value));
+        }
+    });
+    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let normal = Symmetric::from_fn(jacobian.len(), |a, b| inner(&jacobian[a], &jacobian[b]));
+    let inverse = normal.floored_inverse(1e-13);
+    let mut moves = [[0.0; CAPACITY]; 2];
+    for parameter in 0..electrical.covariance.order() {
+        let mut by = [0.0; CAPACITY];
+        let is_steady = parameter == electrical.conductances_s.len();
+        by[parameter] = if is_steady {
+            STEP * electrical.steady_s.max(electrical.conductances_s[0])
+        } else {
+            STEP
+        };
+        let responses = electrical.moved(&by).model(1.0, 0.0).segment_responses(drive);
+        let moved = Strain {
+            responses: &responses,
+            ..*coarse
+        };
+        let mut change = Vec::with_capacity(jacobian[0].len());
+        moved.each_block(rate_per_s, |block, columns, _| {
+            change.extend(columns[0][..block.len].iter().map(|value| x[0] * value));
+        });
+        for (value, base) in change.iter_mut().zip(&jacobian[0]) {
+            *value = (*value - x[0] * base) / by[parameter];
+        }
+        let mut projected = [0.0; CAPACITY];
+        for (out, column) in projected.iter_mut().zip(&jacobian) {
+            *out = inner(column, &change);
+        }
+        let answer = inverse.times(&projected);
+        for row in 0..2 {
+            moves[row][parameter] = -answer[row];
+        }
+    }
+    moves
+}

@@ -1,0 +1,228 @@
+//! From least-squares results to estimates: values with intervals where the data determine them, bounds or
+//! reasons where they do not.
+
+use crate::domain::{Drive, Estimate, Level};
+use crate::numerics::symmetric::CAPACITY;
+
+use super::bending::Bending;
+use super::electrical::{Bound, Electrical};
+
+/// A positive parameter whose 95 % interval spans more than this factor to either side is not determined:
+/// linear error propagation means nothing there.
+const WIDEST_FACTOR: f64 = 5.0;
+
+/// Which parameter of a model an estimate is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Resistance(usize),
+    Capacitance(usize),
+}
+
+/// Estimates of the electrical parameters under their keys.
+pub(super) fn electrical_estimate(key: &str, electrical: &Electrical, drive: &Drive) -> Option<Estimate> {
+    let part = match key {
+        "r1_ohm_cm2" => Part::Resistance(0),
+        "c1_f_per_cm2" => Part::Capacitance(0),
+        "r2_ohm_cm2" => Part::Resistance(1),
+        "c2_f_per_cm2" => Part::Capacitance(1),
+        "rss_ohm_cm2" => return Some(steady(electrical, drive)),
+        "c_total_f_per_cm2" => return Some(total_capacitance(electrical)),
+        "r_parallel_ohm_cm2" => return Some(parallel_resistance(electrical)),
+        _ => return None,
+    };
+    Some(branch_part(part, electrical))
+}
+
+fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
+    let (Part::Resistance(k) | Part::Capacitance(k)) = part;
+    let n = electrical.conductances_s.len();
+    if k >= n {
+        return Estimate::not_determined(absent(k, n));
+    }
+    if let Some(bound) = electrical.at_bound[k] {
+        let mut estimate = Estimate::not_determined(beyond(bound));
+        estimate.at_bound = true;
+        return estimate;
+    }
+    let mut weights = [0.0; CAPACITY];
+    let conductance = electrical.conductances_s[k];
+    match part {
+        Part::Resistance(_) => {
+            weights[k] = -1.0;
+            logarithmic(electrical.area_cm2 / conductance, &weights, electrical)
+        }
+        Part::Capacitance(_) => {
+            weights[k] = 1.0;
+            weights[n + 1 + k] = 1.0;
+            let capacitance = conductance * electrical.time_constants_s[k] / electrical.area_cm2;
+            logarithmic(capacitance, &weights, electrical)
+        }
+    }
+}
+
+/// Why branch `k` is missing where the current shows `n`.
+fn absent(k: usize, n: usize) -> String {
+    match (k, n) {
+        (_, 0) => "the current shows no charging beyond its noise".to_owned(),
+        _ => "a second branch does not describe the current better than noise would: one branch is enough"
+            .to_owned(),
+    }
+}
+
+fn beyond(bound: Bound) -> String {
+    match bound {
+        Bound::Low => "the branch charges faster than the readings follow each other".to_owned(),
+        Bound::High => {
+            "the branch charges so slowly that the record shows only a constant current of it".to_owned()
+        }
+    }
+}
+
+/// C1 + C2: weights of the logarithms are the shares of the branches.
+fn total_capacitance(electrical: &Electrical) -> Estimate {
+    let n = electrical.conductances_s.len();
+    let branches = electrical.conductances_s.iter().zip(&electrical.time_constants_s);
+    let parts: Vec<f64> = branches.map(|(c, tau)| c * tau / electrical.area_cm2).collect();
+    let total: f64 = parts.iter().sum();
+    let mut weights = [0.0; CAPACITY];
+    for (k, part) in parts.iter().enumerate() {
+        weights[k] = part / total;
+        weights[n + 1 + k] = part / total;
+    }
+    derived(total, &weights, electrical, Bound::High)
+}
+
+/// R1 || R2 = A / (c1 + c2).
+fn parallel_resistance(electrical: &Electrical) -> Estimate {
+    let total: f64 = electrical.conductances_s.iter().sum();
+    let mut weights = [0.0; CAPACITY];
+    for (weight, conductance) in weights.iter_mut().zip(&electrical.conductances_s) {
+        *weight = -conductance / total;
+    }
+    derived(electrical.area_cm2 / total, &weights, electrical, Bound::Low)
+}
+
+/// A sum over the branches; lost where a branch lies at the bound that such a sum does not survive.
+fn derived(value: f64, weights: &[f64; CAPACITY], electrical: &Electrical, fatal: Bound) -> Estimate {
+    if electrical.conductances_s.is_empty() {
+        return Estimate::not_determined(absent(0, 0));
+    }
+    if electrical.at_bound.contains(&Some(fatal)) {
+        return Estimate::not_determined(beyond(fatal));
+    }
+    logarithmic(value, weights, electrical)
+}
+
+/// An estimate whose logarithm has the standard error that the weights give.
+fn logarithmic(value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
+    let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
+    let factor = (electrical.residuals.quantile * relative).exp();
+    if !(value.is_finite() && value > 0.0 && factor <= WIDEST_FACTOR) {
+        return Estimate::not_determined(
+            "the current does not separate it from the other electrical parameters: \
+             its 95 % interval would span more than a factor of five to either side",
+        );
+    }
+    Estimate::determined(value, value * relative, value / factor, value * factor)
+}
+
+/// R_ss from its conductance, in which the current is linear: where the interval of the conductance reaches
+/// (nearly) to zero only a lower bound of the resistance is known.
+fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
+    if !electrical.steady_visible {
+        let held = drive
+            .segments
+            .iter()
+            .any(|segment| matches!(segment.level, Level::Voltage(v) if v != 0.0));
+        return Estimate::not_determined(if held {
+            "no current was read while a voltage was held"
+        } else {
+            "no voltage other than zero was held, so no steady current could flow"
+        });
+    }
+    let index = electrical.conductances_s.len();
+    let error = electrical.covariance.get(index, index).max(0.0).sqrt();
+    let half = electrical.residuals.quantile * error;
+    let area = electrical.area_cm2;
+    let (low, high) = (electrical.steady_s - half, electrical.steady_s + half);
+    if !high.is_finite() || high <= 0.0 {
+        return Estimate::not_determined("the current leaves the steady part open");
+    }
+    if electrical.at_bound.contains(&Some(Bound::High)) {
+        let slow: f64 = electrical.conductances_s.iter().sum();
+        return Estimate::above(
+            area / (electrical.steady_s + slow),
+            "a branch that hardly decays within the record carries a part of the lasting current, and the two cannot be told apart",
+        );
+    }
+    if low <= electrical.steady_s / 10.0 {
+        let mut estimate = Estimate::above(area / high, "the steady current cannot be told from zero");
+        estimate.at_bound = electrical.steady_s == 0.0;
+        return estimate;
+    }
+    let value = area / electrical.steady_s;
+    Estimate::determined(
+        value,
+        value * error / electrical.steady_s,
+        area / high,
+        area / low,
+    )
+}
+
+/// Estimates of coupling and relaxation rate, or why there are none.
+pub(super) fn bending_estimate(key: &str, bending: Result<&Bending, &str>) -> Option<Estimate> {
+    let index = match key {
+        "alpha_per_c_cm" => 0,
+        "lambda_per_s" => 1,
+        _ => return None,
+    };
+    let bending = match bending {
+        Ok(bending) => bending,
+        Err(reason) => return Some(Estimate::not_determined(reason)),
+    };
+    if !bending.evident {
+        // A coupling near zero leaves the rate open, and its own size depends on that rate.
+        return Some(Estimate::not_determined(
+            "the curvature does not differ from its noise",
+        ));
+    }
+    let error = bending.covariance.get(index, index).max(0.0).sqrt();
+    let half = bending.residuals.quantile * error;
+    Some(if index == 0 {
+        coupling(bending, error, half)
+    } else {
+        rate(bending, error, half)
+    })
+}
+
+fn coupling(bending: &Bending, error: f64, half: f64) -> Estimate {
+    let value = bending.coupling_per_c_cm;
+    if bending.at_upper_bound || !(half < WIDEST_FACTOR * value.abs()) {
+        return Estimate::not_determined(
+            "the strip relaxes as fast as it is charged, so that only the product of coupling and time shows",
+        );
+    }
+    Estimate::determined(value, error, value - half, value + half)
+}
+
+fn rate(bending: &Bending, error: f64, half: f64) -> Estimate {
+    let value = bending.rate_per_s;
+    if bending.at_upper_bound {
+        let mut estimate =
+            Estimate::not_determined("relaxation is faster than the readings follow each other");
+        estimate.at_bound = true;
+        return estimate;
+    }
+    if !half.is_finite() {
+        return Estimate::not_determined("the curvature leaves the rate open");
+    }
+    if value - half <= 0.0 {
+        let mut estimate = Estimate::below(
+            value + half,
+            "relaxation is too slow for this record: the rate cannot be told from zero",
+        );
+        estimate.at_bound = value == 0.0;
+        return estimate;
+    }
+    Estimate::determined(value, error, value - half, value + half)
+}

@@ -1,0 +1,244 @@
+//! The identified parameters as a `Fit`: estimates, noise, curves and issues.
+
+use crate::domain::thinning::drawn_indices;
+use crate::domain::{ChannelNoise, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
+use crate::model::FitModel;
+use crate::numerics::correlation::lag_one;
+use crate::numerics::noise::local_scatter;
+
+use super::electrical::Residuals;
+use super::estimates::{bending_estimate, electrical_estimate};
+use super::sampled::Sampled;
+use super::{FitInput, Identified};
+
+/// Stretches of time in which the drawn readings are chosen.
+const DRAWN_STRETCHES: usize = 120;
+
+/// Puts everything together.
+pub(super) fn fit(input: &FitInput, model: &'static FitModel, identified: &Identified) -> Fit {
+    let parameters = parameters(input, model, identified);
+    let step_s = input
+        .drive
+        .segments
+        .first()
+        .map_or(0.0, |segment| segment.start_s);
+    let current = identified.current.as_ref().ok();
+    let curvature = identified.curvature.as_ref().ok();
+    let mut responses: Vec<Response> = Vec::new();
+    if let Some((sampled, electrical)) = current {
+        responses.push(Response::new(
+            Quantity::Current,
+            sampled,
+            Some(&electrical.residuals),
+            step_s,
+        ));
+    }
+    if let Some((sampled, bending)) = curvature {
+        responses.push(Response::new(
+            Quantity::Curvature,
+            sampled,
+            Some(&bending.residuals),
+            step_s,
+        ));
+    }
+    let n_samples = responses.iter().map(|response| response.noise.readings).sum();
+    if let Some(sampled) = identified
+        .unfitted_curvature
+        .as_ref()
+        .filter(|sampled| sampled.len() > 0)
+    {
+        responses.push(Response::new(Quantity::Curvature, sampled, None, step_s));
+    }
+    let r_squared = |quantity: Quantity| {
+        responses
+            .iter()
+            .find(|response| response.noise.quantity == quantity)?
+            .noise
+            .r_squared
+    };
+    Fit {
+        model: model.id.to_owned(),
+        model_version: model.version,
+        method: "two-step variable projection".to_owned(),
+        converged: current.is_none_or(|(_, e)| e.stop.converged())
+            && curvature.is_none_or(|(_, b)| b.stop.converged())
+            && (current.is_some() || curvature.is_some()),
+        why_stopped: why_stopped(identified),
+        n_samples,
+        r_squared_current: r_squared(Quantity::Current),
+        r_squared_curvature: r_squared(Quantity::Curvature),
+        issues: issues(identified, &parameters),
+        evaluations: current.map_or(0, |(_, e)| e.evaluations) + curvature.map_or(0, |(_, b)| b.evaluations),
+        parameters,
+        noise: responses.iter().map(|response| response.noise.clone()).collect(),
+        curves: responses.into_iter().map(|response| response.curve).collect(),
+    }
+}
+
+fn parameters(input: &FitInput, model: &FitModel, identified: &Identified) -> Vec<Parameter> {
+    let estimate = |key: &str| {
+        let bending = identified
+            .curvature
+            .as_ref()
+            .map(|(_, bending)| bending)
+            .map_err(String::as_str);
+        let electrical = || match &identified.current {
+            Ok((_, electrical)) => electrical_estimate(key, electrical, input.drive),
+            Err(reason) => Some(Estimate::not_determined(reason.as_str())),
+        };
+        bending_estimate(key, bending).or_else(electrical)
+    };
+    let with_estimate = |key: &str| {
+        Some(Parameter {
+            key: key.to_owned(),
+            estimate: estimate(key)?,
+        })
+    };
+    model
+        .parameters
+        .iter()
+        .filter_map(|description| with_estimate(description.key))
+        .collect()
+}
+
+fn why_stopped(identified: &Identified) -> String {
+    let current = match &identified.current {
+        Ok((_, electrical)) => format!("current: {}", electrical.stop.words()),
+        Err(reason) => format!("current: not fitted, {reason}"),
+    };
+    let curvature = match &identified.curvature {
+        Ok((_, bending)) => format!("curvature: {}", bending.stop.words()),
+        Err(reason) => format!("curvature: not fitted, {reason}"),
+    };
+    format!("{current}; {curvature}")
+}
+
+fn issues(identified: &Identified, parameters: &[Parameter]) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    for parameter in parameters {
+        let estimate = &parameter.estimate;
+        let Some(reason) = &estimate.reason else { continue };
+        let (code, what) = match (estimate.value, estimate.low_95, estimate.high_95) {
+            (Some(_), _, _) => continue,
+            (None, Some(low), _) => (
+                "parameter-bounded",
+                format!("only a lower bound is known, {low:.4e}"),
+            ),
+            (None, _, Some(high)) => (
+                "parameter-bounded",
+                format!("only an upper bound is known, {high:.4e}"),
+            ),
+            (None, None, None) => ("parameter-not-determined", "not determined".to_owned()),
+        };
+        issues.push(Issue::note(code, format!("{what}: {reason}")).at(parameter.key.as_str()));
+    }
+    if let Ok((_, bending)) = &identified.curvature
+        && let Some(offset_per_cm) = bending.offset_per_cm
+    {
+        let message =
+            format!("the strip is bent by {offset_per_cm:.4e} 1/cm before the step; fitted as an offset");
+        issues.push(Issue::note("initial-curvature", message).at("column curvature_per_cm"));
+    }
+    let unfinished = [
+        identified
+            .current
+            .as_ref()
+            .ok()
+            .map(|(_, electrical)| electrical.stop),
+        identified
+            .curvature
+            .as_ref()
+            .ok()
+            .map(|(_, bending)| bending.stop),
+    ];
+    for stop in unfinished.into_iter().flatten().filter(|stop| !stop.converged()) {
+        issues.push(Issue::warning(
+            "not-converged",
+            format!("the search did not settle: {}", stop.words()),
+        ));
+    }
+    issues
+}
+
+/// One response with its noise and the curve to draw.
+struct Response {
+    noise: ChannelNoise,
+    curve: RunCurve,
+}
+
+impl Response {
+    fn new(quantity: Quantity, sampled: &Sampled, residuals: Option<&Residuals>, step_s: f64) -> Response {
+        let (standard_deviation, basis) = noise(sampled);
+        let rms = residuals.map_or(0.0, |r| (r.square / sampled.len().max(1) as f64).sqrt());
+        // Noise of exactly zero (a channel that was computed) cannot be a unit; the residual then is its own.
+        let unit = [standard_deviation, rms]
+            .into_iter()
+            .find(|unit| *unit > 0.0)
+            .unwrap_or(1.0);
+        let left: &[f64] = residuals.map_or(&[], |r| &r.residuals);
+        let fitted: &[f64] = residuals.map_or(&[], |r| &r.fitted);
+        let series: &[&[f64]] = if left.is_empty() {
+            &[&sampled.values]
+        } else {
+            &[&sampled.values, left]
+        };
+        let drawn = drawn_indices(&sampled.time_s, series, step_s, DRAWN_STRETCHES);
+        let at =
+            |column: &[f64]| -> Vec<f64> { drawn.iter().filter_map(|&k| column.get(k).copied()).collect() };
+        Response {
+            noise: ChannelNoise {
+                quantity,
+                standard_deviation,
+                basis,
+                residual_autocorrelation: lag_one(left),
+                residual_rms: rms,
+                readings: if residuals.is_some() { sampled.len() } else { 0 },
+                r_squared: residuals.and_then(|r| r_squared(sampled, &r.residuals)),
+            },
+            curve: RunCurve {
+                quantity,
+                time_s: at(&sampled.time_s),
+                measured: at(&sampled.values),
+                fitted: at(fitted),
+                residual_sigma: at(left).iter().map(|r| r / unit).collect(),
+                readings: sampled.len(),
+            },
+        }
+    }
+}
+
+/// Noise standard deviation without the model, and how it was found.
+fn noise(sampled: &Sampled) -> (f64, String) {
+    match local_scatter(&sampled.smooth_stretches()) {
+        Some(scatter) => (
+            scatter.standard_deviation,
+            format!(
+                "scatter about parabolas over {} readings, lag-1 autocorrelation {:.2}",
+                scatter.window, scatter.correlation
+            ),
+        ),
+        None => {
+            let differences = sampled
+                .values
+                .windows(3)
+                .map(|three| three[2] - 2.0 * three[1] + three[0]);
+            let (square, count) = differences.fold((0.0, 0.0), |(s, c), d| (s + d * d, c + 1.0));
+            let variance = if count > 0.0 { square / count / 6.0 } else { 0.0 };
+            (
+                variance.sqrt(),
+                "second differences, for want of longer stretches".to_owned(),
+            )
+        }
+    }
+}
+
+/// 1 - SUM r^2 / SUM (y - mean)^2 over the readings from the step on, as the thesis prints it; none where
+/// those do not vary.
+fn r_squared(sampled: &Sampled, residuals: &[f64]) -> Option<f64> {
+    let start = sampled.before_step();
+    let (values, residuals) = (&sampled.values[start..], &residuals[start..]);
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let total: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let left: f64 = residuals.iter().map(|r| r * r).sum();
+    (total > 0.0).then(|| 1.0 - left / total)
+}

@@ -1,0 +1,144 @@
+//! Noise of a channel without any model of its signal.
+
+use super::correlation::Autoregression;
+
+/// Noise found in a series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocalScatter {
+    /// Standard deviation, unit of the series.
+    pub standard_deviation: f64,
+    /// Lag-1 autocorrelation.
+    pub correlation: f64,
+    /// Readings per window.
+    pub window: usize,
+}
+
+/// Scatter about local parabolas: the series is cut into windows, a parabola over the index is taken out of
+/// each, and the middle 60 % of the windows by scatter are averaged, so that neither a transient nor a
+/// stretch in which a coarse converter shows one step only decides. `series` are stretches without a jump.
+///
+/// None where no stretch holds a window of eight readings.
+pub fn local_scatter(series: &[&[f64]]) -> Option<LocalScatter> {
+    let longest = series.iter().map(|stretch| stretch.len()).max()?;
+    let total: usize = series.iter().map(|stretch| stretch.len()).sum();
+    let window = (total / 20).clamp(8, 64).min(longest);
+    if window < 8 {
+        return None;
+    }
+    let parabola = Parabola::new(window);
+    let mut sums: Vec<(f64, f64)> = (series.iter())
+        .flat_map(|stretch| stretch.chunks_exact(window))
+        .map(|values| parabola.scatter(values))
+        .filter(|sums| sums.0.is_finite())
+        .collect();
+    sums.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let cut = sums.len() / 5;
+    let kept = &sums[cut..sums.len() - cut];
+    if kept.is_empty() {
+        return None;
+    }
+    let count = kept.len() as f64;
+    let square = kept.iter().map(|sums| sums.0).sum::<f64>() / count;
+    let product = kept.iter().map(|sums| sums.1).sum::<f64>() / count;
+    let noise = Autoregression::from_sums(square, product, window as f64, 3.0);
+    Some(LocalScatter {
+        standard_deviation: noise.variance.max(0.0).sqrt(),
+        correlation: noise.correlation,
+        window,
+    })
+}
+
+/// Orthonormal polynomials up to the second degree on a window.
+struct Parabola {
+    terms: [Vec<f64>; 3],
+}
+
+impl Parabola {
+    fn new(window: usize) -> Parabola {
+        let half = (window as f64 - 1.0) / 2.0;
+        let at = |k: usize| (k as f64 - half) / half;
+        let mean_square = (0..window).map(|k| at(k) * at(k)).sum::<f64>() / window as f64;
+        let normed = |raw: Vec<f64>| -> Vec<f64> {
+            let norm = raw.iter().map(|v| v * v).sum::<f64>().sqrt();
+            raw.into_iter().map(|v| v / norm).collect()
+        };
+        Parabola {
+            terms: [
+                normed(vec![1.0; window]),
+                normed((0..window).map(at).collect()),
+                normed((0..window).map(|k| at(k) * at(k) - mean_square).collect()),
+            ],
+        }
+    }
+
+    /// SUM e_t^2 and SUM e_t e_(t+1) of what the parabola leaves.
+    fn scatter(&self, values: &[f64]) -> (f64, f64) {
+        let mut rest = [0.0; 64];
+        let rest = &mut rest[..values.len()];
+        // The first value is taken off so that a large offset costs no digits.
+        for (out, value) in rest.iter_mut().zip(values) {
+            *out = value - values[0];
+        }
+        for term in &self.terms {
+            let part: f64 = term.iter().zip(rest.iter()).map(|(a, b)| a * b).sum();
+            for (out, shape) in rest.iter_mut().zip(term) {
+                *out -= part * shape;
+            }
+        }
+        let square = rest.iter().map(|v| v * v).sum();
+        let product = rest.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        (square, product)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn noisy_decay(n: usize, rho: f64, quantum: f64) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let mut last: f64 = 0.0;
+        let value = |k: usize| {
+            let fresh: f64 = StandardNormal.sample(&mut rng);
+            last = rho * last + (1.0 - rho * rho).sqrt() * fresh;
+            let exact = 1000.0 * (-(k as f64) / (0.15 * n as f64)).exp() + last;
+            if quantum > 0.0 {
+                (exact / quantum).round() * quantum
+            } else {
+                exact
+            }
+        };
+        (0..n).map(value).collect()
+    }
+
+    #[test]
+    fn white_correlated_and_short_records() {
+        for (n, rho, within) in [(4000, 0.0, 0.03), (4000, 0.6, 0.08), (400, 0.0, 0.12)] {
+            let values = noisy_decay(n, rho, 0.0);
+            let found = local_scatter(&[&values]).unwrap();
+            assert!(
+                (found.standard_deviation - 1.0).abs() < within,
+                "{n} {rho}: {found:?}"
+            );
+            assert!((found.correlation - rho).abs() < 0.12, "{n} {rho}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_coarse_converter_adds_its_rounding_and_hides_nothing() {
+        let values = noisy_decay(4000, 0.0, 3.0);
+        let found = local_scatter(&[&values]).unwrap().standard_deviation;
+        let expected = (1.0_f64 + 9.0 / 12.0).sqrt();
+        assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
+    }
+
+    #[test]
+    fn too_short_is_none_and_constant_is_zero() {
+        assert_eq!(local_scatter(&[&[1.0, 2.0, 3.0]]), None);
+        assert_eq!(local_scatter(&[]), None);
+        assert_eq!(local_scatter(&[&[4.0; 40]]).unwrap().standard_deviation, 0.0);
+    }
+}
