@@ -1,1 +1,4 @@
 //! Integration tests.
+
+mod report_fixture;
+mod report_site;
