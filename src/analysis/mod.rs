@@ -5,9 +5,9 @@ pub mod design;
 pub mod export;
 pub mod findings;
 pub mod parameters;
-pub mod traces;
 #[cfg(test)]
 pub mod sample_campaign;
+pub mod traces;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
 pub use design::confounding;

@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{Column, DataFrame, DataType, Field, IntoColumn, NamedFrom, PolarsError, Schema, Series};
+use polars::prelude::{
+    Column, DataFrame, DataType, Field, IntoColumn, NamedFrom, PolarsError, Schema, Series,
+};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
@@ -30,11 +32,20 @@ impl TraceWriter {
     /// # Errors
     /// [`ExportError::Write`] where it cannot be made.
     pub fn create(path: &Path, format: TableFormat) -> Result<TraceWriter, ExportError> {
-        let file = File::create(path).map_err(|source| ExportError::Write { path: path.to_owned(), source })?;
+        let file = File::create(path).map_err(|source| ExportError::Write {
+            path: path.to_owned(),
+            source,
+        })?;
         let file = BufWriter::new(file);
-        let mut writer = TraceWriter { sink: Sink::Csv(file), path: path.to_owned(), rows: 0 };
+        let mut writer = TraceWriter {
+            sink: Sink::Csv(file),
+            path: path.to_owned(),
+            rows: 0,
+        };
         if format == TableFormat::Parquet {
-            let Sink::Csv(file) = writer.sink else { return Ok(writer) };
+            let Sink::Csv(file) = writer.sink else {
+                return Ok(writer);
+            };
             let batched = ParquetWriter::new(file).batched(&schema());
             let batched = batched.map_err(|source| table_error(path, source))?;
             writer.sink = Sink::Parquet(Box::new(batched));
@@ -47,10 +58,15 @@ impl TraceWriter {
     /// # Errors
     /// [`ExportError`] where the file cannot be written.
     pub fn write(&mut self, run: &str, channels: &[Channel]) -> Result<(), ExportError> {
-        for channel in channels.iter().filter(|c| c.quantity != Quantity::Other && !c.is_empty()) {
+        for channel in channels
+            .iter()
+            .filter(|c| c.quantity != Quantity::Other && !c.is_empty())
+        {
             let mut rows = rows(run, channel).map_err(|source| table_error(&self.path, source))?;
             let written = match &mut self.sink {
-                Sink::Csv(file) => CsvWriter::new(file).include_header(self.rows == 0).finish(&mut rows),
+                Sink::Csv(file) => CsvWriter::new(file)
+                    .include_header(self.rows == 0)
+                    .finish(&mut rows),
                 Sink::Parquet(batched) => batched.write_batch(&rows),
             };
             written.map_err(|source| table_error(&self.path, source))?;
@@ -66,11 +82,16 @@ impl TraceWriter {
     pub fn finish(self) -> Result<usize, ExportError> {
         match self.sink {
             Sink::Csv(mut file) => {
-                let failed = |source: io::Error| ExportError::Write { path: self.path.clone(), source };
+                let failed = |source: io::Error| ExportError::Write {
+                    path: self.path.clone(),
+                    source,
+                };
                 file.flush().map_err(failed)?;
             }
             Sink::Parquet(batched) => {
-                batched.finish().map_err(|source| table_error(&self.path, source))?;
+                batched
+                    .finish()
+                    .map_err(|source| table_error(&self.path, source))?;
             }
         }
         Ok(self.rows)
@@ -93,8 +114,8 @@ fn rows(run: &str, channel: &Channel) -> Result<DataFrame, PolarsError> {
     let n = channel.len();
     let text = |name: &str, text: &str| Series::new(name.into(), vec![text; n]).into_column();
     let numbers = |name: &str, values: &[f64]| Series::new(name.into(), values).into_column();
-    let mut excluded = vec![false; n];
-    channel.excluded.iter().filter_map(|&i| excluded.get_mut(i as usize)).for_each(|flag| *flag = true);
+    let is_excluded = |index: usize| channel.excluded.binary_search(&(index as u32)).is_ok();
+    let excluded: Vec<bool> = (0..n).map(is_excluded).collect();
     let columns: Vec<Column> = vec![
         text("run", run),
         text("quantity", channel.quantity.key()),
@@ -107,5 +128,8 @@ fn rows(run: &str, channel: &Channel) -> Result<DataFrame, PolarsError> {
 }
 
 fn table_error(path: &Path, source: PolarsError) -> ExportError {
-    ExportError::Table { table: path.display().to_string(), source }
+    ExportError::Table {
+        table: path.display().to_string(),
+        source,
+    }
 }

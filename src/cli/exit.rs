@@ -25,12 +25,18 @@ pub struct CliError {
 impl CliError {
     /// A mistake in what the user gave.
     pub fn usage(message: &str) -> CliError {
-        CliError { status: USAGE, message: message.to_owned() }
+        CliError {
+            status: USAGE,
+            message: message.to_owned(),
+        }
     }
 
     /// A fault of the program.
     pub fn internal(message: &str) -> CliError {
-        CliError { status: INTERNAL, message: message.to_owned() }
+        CliError {
+            status: INTERNAL,
+            message: message.to_owned(),
+        }
     }
 
     /// The exit status it ends with.
@@ -48,6 +54,9 @@ impl fmt::Display for CliError {
 impl From<PipelineError> for CliError {
     fn from(error: PipelineError) -> CliError {
         let status = if error.is_storage() { STORAGE } else { USAGE };
-        CliError { status, message: error.to_string() }
+        CliError {
+            status,
+            message: error.to_string(),
+        }
     }
 }

@@ -53,8 +53,14 @@ pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
         What::Traces => (Table::Traces, "traces.csv"),
     };
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
-    let rows = Export { table, path: path.clone(), overwrite: args.overwrite }.run(&context)?;
+    let rows = Export {
+        table,
+        path: path.clone(),
+        overwrite: args.overwrite,
+    }
+    .run(&context)?;
     output.result(&format!("{}: {rows} rows", path.display()));
-    output.document(&json!({ "schema": "ieap/export/1", "file": path.display().to_string(), "rows": rows }))?;
+    output
+        .document(&json!({ "schema": "ieap/export/1", "file": path.display().to_string(), "rows": rows }))?;
     Ok(DONE)
 }

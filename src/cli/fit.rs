@@ -24,19 +24,33 @@ pub struct FitArgs {
 pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest.refused.iter().for_each(|(path, issue)| output.issue(path, issue));
-    let summary = FitRuns { model: args.model.clone(), again: args.again }.run(&mut context, output)?;
+    ingest
+        .refused
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
+    let summary = FitRuns {
+        model: args.model.clone(),
+        again: args.again,
+    }
+    .run(&mut context, output)?;
     output.message(&format!(
         "{} fitted, {} up to date, {} could not be fitted",
         summary.fitted,
         summary.up_to_date,
         summary.failed.len()
     ));
-    summary.failed.iter().for_each(|(path, issue)| output.issue(path, issue));
+    summary
+        .failed
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
     let document = fits_document(&context)?;
     document.fits.iter().for_each(|fit| print(fit, output));
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() { DONE } else { SOME_REFUSED })
+    Ok(if ingest.refused.is_empty() {
+        DONE
+    } else {
+        SOME_REFUSED
+    })
 }
 
 fn print(fit: &FitEntry, output: &Output) {

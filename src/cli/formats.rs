@@ -14,7 +14,12 @@ pub struct FormatsArgs {}
 pub fn run(_args: &FormatsArgs, output: &Output) -> Result<u8, CliError> {
     for format in formats::ALL {
         let extensions = format.extensions().join(", ");
-        output.result(&format!("{:<16} {} ({extensions}), reader {}", format.id(), format.title(), format.version()));
+        output.result(&format!(
+            "{:<16} {} ({extensions}), reader {}",
+            format.id(),
+            format.title(),
+            format.version()
+        ));
     }
     let list: Vec<_> = formats::ALL
         .iter()

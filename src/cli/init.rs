@@ -19,7 +19,8 @@ pub struct InitArgs {
 
 pub fn run(args: &InitArgs, output: &Output) -> Result<u8, CliError> {
     let made = init(&args.folder)?;
-    made.iter().for_each(|path| output.result(&format!("made {}", path.display())));
+    made.iter()
+        .for_each(|path| output.result(&format!("made {}", path.display())));
     let file = args.folder.join("campaign.toml");
     output.message(&format!(
         "Next: name your samples in {}, put instrument files into {}, then `ieap run {}`.",

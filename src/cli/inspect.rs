@@ -20,7 +20,11 @@ pub fn run(args: &InspectArgs, output: &Output) -> Result<u8, CliError> {
     let inspection = inspect(&args.file).map_err(|error| CliError::usage(&error.to_string()))?;
     print(&inspection, output);
     output.document(&inspection)?;
-    Ok(if inspection.format.is_some() { DONE } else { SOME_REFUSED })
+    Ok(if inspection.format.is_some() {
+        DONE
+    } else {
+        SOME_REFUSED
+    })
 }
 
 fn print(inspection: &Inspection, output: &Output) {
@@ -30,11 +34,18 @@ fn print(inspection: &Inspection, output: &Output) {
         output.result(&format!("  status: {}", inspection.status_evidence));
     }
     for candidate in &inspection.candidates {
-        output.result(&format!("  candidate: {} ({}) {}", candidate.format, candidate.score, candidate.reason));
+        output.result(&format!(
+            "  candidate: {} ({}) {}",
+            candidate.format, candidate.score, candidate.reason
+        ));
     }
-    let facts = [("technique", &inspection.technique), ("encoding", &inspection.encoding)];
+    let facts = [
+        ("technique", &inspection.technique),
+        ("encoding", &inspection.encoding),
+    ];
     for (name, fact) in facts {
-        fact.iter().for_each(|fact| output.result(&format!("  {name}: {fact}")));
+        fact.iter()
+            .for_each(|fact| output.result(&format!("  {name}: {fact}")));
     }
     if let Some(started) = &inspection.started_at {
         let local = started.local.as_deref().unwrap_or("not certain");
@@ -51,8 +62,11 @@ fn print(inspection: &Inspection, output: &Output) {
                 (Some(first), Some(last)) => format!("{first} ... {last}"),
                 _ => "no reading".to_owned(),
             };
-            let excluded =
-                if column.excluded > 0 { format!(", {} left out", column.excluded) } else { String::new() };
+            let excluded = if column.excluded > 0 {
+                format!(", {} left out", column.excluded)
+            } else {
+                String::new()
+            };
             output.result(&format!(
                 "    {} [{}] -> {canonical}: {} readings{excluded}, {ends}",
                 column.name, column.unit, column.readings
@@ -60,7 +74,11 @@ fn print(inspection: &Inspection, output: &Output) {
         }
     }
     for issue in &inspection.issues {
-        let place = if issue.place.is_empty() { String::new() } else { format!("{}: ", issue.place) };
+        let place = if issue.place.is_empty() {
+            String::new()
+        } else {
+            format!("{}: ", issue.place)
+        };
         output.result(&format!("  {}: {place}{}", issue.severity.key(), issue.message));
         if !issue.mend.is_empty() {
             output.result(&format!("    -> {}", issue.mend));

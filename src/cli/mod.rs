@@ -32,7 +32,13 @@ use output::Output;
 /// A campaign is a folder with a campaign.toml and instrument files under runs/. Start one with `ieap init`,
 /// drop files in, then `ieap run`; or leave `ieap watch` running beside the instrument.
 #[derive(Debug, Parser)]
-#[command(name = "ieap", version, max_term_width = 100, propagate_version = true, disable_help_subcommand = true)]
+#[command(
+    name = "ieap",
+    version,
+    max_term_width = 100,
+    propagate_version = true,
+    disable_help_subcommand = true
+)]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -116,7 +122,11 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            let status = if error.use_stderr() { exit::USAGE } else { exit::DONE };
+            let status = if error.use_stderr() {
+                exit::USAGE
+            } else {
+                exit::DONE
+            };
             let _ = error.print();
             return ExitCode::from(status);
         }

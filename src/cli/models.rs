@@ -13,7 +13,10 @@ pub struct ModelsArgs {}
 
 pub fn run(_args: &ModelsArgs, output: &Output) -> Result<u8, CliError> {
     for model in model::fit_models() {
-        output.result(&format!("{}  (version {})  {}", model.id, model.version, model.description));
+        output.result(&format!(
+            "{}  (version {})  {}",
+            model.id, model.version, model.description
+        ));
         for parameter in model.parameters {
             let derived = if parameter.derived { " (derived)" } else { "" };
             output.result(&format!(

@@ -75,8 +75,16 @@ impl Output {
 
     /// A file or run with an issue: where, what, and how to mend it.
     pub fn issue(&self, path: &str, issue: &Issue) {
-        let place = if issue.place.is_empty() { String::new() } else { format!(", {}", issue.place) };
-        let mend = if issue.mend.is_empty() { String::new() } else { format!("\n    {}", issue.mend) };
+        let place = if issue.place.is_empty() {
+            String::new()
+        } else {
+            format!(", {}", issue.place)
+        };
+        let mend = if issue.mend.is_empty() {
+            String::new()
+        } else {
+            format!("\n    {}", issue.mend)
+        };
         self.message(&format!("  {path}{place}: {}{mend}", issue.message));
     }
 

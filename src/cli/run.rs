@@ -20,8 +20,14 @@ pub struct RunArgs {
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
-    context.warnings.iter().for_each(|issue| output.issue("campaign.toml", issue));
-    let summary = Run { model: args.model.clone() }.run(&mut context, output)?;
+    context
+        .warnings
+        .iter()
+        .for_each(|issue| output.issue("campaign.toml", issue));
+    let summary = Run {
+        model: args.model.clone(),
+    }
+    .run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
     Ok(status(&summary))
@@ -29,18 +35,33 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
 
 /// Done, or done with refusals.
 pub fn status(summary: &RunSummary) -> u8 {
-    if summary.ingest.refused.is_empty() { DONE } else { SOME_REFUSED }
+    if summary.ingest.refused.is_empty() {
+        DONE
+    } else {
+        SOME_REFUSED
+    }
 }
 
 /// What was done, and where the report is.
 pub fn print(summary: &RunSummary, output: &Output) {
     ingest::print(&summary.ingest, output);
     let fit = &summary.fit;
-    output.result(&format!("fits: {} new, {} up to date, {} could not be made", fit.fitted, fit.up_to_date, fit.failed.len()));
-    fit.failed.iter().for_each(|(path, issue)| output.issue(path, issue));
+    output.result(&format!(
+        "fits: {} new, {} up to date, {} could not be made",
+        fit.fitted,
+        fit.up_to_date,
+        fit.failed.len()
+    ));
+    fit.failed
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
     for path in &fit.not_converged {
         output.message(&format!("  {path}: the search did not converge; see its page"));
     }
-    let state = if summary.report.rendered { "" } else { " (unchanged)" };
+    let state = if summary.report.rendered {
+        ""
+    } else {
+        " (unchanged)"
+    };
     output.result(&format!("Report: {}{state}", summary.report.index.display()));
 }

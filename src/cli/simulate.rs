@@ -22,10 +22,16 @@ pub struct SimulateArgs {
 }
 
 pub fn run(args: &SimulateArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let simulate = Simulate { spec: args.spec.clone(), seed: global.seed, overwrite: args.overwrite };
+    let simulate = Simulate {
+        spec: args.spec.clone(),
+        seed: global.seed,
+        overwrite: args.overwrite,
+    };
     let written = simulate.run(output)?;
     output.result(&format!("{} files written", written.len()));
-    written.iter().for_each(|path| output.detail(&format!("wrote {}", path.display())));
+    written
+        .iter()
+        .for_each(|path| output.detail(&format!("wrote {}", path.display())));
     let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     output.document(&json!({ "schema": "ieap/simulate/1", "written": written }))?;
     Ok(DONE)

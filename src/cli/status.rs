@@ -6,8 +6,8 @@ use serde_json::json;
 use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use crate::pipeline::status::{Reasoned, Status, status};
 use crate::pipeline::Context;
+use crate::pipeline::status::{Reasoned, Status, status};
 
 /// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
 #[derive(Debug, Args)]
@@ -25,21 +25,47 @@ pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
 }
 
 fn print(status: &Status, output: &Output) {
-    let states: Vec<String> =
-        status.runs_by_state.iter().map(|(state, count)| format!("{count} {}", state.replace('_', " "))).collect();
-    output.result(&format!("{}: {} runs ({})", status.campaign, status.runs, states.join(", ")));
+    let states: Vec<String> = status
+        .runs_by_state
+        .iter()
+        .map(|(state, count)| format!("{count} {}", state.replace('_', " ")))
+        .collect();
+    output.result(&format!(
+        "{}: {} runs ({})",
+        status.campaign,
+        status.runs,
+        states.join(", ")
+    ));
     section(output, "refused files", &status.refused);
-    section(output, "files that wait (empty, header only, or still growing)", &status.pending);
+    section(
+        output,
+        "files that wait (empty, header only, or still growing)",
+        &status.pending,
+    );
     section(output, "runs without the tags they need", &status.untagged);
     section(output, "runs that could not be fitted", &status.not_fitted);
     if status.aliases > 0 {
-        output.result(&format!("{} files hold the same bytes as a run's file", status.aliases));
+        output.result(&format!(
+            "{} files hold the same bytes as a run's file",
+            status.aliases
+        ));
     }
-    list(output, "files of runs that are no longer in the folder", &status.missing_files);
-    let gaps: Vec<String> =
-        status.gaps.iter().map(|gap| format!("{} in {} at {} V", gap.material, gap.environment, gap.voltage_v)).collect();
+    list(
+        output,
+        "files of runs that are no longer in the folder",
+        &status.missing_files,
+    );
+    let gaps: Vec<String> = status
+        .gaps
+        .iter()
+        .map(|gap| format!("{} in {} at {} V", gap.material, gap.environment, gap.voltage_v))
+        .collect();
     list(output, "conditions without a run", &gaps);
-    list(output, "runs fitted by another version of ieap", &status.fitted_by_older_program);
+    list(
+        output,
+        "runs fitted by another version of ieap",
+        &status.fitted_by_older_program,
+    );
 }
 
 fn section(output: &Output, title: &str, entries: &[Reasoned]) {
@@ -49,8 +75,16 @@ fn section(output: &Output, title: &str, entries: &[Reasoned]) {
     output.result(&format!("{} {title}:", entries.len()));
     for entry in entries {
         output.result(&format!("  {}", entry.path));
-        for issue in entry.issues.iter().filter(|issue| issue.severity > crate::domain::Severity::Note) {
-            let place = if issue.place.is_empty() { String::new() } else { format!("{}: ", issue.place) };
+        for issue in entry
+            .issues
+            .iter()
+            .filter(|issue| issue.severity > crate::domain::Severity::Note)
+        {
+            let place = if issue.place.is_empty() {
+                String::new()
+            } else {
+                format!("{}: ", issue.place)
+            };
             output.result(&format!("      {place}{}", issue.message));
             if !issue.mend.is_empty() {
                 output.result(&format!("      -> {}", issue.mend));
@@ -62,6 +96,8 @@ fn section(output: &Output, title: &str, entries: &[Reasoned]) {
 fn list(output: &Output, title: &str, entries: &[String]) {
     if !entries.is_empty() {
         output.result(&format!("{} {title}:", entries.len()));
-        entries.iter().for_each(|entry| output.result(&format!("  {entry}")));
+        entries
+            .iter()
+            .for_each(|entry| output.result(&format!("  {entry}")));
     }
 }

@@ -29,13 +29,20 @@ pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let (pairs, named) = split(&args.pairs)?;
     let (folder, run) = place(&args.run, named.as_deref())?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
-    let set = SetTags { run, pairs, set_by: args.by.clone().unwrap_or_else(user_name) };
+    let set = SetTags {
+        run,
+        pairs,
+        set_by: args.by.clone().unwrap_or_else(user_name),
+    };
     let summary = set.run(&mut context, output)?;
     output.result(&format!("{}: {}", summary.run, summary.state.replace('_', " ")));
     for (key, value, source) in &summary.tags {
         output.result(&format!("    {key} = {value} ({source})"));
     }
-    summary.issues.iter().for_each(|issue| output.issue(&summary.run, issue));
+    summary
+        .issues
+        .iter()
+        .for_each(|issue| output.issue(&summary.run, issue));
     output.message("The next `ieap run` (or the running `ieap watch`) fits and renders with these tags.");
     output.document(&json!({ "schema": "ieap/tag/1", "tag": summary }))?;
     Ok(DONE)
@@ -60,7 +67,10 @@ fn split(arguments: &[String]) -> Result<(Vec<(String, String)>, Option<PathBuf>
 }
 
 fn is_key(key: &str) -> bool {
-    !key.is_empty() && key.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+    !key.is_empty()
+        && key
+            .chars()
+            .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
 }
 
 /// The campaign folder, and the run's name in it. A path to a file tells both.
@@ -78,5 +88,8 @@ fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError>
 
 fn user_name() -> String {
     let variables = ["USER", "LOGNAME", "USERNAME"];
-    variables.iter().find_map(|name| std::env::var(name).ok()).unwrap_or_else(|| "unknown user".to_owned())
+    variables
+        .iter()
+        .find_map(|name| std::env::var(name).ok())
+        .unwrap_or_else(|| "unknown user".to_owned())
 }

@@ -30,22 +30,41 @@ pub struct WatchArgs {
 pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let settings = WatchSettings {
         quiet: seconds("--quiet-s", args.quiet_s)?,
-        poll: args.poll_s.map(|poll_s| seconds("--poll-s", poll_s)).transpose()?,
+        poll: args
+            .poll_s
+            .map(|poll_s| seconds("--poll-s", poll_s))
+            .transpose()?,
     };
     let stop = Arc::new(AtomicBool::new(false));
     let heard = stop.clone();
     ctrlc::set_handler(move || heard.store(true, Ordering::SeqCst))
         .map_err(|error| CliError::internal(&format!("cannot listen for Ctrl-C: {error}")))?;
     let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
-    context.warnings.iter().for_each(|issue| output.issue("campaign.toml", issue));
-    output.message(&format!("Watching {}; stop with Ctrl-C.", context.folder.join(&context.campaign.runs_folder).display()));
-    let watch = Watch { settings, job: Run { model: args.model.clone() } };
-    watch.run(&mut context, output, &stop, &mut |summary| run::print(summary, output))?;
+    context
+        .warnings
+        .iter()
+        .for_each(|issue| output.issue("campaign.toml", issue));
+    output.message(&format!(
+        "Watching {}; stop with Ctrl-C.",
+        context.folder.join(&context.campaign.runs_folder).display()
+    ));
+    let watch = Watch {
+        settings,
+        job: Run {
+            model: args.model.clone(),
+        },
+    };
+    watch.run(&mut context, output, &stop, &mut |summary| {
+        run::print(summary, output)
+    })?;
     output.message("Stopped.");
     Ok(DONE)
 }
 
 fn seconds(option: &str, seconds: f64) -> Result<Duration, CliError> {
-    Duration::try_from_secs_f64(seconds)
-        .map_err(|_| CliError::usage(&format!("{option}: found {seconds}, needed a number of seconds not below 0")))
+    Duration::try_from_secs_f64(seconds).map_err(|_| {
+        CliError::usage(&format!(
+            "{option}: found {seconds}, needed a number of seconds not below 0"
+        ))
+    })
 }

@@ -10,7 +10,13 @@ pub fn data_hash(channels: &[Channel]) -> String {
         hasher.update(&(channel.len() as u64).to_le_bytes());
         hasher.update(&bytes(&channel.time_s));
         hasher.update(&bytes(&channel.values));
-        hasher.update(&channel.excluded.iter().flat_map(|index| index.to_le_bytes()).collect::<Vec<u8>>());
+        hasher.update(
+            &channel
+                .excluded
+                .iter()
+                .flat_map(|index| index.to_le_bytes())
+                .collect::<Vec<u8>>(),
+        );
     }
     hasher.finalize().to_hex().to_string()
 }
@@ -27,11 +33,18 @@ mod tests {
 
     #[test]
     fn readings_count_and_foreign_columns_do_not() {
-        let channel = |values: [f64; 2]| Channel::new(Quantity::Current, Arc::from([0.0, 1.0]), Arc::from(values));
+        let channel =
+            |values: [f64; 2]| Channel::new(Quantity::Current, Arc::from([0.0, 1.0]), Arc::from(values));
         let mut other = channel([7.0, 7.0]);
         other.quantity = Quantity::Other;
-        assert_eq!(data_hash(&[channel([1.0, 2.0])]), data_hash(&[channel([1.0, 2.0]), other]));
-        assert_ne!(data_hash(&[channel([1.0, 2.0])]), data_hash(&[channel([1.0, 2.5])]));
+        assert_eq!(
+            data_hash(&[channel([1.0, 2.0])]),
+            data_hash(&[channel([1.0, 2.0]), other])
+        );
+        assert_ne!(
+            data_hash(&[channel([1.0, 2.0])]),
+            data_hash(&[channel([1.0, 2.5])])
+        );
         let mut excluded = channel([1.0, 2.0]);
         excluded.excluded = Arc::from([1]);
         assert_ne!(data_hash(&[channel([1.0, 2.0])]), data_hash(&[excluded]));

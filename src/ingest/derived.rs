@@ -19,7 +19,11 @@ pub fn responses(channels: &[Channel], length_cm: Option<f64>) -> Vec<Channel> {
             2.0 * d_cm / (length_cm * length_cm + d_cm * d_cm)
         };
         let values: Arc<[f64]> = tip.values.iter().map(curvature).collect();
-        let derived = Channel { quantity: Quantity::Curvature, values, ..tip.clone() };
+        let derived = Channel {
+            quantity: Quantity::Curvature,
+            values,
+            ..tip.clone()
+        };
         all.push(derived);
     }
     all
@@ -32,7 +36,11 @@ mod tests {
     #[test]
     fn a_half_circle_has_twice_the_inverse_length() {
         // A tip that has moved by L at distance L: 2 L / (2 L^2) = 1/L.
-        let tip = Channel::new(Quantity::TipDisplacement, Arc::from([0.0, 1.0]), Arc::from([0.0, 5.0]));
+        let tip = Channel::new(
+            Quantity::TipDisplacement,
+            Arc::from([0.0, 1.0]),
+            Arc::from([0.0, 5.0]),
+        );
         let all = responses(std::slice::from_ref(&tip), Some(0.5));
         assert_eq!(all[1].quantity, Quantity::Curvature);
         assert!((all[1].values[1] - 2.0).abs() < 1e-12);

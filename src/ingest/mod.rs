@@ -12,5 +12,6 @@ pub mod reading;
 pub mod scan;
 pub mod tags;
 pub mod text;
+pub mod watch;
 
 pub use reading::{Reading, RunTable, StartedAt, Timestamp};

@@ -76,7 +76,12 @@ impl Context {
         Ok(())
     }
 
-    fn with(folder: &Path, loaded: campaign_file::Loaded, store: Store, lock: Option<InstanceLock>) -> Context {
+    fn with(
+        folder: &Path,
+        loaded: campaign_file::Loaded,
+        store: Store,
+        lock: Option<InstanceLock>,
+    ) -> Context {
         Context {
             folder: folder.to_owned(),
             campaign_digest: digest(&loaded.text),
@@ -103,7 +108,11 @@ fn refuse_network(folder: &Path, allow_network: bool) -> Result<(), PipelineErro
     match filesystem::network_kind(folder).ok().flatten() {
         Some(kind) if !allow_network => {
             let path = folder.join(crate::store::FILE_NAME);
-            Err(StoreError::NetworkShare { path, kind: kind.to_owned() }.into())
+            Err(StoreError::NetworkShare {
+                path,
+                kind: kind.to_owned(),
+            }
+            .into())
         }
         _ => Ok(()),
     }

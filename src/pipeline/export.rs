@@ -37,7 +37,9 @@ impl Export {
     pub fn run(&self, context: &Context) -> Result<usize, PipelineError> {
         let format = format_of(&self.path)?;
         if self.path.exists() && !self.overwrite {
-            return Err(PipelineError::FileExists { path: self.path.clone() });
+            return Err(PipelineError::FileExists {
+                path: self.path.clone(),
+            });
         }
         let runs = context.store.runs()?;
         let campaign = &context.campaign;

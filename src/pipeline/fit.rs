@@ -44,10 +44,15 @@ impl FitRuns {
         let options = FitOptions::for_model(model_id)?;
         let model = options.model;
         let tasks = context.store.fit_tasks()?;
-        let hashed = tasks.into_iter().map(|task| (input_hash(&task, model.id, model.version), task));
+        let hashed = tasks
+            .into_iter()
+            .map(|task| (input_hash(&task, model.id, model.version), task));
         let (done, due): (Vec<_>, Vec<_>) =
             hashed.partition(|(hash, task)| !self.again && task.done_input_hash.as_ref() == Some(hash));
-        let mut summary = FitSummary { up_to_date: done.len(), ..FitSummary::default() };
+        let mut summary = FitSummary {
+            up_to_date: done.len(),
+            ..FitSummary::default()
+        };
         observer.begin("fitting", due.len() as u64);
         for batch in due.chunks(BATCH) {
             let outcomes = fit_batch(context, batch, &options, observer)?;
@@ -68,7 +73,12 @@ fn fit_batch(
 ) -> Result<Vec<Outcome>, PipelineError> {
     let loaded = batch
         .iter()
-        .map(|(_, task)| Ok(derived::responses(&context.store.channels(task.run_id)?, task.length_cm)))
+        .map(|(_, task)| {
+            Ok(derived::responses(
+                &context.store.channels(task.run_id)?,
+                task.length_cm,
+            ))
+        })
         .collect::<Result<Vec<Vec<Channel>>, PipelineError>>()?;
     Ok(batch
         .par_iter()
@@ -83,7 +93,11 @@ fn fit_batch(
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.
 fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
-    let input = FitInput { channels, drive: &task.drive, area_cm2: task.area_cm2 };
+    let input = FitInput {
+        channels,
+        drive: &task.drive,
+        area_cm2: task.area_cm2,
+    };
     match std::panic::catch_unwind(|| fit_run(&input, options)) {
         Ok(Ok(fit)) => Ok(fit),
         Ok(Err(error)) => Err(Issue::warning("not-fitted", error.to_string())),

@@ -116,7 +116,10 @@ pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
 fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
     let fit = run.fit.as_ref()?;
     let sample = run.tag(keys::SAMPLE).map(str::to_owned);
-    let material = sample.as_deref().and_then(|id| context.campaign.sample(id)).map(|s| s.material.clone());
+    let material = sample
+        .as_deref()
+        .and_then(|id| context.campaign.sample(id))
+        .map(|s| s.material.clone());
     let parameters = fit.parameters.iter().map(|parameter| {
         let estimate = parameter.estimate.clone();
         let entry = ParameterEntry {

@@ -16,7 +16,11 @@ pub fn init(folder: &Path) -> Result<Vec<PathBuf>, PipelineError> {
     }
     let failed = |path: &Path| {
         let path = path.to_owned();
-        move |source| PipelineError::File { path, doing: "making the campaign", source }
+        move |source| PipelineError::File {
+            path,
+            doing: "making the campaign",
+            source,
+        }
     };
     let mut made = Vec::new();
     for name in ["runs", "dma", "ambient"] {
@@ -25,7 +29,9 @@ pub fn init(folder: &Path) -> Result<Vec<PathBuf>, PipelineError> {
         made.push(path);
     }
     let absolute = std::fs::canonicalize(folder).map_err(failed(folder))?;
-    let id = absolute.file_name().map_or("campaign".into(), |name| name.to_string_lossy().into_owned());
+    let id = absolute
+        .file_name()
+        .map_or("campaign".into(), |name| name.to_string_lossy().into_owned());
     std::fs::write(&file, campaign_file::template(&id)).map_err(failed(&file))?;
     made.push(file);
     Ok(made)

@@ -96,7 +96,9 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shown = file.display().to_string();
     let recognised = formats::recognise(&FileHead::of(&name, &bytes));
-    let candidates = recognised.as_ref().map_or(Vec::new(), |(_, candidates)| candidates.clone());
+    let candidates = recognised
+        .as_ref()
+        .map_or(Vec::new(), |(_, candidates)| candidates.clone());
     let read = recognised.and_then(|(format, _)| format.read(&bytes, &ReadContext::default()));
     Ok(match read {
         Ok(reading) => of_reading(shown, &candidates, &reading),
@@ -107,7 +109,11 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
 fn scores(candidates: &[Candidate]) -> Vec<CandidateScore> {
     candidates
         .iter()
-        .map(|c| CandidateScore { format: c.format.id().to_owned(), score: c.score, reason: c.reason.to_owned() })
+        .map(|c| CandidateScore {
+            format: c.format.id().to_owned(),
+            score: c.score,
+            reason: c.reason.to_owned(),
+        })
         .collect()
 }
 
@@ -172,5 +178,9 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
             last: summary.last,
         }
     });
-    InspectedTable { name: table.name.clone(), rows: table.rows, columns: time.into_iter().chain(channels).collect() }
+    InspectedTable {
+        name: table.name.clone(),
+        rows: table.rows,
+        columns: time.into_iter().chain(channels).collect(),
+    }
 }

@@ -39,19 +39,32 @@ impl RenderReport {
         let target = context.folder.join(REPORT_FOLDER);
         let index = target.join("index.html");
         let (changes, changed_at) = context.store.changes()?;
-        let stamp = format!("{CODE_VERSION} {changes} {changed_at} {}\n", context.campaign_digest);
+        let stamp = format!(
+            "{CODE_VERSION} {changes} {changed_at} {}\n",
+            context.campaign_digest
+        );
         let current = std::fs::read_to_string(target.join(STAMP)).is_ok_and(|found| found == stamp);
         if current && !self.again && index.exists() {
-            return Ok(ReportSummary { index, rendered: false, pages: 0 });
+            return Ok(ReportSummary {
+                index,
+                rendered: false,
+                pages: 0,
+            });
         }
         let input = input(context, changes, &changed_at)?;
-        let fresh = context.folder.join(format!(".{REPORT_FOLDER}-{}", std::process::id()));
+        let fresh = context
+            .folder
+            .join(format!(".{REPORT_FOLDER}-{}", std::process::id()));
         remove_leftovers(&context.folder);
         let rendered = write_fresh(context, &input, &fresh, &stamp, observer).inspect_err(|_| {
             let _ = std::fs::remove_dir_all(&fresh);
         })?;
         replace_folder(&fresh, &target).map_err(failed(&target, "putting the report in place"))?;
-        Ok(ReportSummary { index, rendered: true, pages: rendered })
+        Ok(ReportSummary {
+            index,
+            rendered: true,
+            pages: rendered,
+        })
     }
 }
 
@@ -64,7 +77,9 @@ fn write_fresh(
 ) -> Result<usize, PipelineError> {
     std::fs::create_dir_all(fresh).map_err(failed(fresh, "making the report's folder"))?;
     observer.begin("rendering", input.runs.len() as u64);
-    let rendered = report::render(input, &context.store, fresh, &|done, _| observer.reach(done as u64))?;
+    let rendered = report::render(input, &context.store, fresh, &|done, _| {
+        observer.reach(done as u64)
+    })?;
     observer.end();
     std::fs::write(fresh.join(STAMP), stamp).map_err(failed(fresh, "stamping the report"))?;
     sync(fresh);
@@ -94,13 +109,23 @@ fn remove_leftovers(folder: &Path) {
 
 fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::Input, PipelineError> {
     let runs = context.store.runs()?;
-    let mut news: Vec<report::News> =
-        runs.iter().map(|run| report::News { run_path: run.path.clone(), at: run.ingested_at.clone() }).collect();
+    let mut news: Vec<report::News> = runs
+        .iter()
+        .map(|run| report::News {
+            run_path: run.path.clone(),
+            at: run.ingested_at.clone(),
+        })
+        .collect();
     news.sort_by(|a, b| b.at.cmp(&a.at).then_with(|| a.run_path.cmp(&b.run_path)));
     Ok(report::Input {
         campaign: context.campaign.clone(),
         superseded: context.store.superseded_runs()?,
-        files: context.store.files()?.iter().map(|file| file.source_file()).collect(),
+        files: context
+            .store
+            .files()?
+            .iter()
+            .map(|file| file.source_file())
+            .collect(),
         origin: report::Origin {
             program: format!("ieap {CODE_VERSION}"),
             database: format!("change {changes} of {changed_at}"),

@@ -46,7 +46,11 @@ impl Run {
         ready: &mut dyn FnMut(&SeenFile) -> bool,
     ) -> Result<RunSummary, PipelineError> {
         let ingest = Ingest { ready }.run(context, observer)?;
-        let fit = FitRuns { model: self.model.clone(), again: false }.run(context, observer)?;
+        let fit = FitRuns {
+            model: self.model.clone(),
+            again: false,
+        }
+        .run(context, observer)?;
         let report = RenderReport::default().run(context, observer)?;
         Ok(RunSummary { ingest, fit, report })
     }

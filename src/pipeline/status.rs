@@ -64,17 +64,28 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     let runs = context.store.runs()?;
     let files = context.store.files()?;
     let file_list = |state: FileState| {
-        let of_state = files.iter().filter(move |file| file.state == state && file.missing_since.is_none());
+        let of_state = files
+            .iter()
+            .filter(move |file| file.state == state && file.missing_since.is_none());
         of_state
-            .map(|file| Reasoned { path: file.path.clone(), issues: file.issue.iter().cloned().collect() })
+            .map(|file| Reasoned {
+                path: file.path.clone(),
+                issues: file.issue.iter().cloned().collect(),
+            })
             .collect::<Vec<_>>()
     };
     let mut runs_by_state = BTreeMap::new();
     for run in &runs {
-        let state = if run.fit.is_some() { "fitted" } else { run.state.key() };
+        let state = if run.fit.is_some() {
+            "fitted"
+        } else {
+            run.state.key()
+        };
         *runs_by_state.entry(state).or_insert(0) += 1;
     }
-    let missing = files.iter().filter(|file| file.state == FileState::Run && file.missing_since.is_some());
+    let missing = files
+        .iter()
+        .filter(|file| file.state == FileState::Run && file.missing_since.is_some());
     Ok(Status {
         campaign: context.campaign.id.clone(),
         runs: runs.len(),
@@ -88,7 +99,11 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
             .iter()
-            .filter(|run| run.fit_code_version.as_deref().is_some_and(|version| version != CODE_VERSION))
+            .filter(|run| {
+                run.fit_code_version
+                    .as_deref()
+                    .is_some_and(|version| version != CODE_VERSION)
+            })
             .map(|run| run.path.clone())
             .collect(),
     })
@@ -97,14 +112,21 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
 fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reasoned> {
     runs.iter()
         .filter(|run| wanted(run))
-        .map(|run| Reasoned { path: run.path.clone(), issues: run.issues.clone() })
+        .map(|run| Reasoned {
+            path: run.path.clone(),
+            issues: run.issues.clone(),
+        })
         .collect()
 }
 
 fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {
     let condition = |run: &RunRecord| {
         let material = context.campaign.sample(run.tag(keys::SAMPLE)?)?.material.clone();
-        Some((material, run.tag(keys::ENVIRONMENT)?.to_owned(), run.tag(keys::VOLTAGE_V)?.to_owned()))
+        Some((
+            material,
+            run.tag(keys::ENVIRONMENT)?.to_owned(),
+            run.tag(keys::VOLTAGE_V)?.to_owned(),
+        ))
     };
     let measured: BTreeSet<_> = runs.iter().filter_map(condition).collect();
     let axis = |pick: fn(&(String, String, String)) -> &String| -> BTreeSet<String> {
@@ -118,7 +140,11 @@ fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {
                 let condition = (material.clone(), environment.clone(), voltage_v.clone());
                 if !measured.contains(&condition) {
                     let (material, environment, voltage_v) = condition;
-                    gaps.push(Gap { material, environment, voltage_v });
+                    gaps.push(Gap {
+                        material,
+                        environment,
+                        voltage_v,
+                    });
                 }
             }
         }

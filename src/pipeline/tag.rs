@@ -47,16 +47,26 @@ impl SetTags {
             set_by: self.set_by.clone(),
             set_at: now.clone(),
         };
-        context.store.add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
+        context
+            .store
+            .add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
         retag_runs(context, observer)?;
         let runs = context.store.runs()?;
         let found = runs.into_iter().find(|run| run.path == run_path);
-        let Some(run) = found else { return Err(unknown(&run_path, "")) };
+        let Some(run) = found else {
+            return Err(unknown(&run_path, ""));
+        };
         let mut seen = std::collections::BTreeSet::new();
         let chosen = run.tags.iter().take_while(|tag| seen.insert(tag.key.clone()));
         Ok(TagSummary {
-            state: if run.state == RunState::Ready { "ready" } else { run.state.key() },
-            tags: chosen.map(|t| (t.key.clone(), t.value.clone(), t.source.label().to_owned())).collect(),
+            state: if run.state == RunState::Ready {
+                "ready"
+            } else {
+                run.state.key()
+            },
+            tags: chosen
+                .map(|t| (t.key.clone(), t.value.clone(), t.source.label().to_owned()))
+                .collect(),
             issues: run.issues,
             run: run.path,
         })
@@ -64,24 +74,43 @@ impl SetTags {
 
     /// The run meant: by its whole name, or by the end of it where only one run ends so.
     fn known_run(&self, context: &Context) -> Result<String, PipelineError> {
-        let names: Vec<String> = context.store.tag_digests()?.into_iter().map(|(_, path, _)| path).collect();
+        let names: Vec<String> = context
+            .store
+            .tag_digests()?
+            .into_iter()
+            .map(|(_, path, _)| path)
+            .collect();
         let wanted = self.run.trim_start_matches("./").replace('\\', "/");
         if names.contains(&wanted) {
             return Ok(wanted);
         }
-        let ends: Vec<&String> = names.iter().filter(|name| name.ends_with(&format!("/{wanted}"))).collect();
+        let ends: Vec<&String> = names
+            .iter()
+            .filter(|name| name.ends_with(&format!("/{wanted}")))
+            .collect();
         match ends.as_slice() {
             [one] => Ok((*one).clone()),
             [] => {
                 let file = wanted.rsplit('/').next().unwrap_or(&wanted);
-                let near = names.iter().find(|name| name.ends_with(file) || name.contains(&wanted));
-                Err(unknown(&self.run, &near.map(|name| format!(" Is {name} meant?")).unwrap_or_default()))
+                let near = names
+                    .iter()
+                    .find(|name| name.ends_with(file) || name.contains(&wanted));
+                Err(unknown(
+                    &self.run,
+                    &near.map(|name| format!(" Is {name} meant?")).unwrap_or_default(),
+                ))
             }
-            _ => Err(unknown(&self.run, &format!(" {} runs end so; give the whole name.", ends.len()))),
+            _ => Err(unknown(
+                &self.run,
+                &format!(" {} runs end so; give the whole name.", ends.len()),
+            )),
         }
     }
 }
 
 fn unknown(found: &str, nearest: &str) -> PipelineError {
-    PipelineError::UnknownRun { found: found.to_owned(), nearest: nearest.to_owned() }
+    PipelineError::UnknownRun {
+        found: found.to_owned(),
+        nearest: nearest.to_owned(),
+    }
 }

@@ -49,24 +49,36 @@ impl Watch {
         stop: &AtomicBool,
         after: &mut dyn FnMut(&RunSummary),
     ) -> Result<(), PipelineError> {
-        let options = WatchOptions { poll: self.settings.poll, quiet: self.settings.quiet, ..WatchOptions::default() };
+        let options = WatchOptions {
+            poll: self.settings.poll,
+            quiet: self.settings.quiet,
+            ..WatchOptions::default()
+        };
         let (watcher, issues) = Watcher::start(&context.folder, &context.campaign.runs_folder, options)?;
-        issues.iter().for_each(|issue| observer.warn(&format!("{} {}", issue.message, issue.mend)));
+        issues
+            .iter()
+            .for_each(|issue| observer.warn(&format!("{} {}", issue.message, issue.mend)));
         let mut sightings = Sightings::new(self.settings.quiet);
         let (mut refusals, mut first) = (0, true);
         loop {
             let wait = match self.round(context, observer, &mut sightings) {
                 Ok(summary) => {
                     refusals = 0;
-                    if first || summary.ingest.changed() || summary.fit.fitted > 0 || summary.report.rendered {
+                    if first || summary.ingest.changed() || summary.fit.fitted > 0 || summary.report.rendered
+                    {
                         after(&summary);
                     }
                     first = false;
-                    sightings.next_look().map_or(LONGEST_WAIT, |wait| wait.clamp(SHORTEST_WAIT, LONGEST_WAIT))
+                    sightings
+                        .next_look()
+                        .map_or(LONGEST_WAIT, |wait| wait.clamp(SHORTEST_WAIT, LONGEST_WAIT))
                 }
                 Err(error) if may_pass(&error) && refusals < MOST_REFUSALS => {
                     refusals += 1;
-                    observer.warn(&format!("{error} The watch tries again in {} s.", AFTER_REFUSAL.as_secs()));
+                    observer.warn(&format!(
+                        "{error} The watch tries again in {} s.",
+                        AFTER_REFUSAL.as_secs()
+                    ));
                     AFTER_REFUSAL
                 }
                 Err(error) => return Err(error),
@@ -84,10 +96,13 @@ impl Watch {
         sightings: &mut Sightings,
     ) -> Result<RunSummary, PipelineError> {
         if let Err(error) = context.reload() {
-            observer.warn(&format!("{error} What campaign.toml said before goes on to hold."));
+            observer.warn(&format!(
+                "{error} What campaign.toml said before goes on to hold."
+            ));
         }
         sightings.begin();
-        self.job.run_ready(context, observer, &mut |file| sightings.is_ready(file))
+        self.job
+            .run_ready(context, observer, &mut |file| sightings.is_ready(file))
     }
 }
 
@@ -96,7 +111,9 @@ fn waited(watcher: &Watcher, wait: Duration, stop: &AtomicBool, observer: &dyn O
     loop {
         match watcher.wait(wait, stop) {
             Wake::Stopped => return true,
-            Wake::FolderGone => observer.warn("the runs folder is not there; nothing is taken for removed. Waiting for it."),
+            Wake::FolderGone => {
+                observer.warn("the runs folder is not there; nothing is taken for removed. Waiting for it.")
+            }
             Wake::Hint | Wake::Rescan | Wake::Timeout => return false,
         }
     }
@@ -116,7 +133,11 @@ struct Sightings {
 
 impl Sightings {
     fn new(quiet: Duration) -> Sightings {
-        Sightings { quiet, seen: BTreeMap::new(), next: None }
+        Sightings {
+            quiet,
+            seen: BTreeMap::new(),
+            next: None,
+        }
     }
 
     fn begin(&mut self) {
@@ -141,6 +162,7 @@ impl Sightings {
 
     /// Time until the first file that waits may be ready.
     fn next_look(&self) -> Option<Duration> {
-        self.next.map(|next| next.saturating_duration_since(Instant::now()))
+        self.next
+            .map(|next| next.saturating_duration_since(Instant::now()))
     }
 }

@@ -165,9 +165,15 @@ impl Store {
     pub fn untagged_runs(&self) -> Result<Vec<String>, StoreError> {
         let doing = "listing untagged runs";
         let sql = "SELECT path FROM run WHERE superseded_at IS NULL AND state = 'untagged' ORDER BY path";
-        let mut statement = self.connection.prepare_cached(sql).map_err(|e| self.failed(doing, e))?;
-        let rows = statement.query_map([], |row| row.get(0)).map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>().map_err(|e| self.failed(doing, e))
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| row.get(0))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
     }
 
     /// Whether a run of that name was stored, now or earlier.

@@ -1,3 +1,5 @@
 //! Integration tests.
 
 mod lumped_reference;
+mod report_fixture;
+mod report_site;

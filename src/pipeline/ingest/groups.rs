@@ -18,7 +18,9 @@ const PARTS: [&str; 9] = [
 /// Name of the run that the file at `path` (relative, with `/`) belongs to: `runs/a.csv` for
 /// `runs/a.current.csv`, else the path itself.
 pub fn run_name(path: &str) -> String {
-    let (folder, file) = path.rsplit_once('/').map_or(("", path), |(folder, file)| (folder, file));
+    let (folder, file) = path
+        .rsplit_once('/')
+        .map_or(("", path), |(folder, file)| (folder, file));
     let mut pieces: Vec<&str> = file.split('.').collect();
     if pieces.len() >= 3 {
         let part = pieces[pieces.len() - 2].to_ascii_lowercase();
@@ -27,7 +29,11 @@ pub fn run_name(path: &str) -> String {
         }
     }
     let file = pieces.join(".");
-    if folder.is_empty() { file } else { format!("{folder}/{file}") }
+    if folder.is_empty() {
+        file
+    } else {
+        format!("{folder}/{file}")
+    }
 }
 
 /// Groups paths by the run they belong to, both in order.

@@ -58,7 +58,13 @@ pub struct IngestSummary {
 impl IngestSummary {
     /// Whether the database changed.
     pub fn changed(&self) -> bool {
-        let lists = [&self.new, &self.revised, &self.aliases, &self.gone, &self.retagged];
+        let lists = [
+            &self.new,
+            &self.revised,
+            &self.aliases,
+            &self.gone,
+            &self.retagged,
+        ];
         lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty()
     }
 }
@@ -68,17 +74,26 @@ impl Ingest<'_> {
     ///
     /// # Errors
     /// The folder cannot be listed, the archive or the database refuses.
-    pub fn run(&mut self, context: &mut Context, observer: &dyn Observer) -> Result<IngestSummary, PipelineError> {
+    pub fn run(
+        &mut self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<IngestSummary, PipelineError> {
         let runs_folder = context.campaign.runs_folder.clone();
         let seen = scan::scan(&context.folder, &runs_folder, scan::ScanLimits::default())?;
         let stored = context.store.files()?;
         let changes = scan::diff(&known(&stored), &seen);
-        let mut summary = IngestSummary { files: seen.files.len(), ..IngestSummary::default() };
+        let mut summary = IngestSummary {
+            files: seen.files.len(),
+            ..IngestSummary::default()
+        };
         let groups = self.due(&stored, &seen, &changes, &mut summary);
         observer.begin("reading", groups.len() as u64);
         for batch in groups.chunks(READ_AHEAD) {
-            let prepared: Vec<Prepared> =
-                batch.par_iter().map(|group| prepare::prepare(&context.folder, group)).collect();
+            let prepared: Vec<Prepared> = batch
+                .par_iter()
+                .map(|group| prepare::prepare(&context.folder, group))
+                .collect();
             for prepared in prepared {
                 settle::settle(context, prepared, &changes, &mut summary, observer)?;
                 observer.advance();
@@ -100,7 +115,10 @@ impl Ingest<'_> {
         summary: &mut IngestSummary,
     ) -> Vec<Group> {
         let outdated = outdated(stored);
-        let retry = changes.unchanged.iter().filter(|file| outdated.contains(file.display.as_str()));
+        let retry = changes
+            .unchanged
+            .iter()
+            .filter(|file| outdated.contains(file.display.as_str()));
         let mut due = BTreeSet::new();
         for file in changes.new.iter().chain(&changes.changed).chain(retry) {
             if (self.ready)(file) {
@@ -136,14 +154,21 @@ fn known(stored: &[FileRow]) -> Vec<Known> {
 /// Files that this version of the readers would read anew: of runs, where their format's reader changed; of
 /// refused and waiting files, where any reader changed.
 fn outdated(stored: &[FileRow]) -> BTreeSet<&str> {
-    let current: BTreeSet<String> = formats::ALL.iter().map(|f| reader_stamp(f.id(), f.version())).collect();
+    let current: BTreeSet<String> = formats::ALL
+        .iter()
+        .map(|f| reader_stamp(f.id(), f.version()))
+        .collect();
     let all = all_readers_stamp();
     let is_outdated = |file: &&FileRow| match file.state {
         FileState::Run => !current.contains(&file.reader),
         FileState::Refused | FileState::Pending => file.reader != all,
         FileState::Alias | FileState::Sidecar => false,
     };
-    stored.iter().filter(is_outdated).map(|file| file.path.as_str()).collect()
+    stored
+        .iter()
+        .filter(is_outdated)
+        .map(|file| file.path.as_str())
+        .collect()
 }
 
 /// How a file records which reader decided.
@@ -153,13 +178,21 @@ fn reader_stamp(id: &str, version: u32) -> String {
 
 /// The same for files that every reader turned down.
 fn all_readers_stamp() -> String {
-    let stamps: Vec<String> = formats::ALL.iter().map(|f| reader_stamp(f.id(), f.version())).collect();
+    let stamps: Vec<String> = formats::ALL
+        .iter()
+        .map(|f| reader_stamp(f.id(), f.version()))
+        .collect();
     stamps.join(" ")
 }
 
 /// Lists what stands refused, waits or lacks tags after this round.
 fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
-    for file in context.store.files()?.into_iter().filter(|file| file.missing_since.is_none()) {
+    for file in context
+        .store
+        .files()?
+        .into_iter()
+        .filter(|file| file.missing_since.is_none())
+    {
         match (file.state, file.issue) {
             (FileState::Refused, Some(issue)) => summary.refused.push((file.path, issue)),
             (FileState::Pending, _) => summary.waiting.push(file.path),
@@ -173,7 +206,13 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
 }
 
 /// A row for a file that holds no new run.
-fn file_row(file: &SeenFile, hash: Option<String>, state: FileState, reader: String, issue: Option<Issue>) -> FileRow {
+fn file_row(
+    file: &SeenFile,
+    hash: Option<String>,
+    state: FileState,
+    reader: String,
+    issue: Option<Issue>,
+) -> FileRow {
     FileRow {
         path: file.display.clone(),
         size_bytes: file.size_bytes,

@@ -54,23 +54,42 @@ pub struct Prepared {
 pub fn prepare(campaign: &Path, group: &Group) -> Prepared {
     Prepared {
         run_name: group.run_name.clone(),
-        files: group.files.iter().map(|file| prepare_file(campaign, file)).collect(),
+        files: group
+            .files
+            .iter()
+            .map(|file| prepare_file(campaign, file))
+            .collect(),
     }
 }
 
 fn prepare_file(campaign: &Path, file: &SeenFile) -> PreparedFile {
-    let bytes = match scan::read_stable(&file.location(campaign), LARGEST_FILE_BYTES) {
+    let location = file.location(campaign);
+    let bytes = match scan::read_stable(&location, LARGEST_FILE_BYTES) {
         Ok(bytes) => bytes,
         Err(error) => {
+            // Reports name files relative to the campaign, so that they are the same on every machine.
+            let message = error
+                .to_string()
+                .replace(&format!("{}: ", location.display()), "");
             let still_growing = matches!(error, ReadFileError::StillGrowing { .. });
-            let outcome =
-                if still_growing { Outcome::Pending(error.issue()) } else { Outcome::Refused(error.issue()) };
-            return PreparedFile { file: file.clone(), bytes: None, outcome };
+            let outcome = match still_growing {
+                true => Outcome::Pending(Issue::note("still-growing", message)),
+                false => Outcome::Refused(Issue::error("not-read", message)),
+            };
+            return PreparedFile {
+                file: file.clone(),
+                bytes: None,
+                outcome,
+            };
         }
     };
     let hash = archive::hash(&bytes);
     let outcome = read(file, &bytes);
-    PreparedFile { file: file.clone(), bytes: Some((bytes, hash)), outcome }
+    PreparedFile {
+        file: file.clone(),
+        bytes: Some((bytes, hash)),
+        outcome,
+    }
 }
 
 fn read(file: &SeenFile, bytes: &[u8]) -> Outcome {
@@ -101,8 +120,12 @@ pub struct RunPart {
 
 /// The runs that a reading holds: every table with a response, or all tables where none has one.
 pub fn run_parts(reading: &Reading) -> Vec<RunPart> {
-    let has_response =
-        |table: &&RunTable| table.channels.iter().any(|c| c.quantity.is_response() && !c.is_empty());
+    let has_response = |table: &&RunTable| {
+        table
+            .channels
+            .iter()
+            .any(|c| c.quantity.is_response() && !c.is_empty())
+    };
     let mut tables: Vec<&RunTable> = reading.tables.iter().filter(has_response).collect();
     if tables.is_empty() {
         tables = reading.tables.iter().collect();
@@ -111,7 +134,11 @@ pub fn run_parts(reading: &Reading) -> Vec<RunPart> {
     tables
         .iter()
         .map(|table| RunPart {
-            suffix: if several { format!("#{}", table.name) } else { String::new() },
+            suffix: if several {
+                format!("#{}", table.name)
+            } else {
+                String::new()
+            },
             channels: table.channels.clone(),
             rows: table.rows,
             time_zero_is_step: table.time_zero_is_step,
@@ -121,16 +148,28 @@ pub fn run_parts(reading: &Reading) -> Vec<RunPart> {
 
 /// Joins the tables of several files of one run: each gives the quantities that no file before it gave.
 pub fn joined(readings: &[&Reading]) -> (RunPart, Vec<Issue>) {
-    let mut part = RunPart { suffix: String::new(), channels: Vec::new(), rows: 0, time_zero_is_step: true };
+    let mut part = RunPart {
+        suffix: String::new(),
+        channels: Vec::new(),
+        rows: 0,
+        time_zero_is_step: true,
+    };
     let mut issues = Vec::new();
     for table in readings.iter().flat_map(|reading| &reading.tables) {
         part.rows += table.rows;
         part.time_zero_is_step &= table.time_zero_is_step;
         for channel in &table.channels {
-            let given = part.channels.iter().any(|c| c.quantity == channel.quantity && c.quantity != Quantity::Other);
+            let given = part
+                .channels
+                .iter()
+                .any(|c| c.quantity == channel.quantity && c.quantity != Quantity::Other);
             if given {
-                let message = format!("{} stands in several files of the run; the first one counts", channel.quantity.label());
-                issues.push(Issue::warning("joined-twice", message).at(format!("column {}", channel.raw_name)));
+                let message = format!(
+                    "{} stands in several files of the run; the first one counts",
+                    channel.quantity.label()
+                );
+                issues
+                    .push(Issue::warning("joined-twice", message).at(format!("column {}", channel.raw_name)));
             } else {
                 part.channels.push(channel.clone());
             }

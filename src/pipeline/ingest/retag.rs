@@ -24,7 +24,12 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         return Ok(Vec::new());
     }
     let mut retagged = Vec::new();
-    for run in context.store.runs()?.into_iter().filter(|run| due.contains(&run.id)) {
+    for run in context
+        .store
+        .runs()?
+        .into_iter()
+        .filter(|run| due.contains(&run.id))
+    {
         retag(context, &run)?;
         observer.say(&format!("tagged {} again", run.path));
         retagged.push(run.path);
@@ -47,11 +52,17 @@ fn retag(context: &mut Context, run: &RunRecord) -> Result<(), PipelineError> {
     });
     let input = TaggingInput {
         run_path: &run.path,
-        file_path: run.files.first().map_or(run.path.as_str(), |file| file.path.as_str()),
+        file_path: run
+            .files
+            .first()
+            .map_or(run.path.as_str(), |file| file.path.as_str()),
         channels: &channels,
         time_zero_is_step,
         is_step_response,
-        header_tags: others.iter().map(|tag| (tag.key.clone(), tag.value.clone(), tag.detail.clone())).collect(),
+        header_tags: others
+            .iter()
+            .map(|tag| (tag.key.clone(), tag.value.clone(), tag.detail.clone()))
+            .collect(),
         started_at,
     };
     let tagging = tagging(context, &input)?;

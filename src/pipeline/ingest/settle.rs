@@ -4,9 +4,9 @@ use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts
 use super::tagging::{TaggingInput, tagging};
 use super::{IngestSummary, all_readers_stamp, file_row, now, reader_stamp};
 use crate::domain::{FileState, Issue, RunStatus};
+use crate::ingest::Reading;
 use crate::ingest::archive::Archive;
 use crate::ingest::data_hash::data_hash;
-use crate::ingest::Reading;
 use crate::ingest::scan::{Changes, Scan};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, NewRun, RunContent};
@@ -47,9 +47,20 @@ fn set_aside(
     issue: &Issue,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    observer.say(&format!("{} {}: {}", state.key(), prepared.file.display, issue.message));
+    observer.say(&format!(
+        "{} {}: {}",
+        state.key(),
+        prepared.file.display,
+        issue.message
+    ));
     let hash = prepared.bytes.as_ref().map(|(_, hash)| hash.clone());
-    let row = file_row(&prepared.file, hash, state, all_readers_stamp(), Some(issue.clone()));
+    let row = file_row(
+        &prepared.file,
+        hash,
+        state,
+        all_readers_stamp(),
+        Some(issue.clone()),
+    );
     Ok(context.store.record_files(&now(), &[row])?)
 }
 
@@ -68,7 +79,8 @@ fn is_known(
     let holders = context.store.runs_with_content(hash)?;
     let reader = reader_stamp(reading.format, reading.reader_version);
     let row = |state| file_row(&prepared.file, Some(hash.clone()), state, reader.clone(), None);
-    let Some((run_path, file_path)) = holders.iter().find(|(_, file)| *file == path).or(holders.first()) else {
+    let Some((run_path, file_path)) = holders.iter().find(|(_, file)| *file == path).or(holders.first())
+    else {
         return Ok(false);
     };
     let now = now();
@@ -108,7 +120,9 @@ fn store_runs(
             _ => None,
         })
         .collect();
-    let Some(first) = readings.first().copied() else { return Ok(()) };
+    let Some(first) = readings.first().copied() else {
+        return Ok(());
+    };
     let (parts, join_issues) = if readings.len() == 1 {
         (run_parts(first), Vec::new())
     } else {
@@ -116,17 +130,44 @@ fn store_runs(
         (vec![part], issues)
     };
     let contents = archived(context, files)?;
-    let rows: Vec<FileRow> = files.iter().zip(&readings).filter_map(|(file, reading)| run_row(file, reading)).collect();
+    let rows: Vec<FileRow> = files
+        .iter()
+        .zip(&readings)
+        .filter_map(|(file, reading)| run_row(file, reading))
+        .collect();
     // A single file keeps its own name; a joined run takes that of the stem.
-    let base = if files.len() == 1 { files[0].file.display.as_str() } else { run_name };
+    let base = if files.len() == 1 {
+        files[0].file.display.as_str()
+    } else {
+        run_name
+    };
     let runs: Vec<NewRun> = parts
         .into_iter()
-        .map(|part| new_run(context, format!("{base}{}", part.suffix), part, &readings, &contents, &join_issues))
+        .map(|part| {
+            new_run(
+                context,
+                format!("{base}{}", part.suffix),
+                part,
+                &readings,
+                &contents,
+                &join_issues,
+            )
+        })
         .collect::<Result<_, _>>()?;
     for run in &runs {
         let known = context.store.has_run(&run.path)?;
-        observer.say(&format!("{} {} ({})", if known { "new revision of" } else { "read" }, run.path, run.format));
-        if known { &mut summary.revised } else { &mut summary.new }.push(run.path.clone());
+        observer.say(&format!(
+            "{} {} ({})",
+            if known { "new revision of" } else { "read" },
+            run.path,
+            run.format
+        ));
+        if known {
+            &mut summary.revised
+        } else {
+            &mut summary.new
+        }
+        .push(run.path.clone());
     }
     Ok(context.store.save_runs(&now(), &rows, &runs)?)
 }
@@ -150,7 +191,13 @@ fn archived(context: &Context, files: &[PreparedFile]) -> Result<Vec<RunContent>
 fn run_row(file: &PreparedFile, reading: &Reading) -> Option<FileRow> {
     let (_, hash) = file.bytes.as_ref()?;
     let reader = reader_stamp(reading.format, reading.reader_version);
-    Some(file_row(&file.file, Some(hash.clone()), FileState::Run, reader, None))
+    Some(file_row(
+        &file.file,
+        Some(hash.clone()),
+        FileState::Run,
+        reader,
+        None,
+    ))
 }
 
 fn new_run(
@@ -163,14 +210,20 @@ fn new_run(
 ) -> Result<NewRun, PipelineError> {
     let first = readings[0];
     let is_step_response = readings.iter().all(|reading| reading.is_step_response);
-    let worst = readings.iter().find(|reading| reading.status != RunStatus::Complete).unwrap_or(&first);
+    let worst = readings
+        .iter()
+        .find(|reading| reading.status != RunStatus::Complete)
+        .unwrap_or(&first);
     let input = TaggingInput {
         run_path: &path,
         file_path: &contents[0].path,
         channels: &part.channels,
         time_zero_is_step: part.time_zero_is_step,
         is_step_response,
-        header_tags: readings.iter().flat_map(|reading| reading.header_tags.clone()).collect(),
+        header_tags: readings
+            .iter()
+            .flat_map(|reading| reading.header_tags.clone())
+            .collect(),
         started_at: readings.iter().find_map(|reading| reading.started_at.clone()),
     };
     Ok(NewRun {
@@ -184,8 +237,15 @@ fn new_run(
         status: worst.status,
         status_evidence: worst.status_evidence.clone(),
         time_zero_is_step: part.time_zero_is_step,
-        original_metadata: readings.iter().flat_map(|reading| reading.original_metadata.clone()).collect(),
-        issues: readings.iter().flat_map(|reading| reading.issues.clone()).chain(join_issues.to_vec()).collect(),
+        original_metadata: readings
+            .iter()
+            .flat_map(|reading| reading.original_metadata.clone())
+            .collect(),
+        issues: readings
+            .iter()
+            .flat_map(|reading| reading.issues.clone())
+            .chain(join_issues.to_vec())
+            .collect(),
         channels: part.channels,
         contents: contents.to_vec(),
         path,
@@ -202,11 +262,24 @@ pub fn gone(
     summary: &mut IngestSummary,
 ) -> Result<(), PipelineError> {
     let now = now();
-    let outside: Vec<FileRow> = seen.issues.iter().filter(|issue| !issue.place.is_empty()).map(refused_entry).collect();
+    let outside: Vec<FileRow> = seen
+        .issues
+        .iter()
+        .filter(|issue| !issue.place.is_empty())
+        .map(refused_entry)
+        .collect();
     let listed = |path: &String| outside.iter().any(|row| row.path == *path);
     let renamed = |path: &String| summary.renamed.iter().any(|(old, _)| old == path);
-    let gone: Vec<&String> = changes.gone.iter().filter(|path| !listed(path) && !renamed(path)).collect();
-    let is_run = |path: &String| stored.iter().any(|file| file.path == *path && file.state == FileState::Run);
+    let gone: Vec<&String> = changes
+        .gone
+        .iter()
+        .filter(|path| !listed(path) && !renamed(path))
+        .collect();
+    let is_run = |path: &String| {
+        stored
+            .iter()
+            .any(|file| file.path == *path && file.state == FileState::Run)
+    };
     let (runs, others): (Vec<String>, Vec<String>) = gone.into_iter().cloned().partition(is_run);
     context.store.mark_missing(&now, &runs)?;
     context.store.forget_files(&now, &others)?;

@@ -42,7 +42,11 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
     header.extend(input.started_at.as_ref().and_then(start_tag));
     let files = [parse_display_path(input.file_path)];
     // A table of a file with several has the file's name; a joined run has the name of the stem.
-    let named = if input.run_path.starts_with(input.file_path) { input.file_path } else { input.run_path };
+    let named = if input.run_path.starts_with(input.file_path) {
+        input.file_path
+    } else {
+        input.run_path
+    };
     let from_channel = drive::find(input.channels, input.time_zero_is_step, None, &[]);
     let request = TagRequest {
         campaign: &context.campaign,
@@ -51,7 +55,10 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
         stem: &tags::stem(&parse_display_path(named)),
         hand: &hand,
         header: &header,
-        channel_voltage_v: from_channel.drive.as_ref().map(|d| rounded_level(d.nominal_step_v())),
+        channel_voltage_v: from_channel
+            .drive
+            .as_ref()
+            .map(|d| rounded_level(d.nominal_step_v())),
         ambient: &[],
     };
     let resolved = tags::resolve(&request);
@@ -73,17 +80,38 @@ pub fn digest(context: &Context, run_path: &str, files: &[PathBuf]) -> Result<St
 fn hand_tags(context: &Context, run_path: &str) -> Result<Vec<Tag>, PipelineError> {
     let as_tag = |tag: HandTag| {
         let detail = format!("{}, {}", tag.set_by, tag.set_at);
-        Some(Tag { key: tag.key, value: tag.value?, source: TagSource::Hand, detail })
+        Some(Tag {
+            key: tag.key,
+            value: tag.value?,
+            source: TagSource::Hand,
+            detail,
+        })
     };
-    Ok(context.store.hand_tags(run_path)?.into_iter().filter_map(as_tag).collect())
+    Ok(context
+        .store
+        .hand_tags(run_path)?
+        .into_iter()
+        .filter_map(as_tag)
+        .collect())
 }
 
 /// The start of the run as a header tag, where the file states it for certain.
 fn start_tag(started: &StartedAt) -> Option<(String, String, String)> {
-    let local = started.local.as_ref().filter(|_| started.kind == Timestamp::Start)?;
+    let local = started
+        .local
+        .as_ref()
+        .filter(|_| started.kind == Timestamp::Start)?;
     let moment = format!("{local}{}", started.offset.as_deref().unwrap_or_default());
-    let basis = if started.basis.is_empty() { String::new() } else { format!(" ({})", started.basis) };
-    Some((keys::STARTED_AT.to_owned(), moment, format!("{}{basis}", started.raw)))
+    let basis = if started.basis.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", started.basis)
+    };
+    Some((
+        keys::STARTED_AT.to_owned(),
+        moment,
+        format!("{}{basis}", started.raw),
+    ))
 }
 
 /// A measured level as the nominal voltage it stands for: to 10 mV, what a step is set to; the drive itself
@@ -98,31 +126,58 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     let open = open_stretches(resolved.value(OPEN_CIRCUIT), &mut issues);
     let found = drive::find(input.channels, input.time_zero_is_step, tag_v, &open);
     issues.extend(found.issues);
-    let sample = resolved.value(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
+    let sample = resolved
+        .value(keys::SAMPLE)
+        .and_then(|id| context.campaign.sample(id));
     let area_cm2 = sample.and_then(|sample| sample.active_area_cm2());
     if let Some(sample) = sample.filter(|_| area_cm2.is_none()) {
-        let message = format!("the sample {} has no dimensions, so its area is not known", sample.id);
+        let message = format!(
+            "the sample {} has no dimensions, so its area is not known",
+            sample.id
+        );
         let mend = "give it length_mm and width_mm, or area_cm2, in campaign.toml";
         issues.push(Issue::error("no-area", message).at(keys::SAMPLE).mend(mend));
     }
     if !input.is_step_response {
-        issues.push(Issue::note("other-technique", "this technique is no response to voltage steps; it is kept, not fitted"));
+        issues.push(Issue::note(
+            "other-technique",
+            "this technique is no response to voltage steps; it is kept, not fitted",
+        ));
     }
-    let length_cm = sample.and_then(|sample| sample.length_mm).map(|length_mm| length_mm / 10.0);
+    let length_cm = sample
+        .and_then(|sample| sample.length_mm)
+        .map(|length_mm| length_mm / 10.0);
     issues.extend(lengthless(input.channels, length_cm));
-    let fittable = input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input);
+    let fittable =
+        input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input);
     let state = match (resolved.missing.is_empty(), fittable) {
         (false, _) => RunState::Untagged,
         (true, true) => RunState::Ready,
         (true, false) => RunState::NotFitted,
     };
     let mut keys_seen = std::collections::BTreeSet::new();
-    let chosen = resolved.tags.iter().take_while(|tag| keys_seen.insert(tag.key.clone())).count();
-    Tagging { state, chosen, tags: resolved.tags, issues, drive: found.drive, area_cm2, length_cm, digest }
+    let chosen = resolved
+        .tags
+        .iter()
+        .take_while(|tag| keys_seen.insert(tag.key.clone()))
+        .count();
+    Tagging {
+        state,
+        chosen,
+        tags: resolved.tags,
+        issues,
+        drive: found.drive,
+        area_cm2,
+        length_cm,
+        digest,
+    }
 }
 
 fn has_response(input: &TaggingInput<'_>) -> bool {
-    input.channels.iter().any(|c| c.quantity.is_response() && !c.is_empty())
+    input
+        .channels
+        .iter()
+        .any(|c| c.quantity.is_response() && !c.is_empty())
 }
 
 /// A tip displacement is of no use without the free length.
@@ -130,9 +185,12 @@ fn lengthless(channels: &[Channel], length_cm: Option<f64>) -> Option<Issue> {
     let has = |quantity| channels.iter().any(|c| c.quantity == quantity && !c.is_empty());
     let useless = has(Quantity::TipDisplacement) && !has(Quantity::Curvature) && length_cm.is_none();
     useless.then(|| {
-        Issue::warning("no-length", "the tip displacement gives no curvature without the sample's free length")
-            .at(Quantity::TipDisplacement.column())
-            .mend("give the sample length_mm in campaign.toml")
+        Issue::warning(
+            "no-length",
+            "the tip displacement gives no curvature without the sample's free length",
+        )
+        .at(Quantity::TipDisplacement.column())
+        .mend("give the sample length_mm in campaign.toml")
     })
 }
 
@@ -148,7 +206,11 @@ fn open_stretches(text: Option<&str>, issues: &mut Vec<Issue>) -> Vec<(f64, f64)
     stretches.unwrap_or_else(|| {
         let message = format!("`{OPEN_CIRCUIT}` is {text:?}, which is no list of stretches in seconds");
         let mend = "write open_circuit = \"600-1200, 1800-2400\"";
-        issues.push(Issue::warning("tag-unusable", message).at(OPEN_CIRCUIT).mend(mend));
+        issues.push(
+            Issue::warning("tag-unusable", message)
+                .at(OPEN_CIRCUIT)
+                .mend(mend),
+        );
         Vec::new()
     })
 }
@@ -160,7 +222,10 @@ mod tests {
     #[test]
     fn open_stretches_are_read_or_pointed_out() {
         let mut issues = Vec::new();
-        assert_eq!(open_stretches(Some("600-1200, 1800-2400.5"), &mut issues), vec![(600.0, 1200.0), (1800.0, 2400.5)]);
+        assert_eq!(
+            open_stretches(Some("600-1200, 1800-2400.5"), &mut issues),
+            vec![(600.0, 1200.0), (1800.0, 2400.5)]
+        );
         assert!(issues.is_empty());
         assert!(open_stretches(Some("from noon"), &mut issues).is_empty());
         assert_eq!(issues[0].code, "tag-unusable");

@@ -29,11 +29,18 @@ impl Simulate {
     pub fn run(&self, observer: &dyn Observer) -> Result<Vec<PathBuf>, PipelineError> {
         let mut spec = Spec::read(&self.spec)?;
         spec.simulation.seed = self.seed.unwrap_or(spec.simulation.seed);
-        let root = self.spec.parent().unwrap_or(Path::new("")).join(&spec.simulation.folder);
+        let root = self
+            .spec
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(&spec.simulation.folder);
         let mut written = Vec::new();
         observer.begin("simulating", spec.run.len() as u64);
         for folder in spec.folder.iter().filter(|folder| !folder.tags.is_empty()) {
-            written.push(self.write(&root.join(&folder.path).join("tags.toml"), &folder.tags.to_string())?);
+            written.push(self.write(
+                &root.join(&folder.path).join("tags.toml"),
+                &folder.tags.to_string(),
+            )?);
         }
         for (number, run) in spec.run.iter().enumerate() {
             let path = root.join(&run.file);
@@ -51,9 +58,15 @@ impl Simulate {
 
     fn write(&self, path: &Path, text: &str) -> Result<PathBuf, PipelineError> {
         if path.exists() && !self.overwrite {
-            return Err(PipelineError::FileExists { path: path.to_owned() });
+            return Err(PipelineError::FileExists {
+                path: path.to_owned(),
+            });
         }
-        let failed = |source| PipelineError::File { path: path.to_owned(), doing: "writing a simulated run", source };
+        let failed = |source| PipelineError::File {
+            path: path.to_owned(),
+            doing: "writing a simulated run",
+            source,
+        };
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(failed)?;
         }

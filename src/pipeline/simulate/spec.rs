@@ -159,10 +159,14 @@ impl Spec {
     /// # Errors
     /// See [`SpecError`].
     pub fn read(path: &Path) -> Result<Spec, SpecError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| SpecError::Unreadable { path: path.to_owned(), source })?;
-        let spec: Spec = toml::from_str(&text)
-            .map_err(|e| SpecError::Malformed { path: path.to_owned(), detail: e.to_string() })?;
+        let text = std::fs::read_to_string(path).map_err(|source| SpecError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        let spec: Spec = toml::from_str(&text).map_err(|e| SpecError::Malformed {
+            path: path.to_owned(),
+            detail: e.to_string(),
+        })?;
         let bad = |(place, found, needed): (String, String, &str)| SpecError::BadValue {
             path: path.to_owned(),
             place,
@@ -175,22 +179,45 @@ impl Spec {
 
     fn check(&self) -> Result<(), (String, String, &'static str)> {
         if let Some(effect) = self.simulation.effects.first() {
-            return Err(("simulation.effects".into(), effect.clone(), "nothing: this version knows no effects"));
+            return Err((
+                "simulation.effects".into(),
+                effect.clone(),
+                "nothing: this version knows no effects",
+            ));
         }
         if !(0.0..1.0).contains(&self.noise.autocorrelation) {
             let found = self.noise.autocorrelation.to_string();
-            return Err(("noise.autocorrelation".into(), found, "a number from 0 to below 1"));
+            return Err((
+                "noise.autocorrelation".into(),
+                found,
+                "a number from 0 to below 1",
+            ));
         }
         for sampling in self.sampling.iter().chain(&self.camera) {
             if sampling.every_s.is_nan() || sampling.every_s <= 0.0 {
-                return Err(("sampling.every_s".into(), sampling.every_s.to_string(), "a time above 0"));
+                return Err((
+                    "sampling.every_s".into(),
+                    sampling.every_s.to_string(),
+                    "a time above 0",
+                ));
             }
         }
-        let safe = |path: &Path| path.components().all(|c| matches!(c, std::path::Component::Normal(_)));
-        let paths = self.run.iter().map(|run| &run.file).chain(self.folder.iter().map(|folder| &folder.path));
+        let safe = |path: &Path| {
+            path.components()
+                .all(|c| matches!(c, std::path::Component::Normal(_)))
+        };
+        let paths = self
+            .run
+            .iter()
+            .map(|run| &run.file)
+            .chain(self.folder.iter().map(|folder| &folder.path));
         for path in paths.chain([&self.simulation.folder]) {
             if !safe(path) {
-                return Err((path.display().to_string(), "a path out of the folder".into(), "a path below it"));
+                return Err((
+                    path.display().to_string(),
+                    "a path out of the folder".into(),
+                    "a path below it",
+                ));
             }
         }
         self.run.iter().try_for_each(RunSpec::check)
@@ -211,14 +238,25 @@ const PARAMETER_KEYS: [&str; 7] = [
 impl RunSpec {
     fn check(&self) -> Result<(), (String, String, &'static str)> {
         let place = |what: &str| format!("run {}: {what}", self.file.display());
-        if let Some(key) = self.parameters.keys().find(|key| !PARAMETER_KEYS.contains(&key.as_str())) {
+        if let Some(key) = self
+            .parameters
+            .keys()
+            .find(|key| !PARAMETER_KEYS.contains(&key.as_str()))
+        {
             let needed = "one of r1_ohm_cm2 c1_f_per_cm2 r2_ohm_cm2 c2_f_per_cm2 rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
             return Err((place("parameters"), key.clone(), needed));
         }
-        let ordered = self.drive.windows(2).all(|pair| pair[0].start_s < pair[1].start_s);
+        let ordered = self
+            .drive
+            .windows(2)
+            .all(|pair| pair[0].start_s < pair[1].start_s);
         if self.voltage_v.is_some() != self.drive.is_empty() || !ordered {
             let found = format!("voltage_v {:?} and {} segments", self.voltage_v, self.drive.len());
-            return Err((place("drive"), found, "either voltage_v or segments with rising start_s"));
+            return Err((
+                place("drive"),
+                found,
+                "either voltage_v or segments with rising start_s",
+            ));
         }
         if self.area_cm2.is_nan() || self.area_cm2 <= 0.0 {
             return Err((place("area_cm2"), self.area_cm2.to_string(), "an area above 0"));
@@ -248,13 +286,19 @@ impl RunSpec {
     pub fn model(&self) -> LumpedModel {
         let parameter = |key: &str| self.parameters.get(key).copied();
         let branch = |r: &str, c: &str| {
-            Some(Branch { resistance_ohm_cm2: parameter(r)?, capacitance_f_per_cm2: parameter(c)? })
+            Some(Branch {
+                resistance_ohm_cm2: parameter(r)?,
+                capacitance_f_per_cm2: parameter(c)?,
+            })
         };
         LumpedModel {
-            branches: [branch("r1_ohm_cm2", "c1_f_per_cm2"), branch("r2_ohm_cm2", "c2_f_per_cm2")]
-                .into_iter()
-                .flatten()
-                .collect(),
+            branches: [
+                branch("r1_ohm_cm2", "c1_f_per_cm2"),
+                branch("r2_ohm_cm2", "c2_f_per_cm2"),
+            ]
+            .into_iter()
+            .flatten()
+            .collect(),
             steady_state_resistance_ohm_cm2: parameter("rss_ohm_cm2").unwrap_or(f64::INFINITY),
             charge_to_curvature_per_c_cm: parameter("alpha_per_c_cm").unwrap_or(0.0),
             relaxation_rate_per_s: parameter("lambda_per_s").unwrap_or(0.0),

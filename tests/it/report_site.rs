@@ -1,0 +1,237 @@
+//! The whole site: links, hostile names, repeatable bytes, sizes.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use ieap::report::{Input, render};
+
+use super::report_fixture::{MadeUpCurves, current_only_input, input, troubled_input};
+
+/// Every file of the site by its path.
+fn site(input: &Input) -> BTreeMap<String, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    render(input, &MadeUpCurves::of(input), folder.path(), &|_, _| {}).expect("a site");
+    let mut files = BTreeMap::new();
+    collect(folder.path(), "", &mut files);
+    files
+}
+
+fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, String>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let entry = entry.expect("an entry");
+        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        match entry.path().is_dir() {
+            true => collect(&entry.path(), &format!("{name}/"), files),
+            false => {
+                files.insert(name, fs::read_to_string(entry.path()).expect("text"));
+            }
+        }
+    }
+}
+
+fn all_inputs() -> [Input; 4] {
+    let mut empty = input(&["CNaf"], 1);
+    empty.runs.clear();
+    empty.news.clear();
+    [
+        input(&["CNaf", "CPvf"], 2),
+        troubled_input(),
+        current_only_input(),
+        empty,
+    ]
+}
+
+/// Values of an attribute in a page.
+fn attributes<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
+    let start = format!(" {name}=\"");
+    html.split(&start)
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .collect()
+}
+
+#[test]
+fn every_internal_link_leads_somewhere() {
+    for input in all_inputs() {
+        let files = site(&input);
+        for (name, html) in files.iter().filter(|(name, _)| name.ends_with(".html")) {
+            let ids = attributes(html, "id");
+            for href in attributes(html, "href") {
+                if let Some(anchor) = href.strip_prefix('#') {
+                    assert!(ids.contains(&anchor), "{name}: {href}");
+                    continue;
+                }
+                let from_root = match name.starts_with("runs/") {
+                    true => href.strip_prefix("../").expect("run pages link through the root"),
+                    false => href,
+                };
+                assert!(files.contains_key(from_root), "{name}: {href}");
+            }
+        }
+    }
+}
+
+#[test]
+fn ids_are_unique_and_figures_name_theirs() {
+    for input in all_inputs() {
+        for (name, html) in site(&input) {
+            let mut ids = attributes(&html, "id");
+            for labelled in attributes(&html, "aria-labelledby") {
+                assert!(
+                    labelled.split(' ').all(|id| ids.contains(&id)),
+                    "{name}: {labelled}"
+                );
+            }
+            ids.sort_unstable();
+            assert!(ids.windows(2).all(|pair| pair[0] != pair[1]), "{name}");
+        }
+    }
+}
+
+#[test]
+fn text_of_files_is_never_markup() {
+    let files = site(&troubled_input());
+    for (name, html) in files.iter().filter(|(name, _)| name.ends_with(".html")) {
+        assert!(!html.contains("<script"), "{name}");
+        assert!(!html.contains("<img"), "{name}");
+        assert!(!html.contains("<b>bad"), "{name}");
+        assert!(
+            html.chars().all(|c| !c.is_control() || c == '\n' || c == '\t'),
+            "{name}"
+        );
+        assert!(!html.contains('\u{202e}'), "{name}");
+    }
+    let hostile = files
+        .iter()
+        .find(|(name, _)| name.contains("script-alert"))
+        .expect("its page");
+    assert!(hostile.1.contains("&lt;script&gt;alert(1)&lt;/script&gt;.csv"));
+    assert!(
+        hostile
+            .1
+            .contains("␛[31mred␛[0m &lt;img src=x onerror=alert(2)&gt; ⟨U+202E⟩gpj")
+    );
+    assert!(files["index.html"].contains("&lt;b&gt;bad&lt;/b&gt;.csv"));
+    assert!(files["index.html"].contains("a&quot;b.csv"));
+}
+
+#[test]
+fn tags_are_balanced() {
+    for input in all_inputs() {
+        for (name, html) in site(&input).iter().filter(|(name, _)| name.ends_with(".html")) {
+            assert_balanced(name, html);
+        }
+    }
+}
+
+fn assert_balanced(name: &str, html: &str) {
+    const VOID: [&str; 4] = ["meta", "link", "br", "!DOCTYPE"];
+    let mut open: Vec<&str> = Vec::new();
+    for tag in html.split('<').skip(1).filter_map(|rest| rest.split('>').next()) {
+        let element = tag
+            .split([' ', '\n', '/'])
+            .find(|part| !part.is_empty())
+            .unwrap_or("");
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(element), "{name}: </{element}>");
+        } else if !tag.ends_with('/') && !VOID.contains(&element) {
+            open.push(element);
+        }
+    }
+    assert!(open.is_empty(), "{name}: {open:?}");
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes_at_any_number_of_threads() {
+    let input = troubled_input();
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("a pool");
+        pool.install(|| site(&input))
+    };
+    let one = with_threads(1);
+    assert!(one == with_threads(4));
+    assert!(one == site(&input));
+}
+
+#[test]
+fn a_page_of_a_run_stays_small() {
+    for (name, html) in site(&input(&["CNaf"], 1))
+        .iter()
+        .filter(|(name, _)| name.starts_with("runs/"))
+    {
+        let figures: Vec<&str> = html
+            .split("<svg")
+            .skip(1)
+            .filter_map(|rest| rest.split("</svg>").next())
+            .collect();
+        assert_eq!(figures.len(), 4, "{name}");
+        assert!(figures.iter().all(|svg| svg.len() < 40_000), "{name}");
+        assert!(html.len() < 100_000, "{name}: {} bytes", html.len());
+    }
+}
+
+#[test]
+fn the_notice_stands_on_every_page_and_nothing_comes_from_elsewhere() {
+    for (name, html) in site(&troubled_input())
+        .iter()
+        .filter(|(name, _)| name.ends_with(".html"))
+    {
+        assert!(
+            html.contains("<p class=\"notice\" role=\"note\">Simulated, not measured.</p>"),
+            "{name}"
+        );
+        assert!(!html.contains("http://") && !html.contains("https://"), "{name}");
+    }
+}
+
+#[test]
+fn progress_ends_with_everything_done() {
+    let input = input(&["CNaf"], 4);
+    let folder = tempfile::tempdir().expect("a folder");
+    let seen = std::cell::RefCell::new(Vec::new());
+    let progress = |done, of| seen.borrow_mut().push((done, of));
+    let rendered = render(&input, &MadeUpCurves::of(&input), folder.path(), &progress).expect("a site");
+    assert_eq!(seen.borrow().last(), Some(&(rendered.pages, rendered.pages)));
+    assert!(seen.borrow().windows(2).all(|pair| pair[0].0 < pair[1].0));
+    assert_eq!(rendered.pages, 3 + input.runs.len());
+}
+
+#[test]
+fn a_run_without_curves_is_an_error_that_names_it() {
+    let mut lost = input(&["CNaf"], 1);
+    let curves = MadeUpCurves::of(&lost);
+    lost.runs[3].id = 9999;
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = render(&lost, &curves, folder.path(), &|_, _| {}).expect_err("no curves");
+    assert!(error.to_string().contains(&lost.runs[3].path), "{error}");
+}
+
+#[test]
+fn empty_panels_say_why() {
+    let files = site(&current_only_input());
+    let page = &files["comparison.html"];
+    assert_eq!(
+        page.matches("Not determined in any run, because no run has a curvature channel.")
+            .count(),
+        2
+    );
+    assert_eq!(page.matches("<svg").count(), 3);
+}
+
+/// Writes the sites to the folder named by `IEAP_REPORT_PREVIEW`, for looking at them.
+#[test]
+fn preview() {
+    let Some(folder) = std::env::var_os("IEAP_REPORT_PREVIEW") else {
+        println!("skipped: set IEAP_REPORT_PREVIEW to a folder to look at the pages");
+        return;
+    };
+    let names = ["plain", "troubled", "current-only", "empty"];
+    for (name, input) in names.into_iter().zip(all_inputs()) {
+        let out = Path::new(&folder).join(name);
+        render(&input, &MadeUpCurves::of(&input), &out, &|_, _| {}).expect("a site");
+    }
+}
