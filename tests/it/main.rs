@@ -3,3 +3,4 @@
 mod lumped_reference;
 mod report_fixture;
 mod report_site;
+mod folder;
