@@ -1,3 +1,4 @@
 //! Integration tests.
 
 mod lumped_reference;
+mod real_campaigns;
