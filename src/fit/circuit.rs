@@ -5,7 +5,7 @@
 
 use crate::domain::{Drive, Level};
 use crate::numerics::decay::{BLOCK, Block, Column, Decay};
-use crate::numerics::gram::Gram;
+use crate::numerics::gram::{Gram, dot};
 use crate::numerics::levenberg::{Local, Minimum, minimise};
 use crate::numerics::nonnegative::nonnegative_least_squares;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
@@ -16,6 +16,8 @@ use super::sampled::Sampled;
 pub(super) struct Circuit<'a> {
     pub(super) drive: &'a Drive,
     pub(super) sampled: &'a Sampled,
+    /// Whether the instrument's zero is fitted too.
+    pub(super) with_offset: bool,
 }
 
 /// A solution: time constants with the conductances that fit best to them.
@@ -25,13 +27,16 @@ pub(super) struct Solution {
     pub(super) log_time_constants: Vec<f64>,
     /// Conductances of the branches, then the steady one, A/V.
     pub(super) conductances_s: Vec<f64>,
+    /// Offset of the instrument's zero, A; 0 where none is fitted.
+    pub(super) offset_a: f64,
     /// Sum of squared residuals, A2.
     pub(super) square: f64,
 }
 
 impl Circuit<'_> {
     /// Columns of every block: branches, steady resistor, then the derivatives of the branches with respect
-    /// to the logarithms of their time constants (all per conductance), and the measured values.
+    /// to the logarithms of their time constants (all per conductance), ones where an offset is fitted; and the
+    /// measured values.
     pub(super) fn each_block(
         &self,
         log_time_constants: &[f64],
@@ -42,7 +47,7 @@ impl Circuit<'_> {
         let mut decays: Vec<Decay> = rates.iter().map(|&rate| Decay::new(rate)).collect();
         let amplitudes: Vec<Vec<(f64, f64)>> =
             rates.iter().map(|&rate| amplitudes(self.drive, rate)).collect();
-        let mut columns = vec![[0.0; BLOCK]; 2 * n + 1];
+        let mut columns = vec![[0.0; BLOCK]; self.columns(n)];
         let mut y = [0.0; BLOCK];
         for (segment, block) in &self.sampled.blocks {
             let level_v = held_voltage(self.drive, *segment);
@@ -66,6 +71,9 @@ impl Circuit<'_> {
                     *value *= amplitude;
                 }
             }
+            if self.with_offset {
+                columns[2 * n + 1] = Sampled::ones(block);
+            }
             for column in &mut columns {
                 self.sampled.weigh(block, column);
             }
@@ -74,20 +82,42 @@ impl Circuit<'_> {
         }
     }
 
+    /// Number of columns for `n` branches.
+    pub(super) fn columns(&self, n: usize) -> usize {
+        2 * n + 1 + usize::from(self.with_offset)
+    }
+
     fn gram(&self, log_time_constants: &[f64]) -> Gram {
-        let mut gram = Gram::new(2 * log_time_constants.len() + 1);
+        let mut gram = Gram::new(self.columns(log_time_constants.len()));
         self.each_block(log_time_constants, |_, columns, y| gram.add(columns, y));
         gram
     }
 
+    /// The sums with the offset, which may have either sign, eliminated; it is the last column.
+    fn without_offset(&self, gram: &Gram) -> Gram {
+        if self.with_offset {
+            gram.eliminate_last()
+        } else {
+            gram.clone()
+        }
+    }
+
     /// Best conductances for the time constants.
     pub(super) fn solve(&self, log_time_constants: &[f64]) -> Solution {
-        let gram = self.gram(log_time_constants);
+        let whole = self.gram(log_time_constants);
         let n = log_time_constants.len();
+        let gram = self.without_offset(&whole);
         let x = nonnegative_least_squares(&gram, n + 1);
+        let offset_a = if self.with_offset {
+            let last = 2 * n + 1;
+            (whole.right[last] - whole.matrix.times(&x)[last]) / whole.matrix.get(last, last)
+        } else {
+            0.0
+        };
         Solution {
             log_time_constants: log_time_constants.to_vec(),
             conductances_s: x[..=n].to_vec(),
+            offset_a,
             square: gram.residual_square(&x),
         }
     }
@@ -95,7 +125,7 @@ impl Circuit<'_> {
     /// Sum of squares with the conductances eliminated, and its local model (Kaufman's variable projection).
     fn projected(&self, log_time_constants: &[f64]) -> Local {
         let n = log_time_constants.len();
-        let gram = self.gram(log_time_constants);
+        let gram = self.without_offset(&self.gram(log_time_constants));
         let x = nonnegative_least_squares(&gram, n + 1);
         let residual = gram.matrix.times(&x);
         let active: Vec<usize> = (0..=n).filter(|&k| x[k] > 0.0).collect();
@@ -130,7 +160,7 @@ impl Circuit<'_> {
             let mut y = [0.0; BLOCK];
             for (_, block) in &self.sampled.blocks {
                 self.sampled.fill_values(block, &mut y);
-                sum += crate::numerics::gram::dot(&y, &y);
+                sum += dot(&y, &y);
             }
             sum
         };
@@ -214,6 +244,7 @@ mod tests {
         let circuit = Circuit {
             drive: &drive,
             sampled: &sampled,
+            with_offset: false,
         };
         let column = |log_tau: f64, which: usize| {
             let mut values: Vec<f64> = Vec::new();

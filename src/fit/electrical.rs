@@ -1,21 +1,24 @@
 //! Step one: the electrical parameters from the current, with their covariance.
 
-use crate::domain::Drive;
+use crate::domain::{Drive, Level};
 use crate::model::{Branch, LumpedModel};
 use crate::numerics::correlation::{Autoregression, slow_excess};
 use crate::numerics::decay::{BLOCK, Column};
 use crate::numerics::gram::{Gram, dot};
 use crate::numerics::levenberg::Stop;
+use crate::numerics::noise::local_scatter;
 use crate::numerics::student::quantile_95;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
-use super::circuit::Circuit;
+use super::circuit::{Circuit, Solution};
 use super::sampled::Sampled;
 use super::search::{Found, Limits, search};
 
 /// A further branch must lower the sum of squares by this many long-run variances. Two parameters fitted to
 /// noise, one of them a time constant that may lie anywhere on the record, reach it about once in 20 000 runs.
 const BRANCH_EVIDENCE: f64 = 25.0;
+/// An offset must explain this share of the misfit.
+const OFFSET_SHARE: f64 = 0.3;
 /// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
 const LOST: f64 = 1e-13;
 
@@ -82,7 +85,9 @@ pub(super) struct Electrical {
     pub(super) steady_s: f64,
     /// Whether any reading was taken at a held voltage other than zero, so that R_ss carries current.
     pub(super) steady_visible: bool,
-    /// Covariance of [ln c_1.., steady, ln tau_1..].
+    /// Offset of the instrument's zero, A, where one was fitted.
+    pub(super) offset_a: Option<f64>,
+    /// Covariance of [ln c_1.., steady, ln tau_1.., offset where fitted].
     pub(super) covariance: Symmetric,
     /// Residuals of the current.
     pub(super) residuals: Residuals,
@@ -134,92 +139,178 @@ impl Electrical {
     }
 }
 
+/// A choice of branches with what it leaves.
+struct Choice {
+    found: Found,
+    residuals: Residuals,
+    with_offset: bool,
+}
+
+/// One current under one drive, while branches and offset are chosen.
+struct Choosing<'a> {
+    drive: &'a Drive,
+    sampled: &'a Sampled,
+    grouped: Sampled,
+    limits: Option<Limits>,
+    /// Variance of a long sum per reading, found without the circuit.
+    noise: f64,
+    evaluations: u64,
+}
+
 /// Fits at most `branches` branches; those that the current does not show are left out.
 pub(super) fn identify(drive: &Drive, area_cm2: f64, sampled: &Sampled, branches: usize) -> Electrical {
-    let grouped = sampled.grouped();
+    let mut choosing = Choosing {
+        drive,
+        sampled,
+        grouped: sampled.grouped(),
+        limits: Limits::of(sampled),
+        noise: noise_without_circuit(sampled),
+        evaluations: 0,
+    };
+    let plain = choosing.choose(branches, false);
+    let chosen = choosing.try_offset(branches, plain);
+    choosing.assemble(area_cm2, chosen)
+}
+
+/// Long-run variance from the scatter about parabolas, not below what rounding leaves. Misfit of the circuit
+/// does not enter it, so that it cannot hide a branch.
+fn noise_without_circuit(sampled: &Sampled) -> f64 {
     let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let limits = Limits::of(sampled);
-    let mut evaluations = 0;
-    let mut fit = |count: usize| {
-        let limits = limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
-        let found = search(drive, sampled, &grouped, count, limits);
-        evaluations += found.evaluations;
-        (fitted(drive, sampled, &found, peak), found)
-    };
-    let most = if limits.is_some() { branches } else { 0 };
-    let mut chosen = fit(most);
-    for count in (0..most).rev() {
-        let simpler = fit(count);
-        let gain = simpler.0.square - chosen.0.square;
-        let all_used = chosen.1.solution.conductances_s[..=count]
-            .iter()
-            .all(|&c| c > 0.0);
-        if all_used && gain > BRANCH_EVIDENCE * chosen.0.long_run_variance(peak) {
-            break;
-        }
-        chosen = simpler;
-    }
-    let (residuals, found) = chosen;
-    assemble(drive, area_cm2, sampled, limits, residuals, &found, evaluations)
-}
-
-/// Residuals of a solution over all readings.
-fn fitted(drive: &Drive, sampled: &Sampled, found: &Found, _peak: f64) -> Residuals {
-    let circuit = Circuit { drive, sampled };
-    let solution = &found.solution;
-    let mut fitted = Vec::with_capacity(sampled.len());
-    circuit.each_block(&solution.log_time_constants, |block, columns, _| {
-        let start = fitted.len();
-        fitted.resize(start + block.len, 0.0);
-        for (column, conductance) in columns.iter().zip(&solution.conductances_s) {
-            for (out, value) in fitted[start..].iter_mut().zip(column) {
-                *out += conductance * value;
-            }
-        }
+    let scatter = local_scatter(&sampled.smooth_stretches()).map_or(0.0, |scatter| {
+        let noise = Autoregression {
+            variance: scatter.standard_deviation.powi(2),
+            correlation: scatter.correlation,
+        };
+        noise.long_run_variance().max(noise.variance)
     });
-    Residuals::new(sampled, fitted, 2 * solution.log_time_constants.len() + 1)
+    scatter.max((1e-9 * peak).powi(2))
 }
 
-/// Orders the branches and adds the covariance.
-fn assemble(
-    drive: &Drive,
-    area_cm2: f64,
-    sampled: &Sampled,
-    limits: Option<Limits>,
-    residuals: Residuals,
-    found: &Found,
-    evaluations: u64,
-) -> Electrical {
-    let n = found.solution.log_time_constants.len();
-    let mut order: Vec<usize> = (0..n).collect();
-    let logs = &found.solution.log_time_constants;
-    order.sort_by(|&a, &b| logs[a].total_cmp(&logs[b]));
-    let logs: Vec<f64> = order.iter().map(|&k| logs[k]).collect();
-    let conductances_s: Vec<f64> = order.iter().map(|&k| found.solution.conductances_s[k]).collect();
-    let bound = |log: &f64| match limits {
-        Some(limits) if *log <= limits.low + 1e-6 => Some(Bound::Low),
-        Some(limits) if *log >= limits.high - 1e-6 => Some(Bound::High),
-        _ => None,
-    };
-    let circuit = Circuit { drive, sampled };
-    let mut scales = [1.0; CAPACITY];
-    for k in 0..n {
-        scales[k] = conductances_s[k];
-        scales[n + 1 + k] = conductances_s[k];
+impl Choosing<'_> {
+    fn circuit(&self, with_offset: bool) -> Circuit<'_> {
+        Circuit {
+            drive: self.drive,
+            sampled: self.sampled,
+            with_offset,
+        }
     }
-    let mut sums = CovarianceSums::new(2 * n + 1, residuals.noise.correlation);
-    circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
-    Electrical {
-        area_cm2,
-        at_bound: logs.iter().map(bound).collect(),
-        time_constants_s: logs.iter().map(|log| log.exp()).collect(),
-        conductances_s,
-        steady_s: found.solution.conductances_s[n],
-        steady_visible: sums.gram.matrix.get(n, n) > 0.0,
-        covariance: sums.covariance(&residuals),
-        residuals,
-        stop: found.stop,
-        evaluations,
+
+    /// The smallest number of branches, up to `most`, to which no further one adds evidence.
+    fn choose(&mut self, most: usize, with_offset: bool) -> Choice {
+        let most = if self.limits.is_some() { most } else { 0 };
+        let mut chosen = self.fit(most, with_offset);
+        for count in (0..most).rev() {
+            let simpler = self.fit(count, with_offset);
+            let gain = simpler.residuals.square - chosen.residuals.square;
+            let all_used = chosen.found.solution.conductances_s[..=count]
+                .iter()
+                .all(|&c| c > 0.0);
+            if all_used && gain > BRANCH_EVIDENCE * self.noise {
+                break;
+            }
+            chosen = simpler;
+        }
+        chosen
+    }
+
+    /// Takes an offset of the instrument's zero where it explains most of what the circuit leaves: a current
+    /// that stays at 0 V, or that does not follow the voltage from level to level, is none of the circuit's.
+    fn try_offset(&mut self, most: usize, plain: Choice) -> Choice {
+        let readings = self.sampled.len() as f64;
+        let misfit = plain.residuals.square - readings * self.noise;
+        if misfit <= BRANCH_EVIDENCE * self.noise || !self.offset_is_separable() {
+            return plain;
+        }
+        let shifted = self.choose(most, true);
+        let gain = plain.residuals.square - shifted.residuals.square;
+        if gain > BRANCH_EVIDENCE * self.noise && gain > OFFSET_SHARE * misfit {
+            shifted
+        } else {
+            plain
+        }
+    }
+
+    /// Whether readings at two held voltages, or at 0 V, tell an offset from the steady current.
+    fn offset_is_separable(&self) -> bool {
+        let held = self.sampled.spans.iter().filter_map(|span| match span.segment {
+            None => Some(self.drive.baseline_v),
+            Some(index) => match self.drive.segments[index].level {
+                Level::Voltage(level_v) => Some(level_v),
+                Level::OpenCircuit => None,
+            },
+        });
+        let levels: Vec<f64> = held.collect();
+        levels.iter().any(|&v| v == 0.0 || v != levels[0])
+    }
+
+    fn fit(&mut self, branches: usize, with_offset: bool) -> Choice {
+        let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
+        let found = search(&self.circuit(with_offset), &self.grouped, branches, limits);
+        self.evaluations += found.evaluations;
+        Choice {
+            residuals: self.residuals(&found.solution, with_offset),
+            found,
+            with_offset,
+        }
+    }
+
+    /// Residuals of a solution over all readings.
+    fn residuals(&self, solution: &Solution, with_offset: bool) -> Residuals {
+        let circuit = self.circuit(with_offset);
+        let mut fitted = Vec::with_capacity(self.sampled.len());
+        circuit.each_block(&solution.log_time_constants, |block, columns, _| {
+            let start = fitted.len();
+            fitted.resize(start + block.len, solution.offset_a);
+            for (column, conductance) in columns.iter().zip(&solution.conductances_s) {
+                for (out, value) in fitted[start..].iter_mut().zip(column) {
+                    *out += conductance * value;
+                }
+            }
+        });
+        Residuals::new(
+            self.sampled,
+            fitted,
+            circuit.columns(solution.log_time_constants.len()),
+        )
+    }
+
+    /// Orders the branches and adds the covariance.
+    fn assemble(&self, area_cm2: f64, chosen: Choice) -> Electrical {
+        let solution = &chosen.found.solution;
+        let n = solution.log_time_constants.len();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| solution.log_time_constants[a].total_cmp(&solution.log_time_constants[b]));
+        let logs: Vec<f64> = order.iter().map(|&k| solution.log_time_constants[k]).collect();
+        let conductances_s: Vec<f64> = order.iter().map(|&k| solution.conductances_s[k]).collect();
+        let mut scales = [1.0; CAPACITY];
+        for k in 0..n {
+            scales[k] = conductances_s[k];
+            scales[n + 1 + k] = conductances_s[k];
+        }
+        let circuit = self.circuit(chosen.with_offset);
+        let mut sums = CovarianceSums::new(circuit.columns(n), chosen.residuals.noise.correlation);
+        circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
+        Electrical {
+            area_cm2,
+            at_bound: logs.iter().map(|&log| self.bound(log)).collect(),
+            time_constants_s: logs.iter().map(|log| log.exp()).collect(),
+            conductances_s,
+            steady_s: solution.conductances_s[n],
+            steady_visible: sums.gram.matrix.get(n, n) > 0.0,
+            offset_a: chosen.with_offset.then_some(solution.offset_a),
+            covariance: sums.covariance(&chosen.residuals),
+            residuals: chosen.residuals,
+            stop: chosen.found.stop,
+            evaluations: self.evaluations,
+        }
+    }
+
+    fn bound(&self, log: f64) -> Option<Bound> {
+        let limits = self.limits?;
+        if log <= limits.low + 1e-6 {
+            return Some(Bound::Low);
+        }
+        (log >= limits.high - 1e-6).then_some(Bound::High)
     }
 }
 

@@ -63,8 +63,9 @@ fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
 /// Why branch `k` is missing where the current shows `n`.
 fn absent(k: usize, n: usize) -> String {
     match (k, n) {
-        (_, 0) => "the current shows no charging beyond its noise".to_owned(),
-        _ => "a second branch does not describe the current better than noise would: one branch is enough"
+        (_, 0) => "no branch with a positive resistance and capacitance describes the current better than noise would".to_owned(),
+        _ => "no second branch with a positive resistance and capacitance describes the current better than noise \
+              would: one branch is enough"
             .to_owned(),
     }
 }

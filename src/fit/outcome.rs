@@ -132,6 +132,14 @@ fn issues(identified: &Identified, parameters: &[Parameter]) -> Vec<Issue> {
         };
         issues.push(Issue::note(code, format!("{what}: {reason}")).at(parameter.key.as_str()));
     }
+    if let Ok((_, electrical)) = &identified.current
+        && let Some(offset_a) = electrical.offset_a
+    {
+        let message = format!(
+            "the current is off by {offset_a:.4e} A at every voltage, which no resistor explains; fitted as the instrument's zero"
+        );
+        issues.push(Issue::warning("current-offset", message).at("column current_a"));
+    }
     if let Ok((_, bending)) = &identified.curvature
         && let Some(offset_per_cm) = bending.offset_per_cm
     {

@@ -1,6 +1,5 @@
 //! Where the time constants lie: a coarse look at every pair, then descent from the best few places.
 
-use crate::domain::Drive;
 use crate::numerics::gram::Gram;
 use crate::numerics::levenberg::Stop;
 use crate::numerics::nonnegative::nonnegative_least_squares;
@@ -41,14 +40,7 @@ pub(super) struct Found {
 }
 
 /// Fits `branches` (0, 1 or 2) R-C branches to the current.
-pub(super) fn search(
-    drive: &Drive,
-    sampled: &Sampled,
-    grouped: &Sampled,
-    branches: usize,
-    limits: Limits,
-) -> Found {
-    let full = Circuit { drive, sampled };
+pub(super) fn search(full: &Circuit, grouped: &Sampled, branches: usize, limits: Limits) -> Found {
     if branches == 0 {
         return Found {
             solution: full.solve(&[]),
@@ -57,8 +49,8 @@ pub(super) fn search(
         };
     }
     let coarse = Circuit {
-        drive,
         sampled: grouped,
+        ..*full
     };
     let mut evaluations = 0;
     let mut best: Option<(f64, Vec<f64>)> = None;

@@ -36,6 +36,21 @@ impl Gram {
         self.square += dot(y, y);
     }
 
+    /// The sums for the other columns with the last one's coefficient eliminated at its best value.
+    pub fn eliminate_last(&self) -> Gram {
+        let last = self.matrix.order() - 1;
+        let own = self.matrix.get(last, last);
+        let mut rest = Gram::new(last);
+        rest.matrix = Symmetric::from_fn(last, |row, column| {
+            self.matrix.get(row, column) - self.matrix.get(row, last) * self.matrix.get(column, last) / own
+        });
+        for k in 0..last {
+            rest.right[k] = self.right[k] - self.matrix.get(k, last) * self.right[last] / own;
+        }
+        rest.square = self.square - self.right[last] * self.right[last] / own;
+        rest
+    }
+
     /// Sum of squared residuals for the coefficients `x`, which solve the normal equations where not zero.
     pub fn residual_square(&self, x: &[f64]) -> f64 {
         let n = self.matrix.order();
@@ -71,5 +86,9 @@ mod tests {
         let x = gram.matrix.cholesky(1e-12).unwrap().solve(&gram.right);
         let direct: f64 = (0..BLOCK).map(|k| (y[k] - x[0] - x[1] * line[k]).powi(2)).sum();
         assert!((gram.residual_square(&x) / direct - 1.0).abs() < 1e-9);
+        let rest = gram.eliminate_last();
+        let first = [rest.right[0] / rest.matrix.get(0, 0)];
+        assert!((first[0] - x[0]).abs() < 1e-9);
+        assert!((rest.residual_square(&first) / direct - 1.0).abs() < 1e-9);
     }
 }

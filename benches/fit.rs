@@ -1,0 +1,59 @@
+//! Time of one fit with uncertainties: 3,600 and 36,000 samples of current and curvature.
+
+use std::hint::black_box;
+use std::sync::Arc;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use ieap::domain::{Channel, Drive, Quantity};
+use ieap::fit::{FitInput, FitOptions, fit_run};
+use ieap::model::{Branch, LumpedModel};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// CNaf in air at 2 V (thesis, table 5) for an hour, with noise of 1 % of the peak.
+fn run(samples: usize) -> Vec<Channel> {
+    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
+        resistance_ohm_cm2,
+        capacitance_f_per_cm2,
+    };
+    let model = LumpedModel {
+        branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
+        steady_state_resistance_ohm_cm2: 5660.0,
+        charge_to_curvature_per_c_cm: 13.88,
+        relaxation_rate_per_s: 3.8e-4,
+    };
+    let time_s: Arc<[f64]> = (0..samples).map(|k| 3600.0 * k as f64 / samples as f64).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut channel = |quantity, exact: Vec<f64>| {
+        let peak = exact.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let noisy = exact.into_iter().map(|v| {
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            v + 0.01 * peak * noise
+        });
+        Channel::new(quantity, time_s.clone(), noisy.collect())
+    };
+    let drive = Drive::step(2.0);
+    vec![
+        channel(Quantity::Current, model.current_a(&drive, 0.1, &time_s)),
+        channel(Quantity::Curvature, model.curvature_per_cm(&drive, 0.1, &time_s)),
+    ]
+}
+
+fn fits(criterion: &mut Criterion) {
+    let drive = Drive::step(2.0);
+    for samples in [3_600, 36_000] {
+        let channels = run(samples);
+        let input = FitInput {
+            channels: &channels,
+            drive: &drive,
+            area_cm2: 0.1,
+        };
+        criterion.bench_function(&format!("fit {samples} samples x 2 channels"), |bencher| {
+            bencher.iter(|| fit_run(black_box(&input), &FitOptions::default()));
+        });
+    }
+}
+
+criterion_group!(benches, fits);
+criterion_main!(benches);
