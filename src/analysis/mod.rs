@@ -7,6 +7,7 @@ pub mod findings;
 pub mod parameters;
 #[cfg(test)]
 pub mod sample_campaign;
+pub mod sequence;
 pub mod traces;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};

@@ -1,11 +1,14 @@
 //! `ieap ingest`.
 
+use std::collections::BTreeMap;
+
 use clap::Args;
 use serde_json::json;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
-use super::output::Output;
+use super::output::{Output, counted};
 use super::{CampaignArg, Global};
+use crate::domain::Issue;
 use crate::pipeline::{Context, Ingest, IngestSummary};
 
 /// Take in new files: recognise, read, tag, archive and store them
@@ -31,6 +34,9 @@ pub fn run(args: &IngestArgs, global: &Global, output: &Output) -> Result<u8, Cl
     })
 }
 
+/// How many entries of a kind are listed; `ieap status` lists all.
+const SHOWN: usize = 10;
+
 /// What came in, and what did not.
 pub fn print(summary: &IngestSummary, output: &Output) {
     output.result(&format!(
@@ -41,47 +47,46 @@ pub fn print(summary: &IngestSummary, output: &Output) {
         summary.renamed.len(),
         summary.retagged.len()
     ));
-    if !summary.aliases.is_empty() {
-        output.message(&format!(
-            "{} files hold the same bytes as a run's file",
-            summary.aliases.len()
-        ));
+    let aliases = "with the bytes of a run's file: an alias, no run";
+    list(output, "file", aliases, &summary.aliases);
+    list(output, "file", "no longer there; the runs stay", &summary.gone);
+    let waiting = "waiting (empty, header only, or still growing)";
+    list(output, "file", waiting, &summary.waiting);
+    let untagged = "without the tags to be fitted; `ieap status` says which";
+    list(output, "run", untagged, &summary.untagged);
+    refused(output, &summary.refused);
+}
+
+/// Refused files; of many with the same kind of reason only the first are listed.
+fn refused(output: &Output, refused: &[(String, Issue)]) {
+    if refused.is_empty() {
+        return;
     }
-    list(
-        output,
-        "files are no longer there; their runs stay",
-        &summary.gone,
-    );
-    list(
-        output,
-        "files wait (empty, header only, or still growing)",
-        &summary.waiting,
-    );
-    list(
-        output,
-        "runs lack tags and are not fitted (`ieap status` says which)",
-        &summary.untagged,
-    );
-    if !summary.refused.is_empty() {
-        output.message(&format!("{} files refused:", summary.refused.len()));
-        summary
-            .refused
-            .iter()
-            .for_each(|(path, issue)| output.issue(path, issue));
+    output.message(&format!("{} refused:", counted(refused.len(), "file")));
+    let mut listed: BTreeMap<&str, usize> = BTreeMap::new();
+    for (path, issue) in refused {
+        let of_kind = listed.entry(&issue.code).or_insert(0);
+        *of_kind += 1;
+        if *of_kind <= SHOWN {
+            output.issue(path, issue);
+        }
+    }
+    for (code, count) in listed.into_iter().filter(|(_, count)| *count > SHOWN) {
+        let more = count - SHOWN;
+        output.message(&format!(
+            "  ... and {more} more ({code}); `ieap status` lists all"
+        ));
     }
 }
 
-/// A long list is cut; `ieap status` has it whole.
-fn list(output: &Output, title: &str, paths: &[String]) {
-    const SHOWN: usize = 10;
+fn list(output: &Output, thing: &str, title: &str, paths: &[String]) {
     if paths.is_empty() {
         return;
     }
-    output.message(&format!("{} {title}:", paths.len()));
-    paths
-        .iter()
-        .take(SHOWN)
-        .for_each(|path| output.message(&format!("  {path}")));
+    output.message(&format!("{} {title}:", counted(paths.len(), thing)));
+    for path in paths.iter().take(SHOWN) {
+        output.message(&format!("  {path}"));
+    }
     if paths.len() > SHOWN {
         output.message(&format!("  ... and {} more", paths.len() - SHOWN));
     }

@@ -12,6 +12,12 @@ use super::printable::printable;
 use crate::domain::Issue;
 use crate::pipeline::Observer;
 
+/// `count` things: `1 file`, `3 files`.
+pub fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
+
 /// Prints; also hears the progress of long work.
 #[derive(Debug)]
 pub struct Output {

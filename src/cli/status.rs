@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::CampaignArg;
 use super::exit::{CliError, DONE};
-use super::output::Output;
+use super::output::{Output, counted};
 use crate::pipeline::Context;
 use crate::pipeline::status::{Reasoned, Status, status};
 
@@ -36,43 +36,33 @@ fn print(status: &Status, output: &Output) {
         status.runs,
         states.join(", ")
     ));
-    section(output, "refused files", &status.refused);
-    section(
-        output,
-        "files that wait (empty, header only, or still growing)",
-        &status.pending,
-    );
-    section(output, "runs without the tags they need", &status.untagged);
-    section(output, "runs that could not be fitted", &status.not_fitted);
+    section(output, "file", "refused", &status.refused);
+    let waiting = "waiting (empty, header only, or still growing)";
+    section(output, "file", waiting, &status.pending);
+    let untagged = "without the tags to be fitted";
+    section(output, "run", untagged, &status.untagged);
+    section(output, "run", "that could not be fitted", &status.not_fitted);
     if status.aliases > 0 {
-        output.result(&format!(
-            "{} files hold the same bytes as a run's file",
-            status.aliases
-        ));
+        let aliases = counted(status.aliases, "file");
+        output.result(&format!("{aliases} with the bytes of a run's file"));
     }
-    list(
-        output,
-        "files of runs that are no longer in the folder",
-        &status.missing_files,
-    );
+    let missing = "no longer in the folder; the runs stay";
+    list(output, "file", missing, &status.missing_files);
     let gaps: Vec<String> = status
         .gaps
         .iter()
         .map(|gap| format!("{} in {} at {} V", gap.material, gap.environment, gap.voltage_v))
         .collect();
-    list(output, "conditions without a run", &gaps);
-    list(
-        output,
-        "runs fitted by another version of ieap",
-        &status.fitted_by_older_program,
-    );
+    list(output, "condition", "without a run", &gaps);
+    let older = "fitted by another version of ieap";
+    list(output, "run", older, &status.fitted_by_older_program);
 }
 
-fn section(output: &Output, title: &str, entries: &[Reasoned]) {
+fn section(output: &Output, thing: &str, title: &str, entries: &[Reasoned]) {
     if entries.is_empty() {
         return;
     }
-    output.result(&format!("{} {title}:", entries.len()));
+    output.result(&format!("{} {title}:", counted(entries.len(), thing)));
     for entry in entries {
         output.result(&format!("  {}", entry.path));
         for issue in entry
@@ -93,9 +83,9 @@ fn section(output: &Output, title: &str, entries: &[Reasoned]) {
     }
 }
 
-fn list(output: &Output, title: &str, entries: &[String]) {
+fn list(output: &Output, thing: &str, title: &str, entries: &[String]) {
     if !entries.is_empty() {
-        output.result(&format!("{} {title}:", entries.len()));
+        output.result(&format!("{} {title}:", counted(entries.len(), thing)));
         entries
             .iter()
             .for_each(|entry| output.result(&format!("  {entry}")));

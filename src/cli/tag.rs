@@ -48,8 +48,11 @@ pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     Ok(DONE)
 }
 
+/// Keys and values.
+type Pairs = Vec<(String, String)>;
+
 /// Pairs, and the campaign folder where the last argument is one.
-fn split(arguments: &[String]) -> Result<(Vec<(String, String)>, Option<PathBuf>), CliError> {
+fn split(arguments: &[String]) -> Result<(Pairs, Option<PathBuf>), CliError> {
     let (mut pairs, mut campaign) = (Vec::new(), None);
     for (index, argument) in arguments.iter().enumerate() {
         match argument.split_once('=') {

@@ -1,7 +1,7 @@
 //! Integration tests.
 
+mod folder;
 mod lumped_reference;
+mod real_campaigns;
 mod report_fixture;
 mod report_site;
-mod folder;
-mod real_campaigns;

@@ -289,15 +289,23 @@ pub fn gone(
 }
 
 fn refused_entry(issue: &Issue) -> FileRow {
+    // The place is the path already.
+    let path = issue.place.clone();
+    let message = issue.message.replace(&format!("{}: ", issue.place), "");
+    let issue = Issue {
+        place: String::new(),
+        message,
+        ..issue.clone()
+    };
     FileRow {
-        path: issue.place.clone(),
+        path,
         size_bytes: 0,
         modified_ns: 0,
         inode: 0,
         hash: None,
         state: FileState::Refused,
         reader: all_readers_stamp(),
-        issue: Some(issue.clone()),
+        issue: Some(issue),
         missing_since: None,
     }
 }

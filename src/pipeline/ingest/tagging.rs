@@ -138,6 +138,7 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         let mend = "give it length_mm and width_mm, or area_cm2, in campaign.toml";
         issues.push(Issue::error("no-area", message).at(keys::SAMPLE).mend(mend));
     }
+    issues.extend(area_cm2.and_then(|area_cm2| improbable_density(input.channels, area_cm2)));
     if !input.is_step_response {
         issues.push(Issue::note(
             "other-technique",
@@ -171,6 +172,26 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         length_cm,
         digest,
     }
+}
+
+/// Current density beyond which a unit is more likely wrong than the strip that strong, A/cm2: the thesis's
+/// samples stay below 0.13, while milliamperes under an ampere header come out a thousand times too large.
+const PROBABLE_DENSITY_A_PER_CM2: f64 = 1.0;
+
+/// Points out a current that is improbable for the sample's area; it is not changed.
+fn improbable_density(channels: &[Channel], area_cm2: f64) -> Option<Issue> {
+    let current = channels.iter().find(|c| c.quantity == Quantity::Current)?;
+    let (_, readings) = current.included();
+    let largest_a = readings.iter().fold(0.0_f64, |largest, i| largest.max(i.abs()));
+    let density = largest_a / area_cm2;
+    (density > PROBABLE_DENSITY_A_PER_CM2).then(|| {
+        let message = format!(
+            "the current reaches {largest_a:.3} A on {area_cm2} cm2, {density:.1} A/cm2: improbable for such a strip; nothing was changed"
+        );
+        Issue::warning("suspicious-range", message)
+            .at(format!("column {}", current.raw_name))
+            .mend("check the unit of the current in the file's header, and the sample's dimensions in campaign.toml")
+    })
 }
 
 fn has_response(input: &TaggingInput<'_>) -> bool {

@@ -37,10 +37,9 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> String {
     );
 
     let mut text = String::new();
-    spec.simulation
-        .statement
-        .iter()
-        .for_each(|line| drop(writeln!(text, "# {line}")));
+    for line in &spec.simulation.statement {
+        let _ = writeln!(text, "# {line}");
+    }
     let has_open_circuit = drive.segments.iter().any(|s| s.level == Level::OpenCircuit);
     let open_column = if has_open_circuit { ",open_circuit" } else { "" };
     let _ = writeln!(text, "time_s,voltage_v,current_a,curvature_per_cm{open_column}");
