@@ -1,7 +1,12 @@
-//! Integration tests.
+//! Integration tests: one binary.
 
+mod architecture;
+mod bad_input;
+mod campaign;
 mod folder;
 mod lumped_reference;
+mod main_job;
 mod real_campaigns;
 mod report_fixture;
 mod report_site;
+mod watch;

@@ -1,0 +1,113 @@
+//! The house rules that can be checked: which module may use which, and that every file says what it is.
+
+use std::path::{Path, PathBuf};
+
+/// What each module may use beside itself. `fit` stands for identification, `cli` for the command line.
+const MAY_USE: [(&str, &[&str]); 10] = [
+    ("domain", &[]),
+    ("numerics", &["domain"]),
+    ("model", &["domain", "numerics"]),
+    ("fit", &["domain", "numerics", "model"]),
+    ("store", &["domain"]),
+    ("ingest", &["domain", "store"]),
+    ("analysis", &["domain", "store"]),
+    ("report", &["domain", "analysis", "store"]),
+    (
+        "pipeline",
+        &[
+            "domain", "numerics", "model", "fit", "store", "ingest", "analysis", "report",
+        ],
+    ),
+    ("cli", &["domain", "pipeline", "model", "ingest"]),
+];
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The module named after each `crate::` in a text, comments left out.
+fn used(text: &str) -> Vec<String> {
+    let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let code: String = code.collect::<Vec<_>>().join("\n");
+    code.split("crate::")
+        .skip(1)
+        .map(|rest| {
+            rest.chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect()
+        })
+        .collect()
+}
+
+#[test]
+fn modules_use_only_what_they_may() {
+    let mut offences = Vec::new();
+    for (module, may) in MAY_USE {
+        for file in rust_files(&source().join(module)) {
+            for other in used(&std::fs::read_to_string(&file).unwrap()) {
+                if other != module && !other.is_empty() && !may.contains(&other.as_str()) {
+                    offences.push(format!("{} uses {other}", file.display()));
+                }
+            }
+        }
+    }
+    assert!(offences.is_empty(), "{offences:#?}");
+}
+
+#[test]
+fn every_module_is_in_the_table() {
+    for entry in std::fs::read_dir(source()).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let listed = MAY_USE.iter().any(|(module, _)| *module == name);
+        assert!(listed || ["lib", "main"].contains(&name.as_str()), "{name}");
+    }
+}
+
+#[test]
+fn crates_stay_behind_their_doors() {
+    let doors = [
+        ("rusqlite", "store"),
+        ("polars", "analysis"),
+        ("tera", "report"),
+        ("plotters", "report"),
+        ("notify", "ingest"),
+        ("clap", "cli"),
+    ];
+    for file in rust_files(&source()) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for (name, module) in doors {
+            let uses = text.lines().any(|line| {
+                line.starts_with(&format!("use {name}::")) || line.starts_with(&format!("use {name}_"))
+            });
+            assert!(
+                !uses || file.starts_with(source().join(module)),
+                "{} uses {name}",
+                file.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn every_file_begins_with_what_it_is() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    for file in rust_files(&source()).into_iter().chain(rust_files(&tests)) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.starts_with("//!"), "{} has no //! line", file.display());
+    }
+}

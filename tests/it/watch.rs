@@ -1,0 +1,122 @@
+//! The watcher: files that arrive, grow, are renamed into place; a clean stop.
+
+use std::io::Write;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::campaign::{CampaignFolder, command, run_table};
+
+/// Waits until `done`, at the longest for half a minute.
+pub fn until(what: &str, mut done: impl FnMut() -> bool) {
+    let end = Instant::now() + Duration::from_secs(30);
+    while !done() {
+        assert!(Instant::now() < end, "waited in vain: {what}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// A watcher that is stopped when it is dropped.
+struct Watching {
+    child: Child,
+}
+
+impl Watching {
+    fn start(folder: &CampaignFolder, options: &[&str]) -> Watching {
+        let arguments = [&["watch", "--quiet-s", "0.3"], options].concat();
+        let child = command(folder.path(), &arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let watching = Watching { child };
+        until("the first report", || folder.join("report/index.html").exists());
+        watching
+    }
+
+    /// Asks it to stop; gives exit status and what it said.
+    #[cfg(unix)]
+    fn stop(mut self) -> (i32, String) {
+        let pid = self.child.id().to_string();
+        assert!(
+            std::process::Command::new("kill")
+                .args(["-TERM", &pid])
+                .status()
+                .unwrap()
+                .success()
+        );
+        let mut said = String::new();
+        std::io::Read::read_to_string(&mut self.child.stderr.take().unwrap(), &mut said).unwrap();
+        (self.child.wait().unwrap().code().unwrap_or(-1), said)
+    }
+}
+
+impl Drop for Watching {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn fitted(folder: &CampaignFolder) -> u64 {
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    status["status"]["runs_by_state"]["fitted"].as_u64().unwrap_or(0)
+}
+
+#[cfg(unix)]
+#[test]
+fn files_that_arrive_are_taken_and_it_stops_cleanly_when_told() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/before.csv", run_table(1));
+    let watching = Watching::start(&folder, &[]);
+    folder.write("runs/new folder/after.csv", run_table(2));
+    folder.write(".elsewhere", run_table(3));
+    std::fs::rename(folder.join(".elsewhere"), folder.join("runs/renamed.csv")).unwrap();
+    until("three runs", || fitted(&folder) == 3);
+    until("the report has them", || {
+        folder.report("index.html").contains("renamed.csv")
+    });
+    let (status, said) = watching.stop();
+    assert_eq!(status, 0, "{said}");
+    assert!(said.contains("Stopped"), "{said}");
+    // Nothing is left over for the next run.
+    assert_eq!(folder.run_json()["ingest"]["new"], serde_json::json!([]));
+}
+
+#[test]
+fn a_growing_file_is_taken_once_when_it_rests() {
+    let folder = CampaignFolder::new();
+    let watching = Watching::start(&folder, &[]);
+    let table = run_table(5);
+    let mut file = std::fs::File::create(folder.join("runs/slow.csv")).unwrap();
+    for piece in table.as_bytes().chunks(table.len() / 12) {
+        file.write_all(piece).unwrap();
+        file.flush().unwrap();
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    drop(file);
+    until("the run", || fitted(&folder) == 1);
+    drop(watching);
+    let document = folder.ieap(&["fit", "--json"]).expect(0).json();
+    assert_eq!(document["fits"][0]["revision"], 1, "{document:#}");
+}
+
+#[test]
+fn polling_finds_what_events_would_tell() {
+    let folder = CampaignFolder::new();
+    let watching = Watching::start(&folder, &["--poll-s", "0.2"]);
+    folder.write("runs/deep/er/polled.csv", run_table(6));
+    until("the run", || fitted(&folder) == 1);
+    drop(watching);
+}
+
+#[test]
+fn hand_tags_and_sidecars_reach_a_running_watch() {
+    let folder = CampaignFolder::new();
+    std::fs::remove_file(folder.join("runs/tags.toml")).unwrap();
+    folder.write("runs/a.csv", run_table(1));
+    let watching = Watching::start(&folder, &[]);
+    assert_eq!(fitted(&folder), 0);
+    folder.write("runs/a.csv.toml", "sample = \"S1\"\nenvironment = \"air\"\n");
+    until("the fit", || fitted(&folder) == 1);
+    drop(watching);
+}
