@@ -207,6 +207,8 @@ impl Walk<'_> {
             }
             match self.folder(&relative, depth) {
                 Ok(below) => waiting.extend(below.into_iter().map(|folder| (folder, depth + 1))),
+                // Gone since the folder above was listed: what was in it is gone too.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(error) => self.unreadable_folder(&relative, &error),
             }
         }

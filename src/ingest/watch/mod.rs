@@ -229,6 +229,7 @@ impl Watcher {
         }
         let hint = asked.hint.map(|hint| self.rest_of_burst(state, hint, now, stop));
         if hint == Some(Hint::Rescan) || now >= state.next_full {
+            self.try_events_again(state);
             state.full_scan_follows(now, &self.options);
             return Some(Wake::Rescan);
         }
@@ -262,6 +263,22 @@ impl Watcher {
             std::thread::sleep(BURST_PAUSE / 5);
         }
         strongest
+    }
+
+    /// Takes up events again where polling only stands in for them: limits are raised, shares replaced.
+    /// A full scan must follow.
+    fn try_events_again(&self, state: &mut State) {
+        if self.options.poll.is_some() || matches!(state.source, Source::Events { .. }) {
+            return;
+        }
+        // Why events cannot be had was said when polling began.
+        let (source, signals, _) = arm(&self.places, &self.options);
+        if matches!(source, Source::Events { .. }) {
+            state.replace_source(source);
+            state.signals = signals;
+            let message = "the system gives events again; polling ends";
+            state.issues.push(Issue::note("watch-events", message));
+        }
     }
 
     fn poll_instead(&self, state: &mut State, failure: Option<&notify::Error>, now: Instant) {
