@@ -170,3 +170,21 @@ fn events_are_tried_again_with_each_full_scan() {
         write();
     }
 }
+
+#[test]
+fn a_new_folder_is_looked_at_again_soon_and_after_the_quiet_period() {
+    let folder = campaign();
+    let options = WatchOptions {
+        quiet: Duration::from_millis(300),
+        ..WatchOptions::default()
+    };
+    let watcher = start(&folder, options);
+    let signals = watcher.state.lock().unwrap().signals.clone();
+    let started = Instant::now();
+    signals.note(Ok(Hint::LookAgain));
+    for at_least in [Duration::ZERO, ECHO_AFTER, ECHO_AFTER + options.quiet] {
+        assert_eq!(watcher.wait(LONG, &GO), Wake::Hint);
+        assert!(started.elapsed() >= at_least, "{:?}", started.elapsed());
+    }
+    assert_eq!(watcher.wait(SHORT, &GO), Wake::Timeout);
+}
