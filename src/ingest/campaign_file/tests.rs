@@ -226,3 +226,19 @@ fn the_nearest_campaign_above_is_found() {
     assert_eq!(find(&deep), campaign.path().canonicalize().ok());
     assert_eq!(find(&campaign.path().join("nowhere")), None);
 }
+
+proptest::proptest! {
+    #[test]
+    fn a_file_cut_anywhere_or_with_a_sign_changed_gives_a_campaign_or_a_reason(
+        at in 0..WHOLE.len(),
+        sign in "\\PC",
+        cut in proptest::bool::ANY,
+    ) {
+        let rest = if cut { "" } else { &WHOLE[at + 1..] };
+        let text = format!("{}{sign}{rest}", &WHOLE[..at]);
+        match load(&text) {
+            Ok(loaded) => proptest::prop_assert!(!loaded.campaign.id.is_empty()),
+            Err(error) => proptest::prop_assert!(error.to_string().starts_with("campaign.toml")),
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! Looks through the campaign folder: what lies there decides, events only say when to look.
 
 mod display;
+mod fingerprint;
 mod names;
 mod readiness;
 mod stable_read;
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use crate::domain::Issue;
+
+pub(crate) use fingerprint::{identity, modified_ns};
 
 pub use display::{display_path, parse_display_path};
 pub use names::{is_own_product, is_passing_name, is_statement};
@@ -170,8 +173,8 @@ struct Walk<'a> {
     campaign_real: PathBuf,
     limits: ScanLimits,
     now: SystemTime,
-    /// Device and inode of each folder looked into, so that a link to one of them ends there.
-    looked_into: BTreeSet<(u64, u64)>,
+    /// The real path of each folder looked into, so that a link to one of them ends there.
+    looked_into: BTreeSet<PathBuf>,
     /// Links met, to be followed when all real folders are known.
     links: Vec<(PathBuf, usize)>,
     found: Scan,
@@ -204,6 +207,8 @@ impl Walk<'_> {
             }
             match self.folder(&relative, depth) {
                 Ok(below) => waiting.extend(below.into_iter().map(|folder| (folder, depth + 1))),
+                // Gone since the folder above was listed: what was in it is gone too.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(error) => self.unreadable_folder(&relative, &error),
             }
         }
@@ -212,7 +217,7 @@ impl Walk<'_> {
     /// Notes the files of one folder and gives the folders in it.
     fn folder(&mut self, relative: &Path, depth: usize) -> io::Result<Vec<PathBuf>> {
         let path = self.campaign.join(relative);
-        if !self.looked_into.insert(identity(&fs::metadata(&path)?)) {
+        if !self.looked_into.insert(path.canonicalize()?) {
             return Ok(Vec::new());
         }
         let mut below = Vec::new();
@@ -345,27 +350,5 @@ impl Walk<'_> {
     }
 }
 
-/// Device and number of a file; (0, 0) where the operating system gives none.
-#[cfg(unix)]
-fn identity(metadata: &Metadata) -> (u64, u64) {
-    use std::os::unix::fs::MetadataExt;
-    (metadata.dev(), metadata.ino())
-}
-
-/// Modification time, ns since 1970.
-#[cfg(unix)]
-fn modified_ns(metadata: &Metadata) -> i64 {
-    use std::os::unix::fs::MetadataExt;
-    metadata
-        .mtime()
-        .saturating_mul(1_000_000_000)
-        .saturating_add(metadata.mtime_nsec())
-}
-
-#[cfg(not(unix))]
-compile_error!(
-    "scan: device and inode of a file are needed to end loops of links; give them for this system"
-);
-
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests;

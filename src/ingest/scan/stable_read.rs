@@ -120,19 +120,24 @@ fn fingerprint(metadata: &Metadata) -> (u64, i64, (u64, u64)) {
     (metadata.len(), modified_ns(metadata), identity(metadata))
 }
 
-/// Opens without following a link and without waiting for the writer of a pipe.
+/// Opens without following a link.
 fn open(path: &Path) -> Result<File, ReadFileError> {
-    use std::os::unix::fs::OpenOptionsExt;
-    let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
-    let opened = OpenOptions::new()
-        .read(true)
-        .custom_flags(flags.bits().cast_signed())
-        .open(path);
-    opened.map_err(|source| match source.kind() {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    // Nor waiting for the writer of a pipe; and safe against a link put there a moment ago.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
+        options.custom_flags(flags.bits().cast_signed());
+    }
+    let is_link = || fs::symlink_metadata(path).is_ok_and(|named| named.is_symlink());
+    if cfg!(not(unix)) && is_link() {
+        return Err(ReadFileError::IsLink { path: path.into() });
+    }
+    options.open(path).map_err(|source| match source.kind() {
         io::ErrorKind::NotFound => ReadFileError::Gone { path: path.into() },
-        _ if fs::symlink_metadata(path).is_ok_and(|named| named.is_symlink()) => {
-            ReadFileError::IsLink { path: path.into() }
-        }
+        _ if is_link() => ReadFileError::IsLink { path: path.into() },
         _ => ReadFileError::Denied {
             path: path.into(),
             source,
@@ -140,7 +145,7 @@ fn open(path: &Path) -> Result<File, ReadFileError> {
     })
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
 

@@ -198,18 +198,22 @@ fn missing_tag(request: &TagRequest, key: &str) -> Issue {
         .first()
         .map(|file| display_path(file))
         .unwrap_or_default();
-    let (reason, example) = match key {
-        keys::SAMPLE => ("no source says which sample was measured", "\"CNaf-01\""),
-        keys::ENVIRONMENT => ("no source says in which environment it was measured", "\"air\""),
+    let first_sample = request
+        .campaign
+        .samples
+        .first()
+        .map_or("CNaf-01", |sample| &sample.id);
+    let (reason, value, quote) = match key {
+        keys::SAMPLE => ("no source says which sample was measured", first_sample, "\""),
+        keys::ENVIRONMENT => ("no source says in which environment it was measured", "air", "\""),
         _ => (
             "no source gives the step voltage, and the file has no voltage channel",
             "2.5",
+            "",
         ),
     };
-    let mend = format!(
-        "ieap tag \"{run}\" {key}={}, or write {key} = {example} into {run}.toml",
-        example.trim_matches('"')
-    );
+    let mend =
+        format!("such as: ieap tag \"{run}\" {key}={value}, or {key} = {quote}{value}{quote} in {run}.toml");
     Issue::error("tag-missing", format!("`{key}` is missing: {reason}"))
         .at(key)
         .mend(mend)

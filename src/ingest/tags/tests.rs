@@ -259,7 +259,7 @@ fn what_is_missing_is_named_with_its_mend() {
     assert_eq!(codes(&found), ["tag-missing"; 3]);
     assert_eq!(
         found.issues[2].mend,
-        "ieap tag \"runs/set/CNaf-01_air_2.5V.csv\" voltage_v=2.5, or write voltage_v = 2.5 into runs/set/CNaf-01_air_2.5V.csv.toml"
+        "such as: ieap tag \"runs/set/CNaf-01_air_2.5V.csv\" voltage_v=2.5, or voltage_v = 2.5 in runs/set/CNaf-01_air_2.5V.csv.toml"
     );
     let with_channel = resolve_with(
         &[],
@@ -302,4 +302,43 @@ fn tag_files_are_those_inside_the_campaign_and_their_digest_follows_their_conten
     }
     fs::write(campaign.join("runs/set/other.csv.toml"), "sample = 1").unwrap();
     assert_eq!(digests.last(), Some(&tag_sources_digest(campaign, &data_files)));
+}
+
+/// Text that is nearly a file of tags, so that the reader gets past its first line.
+fn nearly_tags() -> impl proptest::strategy::Strategy<Value = Vec<u8>> {
+    use proptest::prelude::*;
+    let line = prop_oneof![
+        "(sample|voltage_v|started_at|cycle|free|\"a b\") = (\"[^\"]{0,9}\"|[-0-9.e:TZ]{0,12}|\\[.{0,5}\\])",
+        "\\[[a-z]{1,5}\\]",
+        "\\PC{0,20}",
+    ];
+    prop_oneof![
+        proptest::collection::vec(any::<u8>(), 0..60),
+        proptest::collection::vec(line, 0..5).prop_map(|lines| lines.join("\n").into_bytes()),
+    ]
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_sidecar_panics_or_takes_away_what_the_name_says(bytes in nearly_tags()) {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir_all(folder.path().join("runs/set")).unwrap();
+        fs::write(folder.path().join(format!("{FILE}.toml")), bytes).unwrap();
+        let campaign = campaign(Some("{sample}_{environment}_{voltage_v}V"));
+        let data_files = [PathBuf::from(FILE)];
+        let found = resolve(&TagRequest {
+            campaign: &campaign,
+            folder: folder.path(),
+            data_files: &data_files,
+            stem: &stem(&data_files[0]),
+            hand: &[],
+            header: &[],
+            channel_voltage_v: None,
+            ambient: &[],
+        });
+        proptest::prop_assert_eq!(found.value("environment"), Some("air"));
+        proptest::prop_assert!(from(&found, "sample").contains(&("CNaf-01".to_owned(), TagSource::FileName)));
+        let voltage: f64 = found.value("voltage_v").unwrap().parse().unwrap();
+        proptest::prop_assert!(voltage.is_finite());
+    }
 }

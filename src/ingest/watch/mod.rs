@@ -3,6 +3,7 @@
 
 mod hint;
 mod signals;
+mod source;
 
 use std::fs;
 use std::io;
@@ -11,12 +12,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use notify::{Config, RecommendedWatcher, RecursiveMode, Watcher as _};
-
 use crate::domain::Issue;
-use crate::ingest::filesystem;
+use crate::ingest::scan::identity;
 
 use signals::Signals;
+use source::{Source, arm, failed, poll_of, polling};
 
 pub use hint::{Hint, Places, hint_of};
 
@@ -110,14 +110,6 @@ struct State {
     /// When to look again after new folders.
     echoes: Vec<Instant>,
     issues: Vec<Issue>,
-}
-
-enum Source {
-    /// Kept for its thread, which hears the events.
-    Events {
-        _hears: RecommendedWatcher,
-    },
-    Polling(Duration),
 }
 
 impl Watcher {
@@ -237,6 +229,7 @@ impl Watcher {
         }
         let hint = asked.hint.map(|hint| self.rest_of_burst(state, hint, now, stop));
         if hint == Some(Hint::Rescan) || now >= state.next_full {
+            self.try_events_again(state);
             state.full_scan_follows(now, &self.options);
             return Some(Wake::Rescan);
         }
@@ -270,6 +263,22 @@ impl Watcher {
             std::thread::sleep(BURST_PAUSE / 5);
         }
         strongest
+    }
+
+    /// Takes up events again where polling only stands in for them: limits are raised, shares replaced.
+    /// A full scan must follow.
+    fn try_events_again(&self, state: &mut State) {
+        if self.options.poll.is_some() || matches!(state.source, Source::Events { .. }) {
+            return;
+        }
+        // Why events cannot be had was said when polling began.
+        let (source, signals, _) = arm(&self.places, &self.options);
+        if matches!(source, Source::Events { .. }) {
+            state.replace_source(source);
+            state.signals = signals;
+            let message = "the system gives events again; polling ends";
+            state.issues.push(Issue::note("watch-events", message));
+        }
     }
 
     fn poll_instead(&self, state: &mut State, failure: Option<&notify::Error>, now: Instant) {
@@ -320,87 +329,11 @@ impl State {
     }
 }
 
-/// The turn of polling; with events there is none, and the full scan comes first.
-fn poll_of(source: &Source) -> Duration {
-    match source {
-        Source::Events { .. } => Duration::from_secs(86_400),
-        Source::Polling(turn) => *turn,
-    }
-}
-
-/// Takes up events, or polling with the reason where events were asked for and cannot be had.
-fn arm(places: &Places, options: &WatchOptions) -> (Source, Arc<Signals>, Vec<Issue>) {
-    let signals = Arc::new(Signals::default());
-    if let Some(turn) = options.poll {
-        return (Source::Polling(turn), signals, Vec::new());
-    }
-    let network = filesystem::network_kind(&places.runs).ok().flatten();
-    if let Some(name) = network {
-        let reason = format!("the runs folder lies on {name}, which tells nothing of changes made elsewhere");
-        let issue = polling(&reason, "", FALLBACK_POLL);
-        return (Source::Polling(FALLBACK_POLL), signals, vec![issue]);
-    }
-    match subscribe(places, signals.clone()) {
-        Ok(watcher) => (Source::Events { _hears: watcher }, signals, Vec::new()),
-        Err(failure) => {
-            let issue = failed(&failure, FALLBACK_POLL);
-            (Source::Polling(FALLBACK_POLL), Arc::default(), vec![issue])
-        }
-    }
-}
-
-fn subscribe(places: &Places, signals: Arc<Signals>) -> notify::Result<RecommendedWatcher> {
-    let heard_at = places.clone();
-    let hear = move |event: notify::Result<notify::Event>| match event {
-        Ok(event) => {
-            if let Some(hint) = hint_of(&event, &heard_at) {
-                signals.note(Ok(hint));
-            }
-        }
-        Err(failure) => signals.note(Err(failure)),
-    };
-    // Links are the scan's affair: followed here, one could lead the watch over a whole disk.
-    let mut watcher = RecommendedWatcher::new(hear, Config::default().with_follow_symlinks(false))?;
-    let above = places.runs.ancestors().skip(1);
-    for folder in above.take_while(|folder| folder.starts_with(&places.campaign)) {
-        watcher.watch(folder, RecursiveMode::NonRecursive)?;
-    }
-    watcher.watch(&places.runs, RecursiveMode::Recursive)?;
-    Ok(watcher)
-}
-
-fn failed(failure: &notify::Error, turn: Duration) -> Issue {
-    let limit = match &failure.kind {
-        notify::ErrorKind::MaxFilesWatch => true,
-        // EMFILE: no further inotify instance; ENOSPC: no further watch.
-        notify::ErrorKind::Io(error) => {
-            error.kind() == io::ErrorKind::StorageFull || error.raw_os_error() == Some(24)
-        }
-        _ => false,
-    };
-    if limit {
-        let mend =
-            "raise the limits: sysctl fs.inotify.max_user_watches=524288 fs.inotify.max_user_instances=512";
-        polling("the system allows no further watches (inotify limit)", mend, turn)
-    } else {
-        polling(&format!("watching failed: {failure}"), "", turn)
-    }
-}
-
-fn polling(reason: &str, mend: &str, turn: Duration) -> Issue {
-    let message = format!(
-        "{reason}; the folder is looked through every {} s instead",
-        turn.as_secs_f64()
-    );
-    Issue::note("watch-polling", message).mend(mend)
-}
-
-/// Device and inode of a folder.
+/// Device and inode of a folder; zeros where the operating system gives none.
 fn folder_identity(folder: &Path) -> io::Result<(u64, u64)> {
-    use std::os::unix::fs::MetadataExt;
     let found = fs::metadata(folder)?;
     if found.is_dir() {
-        Ok((found.dev(), found.ino()))
+        Ok(identity(&found))
     } else {
         Err(io::ErrorKind::NotADirectory.into())
     }

@@ -141,3 +141,50 @@ fn waiting_for_a_lost_folder_is_no_busy_loop() {
         "poll and full scan are due and must not count now"
     );
 }
+
+#[test]
+fn events_are_tried_again_with_each_full_scan() {
+    let folder = campaign();
+    let options = WatchOptions {
+        full_scan_every: Duration::from_millis(300),
+        ..WatchOptions::default()
+    };
+    let watcher = start(&folder, options);
+    let signals = watcher.state.lock().unwrap().signals.clone();
+    signals.note(Err(notify::Error::generic("lost")));
+    drop(signals);
+    assert_eq!(watcher.wait(LONG, &GO), Wake::Rescan);
+    assert!(matches!(watcher.mode(), WatchMode::Polling(_)));
+    assert_eq!(watcher.wait(LONG, &GO), Wake::Rescan);
+    assert_eq!(watcher.mode(), WatchMode::Events);
+    let codes: Vec<String> = watcher
+        .take_issues()
+        .into_iter()
+        .map(|issue| issue.code)
+        .collect();
+    assert_eq!(codes, ["watch-polling", "watch-events"]);
+    // A write at the very moment of a full scan is part of that scan, so there is more than one.
+    let write = || fs::write(folder.path().join("runs/a.csv"), "1").unwrap();
+    write();
+    while watcher.wait(LONG, &GO) != Wake::Hint {
+        write();
+    }
+}
+
+#[test]
+fn a_new_folder_is_looked_at_again_soon_and_after_the_quiet_period() {
+    let folder = campaign();
+    let options = WatchOptions {
+        quiet: Duration::from_millis(300),
+        ..WatchOptions::default()
+    };
+    let watcher = start(&folder, options);
+    let signals = watcher.state.lock().unwrap().signals.clone();
+    let started = Instant::now();
+    signals.note(Ok(Hint::LookAgain));
+    for at_least in [Duration::ZERO, ECHO_AFTER, ECHO_AFTER + options.quiet] {
+        assert_eq!(watcher.wait(LONG, &GO), Wake::Hint);
+        assert!(started.elapsed() >= at_least, "{:?}", started.elapsed());
+    }
+    assert_eq!(watcher.wait(SHORT, &GO), Wake::Timeout);
+}

@@ -1,0 +1,240 @@
+//! The raw files by content: `archive/ab/abcdef....csv`, written once, never changed.
+
+mod error;
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use error::sorted;
+
+pub use error::ArchiveError;
+
+/// Folder of the archive inside the campaign.
+pub const FOLDER: &str = "archive";
+
+/// Begin of the names of files that are not written to their end yet.
+const PARTIAL: &str = ".part-";
+
+/// What storing some bytes came to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// They were not there and are now.
+    Written,
+    /// They were there already.
+    AlreadyThere,
+    /// A file of that hash was there with another size; it was replaced by the right bytes.
+    Repaired,
+}
+
+/// Where some bytes lie in the archive.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Archived {
+    /// BLAKE3 of the bytes, 64 hexadecimal digits.
+    pub hash: String,
+    /// Path relative to the campaign, with `/`.
+    pub path: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+}
+
+/// BLAKE3 of some bytes, 64 hexadecimal digits.
+pub fn hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}
+
+/// The archive of one campaign.
+#[derive(Debug, Clone)]
+pub struct Archive {
+    campaign: PathBuf,
+}
+
+impl Archive {
+    /// The archive of the campaign in that folder; nothing is created yet.
+    pub fn new(campaign: &Path) -> Archive {
+        Archive {
+            campaign: campaign.to_path_buf(),
+        }
+    }
+
+    /// Stores `bytes` under their hash, with the ending of `name`. When this returns, bytes and name are on
+    /// the disk: only then may a database row speak of them.
+    ///
+    /// # Errors
+    /// Where there is no room, no right, or the disk fails; no half file is left then.
+    pub fn store(&self, bytes: &[u8], name: &Path) -> Result<(Archived, Outcome), ArchiveError> {
+        let hash = hash(bytes);
+        let folder = self.folder_of(&hash);
+        fs::create_dir_all(&folder).map_err(|source| sorted(&folder, "create", 0, source))?;
+        let (path, outcome) = match self.locate(&hash)? {
+            Some(path) if fs::metadata(&path).is_ok_and(|there| there.len() == bytes.len() as u64) => {
+                (path, Outcome::AlreadyThere)
+            }
+            Some(path) => (path, Outcome::Repaired),
+            None => (folder.join(format!("{hash}{}", ending(name))), Outcome::Written),
+        };
+        if outcome != Outcome::AlreadyThere {
+            write_whole(&folder, &path, bytes)?;
+        }
+        // Also where file and folders were there: a program killed before this left their names unsafe.
+        for folder in [&folder, &self.campaign.join(FOLDER), &self.campaign] {
+            sync_folder(folder)?;
+        }
+        let archived = Archived {
+            path: self.relative(&path),
+            size_bytes: bytes.len() as u64,
+            hash,
+        };
+        Ok((archived, outcome))
+    }
+
+    /// The bytes with that hash, checked.
+    ///
+    /// # Errors
+    /// Where they are not there, are damaged, or cannot be read.
+    pub fn read(&self, hash_text: &str) -> Result<Vec<u8>, ArchiveError> {
+        let path = self.find(hash_text)?;
+        let bytes = fs::read(&path).map_err(|source| sorted(&path, "read", 0, source))?;
+        let found = hash(&bytes);
+        if found == hash_text {
+            Ok(bytes)
+        } else {
+            Err(ArchiveError::Damaged { path, found })
+        }
+    }
+
+    /// The path of the file with that hash; its bytes are not checked.
+    ///
+    /// # Errors
+    /// Where it is not there or the folder cannot be read.
+    pub fn find(&self, hash: &str) -> Result<PathBuf, ArchiveError> {
+        let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
+        if hash.len() != 64 || !hash.bytes().all(is_digit) {
+            return Err(ArchiveError::NotAHash {
+                found: hash.to_owned(),
+            });
+        }
+        self.locate(hash)?.ok_or_else(|| ArchiveError::Absent {
+            folder: self.folder_of(hash),
+            hash: hash.to_owned(),
+        })
+    }
+
+    /// Every file of the archive in the order of the hashes; their bytes are not checked.
+    ///
+    /// # Errors
+    /// Where a folder cannot be read.
+    pub fn entries(&self) -> Result<Vec<Archived>, ArchiveError> {
+        let mut entries = Vec::new();
+        for folder in list(&self.campaign.join(FOLDER))?
+            .into_iter()
+            .filter(|path| path.is_dir())
+        {
+            for path in list(&folder)? {
+                let Some(hash) = hash_in_name(&path) else { continue };
+                let there = fs::metadata(&path).map_err(|source| sorted(&path, "read", 0, source))?;
+                entries.push(Archived {
+                    hash,
+                    path: self.relative(&path),
+                    size_bytes: there.len(),
+                });
+            }
+        }
+        Ok(entries)
+    }
+
+    /// Removes what a killed program left half-written; only for the one who may write. Gives the number
+    /// of files removed.
+    ///
+    /// # Errors
+    /// Where a folder cannot be read or a file cannot be removed.
+    pub fn remove_partial(&self) -> Result<usize, ArchiveError> {
+        let mut removed = 0;
+        for folder in list(&self.campaign.join(FOLDER))?
+            .into_iter()
+            .filter(|path| path.is_dir())
+        {
+            for path in list(&folder)? {
+                let name = path.file_name().unwrap_or_default();
+                if name.to_string_lossy().starts_with(PARTIAL) {
+                    fs::remove_file(&path).map_err(|source| sorted(&path, "remove", 0, source))?;
+                    removed += 1;
+                }
+            }
+        }
+        Ok(removed)
+    }
+
+    fn folder_of(&self, hash: &str) -> PathBuf {
+        self.campaign.join(FOLDER).join(&hash[..2])
+    }
+
+    fn locate(&self, hash: &str) -> Result<Option<PathBuf>, ArchiveError> {
+        let files = list(&self.folder_of(hash))?;
+        Ok(files
+            .into_iter()
+            .find(|path| hash_in_name(path).as_deref() == Some(hash)))
+    }
+
+    fn relative(&self, path: &Path) -> String {
+        super::scan::display_path(path.strip_prefix(&self.campaign).unwrap_or(path))
+    }
+}
+
+/// Temporary file beside the place, written and synced, then renamed to the place.
+fn write_whole(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), ArchiveError> {
+    let failed = |source| sorted(path, "write", bytes.len() as u64, source);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PARTIAL);
+    // Raw files are for everyone to read and for nobody to change.
+    #[cfg(unix)]
+    let permissions = <fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o444);
+    #[cfg(unix)]
+    builder.permissions(permissions);
+    let mut file = builder.tempfile_in(folder).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(path).map_err(|kept| failed(kept.error))?;
+    Ok(())
+}
+
+/// Makes the names in a folder safe against a loss of power; where folders cannot be opened, the operating
+/// system does that by itself.
+fn sync_folder(folder: &Path) -> Result<(), ArchiveError> {
+    if cfg!(not(unix)) {
+        return Ok(());
+    }
+    File::open(folder)
+        .and_then(|folder| folder.sync_all())
+        .map_err(|source| sorted(folder, "sync", 0, source))
+}
+
+/// What lies in a folder, sorted; nothing where the folder is not there.
+fn list(folder: &Path) -> Result<Vec<PathBuf>, ArchiveError> {
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(source) if source.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(source) => return Err(sorted(folder, "read", 0, source)),
+    };
+    let paths: io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
+    let mut paths = paths.map_err(|source| sorted(folder, "read", 0, source))?;
+    paths.sort();
+    Ok(paths)
+}
+
+/// The hash that a file of the archive is named by.
+fn hash_in_name(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let hash = name.split('.').next()?;
+    (hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit())).then(|| hash.to_owned())
+}
+
+/// `.csv` of `A.CSV`; nothing where there is no plain ending.
+fn ending(name: &Path) -> String {
+    let plain = |ending: &&str| ending.len() <= 16 && ending.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    let ending = name.extension().and_then(|ending| ending.to_str()).filter(plain);
+    ending.map_or(String::new(), |ending| format!(".{}", ending.to_lowercase()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,127 @@
+//! Tests of the archive.
+
+use super::*;
+
+fn archive() -> (tempfile::TempDir, Archive) {
+    let folder = tempfile::tempdir().unwrap();
+    let archive = Archive::new(folder.path());
+    (folder, archive)
+}
+
+#[test]
+fn the_hash_is_blake3() {
+    // The published test vector for the empty input.
+    assert_eq!(
+        hash(b""),
+        "af1349b9f5f9a1a6a0404dea36dcc9499bcb25c9adc112b7cc9a93cae41f3262"
+    );
+}
+
+#[test]
+fn bytes_are_stored_once_and_read_back() {
+    let (folder, archive) = archive();
+    let (first, outcome) = archive.store(b"readings", Path::new("runs/A.CSV")).unwrap();
+    assert_eq!(outcome, Outcome::Written);
+    assert_eq!(
+        first.path,
+        format!("archive/{}/{}.csv", &first.hash[..2], first.hash)
+    );
+    let (second, outcome) = archive.store(b"readings", Path::new("b.txt")).unwrap();
+    assert_eq!((second, outcome), (first.clone(), Outcome::AlreadyThere));
+    assert_eq!(archive.read(&first.hash).unwrap(), b"readings");
+    assert_eq!(archive.entries().unwrap(), std::slice::from_ref(&first));
+    assert_eq!(fs::read(folder.path().join(&first.path)).unwrap(), b"readings");
+}
+
+#[test]
+fn an_ending_that_is_no_plain_one_is_left_out() {
+    for (name, expected) in [
+        ("a.CSV", ".csv"),
+        ("a", ""),
+        ("a.b c", ""),
+        ("a.abcdefghijklmnopq", ""),
+        (".dta", ""),
+        ("a.tar.gz", ".gz"),
+        ("a.µ", ""),
+    ] {
+        assert_eq!(ending(Path::new(name)), expected, "{name}");
+    }
+}
+
+#[test]
+fn damage_is_found_and_a_wrong_size_is_repaired() {
+    let (folder, archive) = archive();
+    let (stored, _) = archive.store(b"readings", Path::new("a.csv")).unwrap();
+    let path = folder.path().join(&stored.path);
+    fs::remove_file(&path).unwrap();
+    fs::write(&path, b"rEadings").unwrap();
+    assert!(matches!(
+        archive.read(&stored.hash),
+        Err(ArchiveError::Damaged { .. })
+    ));
+    fs::write(&path, b"read").unwrap();
+    let (again, outcome) = archive.store(b"readings", Path::new("a.csv")).unwrap();
+    assert_eq!((again, outcome), (stored.clone(), Outcome::Repaired));
+    assert_eq!(archive.read(&stored.hash).unwrap(), b"readings");
+}
+
+#[test]
+fn what_is_not_there_or_no_hash_is_said() {
+    let (_folder, archive) = archive();
+    assert!(matches!(
+        archive.read(&hash(b"x")),
+        Err(ArchiveError::Absent { .. })
+    ));
+    for text in [
+        "",
+        "ab",
+        "../../../../etc/passwd",
+        &"g".repeat(64),
+        &"A".repeat(64),
+    ] {
+        assert!(
+            matches!(archive.read(text), Err(ArchiveError::NotAHash { .. })),
+            "{text}"
+        );
+    }
+    assert_eq!(archive.entries().unwrap(), []);
+    assert_eq!(archive.remove_partial().unwrap(), 0);
+}
+
+#[test]
+fn half_files_of_a_killed_program_are_no_entries_and_are_removed() {
+    let (folder, archive) = archive();
+    let (stored, _) = archive.store(b"readings", Path::new("a.csv")).unwrap();
+    let partial = folder.path().join(&stored.path).with_file_name(".part-abc");
+    fs::write(&partial, b"rea").unwrap();
+    assert_eq!(archive.entries().unwrap().len(), 1);
+    assert_eq!(archive.remove_partial().unwrap(), 1);
+    assert!(!partial.exists());
+    assert_eq!(archive.read(&stored.hash).unwrap(), b"readings");
+}
+
+#[test]
+fn refusals_of_the_system_are_sorted() {
+    let from = |code: rustix::io::Errno| sorted(Path::new("x"), "write", 5, code.into());
+    assert!(matches!(
+        from(rustix::io::Errno::NOSPC),
+        ArchiveError::DiskFull { needed_bytes: 5, .. }
+    ));
+    assert!(matches!(
+        from(rustix::io::Errno::DQUOT),
+        ArchiveError::DiskFull { .. }
+    ));
+    assert!(matches!(
+        from(rustix::io::Errno::FBIG),
+        ArchiveError::DiskFull { .. }
+    ));
+    assert!(matches!(
+        from(rustix::io::Errno::ACCESS),
+        ArchiveError::Denied { doing: "write", .. }
+    ));
+    assert!(matches!(
+        from(rustix::io::Errno::ROFS),
+        ArchiveError::Denied { .. }
+    ));
+    assert!(matches!(from(rustix::io::Errno::IO), ArchiveError::Failed { .. }));
+}
