@@ -4,4 +4,4 @@ pub mod formats;
 pub mod reading;
 pub mod text;
 
-pub use reading::{Reading, RunTable, StartedAt, Timestamp};
+pub use reading::{ColumnSummary, Reading, RunTable, StartedAt, Timestamp};

@@ -79,6 +79,13 @@ pub fn decide(lines: &[Line<'_>]) -> Result<Layout, ReadError> {
             candidates.extend(judge(found, index, decimal, &sample));
         }
     }
+    if candidates
+        .iter()
+        .any(|candidate| found[candidate.found].delimiter != Delimiter::Blanks)
+    {
+        // Blanks also stand inside names and texts: they separate columns only where nothing else does.
+        candidates.retain(|candidate| found[candidate.found].delimiter != Delimiter::Blanks);
+    }
     let best = choose(&candidates, &found, &sample)?;
     let decimal = best.decimal;
     let chosen = found.swap_remove(best.found);
@@ -334,9 +341,15 @@ mod tests {
                 "{error}"
             );
         }
-        let text = "time_s;current_a,t (s);i (A)\n0;1,5;2\n";
-        let error = layout(text).unwrap_err();
-        assert!(matches!(error, ReadError::AmbiguousNumbers { .. }), "{error}");
+    }
+
+    #[test]
+    fn mixed_decimal_signs_are_refused() {
+        let error = layout("time_s;current_a\n0;1.5\n1;1,5\n").unwrap_err();
+        assert!(
+            error.to_string().contains("decimal point") && error.to_string().contains("decimal comma"),
+            "{error}"
+        );
     }
 
     #[test]
