@@ -12,7 +12,8 @@ use serde_json::{Value, json};
 pub fn fixtures() -> Vec<(String, PathBuf, Vec<u8>)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats");
     let mut found = Vec::new();
-    for folder in fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path()) {
+    let entries = fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path());
+    for folder in entries.filter(|path| path.is_dir()) {
         for path in fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
             if path.extension().is_none_or(|extension| extension != "json") {
                 let format = folder.file_name().unwrap().to_string_lossy().into_owned();

@@ -279,15 +279,19 @@ fn header_tags(
     if !is_step {
         return tags;
     }
+    let levels = explain.objects.iter().filter(|object| is_level(object.key));
+    if let Some(relative) = levels.clone().find(|object| object.rest.first() == Some(&"T")) {
+        let message = format!(
+            "{} is relative to the open circuit potential, which the header does not give; no step voltage is taken \
+             from the header",
+            relative.key
+        );
+        issues.push(Issue::note("potential-relative", message).at(relative.key));
+        return tags;
+    }
     let mut farthest: Option<(f64, &str)> = None;
-    for object in explain.objects.iter().filter(|object| is_level(object.key)) {
-        if object.rest.first() == Some(&"T") {
-            let message = format!(
-                "{} is relative to the open circuit potential; it is not used",
-                object.key
-            );
-            issues.push(Issue::note("potential-relative", message).at(object.key));
-        } else if let Some(volts) = number_of(object.value)
+    for object in levels {
+        if let Some(volts) = number_of(object.value)
             && farthest.is_none_or(|(far, _)| volts.abs() > far.abs())
         {
             farthest = Some((volts, object.key));

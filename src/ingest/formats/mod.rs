@@ -14,6 +14,8 @@ pub mod overload;
 pub mod plain_table;
 pub mod recognition;
 pub mod sheet_cells;
+#[cfg(test)]
+mod sheet_tests;
 pub mod spreadsheet;
 pub mod time_axis;
 pub mod unpacking;
