@@ -5,6 +5,7 @@ use crate::ingest::Reading;
 pub mod assemble;
 pub mod autolab_nova;
 pub mod cells;
+pub mod columns;
 pub mod date;
 pub mod delimited;
 pub mod error;
@@ -12,6 +13,7 @@ pub mod gamry_dta;
 pub mod gamry_objects;
 pub mod overload;
 pub mod plain_table;
+pub mod plausible;
 pub mod recognition;
 pub mod sheet_cells;
 #[cfg(test)]

@@ -8,7 +8,7 @@ use calamine::{Data, DataRef, Reader, Xls, Xlsx};
 use super::error::{ReadError, escaped};
 
 /// Most cells that are read from one workbook.
-const MAX_CELLS: u64 = 50_000_000;
+const MAX_CELLS: u64 = 10_000_000;
 
 /// A cell that is not empty.
 #[derive(Debug, Clone, PartialEq)]
