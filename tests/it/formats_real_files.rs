@@ -362,3 +362,18 @@ fn the_gamry_campaign_knows_its_potentials_and_dates() {
 fn codes(reading: &Reading) -> Vec<&str> {
     reading.issues.iter().map(|issue| issue.code.as_str()).collect()
 }
+
+#[test]
+fn a_cut_of_a_real_file_never_changes_a_number() {
+    for file in [
+        "gamry/CHRONOPOINTS_1_16.DTA",
+        "gamry/cv_data.dta",
+        "autolab/synthetic_nova_ca_semicolon_comma.txt",
+    ] {
+        let Some(folder) = shared("formats") else { return };
+        let bytes = fs::read(folder.join(file)).unwrap();
+        let survived = crate::formats_properties::cuts(file, &bytes);
+        println!("{file}: {survived} of {} cuts read", bytes.len());
+        assert!(survived > bytes.len() / 8);
+    }
+}
