@@ -12,6 +12,7 @@ pub mod run;
 pub mod tag;
 pub mod thinning;
 pub mod unit;
+mod unit_spelling;
 
 pub use campaign::{Campaign, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::Quantity;
+use super::unit_spelling::{known_units, normalise, parse_as};
 
 /// What a unit measures; only units of the same dimension convert into each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -42,12 +43,22 @@ impl Conversion {
     /// Leaves readings as they are.
     pub const IDENTITY: Conversion = Conversion::scale(1.0, 1.0);
 
-    const fn scale(numerator: f64, denominator: f64) -> Conversion {
+    /// Multiplies by `numerator / denominator`.
+    pub const fn scale(numerator: f64, denominator: f64) -> Conversion {
         Conversion {
             before: 0.0,
             numerator,
             denominator,
             after: 0.0,
+        }
+    }
+
+    /// Adds `before`, then converts as `self` does, then adds `after`.
+    pub const fn shifted(self, before: f64, after: f64) -> Conversion {
+        Conversion {
+            before,
+            after,
+            ..self
         }
     }
 
@@ -149,185 +160,6 @@ pub fn is_known(unit: &str) -> bool {
         .into_iter()
         .filter_map(dimension)
         .any(|dimension| parse_as(&spelled, dimension).is_some())
-}
-
-/// One spelling for what files write in several: micro and degree signs, powers, bracketed stars, references.
-fn normalise(unit: &str) -> String {
-    let mut text = unit.trim().to_owned();
-    for (from, to) in [
-        ("\u{b5}", "u"),
-        ("\u{3bc}", "u"),
-        ("\u{b0}", "deg"),
-        ("\u{ba}", "deg"),
-        ("\u{2103}", "degC"),
-        ("\u{2109}", "degF"),
-        ("\u{207b}\u{b9}", "-1"),
-        ("\u{2212}", "-"),
-        ("^", ""),
-        ("*", "deg"),
-        ("deg ", "deg"),
-        ("degrees ", "deg"),
-        ("per ", "1/"),
-        ("per_", "1/"),
-    ] {
-        if text.contains(from) {
-            text = text.replace(from, to);
-        }
-    }
-    let bare = text.trim_start_matches(['(', '[']).trim_end_matches([')', ']']);
-    let bare = match bare.to_ascii_lowercase().find(" vs") {
-        Some(reference) => &bare[..reference],
-        None => bare,
-    };
-    bare.chars().filter(|c| !c.is_whitespace()).collect()
-}
-
-fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion> {
-    let word = spelled.to_ascii_lowercase();
-    match dimension {
-        Dimension::Time => time(spelled, &word),
-        Dimension::Voltage => prefixed(spelled, "V").or_else(|| named(&word, &["volt", "volts"])),
-        Dimension::Current => {
-            prefixed(spelled, "A").or_else(|| named(&word, &["amp", "amps", "ampere", "amperes"]))
-        }
-        Dimension::Curvature => curvature(spelled),
-        Dimension::Length => length(spelled),
-        Dimension::Force => force(spelled),
-        Dimension::Temperature => temperature(spelled, &word),
-        Dimension::Ratio => named(&word, &["%", "percent", "%rh", "rh%", "%r.h.", "pct"]),
-        Dimension::Pressure => pressure(spelled, &word),
-    }
-}
-
-fn named(word: &str, names: &[&str]) -> Option<Conversion> {
-    names.contains(&word).then_some(Conversion::IDENTITY)
-}
-
-/// `symbol` behind an SI prefix that laboratory quantities carry; upper-case prefixes are left out on purpose,
-/// for `MA` and `MV` are misspelt milli far more often than mega.
-fn prefixed(spelled: &str, symbol: &str) -> Option<Conversion> {
-    let denominator = match spelled.strip_suffix(symbol)? {
-        "" => 1.0,
-        "m" => 1e3,
-        "u" => 1e6,
-        "n" => 1e9,
-        "p" => 1e12,
-        "f" => 1e15,
-        "k" => return Some(Conversion::scale(1e3, 1.0)),
-        _ => return None,
-    };
-    Some(Conversion::scale(1.0, denominator))
-}
-
-fn time(spelled: &str, word: &str) -> Option<Conversion> {
-    if let Some(conversion) = prefixed(spelled, "s").filter(|_| spelled != "ks" && spelled != "fs") {
-        return Some(conversion);
-    }
-    Some(match word {
-        "sec" | "secs" | "second" | "seconds" => Conversion::IDENTITY,
-        "msec" | "millisecond" | "milliseconds" => Conversion::scale(1.0, 1e3),
-        "usec" | "microsecond" | "microseconds" => Conversion::scale(1.0, 1e6),
-        "min" | "minute" | "minutes" => Conversion::scale(60.0, 1.0),
-        "h" | "hr" | "hrs" | "hour" | "hours" => Conversion::scale(3600.0, 1.0),
-        "d" | "day" | "days" => Conversion::scale(86_400.0, 1.0),
-        _ => return None,
-    })
-}
-
-/// Metres per unit as numerator over denominator.
-fn metres(spelled: &str) -> Option<(f64, f64)> {
-    Some(match spelled {
-        "m" => (1.0, 1.0),
-        "dm" => (1.0, 10.0),
-        "cm" => (1.0, 1e2),
-        "mm" => (1.0, 1e3),
-        "um" | "micron" | "microns" => (1.0, 1e6),
-        "nm" => (1.0, 1e9),
-        _ => return None,
-    })
-}
-
-fn length(spelled: &str) -> Option<Conversion> {
-    let (_, per_metre) = metres(spelled)?;
-    Some(if per_metre <= 1e3 {
-        Conversion::scale(1e3 / per_metre, 1.0)
-    } else {
-        Conversion::scale(1.0, per_metre / 1e3)
-    })
-}
-
-fn curvature(spelled: &str) -> Option<Conversion> {
-    let unit = ["1/", "/"]
-        .into_iter()
-        .find_map(|start| spelled.strip_prefix(start))
-        .or_else(|| spelled.strip_suffix("-1"))?;
-    let (_, per_metre) = metres(unit)?;
-    Some(if per_metre >= 1e2 {
-        Conversion::scale(per_metre / 1e2, 1.0)
-    } else {
-        Conversion::scale(1.0, 1e2 / per_metre)
-    })
-}
-
-fn force(spelled: &str) -> Option<Conversion> {
-    Some(match spelled {
-        "kN" => Conversion::scale(1e6, 1.0),
-        "N" => Conversion::scale(1e3, 1.0),
-        "mN" => Conversion::IDENTITY,
-        "uN" => Conversion::scale(1.0, 1e3),
-        "nN" => Conversion::scale(1.0, 1e6),
-        _ => return None,
-    })
-}
-
-fn temperature(spelled: &str, word: &str) -> Option<Conversion> {
-    Some(match (spelled, word) {
-        ("C", _) | (_, "degc" | "celsius" | "deg.c" | "degcelsius") => Conversion::IDENTITY,
-        ("K", _) | (_, "kelvin" | "degk") => Conversion {
-            after: -273.15,
-            ..Conversion::IDENTITY
-        },
-        ("F", _) | (_, "degf" | "fahrenheit" | "deg.f") => Conversion {
-            before: -32.0,
-            ..Conversion::scale(5.0, 9.0)
-        },
-        _ => return None,
-    })
-}
-
-fn pressure(spelled: &str, word: &str) -> Option<Conversion> {
-    let pascals = match spelled {
-        "Pa" => 1.0,
-        "hPa" => 1e2,
-        "kPa" => 1e3,
-        "MPa" => 1e6,
-        "mPa" => return Some(Conversion::scale(1.0, 1e3)),
-        _ => match word {
-            "bar" => 1e5,
-            "mbar" => 1e2,
-            "ubar" => return Some(Conversion::scale(1.0, 10.0)),
-            "atm" => 101_325.0,
-            "torr" | "mmhg" => return Some(Conversion::scale(101_325.0, 760.0)),
-            "mtorr" => return Some(Conversion::scale(101_325.0, 760_000.0)),
-            _ => return None,
-        },
-    };
-    Some(Conversion::scale(pascals, 1.0))
-}
-
-/// The spellings an error offers; every one is accepted (a test sees to it).
-fn known_units(dimension: Dimension) -> &'static str {
-    match dimension {
-        Dimension::Time => "s, ms, us, min, h, d",
-        Dimension::Voltage => "V, mV, uV, kV",
-        Dimension::Current => "A, mA, uA, nA, pA",
-        Dimension::Curvature => "1/cm, 1/m, 1/mm, cm-1, m^-1, per cm",
-        Dimension::Length => "mm, cm, m, um, nm",
-        Dimension::Force => "mN, N, uN, nN, kN",
-        Dimension::Temperature => "°C, degC, C, K, °F, degF",
-        Dimension::Ratio => "%, percent, %RH",
-        Dimension::Pressure => "Pa, hPa, kPa, MPa, mbar, bar, atm, Torr",
-    }
 }
 
 #[cfg(test)]

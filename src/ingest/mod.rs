@@ -14,4 +14,4 @@ pub mod tags;
 pub mod text;
 pub mod watch;
 
-pub use reading::{Reading, RunTable, StartedAt, Timestamp};
+pub use reading::{ColumnSummary, Reading, RunTable, StartedAt, Timestamp};

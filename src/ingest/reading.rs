@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::domain::{Channel, Issue, RunStatus};
+use crate::domain::{Channel, Issue, Quantity, RunStatus};
 
 /// Which moment a time stamp of a file means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -76,4 +76,52 @@ pub struct Reading {
     pub original_metadata: Vec<(String, String)>,
     /// What a reader must know.
     pub issues: Vec<Issue>,
+}
+
+/// A column of a table without its readings, as `ieap inspect` shows it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ColumnSummary {
+    /// The column's name as the file has it.
+    pub name: String,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// The unit as the file has it; empty where there is none.
+    pub unit: String,
+    /// Name of the canonical column, `current_a`; empty for columns that are not interpreted.
+    pub canonical: &'static str,
+    /// Number of readings, the excluded ones counted.
+    pub readings: usize,
+    /// How many of them are left out of fits.
+    pub excluded: usize,
+    /// First reading, canonical unit.
+    pub first: Option<f64>,
+    /// Last reading, canonical unit.
+    pub last: Option<f64>,
+}
+
+impl RunTable {
+    /// The time column, where there is one, and the channels in the file's order.
+    pub fn columns(&self) -> Vec<ColumnSummary> {
+        let time = self.time_column.iter().map(|(name, unit)| ColumnSummary {
+            name: name.clone(),
+            quantity: Quantity::Time,
+            unit: unit.clone(),
+            canonical: Quantity::Time.column(),
+            readings: self.channels.iter().map(Channel::len).max().unwrap_or(0),
+            excluded: 0,
+            first: self.time_first_last_s.map(|(first, _)| first),
+            last: self.time_first_last_s.map(|(_, last)| last),
+        });
+        let channels = self.channels.iter().map(|channel| ColumnSummary {
+            name: channel.raw_name.clone(),
+            quantity: channel.quantity,
+            unit: channel.raw_unit.clone(),
+            canonical: channel.quantity.column(),
+            readings: channel.len(),
+            excluded: channel.excluded.len(),
+            first: channel.values.first().copied(),
+            last: channel.values.last().copied(),
+        });
+        time.chain(channels).collect()
+    }
 }

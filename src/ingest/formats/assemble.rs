@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use super::cells::{CellColumn, CellTable};
+use super::cells::CellTable;
+use super::columns::{holds_text, judge_columns, read_flags};
 use super::error::{ReadError, quoted};
+use super::plausible::implausible;
 use super::time_axis::{self, TimeAxis};
 use crate::domain::unit::Conversion;
 use crate::domain::{Channel, Issue, Quantity};
 use crate::ingest::RunTable;
 use crate::ingest::text::header::{Header, Meaning};
 
-/// Share of the cells of a number column that may hold text (one cell always may) before it is refused.
-const TEXT_SHARE: f64 = 0.05;
 /// Share of rows that may have another number of fields than the header (one row always may).
 const RAGGED_SHARE: f64 = 0.05;
 
@@ -110,80 +110,6 @@ fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {
     );
     issues.push(Issue::warning("ragged-rows", message).at(format!("line {line}")));
     Ok(())
-}
-
-/// Turns `true` and `false` in flag columns into 1 and 0; other words are text where a flag must stand.
-fn read_flags(raw: &mut Raw) {
-    for (index, column) in raw.cells.columns.iter_mut().enumerate() {
-        if raw.headers[index].meaning.quantity() != Some(Quantity::OpenCircuit) {
-            continue;
-        }
-        for (row, text) in std::mem::take(&mut column.texts) {
-            match text.to_ascii_lowercase().as_str() {
-                "true" | "yes" | "open" => column.numbers[row as usize] = 1.0,
-                "false" | "no" | "closed" => column.numbers[row as usize] = 0.0,
-                _ => column
-                    .text
-                    .add(raw.cells.line_of_row[row as usize] as usize, || text.clone()),
-            }
-        }
-    }
-}
-
-/// What each column means once its cells are known: one that holds too much text is refused.
-fn judge_columns(raw: &Raw, issues: &mut Vec<Issue>) -> Vec<Meaning> {
-    let mut meanings = Vec::with_capacity(raw.headers.len());
-    for (index, header) in raw.headers.iter().enumerate() {
-        let column = &raw.cells.columns[index];
-        let place = |line: usize| format!("line {line}, column {}", index + 1);
-        let name = quoted(&header.raw_name);
-        let mut meaning = header.meaning.clone();
-        if let Meaning::Refused { error, .. } = &meaning {
-            let message = format!("column {name}: {error}; it is kept, but not used");
-            let mend = "write the unit into the header, as in Current (mA)";
-            issues.push(
-                Issue::warning("column-refused", message)
-                    .at(place(raw.cells.header_line))
-                    .mend(mend),
-            );
-        }
-        if let Some((line, found)) = &column.text.first {
-            let (count, filled) = (column.text.count, column.filled);
-            let found = quoted(found);
-            let known = meaning != Meaning::Other;
-            if holds_text(column) {
-                meaning = Meaning::Other;
-                let message = format!("column {name} holds text in {count} of {filled} cells, first {found}");
-                let issue = if known {
-                    Issue::warning("column-refused", message).mend("leave only numbers below the header")
-                } else {
-                    Issue::note("text-column", message + "; it is left out")
-                };
-                issues.push(issue.at(place(*line)));
-            } else {
-                let message =
-                    format!("{count} of {filled} cells of {name} hold text, first {found}; taken as empty");
-                issues.push(Issue::warning("text-in-number-column", message).at(place(*line)));
-            }
-        }
-        if let Some((line, found)) = &column.not_finite.first {
-            let message = format!(
-                "{} of {} cells of {name} hold no finite number, first {}; left out",
-                column.not_finite.count,
-                column.filled,
-                quoted(found)
-            );
-            issues.push(Issue::warning("not-finite", message).at(place(*line)));
-        }
-        meanings.push(meaning);
-    }
-    meanings
-}
-
-/// Whether so many cells hold text that the column is none of numbers.
-fn holds_text(column: &CellColumn) -> bool {
-    let count = column.text.count;
-    2 * count > column.filled || (count > 1 && count as f64 > TEXT_SHARE * column.filled as f64)
 }
 
 /// The column that times the table: a corrected time where there is one, else the first.
@@ -333,51 +259,6 @@ fn excluded(excluded_rows: &[u32], axis: &TimeAxis, rows: &[u32]) -> Arc<[u32]> 
             .is_ok()
     };
     (0..rows.len() as u32).filter(is_excluded).collect()
-}
-
-/// Readings that no actuator gives, such as a current in mA under a header that says A: flagged, never corrected.
-fn implausible(
-    quantity: Quantity,
-    header: &Header,
-    values: &[f64],
-    rows: &[u32],
-    axis: &TimeAxis,
-    cells: &CellTable,
-) -> Option<Issue> {
-    let (low, high) = plausible(quantity)?;
-    let outside = |value: &&f64| **value < low || **value > high;
-    let first = values.iter().position(|value| outside(&value))?;
-    let count = values.iter().filter(outside).count();
-    let line = cells.line_of_row[axis.rows[rows[first] as usize] as usize];
-    let unit = quantity.unit();
-    let message = format!(
-        "{count} of {} readings of {} lie outside {low} to {high} {unit}, first {} {unit}; they are taken as they are",
-        values.len(),
-        quoted(&header.raw_name),
-        values[first]
-    );
-    let mend = "check the unit in the header";
-    Some(
-        Issue::warning("suspicious-range", message)
-            .at(format!("line {line}"))
-            .mend(mend),
-    )
-}
-
-/// What a bench for ionic actuators can plausibly measure, in canonical units.
-fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
-    Some(match quantity {
-        Quantity::Voltage => (-50.0, 50.0),
-        Quantity::Current => (-1.0, 1.0),
-        Quantity::Curvature => (-50.0, 50.0),
-        Quantity::TipDisplacement => (-1e3, 1e3),
-        Quantity::BlockingForce => (-1e5, 1e5),
-        Quantity::OpenCircuit => (0.0, 1.0),
-        Quantity::Temperature => (-80.0, 400.0),
-        Quantity::RelativeHumidity => (-2.0, 105.0),
-        Quantity::Pressure => (-1.0, 1e7),
-        Quantity::Time | Quantity::Other => return None,
-    })
 }
 
 fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {

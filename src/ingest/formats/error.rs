@@ -216,11 +216,25 @@ impl ReadError {
 /// Text of a file as messages may show it: in quotes, control characters escaped, long text shortened.
 pub fn quoted(text: &str) -> String {
     const SHOWN: usize = 60;
-    let mut shown: String = text.chars().take(SHOWN).flat_map(char::escape_debug).collect();
-    if text.chars().nth(SHOWN).is_some() {
-        shown.push('\u{2026}');
+    let start: String = text.chars().take(SHOWN).collect();
+    let more = if text.chars().nth(SHOWN).is_some() {
+        "\u{2026}"
+    } else {
+        ""
+    };
+    format!("\"{}{more}\"", escaped(&start))
+}
+
+/// Text with its control characters and double quotes escaped.
+pub fn escaped(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\'' => shown.push(c),
+            _ => shown.extend(c.escape_debug()),
+        }
     }
-    format!("\"{shown}\"")
+    shown
 }
 
 #[cfg(test)]

@@ -12,10 +12,10 @@ use super::{Format, ReadContext, date, delimited, overload};
 use crate::domain::tag::keys;
 use crate::domain::{Issue, Quantity, RunStatus};
 use crate::ingest::text::grid::{Dialect, push_line};
-use crate::ingest::text::header::Header;
+use crate::ingest::text::header::{Header, Meaning};
 use crate::ingest::text::number::{self, Cell};
 use crate::ingest::text::{Decimal, Delimiter, Line, Lines, decode};
-use crate::ingest::{Reading, RunTable, Timestamp};
+use crate::ingest::{Reading, RunTable, StartedAt, Timestamp};
 
 /// Reader of Gamry Framework files.
 pub struct GamryDta;
@@ -121,7 +121,7 @@ fn run_table(table: &Table<'_>, decimal: Decimal, issues: &mut Vec<Issue>) -> Re
         match KNOWN_COLUMNS.contains(name) {
             true => header,
             false => Header {
-                meaning: crate::ingest::text::header::Meaning::Other,
+                meaning: Meaning::Other,
                 ..header
             },
         }
@@ -142,15 +142,20 @@ fn run_table(table: &Table<'_>, decimal: Decimal, issues: &mut Vec<Issue>) -> Re
         must_be_run: false,
     };
     if let Some(index) = keep_text.iter().position(|keep| *keep) {
-        overload::exclude(
-            &mut raw,
-            index,
-            |flags| flags.chars().any(|flag| flag != '.'),
-            issues,
-        );
+        overload::exclude(&mut raw, index, touches_current, issues);
     }
     drop_missing_probe(&mut raw, issues);
     assemble(raw, issues)
+}
+
+/// Whether overload flags concern the cell. The position of a flag says what it means (Gamry, Framework help,
+/// "Overloads"): timing, potential, control amplifier, current, settling; the eleventh is the auxiliary input.
+fn touches_current(flags: &str) -> bool {
+    const AUXILIARY_INPUT: usize = 10;
+    flags
+        .chars()
+        .enumerate()
+        .any(|(position, flag)| flag != '.' && position != AUXILIARY_INPUT)
 }
 
 /// Decimal sign of the whole file, from the numbers of its tables.
@@ -203,7 +208,7 @@ fn drop_missing_probe(raw: &mut Raw, issues: &mut Vec<Issue>) {
     }
     if missing == readings {
         // Kept as an uninterpreted column without numbers, it becomes no channel.
-        raw.headers[index].meaning = crate::ingest::text::header::Meaning::Other;
+        raw.headers[index].meaning = Meaning::Other;
     }
     let message = format!(
         "{missing} of {readings} readings of Temp are {shown} °C and the like, as an input without a probe shows; \
@@ -240,7 +245,7 @@ fn status(explain: &Explain<'_>, text_status: RunStatus, text_evidence: String) 
     }
 }
 
-fn started_at(explain: &Explain<'_>, issues: &mut Vec<Issue>) -> Option<crate::ingest::StartedAt> {
+fn started_at(explain: &Explain<'_>, issues: &mut Vec<Issue>) -> Option<StartedAt> {
     // Calibration dates are left out: real files write them month first beside a run date with the day first.
     let others = explain.objects.iter().filter(|object| {
         object.key.ends_with("DATE") && object.key != "DATE" && !object.key.ends_with("CALDATE")
@@ -274,15 +279,19 @@ fn header_tags(
     if !is_step {
         return tags;
     }
+    let levels = explain.objects.iter().filter(|object| is_level(object.key));
+    if let Some(relative) = levels.clone().find(|object| object.rest.first() == Some(&"T")) {
+        let message = format!(
+            "{} is relative to the open circuit potential, which the header does not give; no step voltage is taken \
+             from the header",
+            relative.key
+        );
+        issues.push(Issue::note("potential-relative", message).at(relative.key));
+        return tags;
+    }
     let mut farthest: Option<(f64, &str)> = None;
-    for object in explain.objects.iter().filter(|object| is_level(object.key)) {
-        if object.rest.first() == Some(&"T") {
-            let message = format!(
-                "{} is relative to the open circuit potential; it is not used",
-                object.key
-            );
-            issues.push(Issue::note("potential-relative", message).at(object.key));
-        } else if let Some(volts) = number_of(object.value)
+    for object in levels {
+        if let Some(volts) = number_of(object.value)
             && farthest.is_none_or(|(far, _)| volts.abs() > far.abs())
         {
             farthest = Some((volts, object.key));

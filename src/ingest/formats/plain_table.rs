@@ -9,7 +9,7 @@ use crate::domain::{Quantity, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::text::grid::is_blank_or_comment;
 use crate::ingest::text::header::Header;
-use crate::ingest::text::{Delimiter, Lines};
+use crate::ingest::text::{Delimiter, Lines, layout};
 
 /// Reader of the plain run table, in every spelling: delimiter, decimal sign, encoding and units are found.
 pub struct PlainTable;
@@ -57,9 +57,7 @@ impl Format for PlainTable {
             for delimiter in Delimiter::ALL {
                 let cells = delimiter.header_cells(line.text);
                 is_table |= cells.len() >= 2 && delimiter != Delimiter::Blanks;
-                let is_time =
-                    |cell: &String| Header::parse(cell).meaning.named_quantity() == Some(Quantity::Time);
-                if cells.len() >= 2 && cells.iter().any(is_time) {
+                if layout::time_among(cells.iter().map(String::as_str)).is_some() {
                     return Match::Possible {
                         score: 0.6,
                         reason: "a header row names a time column",

@@ -1,13 +1,14 @@
 //! Cells of a workbook, read sparsely: a cell far out in an empty sheet costs nothing.
 
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use calamine::{Data, DataRef, Reader, Xls, Xlsx};
 
-use super::error::ReadError;
+use super::error::{ReadError, escaped};
 
 /// Most cells that are read from one workbook.
-const MAX_CELLS: u64 = 50_000_000;
+const MAX_CELLS: u64 = 10_000_000;
 
 /// A cell that is not empty.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,10 +46,12 @@ pub struct Sheet {
 /// # Errors
 /// The workbook is damaged, or holds more cells than any measurement fills.
 pub fn read(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
-    match bytes.starts_with(b"PK") {
+    // The library indexes into damaged records here and there; such a file is refused and stops no other one.
+    let attempt = catch_unwind(AssertUnwindSafe(|| match bytes.starts_with(b"PK") {
         true => read_xlsx(bytes),
         false => read_xls(bytes),
-    }
+    }));
+    attempt.unwrap_or_else(|_| Err(broken("spreadsheet", &"its records contradict each other")))
 }
 
 fn read_xlsx(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
@@ -104,7 +107,7 @@ fn check_count(sheet: &str, row: u32, column: u32, count: u64) -> Result<(), Rea
         return Ok(());
     }
     Err(ReadError::SheetTooWide {
-        sheet: sheet.escape_debug().to_string(),
+        sheet: escaped(sheet),
         row: u64::from(row) + 1,
         column: u64::from(column) + 1,
         limit: MAX_CELLS,
@@ -166,6 +169,6 @@ fn from_text(text: &str) -> Option<SheetCell> {
 fn broken(kind: &'static str, error: &dyn std::fmt::Display) -> ReadError {
     ReadError::BrokenContainer {
         kind,
-        found: error.to_string().escape_debug().to_string(),
+        found: escaped(&error.to_string()),
     }
 }

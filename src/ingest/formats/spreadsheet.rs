@@ -5,12 +5,11 @@ use super::assemble::{Raw, assemble};
 use super::autolab_nova;
 use super::cells::CellTable;
 use super::recognition::{FileHead, Match};
-use super::sheet_cells::{self, Sheet, SheetCell};
+use super::sheet_cells::{self, Sheet, SheetCell, SheetRow};
 use super::{Format, ReadContext, ReadError, plain_table, unpacking};
-use crate::domain::{Issue, Quantity, RunStatus};
+use crate::domain::{Issue, RunStatus};
 use crate::ingest::text::header::Header;
-use crate::ingest::text::number;
-use crate::ingest::text::{Cell, Decimal};
+use crate::ingest::text::{Cell, Decimal, layout, number};
 use crate::ingest::{Reading, RunTable};
 
 /// Reader of spreadsheets.
@@ -108,22 +107,18 @@ impl Format for Spreadsheet {
     }
 }
 
-/// Index of the first row that names a time column and one more.
+/// Index of the first row with a time column that can be used, else of the first that speaks of time.
 fn header_row(sheet: &Sheet) -> Option<usize> {
-    sheet.rows.iter().take(HEADER_WITHIN).position(|row| {
-        let headers: Vec<Header> = row
-            .cells
-            .iter()
-            .filter_map(|(_, cell)| match cell {
-                SheetCell::Text(text) => Some(Header::parse(text)),
-                _ => None,
-            })
-            .collect();
-        headers.len() >= 2
-            && headers
-                .iter()
-                .any(|h| h.meaning.named_quantity() == Some(Quantity::Time))
-    })
+    let time = |row: &SheetRow| {
+        let texts = row.cells.iter().filter_map(|(_, cell)| match cell {
+            SheetCell::Text(text) => Some(text.as_str()),
+            _ => None,
+        });
+        layout::time_among(texts)
+    };
+    let rows = &sheet.rows[..sheet.rows.len().min(HEADER_WITHIN)];
+    let usable = rows.iter().position(|row| time(row) == Some(true));
+    usable.or_else(|| rows.iter().position(|row| time(row).is_some()))
 }
 
 /// The run table of a sheet, and whether it can be a step response.

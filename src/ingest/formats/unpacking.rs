@@ -4,7 +4,7 @@ use std::io::{self, Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::error::ReadError;
+use super::error::{ReadError, escaped};
 
 /// What kind of container a message speaks of.
 const KIND: &str = "spreadsheet (zip archive)";
@@ -16,7 +16,7 @@ const KIND: &str = "spreadsheet (zip archive)";
 pub fn check_size(bytes: &[u8], limit: u64) -> Result<(), ReadError> {
     let broken = |error: &dyn std::fmt::Display| ReadError::BrokenContainer {
         kind: KIND,
-        found: error.to_string().escape_debug().to_string(),
+        found: escaped(&error.to_string()),
     };
     let too_large = |found: u64| ReadError::TooLarge {
         what: "the spreadsheet, once unpacked,".to_owned(),

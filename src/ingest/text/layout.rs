@@ -79,6 +79,13 @@ pub fn decide(lines: &[Line<'_>]) -> Result<Layout, ReadError> {
             candidates.extend(judge(found, index, decimal, &sample));
         }
     }
+    if candidates
+        .iter()
+        .any(|candidate| found[candidate.found].delimiter != Delimiter::Blanks)
+    {
+        // Blanks also stand inside names and texts: they separate columns only where nothing else does.
+        candidates.retain(|candidate| found[candidate.found].delimiter != Delimiter::Blanks);
+    }
     let best = choose(&candidates, &found, &sample)?;
     let decimal = best.decimal;
     let chosen = found.swap_remove(best.found);
@@ -95,10 +102,7 @@ pub fn decide(lines: &[Line<'_>]) -> Result<Layout, ReadError> {
 
 /// The first line that names a time column under `delimiter`.
 fn find_header(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Found> {
-    let header_at = lines
-        .iter()
-        .take(HEADER_WITHIN)
-        .position(|line| !is_blank_or_comment(line.text) && names_time(&delimiter.header_cells(line.text)))?;
+    let header_at = header_line(lines, delimiter)?;
     let mut cells = delimiter.header_cells(lines[header_at].text);
     while cells.last().is_some_and(|cell| cell.is_empty()) {
         cells.pop();
@@ -116,11 +120,33 @@ fn find_header(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Found> {
     })
 }
 
-fn names_time(cells: &[String]) -> bool {
-    cells.len() >= 2
-        && cells
-            .iter()
-            .any(|cell| Header::parse(cell).meaning.named_quantity() == Some(Quantity::Time))
+/// The first line with a time column that can be used, else the first that speaks of time at all: a preamble may
+/// hold `Time;12:30:05`.
+fn header_line(lines: &[Line<'_>], delimiter: Delimiter) -> Option<usize> {
+    let mut speaks_of_time = None;
+    for (index, line) in lines.iter().take(HEADER_WITHIN).enumerate() {
+        if is_blank_or_comment(line.text) {
+            continue;
+        }
+        match time_among(delimiter.header_cells(line.text).iter().map(String::as_str)) {
+            Some(true) => return Some(index),
+            Some(false) => speaks_of_time = speaks_of_time.or(Some(index)),
+            None => {}
+        }
+    }
+    speaks_of_time
+}
+
+/// Whether a time column among two cells or more can be used; none where there is no such column.
+pub fn time_among<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Option<bool> {
+    if cells.clone().count() < 2 {
+        return None;
+    }
+    let meanings = cells.map(|cell| Header::parse(cell).meaning);
+    let times = meanings.filter(|meaning| meaning.named_quantity() == Some(Quantity::Time));
+    times
+        .map(|meaning| meaning.quantity().is_some())
+        .reduce(|a, b| a || b)
 }
 
 /// Headers whose units stand in the next row, where that row makes the time column usable and holds no number.
@@ -246,6 +272,7 @@ fn reading(candidate: &Candidate, found: &[Found]) -> String {
 fn no_reading(found: &[Found], sample: &[Line<'_>]) -> ReadError {
     let widest = found
         .iter()
+        .rev()
         .max_by_key(|found| found.headers.len())
         .unwrap_or(&found[0]);
     let line = sample[0];
@@ -334,9 +361,21 @@ mod tests {
                 "{error}"
             );
         }
-        let text = "time_s;current_a,t (s);i (A)\n0;1,5;2\n";
-        let error = layout(text).unwrap_err();
-        assert!(matches!(error, ReadError::AmbiguousNumbers { .. }), "{error}");
+    }
+
+    #[test]
+    fn mixed_decimal_signs_are_refused() {
+        let error = layout("time_s;current_a\n0;1.5\n1;1,5\n").unwrap_err();
+        assert!(
+            error.to_string().contains("decimal point") && error.to_string().contains("decimal comma"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_preamble_may_speak_of_time() {
+        let layout = layout("Date;17.7.2024\nTime;12:30:05\nTime (s);I/mA\n0;1\n").unwrap();
+        assert_eq!((layout.header_at, layout.data_at), (2, 3));
     }
 
     #[test]

@@ -1,0 +1,128 @@
+//! What holds for any bytes: no reader panics, and a cut never changes a number.
+
+use ieap::ingest::formats::{ALL, ReadContext, read};
+use ieap::ingest::{Reading, RunTable};
+use proptest::prelude::*;
+
+use crate::formats_fixtures::fixtures;
+
+/// Reads with every format, whatever recognition says.
+fn read_with_all(bytes: &[u8]) {
+    let context = ReadContext::default();
+    let _ = read("run.csv", bytes, &context);
+    for format in ALL {
+        if let Err(error) = format.read(bytes, &context) {
+            let issue = error.issue();
+            let shown = issue.message + &issue.place;
+            assert!(!shown.chars().any(char::is_control), "{shown:?}");
+        }
+    }
+}
+
+/// Whether all readings of `cut` are the first ones of `whole`.
+fn is_prefix(cut: &RunTable, whole: &RunTable) -> bool {
+    cut.channels.iter().all(|channel| {
+        let same = whole
+            .channels
+            .iter()
+            .find(|other| other.raw_name == channel.raw_name);
+        same.is_some_and(|other| {
+            other.time_s.starts_with(&channel.time_s) && other.values.starts_with(&channel.values)
+        })
+    })
+}
+
+/// Rows that a cut text still holds whole, at most.
+fn whole_lines(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte == b'\n').count()
+}
+
+/// Cuts a file at every byte, holds what is left against the whole, and counts the cuts that could be read.
+pub fn cuts(name: &str, bytes: &[u8]) -> usize {
+    let context = ReadContext::default();
+    let Ok(whole) = read(name, bytes, &context) else {
+        return 0;
+    };
+    let mut survived = 0;
+    for end in 0..bytes.len() {
+        if let Ok(cut) = read(name, &bytes[..end], &context) {
+            survived += 1;
+            assert_prefix(name, end, &cut, &whole);
+            let rows: usize = cut.tables.iter().map(|table| table.rows).sum();
+            assert!(
+                rows < whole_lines(&bytes[..end]),
+                "{name} cut at {end} holds {rows} rows"
+            );
+        }
+    }
+    survived
+}
+
+#[test]
+fn a_cut_at_any_byte_never_changes_a_number() {
+    let mut survived = 0;
+    for (_, path, bytes) in fixtures() {
+        survived += cuts(&path.file_name().unwrap().to_string_lossy(), &bytes);
+    }
+    assert!(survived > 1000, "only {survived} cuts could be read");
+}
+
+fn assert_prefix(name: &str, end: usize, cut: &Reading, whole: &Reading) {
+    for table in &cut.tables {
+        let same = whole.tables.iter().find(|other| other.name == table.name);
+        assert!(
+            same.is_some_and(|same| is_prefix(table, same)),
+            "{name} cut at {end}: {:?}",
+            table.columns()
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        read_with_all(&bytes);
+    }
+
+    #[test]
+    fn random_tables_never_panic(text in "(time_s|t/ms|I \\(mA\\))[,;\t](current_a|kappa \\(1/m\\))\n([-0-9.,;eE\t\"#naNI \n]{0,200})") {
+        read_with_all(text.as_bytes());
+    }
+
+    #[test]
+    fn mutated_fixtures_never_panic(
+        pick in any::<prop::sample::Index>(),
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+    ) {
+        let fixtures = fixtures();
+        let (_, _, mut bytes) = pick.get(&fixtures).clone();
+        if !bytes.is_empty() {
+            for (at, byte) in changes {
+                let at = at.index(bytes.len());
+                bytes[at] = byte;
+            }
+        }
+        read_with_all(&bytes);
+    }
+
+    #[test]
+    fn numbers_written_in_any_dialect_read_back(
+        values in proptest::collection::vec((-1.0f64..1.0, -50.0f64..50.0), 2..40),
+        comma in any::<bool>(),
+        crlf in any::<bool>(),
+    ) {
+        let end = if crlf { "\r\n" } else { "\n" };
+        let mut text = format!("time_s;current_a;curvature_per_cm{end}");
+        for (k, (current, curvature)) in values.iter().enumerate() {
+            let row = format!("{k}.25;{current:e};{curvature}{end}");
+            text += &if comma { row.replace('.', ",") } else { row };
+        }
+        let reading = read("run.csv", text.as_bytes(), &ReadContext::default()).unwrap();
+        let channels = &reading.tables[0].channels;
+        let found: Vec<(f64, f64)> = channels[0].values.iter().copied().zip(channels[1].values.iter().copied()).collect();
+        prop_assert_eq!(found, values);
+        prop_assert_eq!(channels[0].time_s[1], 1.25);
+    }
+}
