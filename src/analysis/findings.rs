@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn bounds_and_gaps_are_not_compared() {
         let bound = Estimate::below(3e-5, "search limit");
-        assert_eq!(contrast_of(&[bound.clone()]), Contrast::NotDetermined);
+        assert_eq!(contrast_of(std::slice::from_ref(&bound)), Contrast::NotDetermined);
         assert_eq!(contrast_of(&[bound, known(1e-4, 0.1)]), Contrast::Single);
     }
 }

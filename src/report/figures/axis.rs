@@ -153,13 +153,15 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
         true => &[1.0, 2.0, 5.0],
         false => &[1.0],
     };
+    // One way of writing for the whole axis: plain numbers only where all of them are short.
+    let plain = low.floor() >= -3.0 && high <= 4.0;
     let mut ticks = Vec::new();
     for decade in low.floor() as i32..=high.ceil() as i32 {
         for &factor in factors {
             let at = f64::from(decade) + factor.log10();
             if at >= low - 1e-9 && at <= high + 1e-9 {
                 let label = match decade.rem_euclid(every) == 0 {
-                    true => log_label(decade, factor),
+                    true => log_label(decade, factor, plain),
                     false => String::new(),
                 };
                 ticks.push(Tick { at, label });
@@ -169,10 +171,10 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     ticks
 }
 
-fn log_label(decade: i32, factor: f64) -> String {
+fn log_label(decade: i32, factor: f64, plain: bool) -> String {
     match decade {
-        -2..=-1 => fixed(factor * 10f64.powi(decade), (-decade) as usize),
-        0..=3 => fixed(factor * 10f64.powi(decade), 0),
+        _ if plain => fixed(factor * 10f64.powi(decade), (-decade).max(0) as usize),
+        0 => fixed(factor, 0),
         _ if factor == 1.0 => format!("10{}", superscript(decade)),
         _ => format!("{}·10{}", fixed(factor, 0), superscript(decade)),
     }

@@ -17,7 +17,7 @@ use crate::domain::RunCurve;
 use crate::report::number::fixed;
 
 /// Width of one figure, px.
-const WIDTH: u32 = 470;
+const WIDTH: u32 = 530;
 /// Height of the panel with the readings, px.
 const READINGS_HEIGHT: u32 = 210;
 /// Height of the panel with the residuals, px.
@@ -108,13 +108,13 @@ impl Drawing<'_> {
         let residuals = &self.curve.residual_sigma;
         let (low, high) = range(residuals.iter().copied());
         let reach = 1.05 * low.abs().max(high.abs()).max(3.0);
-        let y = Axis::linear(-reach, reach, "Residual / σ", "", 3);
+        let y = Axis::linear(-reach, reach, "Residual / σ", "", 4);
         let mut chart = panel(area, margins(true), self.x, &y, true)?;
         let zero = [(self.x.low, 0.0), (self.x.high, 0.0)];
         chart
             .draw_series([PathElement::new(zero, Ink::Vermillion.color().stroke_width(10))])
             .map_err(|error| error.to_string())?;
-        self.dots(&mut chart, residuals, 10, 0.6)
+        self.dots(&mut chart, residuals, 12, 0.6)
     }
 
     fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32, opacity: f64) -> Result<(), String> {

@@ -187,6 +187,7 @@ fn counts(site: &Site) -> Vec<Count> {
         count(of_state(RunState::NotFitted), "not a step response"),
         count(files(site, FileState::Refused).len(), "files refused"),
         count(files(site, FileState::Pending).len(), "files waiting"),
+        count(site.input.superseded.len(), "earlier revisions kept"),
     ];
     // The first two are always of interest, the others where there are any.
     all.into_iter()

@@ -8,14 +8,14 @@ use super::Content;
 use super::run_evidence::{Evidence, evidence};
 use super::table5::r_squared_text;
 use super::wording::{
-    EstimateText, IssueText, RunLink, counted, humidity_label, voltage_label, why_unfitted,
+    EstimateText, IssueText, RunLink, counted, humidity_label, in_unit, voltage_label, why_unfitted,
 };
 use crate::analysis::ParameterInfo;
 use crate::analysis::conditions::{material, nominal_voltage_v};
 use crate::domain::{ChannelNoise, Drive, Fit, RunCurve, RunRecord};
 use crate::report::error::ReportError;
 use crate::report::figures::response::{TimeView, response};
-use crate::report::number::{fixed, significant, with_unit};
+use crate::report::number::{fixed, significant};
 use crate::report::site::Site;
 
 /// Residual over noise up to which the model describes the readings.
@@ -209,7 +209,12 @@ fn drawn(
     Ok(Response {
         heading: quantity.label().to_owned(),
         figures: ids,
-        note: thinned,
+        note: match fitted {
+            true => {
+                format!("Dots are readings, the line is the fit; below, residuals over the noise. {thinned}")
+            }
+            false => thinned,
+        },
     })
 }
 
@@ -267,7 +272,7 @@ fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
         ),
         r_squared: r_squared
             .into_iter()
-            .filter_map(|(of, value)| Some((of.to_owned(), r_squared_text(value?))))
+            .filter_map(|(of, value)| Some((format!("R² of {of}"), r_squared_text(value?))))
             .chain(fit.noise.iter().map(noise_pair))
             .collect(),
     }
@@ -275,7 +280,7 @@ fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
 
 /// Noise of a channel and where its estimate comes from.
 fn noise_pair(noise: &ChannelNoise) -> (String, String) {
-    let amount = with_unit(noise.standard_deviation, noise.quantity.unit());
+    let amount = in_unit(noise.standard_deviation, noise.quantity.unit());
     let label = format!("{} noise", noise.quantity.label().to_lowercase());
     (
         label,

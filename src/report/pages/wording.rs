@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::analysis::{ParameterInfo, Surroundings};
 use crate::domain::{Estimate, Issue, RunRecord, RunState, Severity};
-use crate::report::number::{fixed, lower_bound, measured, plain, significant, upper_bound};
+use crate::report::number::{fixed, lower_bound, measured, plain, significant, upper_bound, with_unit};
 use crate::report::site::Site;
 
 /// A link to a run's page.
@@ -175,9 +175,23 @@ pub fn voltage_labels(voltages_v: &[f64]) -> Vec<String> {
         .collect()
 }
 
-/// `2.5 V`
+/// `2.5 V`, not broken across lines
 pub fn voltage_label(voltage_v: f64) -> String {
-    format!("{} V", plain(voltage_v))
+    let shortest = plain(voltage_v);
+    match shortest.contains(['.', '·']) || voltage_v == 0.0 {
+        true => format!("{shortest}\u{a0}V"),
+        false => format!("{shortest}.0\u{a0}V"),
+    }
+}
+
+/// A number with its unit; volts, amperes and bytes take an SI prefix, the others stay as tables print them.
+pub fn in_unit(value: f64, unit: &str) -> String {
+    match unit {
+        "V" | "A" | "B" => with_unit(value, unit),
+        "" => significant(value, 4),
+        "1/cm" => format!("{} cm⁻¹", significant(value, 3)),
+        unit => format!("{} {unit}", significant(value, 4)),
+    }
 }
 
 /// Whether a run or its fit carries a warning or an error.
