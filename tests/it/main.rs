@@ -1,4 +1,5 @@
 //! Integration tests.
 
 mod report_fixture;
+mod report_goldens;
 mod report_site;

@@ -87,7 +87,7 @@ pub fn contrast_sentences(site: &Site, ratio: f64) -> Vec<String> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for parameter in COMPARED.iter().filter_map(|key| ParameterInfo::of(key)) {
         for (material, contrast) in contrasts_of(site, parameter).into_iter().enumerate() {
-            if let Contrast::Differs { ratio: by, .. } = contrast
+            if let Contrast::Differs { ratio: Some(by), .. } = contrast
                 && by >= ratio
             {
                 found.push((by, sentence(site, parameter, material, &contrast)));
@@ -110,11 +110,17 @@ fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &
             low_run,
             high_run,
             ratio,
+            at_least,
             ..
         } => format!(
-            "{material}: {} {symbol} differs {}-fold: {} {unit} ({}) against {} {unit} ({}).",
+            "{material}: {} {symbol} differs{}{}: {} {unit} ({}) against {} {unit} ({}).",
             parameter.name,
-            significant(*ratio, 2),
+            if *at_least && ratio.is_some() {
+                " at least"
+            } else {
+                ""
+            },
+            ratio.map_or_else(String::new, |ratio| format!(" {}-fold", significant(ratio, 2))),
             estimate_of(&site.input.runs[*high_run], parameter).text,
             condition_of(site, *high_run),
             estimate_of(&site.input.runs[*low_run], parameter).text,
@@ -127,7 +133,7 @@ fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &
             )
         }
         Contrast::Single => {
-            format!("{material}: one run determines {symbol}; there is nothing to compare it with.")
+            format!("{material}: one run says something of {symbol}; there is nothing to compare it with.")
         }
         Contrast::NotDetermined => format!("{material}: no run determines {symbol}."),
     }
@@ -237,7 +243,12 @@ fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group>
 
 /// Estimates of the fitted runs among `runs`, in shown units.
 fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Estimate> {
-    let shown = |number: Option<f64>| number.map(|number| number * parameter.shown_factor);
+    let finite = |number: &f64| number.is_finite();
+    let shown = |number: Option<f64>| {
+        number
+            .filter(finite)
+            .map(|number| number * parameter.shown_factor)
+    };
     let of = |&run: &usize| {
         let estimate = site.input.runs[run].fit.as_ref()?.parameter(parameter.key)?;
         Some(Estimate {
