@@ -1,7 +1,8 @@
 //! What the comparison says, before any figure: by how much a parameter differs between conditions.
 
 use super::conditions::{Condition, Conditions};
-use crate::domain::{Estimate, RunRecord};
+use super::parameters::usable;
+use crate::domain::RunRecord;
 
 /// The clearest difference of one parameter between two runs of one material.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +78,7 @@ fn contrast(known: &[Known]) -> Contrast {
 
 fn known(runs: &[RunRecord], condition: &Condition, key: &str) -> Vec<Known> {
     let known = |&run: &usize| {
-        let estimate: &Estimate = runs[run].fit.as_ref()?.parameter(key)?;
+        let estimate = usable(&runs[run], key)?;
         let (low, high) = (estimate.low_95, estimate.high_95);
         // Without an interval a value cannot be compared.
         low.or(high)?;
@@ -96,6 +97,7 @@ mod tests {
     use super::*;
     use crate::analysis::conditions;
     use crate::analysis::sample_campaign::{campaign, fit, known, run};
+    use crate::domain::Estimate;
 
     fn contrast_of(estimates: &[Estimate]) -> Contrast {
         let runs: Vec<RunRecord> = estimates

@@ -3,3 +3,4 @@
 mod report_fixture;
 mod report_goldens;
 mod report_site;
+mod report_thesis;

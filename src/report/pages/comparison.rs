@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use super::Content;
 use super::wording::{
-    counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label, voltage_labels,
-    why_unfitted,
+    NOT_CONVERGED, counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label,
+    voltage_labels, why_unfitted,
 };
 use crate::analysis::conditions::nominal_voltage_v;
-use crate::analysis::parameters::COMPARED;
+use crate::analysis::parameters::{COMPARED, usable};
 use crate::analysis::{Contrast, ParameterInfo, confounding, contrasts};
 use crate::domain::Estimate;
 use crate::report::error::ReportError;
@@ -241,7 +241,7 @@ fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group>
     groups
 }
 
-/// Estimates of the fitted runs among `runs`, in shown units.
+/// Estimates of the runs with a converged fit among `runs`, in shown units.
 fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Estimate> {
     let finite = |number: &f64| number.is_finite();
     let shown = |number: Option<f64>| {
@@ -250,7 +250,7 @@ fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Esti
             .map(|number| number * parameter.shown_factor)
     };
     let of = |&run: &usize| {
-        let estimate = site.input.runs[run].fit.as_ref()?.parameter(parameter.key)?;
+        let estimate = usable(&site.input.runs[run], parameter.key)?;
         Some(Estimate {
             value: shown(estimate.value),
             standard_error: shown(estimate.standard_error),
@@ -325,7 +325,7 @@ fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
     let mut missing: BTreeMap<String, usize> = BTreeMap::new();
     for &run in &runs {
         let record = &site.input.runs[run];
-        let estimate = record.fit.as_ref().and_then(|fit| fit.parameter(parameter.key));
+        let estimate = usable(record, parameter.key);
         let (reasons, reason) = match estimate {
             Some(estimate) if estimate.value.is_some() => continue,
             Some(estimate) => (
@@ -337,6 +337,7 @@ fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
                 estimate.reason.as_deref().unwrap_or("no reason is stored"),
             ),
             None if record.fit.is_none() => (&mut missing, why_unfitted(record)),
+            None if record.fit.as_ref().is_some_and(|fit| !fit.converged) => (&mut missing, NOT_CONVERGED),
             None => (&mut missing, "its model has no such parameter"),
         };
         *reasons.entry(reason.to_owned()).or_default() += 1;

@@ -335,6 +335,19 @@ mod tests {
     }
 
     #[test]
+    fn the_logarithmic_view_ends_at_the_next_change_of_the_drive() {
+        let mut drive = Drive::step(2.5);
+        drive.segments[0].start_s = 10.0;
+        drive.segments.push(crate::domain::Segment {
+            start_s: 300.0,
+            level: crate::domain::Level::OpenCircuit,
+        });
+        let since = |step_s, until_s| TimeView::SinceStep { step_s, until_s };
+        assert_eq!(views(Some(&drive))[1].1, since(10.0, 300.0));
+        assert_eq!(views(None)[1].1, since(0.0, f64::INFINITY));
+    }
+
+    #[test]
     fn residuals_are_judged_against_noise_and_correlation() {
         assert!(noise_sentence(&noise(1.2e-6, 0.1)).contains("1.2 × the noise; the model describes"));
         assert!(noise_sentence(&noise(1.2e-6, 0.9)).contains("small systematic misfit"));

@@ -59,7 +59,7 @@ pub struct EstimateText {
     pub interval: String,
     /// Why there is no value or only a bound, or that the value lies at a limit; empty where all is well.
     pub reason: String,
-    /// `value`, `bound` or `missing`.
+    /// `value`, `bound`, `missing` or `doubtful`: class.
     pub kind: &'static str,
 }
 
@@ -111,11 +111,24 @@ impl EstimateText {
 /// Estimate of a parameter in a run, or why the run has none.
 pub fn estimate_of(run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
     match run.fit.as_ref().map(|fit| fit.parameter(parameter.key)) {
-        Some(Some(estimate)) => EstimateText::of(estimate, parameter.shown_factor),
+        Some(Some(estimate)) => {
+            let text = EstimateText::of(estimate, parameter.shown_factor);
+            match run.fit.as_ref().is_some_and(|fit| fit.converged) {
+                true => text,
+                false => EstimateText {
+                    reason: NOT_CONVERGED.to_owned(),
+                    kind: "doubtful",
+                    ..text
+                },
+            }
+        }
         Some(None) => EstimateText::missing("the model of this run has no such parameter"),
         None => EstimateText::missing(why_unfitted(run)),
     }
 }
+
+/// What is said of every number of a fit that did not converge.
+pub const NOT_CONVERGED: &str = "the fit did not converge, so that its numbers are not to be used";
 
 /// Why a run has no fit, in words.
 pub fn why_unfitted(run: &RunRecord) -> &'static str {
