@@ -146,12 +146,13 @@ fn linear_ticks(low: f64, high: f64, step: f64, prefix: Prefix) -> Vec<Tick> {
         .collect()
 }
 
-/// Ticks at powers of ten; within less than two decades also at 2 and 5 times them.
+/// Ticks at powers of ten; within less than two decades also between them.
 fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     let every = (((high - low) / 7.0).ceil() as i32).max(1);
-    let factors: &[f64] = match high - low < 1.7 {
-        true => &[1.0, 2.0, 5.0],
-        false => &[1.0],
+    let factors: &[f64] = match high - low {
+        span if span < 0.6 => &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        span if span < 1.7 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
     };
     // One way of writing for the whole axis: plain numbers only where all of them are short.
     let plain = low.floor() >= -3.0 && high <= 4.0;
@@ -203,6 +204,10 @@ mod tests {
         assert_eq!(
             labels(&Axis::log(0.1, 1000.0, "Time", "s")),
             ["0.1", "1", "10", "100", "1000"]
+        );
+        assert_eq!(
+            labels(&Axis::log(45.0, 101.0, "R", "")),
+            ["50", "60", "70", "80", "90", "100"]
         );
         assert_eq!(
             labels(&Axis::log(4e-5, 2e-3, "λ", "s⁻¹")),
