@@ -12,7 +12,7 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::conditions::{Conditions, conditions, material, nominal_voltage_v};
-use super::parameters::PARAMETERS;
+use super::parameters::{PARAMETERS, usable};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, Estimate, Parameter, RunRecord};
 
@@ -71,6 +71,11 @@ pub fn fits_long(runs: &[RunRecord], campaign: &Campaign) -> Result<DataFrame, E
         number("low_95", |estimate| estimate.low_95),
         number("high_95", |estimate| estimate.high_95),
         flags(
+            "converged",
+            rows.iter()
+                .map(|(run, _)| run.fit.as_ref().is_some_and(|fit| fit.converged)),
+        ),
+        flags(
             "at_bound",
             rows.iter().map(|(_, parameter)| parameter.estimate.at_bound),
         ),
@@ -93,10 +98,14 @@ pub fn fits_wide(runs: &[RunRecord], campaign: &Campaign) -> Result<DataFrame, E
     let of_fit = |name: &str, get: fn(&crate::domain::Fit) -> Option<f64>| {
         numbers(name, runs.iter().map(|run| run.fit.as_ref().and_then(get)))
     };
+    let converged: Vec<Option<bool>> = runs
+        .iter()
+        .map(|run| run.fit.as_ref().map(|fit| fit.converged))
+        .collect();
     columns.extend([
         texts("state", runs.iter().map(|run| Some(run.state.key().to_owned()))),
         texts("status", runs.iter().map(|run| Some(run.status.key().to_owned()))),
-        of_fit("converged", |fit| Some(f64::from(u8::from(fit.converged)))),
+        Series::new("converged".into(), converged).into_column(),
         of_fit("r_squared_current", |fit| fit.r_squared_current),
         of_fit("r_squared_curvature", |fit| fit.r_squared_curvature),
     ]);
@@ -117,7 +126,8 @@ pub fn fits_wide(runs: &[RunRecord], campaign: &Campaign) -> Result<DataFrame, E
 }
 
 /// One row per measured condition: numbers of runs, and per parameter how many runs determine it, their mean
-/// and their standard deviation between runs (empty for fewer than two).
+/// and their standard deviation between runs (empty for fewer than two). Fits that did not converge are left
+/// out of the parameters.
 ///
 /// # Errors
 /// [`ExportError::Table`]: a fault of the program.
@@ -246,7 +256,7 @@ fn parameter_keys(runs: &[RunRecord]) -> Vec<String> {
 }
 
 fn determined(runs: &[RunRecord], indices: &[usize], key: &str) -> Vec<f64> {
-    let value = |index: &usize| runs[*index].fit.as_ref()?.parameter(key)?.value;
+    let value = |index: &usize| usable(&runs[*index], key)?.value;
     indices.iter().filter_map(value).collect()
 }
 
@@ -307,9 +317,11 @@ mod tests {
         let text = csv(fits_long(&runs, &campaign()).unwrap());
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 3, "{text}");
-        assert!(lines[0].ends_with("parameter,value,standard_error,low_95,high_95,at_bound,reason"));
         assert!(
-            lines[2].ends_with("alpha_per_c_cm,,,,,false,no curvature channel"),
+            lines[0].ends_with("parameter,value,standard_error,low_95,high_95,converged,at_bound,reason")
+        );
+        assert!(
+            lines[2].ends_with("alpha_per_c_cm,,,,,true,false,no curvature channel"),
             "{text}"
         );
     }

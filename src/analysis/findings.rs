@@ -1,45 +1,48 @@
 //! What the comparison says, before any figure: by how much a parameter differs between conditions.
 
 use super::conditions::{Condition, Conditions};
-use crate::domain::{Estimate, RunRecord};
+use super::parameters::usable;
+use crate::domain::RunRecord;
 
-/// The largest difference of one parameter between two conditions of one material.
+/// The clearest difference of one parameter between two runs of one material.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Contrast {
     /// The two 95 % intervals do not overlap.
     Differs {
-        /// Run with the smallest value.
+        /// Run whose interval ends lowest.
         low_run: usize,
-        /// Run with the largest value.
+        /// Run whose interval starts highest.
         high_run: usize,
-        /// Largest value over the smallest.
-        ratio: f64,
-        /// Number of runs that determine the parameter.
+        /// Ratio of the two values; none where it means nothing because the lower one may be zero.
+        ratio: Option<f64>,
+        /// Whether a bound stands for one of the values, so that the ratio is the least possible.
+        at_least: bool,
+        /// Number of runs that determine or bound the parameter.
         runs: usize,
     },
-    /// No two runs' 95 % intervals lie apart.
+    /// All 95 % intervals overlap.
     Agrees {
-        /// Number of runs that determine the parameter.
+        /// Number of runs that determine or bound the parameter.
         runs: usize,
     },
-    /// A single run determines the parameter: nothing to compare.
+    /// A single run says something of the parameter: nothing to compare.
     Single,
-    /// No run determines it.
+    /// No run says anything of it.
     NotDetermined,
 }
 
-/// A value with its 95 % interval in one run.
+/// What one run says of the parameter; a bound leaves the other end open.
 struct Known {
     run: usize,
-    value: f64,
+    value: Option<f64>,
     low_95: f64,
     high_95: f64,
 }
 
 /// The contrast of parameter `key` for each material of `table`, in its order.
 ///
-/// The extremes are compared as they stand, run by run: with several runs this looks for the largest
-/// difference, so it says where to look and is no test of significance.
+/// Single runs are compared, the two whose intervals lie farthest apart. With many runs such a pair can occur
+/// by chance: this says where to look and is no test of significance.
 pub fn contrasts(runs: &[RunRecord], table: &Conditions, key: &str) -> Vec<Contrast> {
     (0..table.materials.len())
         .map(|material| {
@@ -50,34 +53,40 @@ pub fn contrasts(runs: &[RunRecord], table: &Conditions, key: &str) -> Vec<Contr
 }
 
 fn contrast(known: &[Known]) -> Contrast {
-    if known.len() < 2 {
-        return match known.is_empty() {
-            true => Contrast::NotDetermined,
-            false => Contrast::Single,
-        };
-    }
     let runs = known.len();
-    let low = known.iter().min_by(|a, b| a.value.total_cmp(&b.value));
-    let high = known.iter().max_by(|a, b| a.value.total_cmp(&b.value));
-    match (low, high) {
-        (Some(low), Some(high)) if low.high_95 < high.low_95 && low.value > 0.0 => Contrast::Differs {
-            low_run: low.run,
-            high_run: high.run,
-            ratio: high.value / low.value,
-            runs,
-        },
-        _ => Contrast::Agrees { runs },
+    let lowest = known.iter().min_by(|a, b| a.high_95.total_cmp(&b.high_95));
+    let highest = known.iter().max_by(|a, b| a.low_95.total_cmp(&b.low_95));
+    match (lowest, highest) {
+        (Some(low), Some(high)) if low.high_95 < high.low_95 => {
+            let (ratio, at_least) = match (high.value, low.value) {
+                (Some(high), Some(low)) if low > 0.0 => (Some(high / low), false),
+                _ => (Some(high.low_95 / low.high_95), true),
+            };
+            Contrast::Differs {
+                low_run: low.run,
+                high_run: high.run,
+                ratio: ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0),
+                at_least,
+                runs,
+            }
+        }
+        (Some(_), Some(_)) if runs > 1 => Contrast::Agrees { runs },
+        (Some(_), Some(_)) => Contrast::Single,
+        _ => Contrast::NotDetermined,
     }
 }
 
 fn known(runs: &[RunRecord], condition: &Condition, key: &str) -> Vec<Known> {
     let known = |&run: &usize| {
-        let estimate: &Estimate = runs[run].fit.as_ref()?.parameter(key)?;
+        let estimate = usable(&runs[run], key)?;
+        let (low, high) = (estimate.low_95, estimate.high_95);
+        // Without an interval a value cannot be compared.
+        low.or(high)?;
         Some(Known {
             run,
-            value: estimate.value?,
-            low_95: estimate.low_95?,
-            high_95: estimate.high_95?,
+            value: estimate.value,
+            low_95: low.unwrap_or(f64::NEG_INFINITY),
+            high_95: high.unwrap_or(f64::INFINITY),
         })
     };
     condition.runs.iter().filter_map(known).collect()
@@ -88,6 +97,7 @@ mod tests {
     use super::*;
     use crate::analysis::conditions;
     use crate::analysis::sample_campaign::{campaign, fit, known, run};
+    use crate::domain::Estimate;
 
     fn contrast_of(estimates: &[Estimate]) -> Contrast {
         let runs: Vec<RunRecord> = estimates
@@ -108,13 +118,14 @@ mod tests {
         let Contrast::Differs {
             low_run,
             high_run,
-            ratio,
-            runs,
+            ratio: Some(ratio),
+            at_least: false,
+            runs: 3,
         } = differs
         else {
             panic!("{differs:?}");
         };
-        assert_eq!((low_run, high_run, runs), (1, 0, 3));
+        assert_eq!((low_run, high_run), (1, 0));
         assert!((ratio - 18.0).abs() < 1e-9);
         assert_eq!(
             contrast_of(&[known(1.0, 0.1), known(1.1, 0.1)]),
@@ -123,9 +134,41 @@ mod tests {
     }
 
     #[test]
-    fn bounds_and_gaps_are_not_compared() {
+    fn a_narrow_interval_between_wide_ones_is_seen() {
+        // The extremes overlap, but the second lies apart from the first.
+        let estimates = [
+            Estimate::determined(1.0, 0.05, 0.9, 1.1),
+            Estimate::determined(1.3, 0.01, 1.28, 1.32),
+            Estimate::determined(1.4, 0.3, 0.8, 2.0),
+        ];
+        assert!(matches!(
+            contrast_of(&estimates),
+            Contrast::Differs {
+                low_run: 0,
+                high_run: 1,
+                ..
+            }
+        ));
+    }
+
+    #[test]
+    fn a_value_above_a_bound_differs_by_at_least_that() {
         let bound = Estimate::below(3e-5, "search limit");
-        assert_eq!(contrast_of(&[bound.clone()]), Contrast::NotDetermined);
-        assert_eq!(contrast_of(&[bound, known(1e-4, 0.1)]), Contrast::Single);
+        let alone = contrast_of(std::slice::from_ref(&bound));
+        assert_eq!(alone, Contrast::Single);
+        let differs = contrast_of(&[bound, Estimate::determined(1e-4, 1e-5, 9e-5, 1.2e-4)]);
+        let Contrast::Differs {
+            ratio: Some(ratio),
+            at_least: true,
+            ..
+        } = differs
+        else {
+            panic!("{differs:?}");
+        };
+        assert!((ratio - 3.0).abs() < 1e-9);
+        assert_eq!(
+            contrast_of(&[Estimate::not_determined("r")]),
+            Contrast::NotDetermined
+        );
     }
 }

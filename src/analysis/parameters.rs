@@ -1,5 +1,7 @@
 //! The identified parameters of the lumped model as tables and figures name them.
 
+use crate::domain::{Estimate, RunRecord};
+
 /// How one parameter is named and shown. The stored key carries the unit in which values are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterInfo {
@@ -60,6 +62,11 @@ impl ParameterInfo {
     pub fn of(key: &str) -> Option<&'static ParameterInfo> {
         PARAMETERS.iter().find(|parameter| parameter.key == key)
     }
+}
+
+/// The estimate of a converged fit: what comparisons use. A fit that did not converge says nothing.
+pub fn usable<'a>(run: &'a RunRecord, key: &str) -> Option<&'a Estimate> {
+    run.fit.as_ref().filter(|fit| fit.converged)?.parameter(key)
 }
 
 const fn electrical(

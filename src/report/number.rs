@@ -7,7 +7,7 @@
 
 /// Values from this power of ten on, or below its negative counterpart, are printed with a power of ten.
 const PLAIN_UP_TO: i32 = 5;
-const PLAIN_DOWN_TO: i32 = -3;
+const PLAIN_DOWN_TO: i32 = -2;
 
 /// `value ± standard_error`, both rounded by the uncertainty: `24.62 ± 0.31`, `(9.4 ± 1.2)·10⁻⁵`.
 ///

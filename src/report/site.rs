@@ -164,6 +164,8 @@ fn filled(
         "root": if file == "run.html" { "../" } else { "" },
         "page_title": title,
         "campaign_title": campaign.title,
+        "campaign_id": campaign.id,
+        "is_home": file == "index.html",
         "notice": campaign.notice,
         "nav": nav,
         "origin": { "program": site.input.origin.program, "database": site.input.origin.database },

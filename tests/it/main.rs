@@ -11,5 +11,7 @@ mod lumped_reference;
 mod main_job;
 mod real_campaigns;
 mod report_fixture;
+mod report_goldens;
 mod report_site;
+mod report_thesis;
 mod watch;

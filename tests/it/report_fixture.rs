@@ -59,7 +59,10 @@ struct Truth {
 fn truth(ionic: bool, water: f64, voltage_v: f64) -> Truth {
     match ionic {
         true => Truth {
-            r: [90.0 + 400.0 * water / voltage_v, 330.0 + 500.0 * water],
+            r: [
+                90.0 + 400.0 * water / voltage_v.abs().max(1.0),
+                330.0 + 500.0 * water,
+            ],
             c: [0.04 + 0.02 * water * voltage_v, 0.10 + 0.04 * water],
             rss_ohm_cm2: 71_000.0 / (1.0 + 14.0 * water * voltage_v),
             alpha_per_c_cm: 23.0 - 9.5 * water,

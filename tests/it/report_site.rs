@@ -117,6 +117,30 @@ fn text_of_files_is_never_markup() {
 }
 
 #[test]
+fn text_of_campaign_and_tags_is_never_markup() {
+    const HOSTILE: &str = "\"><script>alert(4)</script>";
+    let mut input = troubled_input();
+    input.campaign.title = HOSTILE.to_owned();
+    input.campaign.id = HOSTILE.to_owned();
+    input.campaign.notice = Some(HOSTILE.to_owned());
+    input.campaign.samples[0].material = HOSTILE.to_owned();
+    input.origin.program = HOSTILE.to_owned();
+    for tag in input.runs.iter_mut().flat_map(|run| &mut run.tags) {
+        tag.detail = HOSTILE.to_owned();
+        if tag.key == "environment" {
+            tag.value = HOSTILE.to_owned();
+        }
+    }
+    for (name, html) in site(&input).iter().filter(|(name, _)| name.ends_with(".html")) {
+        assert!(
+            !html.contains("<script") && html.contains("&lt;script&gt;alert(4)"),
+            "{name}"
+        );
+        assert_balanced(name, html);
+    }
+}
+
+#[test]
 fn tags_are_balanced() {
     for input in all_inputs() {
         for (name, html) in site(&input).iter().filter(|(name, _)| name.ends_with(".html")) {

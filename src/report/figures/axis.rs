@@ -146,20 +146,23 @@ fn linear_ticks(low: f64, high: f64, step: f64, prefix: Prefix) -> Vec<Tick> {
         .collect()
 }
 
-/// Ticks at powers of ten; within less than two decades also at 2 and 5 times them.
+/// Ticks at powers of ten; within less than two decades also between them.
 fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     let every = (((high - low) / 7.0).ceil() as i32).max(1);
-    let factors: &[f64] = match high - low < 1.7 {
-        true => &[1.0, 2.0, 5.0],
-        false => &[1.0],
+    let factors: &[f64] = match high - low {
+        span if span < 0.6 => &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        span if span < 1.7 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
     };
+    // One way of writing for the whole axis: plain numbers only where all of them are short.
+    let plain = low.floor() >= -3.0 && high <= 4.0;
     let mut ticks = Vec::new();
     for decade in low.floor() as i32..=high.ceil() as i32 {
         for &factor in factors {
             let at = f64::from(decade) + factor.log10();
             if at >= low - 1e-9 && at <= high + 1e-9 {
                 let label = match decade.rem_euclid(every) == 0 {
-                    true => log_label(decade, factor),
+                    true => log_label(decade, factor, plain),
                     false => String::new(),
                 };
                 ticks.push(Tick { at, label });
@@ -169,10 +172,10 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     ticks
 }
 
-fn log_label(decade: i32, factor: f64) -> String {
+fn log_label(decade: i32, factor: f64, plain: bool) -> String {
     match decade {
-        -2..=-1 => fixed(factor * 10f64.powi(decade), (-decade) as usize),
-        0..=3 => fixed(factor * 10f64.powi(decade), 0),
+        _ if plain => fixed(factor * 10f64.powi(decade), (-decade).max(0) as usize),
+        0 => fixed(factor, 0),
         _ if factor == 1.0 => format!("10{}", superscript(decade)),
         _ => format!("{}·10{}", fixed(factor, 0), superscript(decade)),
     }
@@ -201,6 +204,10 @@ mod tests {
         assert_eq!(
             labels(&Axis::log(0.1, 1000.0, "Time", "s")),
             ["0.1", "1", "10", "100", "1000"]
+        );
+        assert_eq!(
+            labels(&Axis::log(45.0, 101.0, "R", "")),
+            ["50", "60", "70", "80", "90", "100"]
         );
         assert_eq!(
             labels(&Axis::log(4e-5, 2e-3, "λ", "s⁻¹")),

@@ -10,7 +10,7 @@ use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
 use crate::domain::Estimate;
 
 /// Size of one panel, px.
-const SIZE: (u32, u32) = (440, 262);
+const SIZE: (u32, u32) = (530, 270);
 const MARGINS: Margins = Margins {
     left: 66,
     right: 12,
@@ -167,8 +167,8 @@ fn draw_estimate(
             marker(chart, (at, position(value)), style, y.shows(value))
         }
         (None, (Some(low), Some(high))) => draw_path(chart, &[(at, low), (at, high)], line),
-        (None, (None, Some(high))) => arrow(chart, (at, high), 1, line),
-        (None, (Some(low), None)) => arrow(chart, (at, low), -1, line),
+        (None, (None, Some(high))) => arrow(chart, (at, high), arrow_length(high - y.low, y), line),
+        (None, (Some(low), None)) => arrow(chart, (at, low), -arrow_length(y.high - low, y), line),
         (None, (None, None)) => {
             let muted = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Bottom);
             label(chart, (at, y.low), (0, -4), "–", &muted)
@@ -176,13 +176,27 @@ fn draw_estimate(
     }
 }
 
-/// A bar at the bound and an arrow away from it: `down` is 1 below an upper bound, -1 above a lower one.
+/// Length of an arrow, tenths of a pixel: as long as there is room up to the frame, never less than its tip.
+fn arrow_length(room: f64, y: &Axis) -> i32 {
+    let plot_height = f64::from(SIZE.1 - MARGINS.top - MARGINS.bottom);
+    let pixels = room / (y.high - y.low) * plot_height;
+    (10.0 * pixels.clamp(7.0, 18.0)) as i32
+}
+
+/// A bar at the bound and an arrow away from it, `down` tenths of a pixel long (negative: upward).
 fn arrow(chart: &mut Chart, at: (f64, f64), down: i32, style: ShapeStyle) -> Result<(), String> {
     use plotters::element::EmptyElement;
     let shape = EmptyElement::at(at)
         + PathElement::new([(-45, 0), (45, 0)], style)
-        + PathElement::new([(0, 0), (0, 180 * down)], style)
-        + PathElement::new([(-32, 130 * down), (0, 180 * down), (32, 130 * down)], style);
+        + PathElement::new([(0, 0), (0, down)], style)
+        + PathElement::new(
+            [
+                (-32, down - 45 * down.signum()),
+                (0, down),
+                (32, down - 45 * down.signum()),
+            ],
+            style,
+        );
     chart
         .draw_series([shape])
         .map(|_| ())
@@ -194,7 +208,7 @@ fn marker(chart: &mut Chart, at: (f64, f64), style: usize, within: bool) -> Resu
     use plotters::element::{EmptyElement, Polygon};
     let color = ink(style).color();
     let filled = color.filled();
-    if !within || style % SHAPES == 0 {
+    if !within || style.is_multiple_of(SHAPES) {
         let style = if within { filled } else { color.stroke_width(14) };
         let dot = Circle::new(at, 36, style);
         return chart

@@ -17,7 +17,7 @@ use crate::domain::RunCurve;
 use crate::report::number::fixed;
 
 /// Width of one figure, px.
-const WIDTH: u32 = 470;
+const WIDTH: u32 = 530;
 /// Height of the panel with the readings, px.
 const READINGS_HEIGHT: u32 = 210;
 /// Height of the panel with the residuals, px.
@@ -52,6 +52,7 @@ pub fn response(
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
+    check_lengths(curve)?;
     let shown = shown_indices(curve, view);
     let Some(x) = time_axis(curve, view, &shown) else {
         return Ok(None);
@@ -97,7 +98,8 @@ impl Drawing<'_> {
             let points = self
                 .shown
                 .iter()
-                .map(|&index| (self.x_at(index), curve.fitted[index]));
+                .map(|&index| (self.x_at(index), curve.fitted[index]))
+                .filter(|(_, value)| value.is_finite());
             let line = LineSeries::new(points, Ink::Vermillion.color().stroke_width(16));
             chart.draw_series(line).map_err(|error| error.to_string())?;
         }
@@ -108,20 +110,25 @@ impl Drawing<'_> {
         let residuals = &self.curve.residual_sigma;
         let (low, high) = range(residuals.iter().copied());
         let reach = 1.05 * low.abs().max(high.abs()).max(3.0);
-        let y = Axis::linear(-reach, reach, "Residual / σ", "", 3);
+        let y = Axis::linear(-reach, reach, "Residual / σ", "", 4);
         let mut chart = panel(area, margins(true), self.x, &y, true)?;
         let zero = [(self.x.low, 0.0), (self.x.high, 0.0)];
         chart
             .draw_series([PathElement::new(zero, Ink::Vermillion.color().stroke_width(10))])
             .map_err(|error| error.to_string())?;
-        self.dots(&mut chart, residuals, 10, 0.6)
+        self.dots(&mut chart, residuals, 12, 0.6)
     }
 
     fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32, opacity: f64) -> Result<(), String> {
         let style = Ink::Text.color().mix(opacity).filled();
         let dot = |&index: &usize| Circle::new((self.x_at(index), values[index]), radius, style);
         chart
-            .draw_series(self.shown.iter().map(dot))
+            .draw_series(
+                self.shown
+                    .iter()
+                    .filter(|&&index| values[index].is_finite())
+                    .map(dot),
+            )
             .map(|_| ())
             .map_err(|error| error.to_string())
     }
@@ -141,6 +148,21 @@ fn margins(x_labels: bool) -> Margins {
         right: 16,
         top: 8,
         bottom: if x_labels { TIME_AXIS_HEIGHT } else { 6 },
+    }
+}
+
+/// The source of the curves is outside this module: a series of another length must not end the program.
+fn check_lengths(curve: &RunCurve) -> Result<(), String> {
+    let n = curve.time_s.len();
+    let fits = |series: &[f64]| series.is_empty() || series.len() == n;
+    match curve.measured.len() == n && fits(&curve.fitted) && fits(&curve.residual_sigma) {
+        true => Ok(()),
+        false => Err(format!(
+            "a curve of {n} times has {} measured, {} fitted and {} residual values",
+            curve.measured.len(),
+            curve.fitted.len(),
+            curve.residual_sigma.len()
+        )),
     }
 }
 
@@ -227,6 +249,14 @@ mod tests {
             let drawn = response("c", &curve(450, true), view, "t", "d").unwrap().unwrap();
             assert!(drawn.len() < 20_000, "{} bytes", drawn.len());
         }
+    }
+
+    #[test]
+    fn a_curve_of_uneven_lengths_is_an_error() {
+        let mut uneven = curve(50, true);
+        uneven.fitted.pop();
+        let refused = response("c", &uneven, TimeView::Whole, "t", "d");
+        assert!(refused.is_err_and(|reason| reason.contains("49 fitted")));
     }
 
     #[test]

@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use super::Content;
 use super::wording::{
-    counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label, voltage_labels,
-    why_unfitted,
+    NOT_CONVERGED, counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label,
+    voltage_labels, why_unfitted,
 };
 use crate::analysis::conditions::nominal_voltage_v;
-use crate::analysis::parameters::COMPARED;
+use crate::analysis::parameters::{COMPARED, usable};
 use crate::analysis::{Contrast, ParameterInfo, confounding, contrasts};
 use crate::domain::Estimate;
 use crate::report::error::ReportError;
@@ -87,7 +87,7 @@ pub fn contrast_sentences(site: &Site, ratio: f64) -> Vec<String> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for parameter in COMPARED.iter().filter_map(|key| ParameterInfo::of(key)) {
         for (material, contrast) in contrasts_of(site, parameter).into_iter().enumerate() {
-            if let Contrast::Differs { ratio: by, .. } = contrast
+            if let Contrast::Differs { ratio: Some(by), .. } = contrast
                 && by >= ratio
             {
                 found.push((by, sentence(site, parameter, material, &contrast)));
@@ -104,22 +104,27 @@ fn contrasts_of(site: &Site, parameter: &ParameterInfo) -> Vec<Contrast> {
 
 fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &Contrast) -> String {
     let material = &site.conditions.materials[material];
-    let symbol = parameter.symbol;
+    let (symbol, unit) = (parameter.symbol, parameter.shown_unit);
     match contrast {
         Contrast::Differs {
             low_run,
             high_run,
             ratio,
+            at_least,
             ..
         } => format!(
-            "{material}: {} {symbol} is {} times larger {} than {} ({} against {} {}).",
+            "{material}: {} {symbol} differs{}{}: {} {unit} ({}) against {} {unit} ({}).",
             parameter.name,
-            significant(*ratio, 2),
-            condition_of(site, *high_run),
-            condition_of(site, *low_run),
+            if *at_least && ratio.is_some() {
+                " at least"
+            } else {
+                ""
+            },
+            ratio.map_or_else(String::new, |ratio| format!(" {}-fold", significant(ratio, 2))),
             estimate_of(&site.input.runs[*high_run], parameter).text,
+            condition_of(site, *high_run),
             estimate_of(&site.input.runs[*low_run], parameter).text,
-            parameter.shown_unit,
+            condition_of(site, *low_run),
         ),
         Contrast::Agrees { runs } => {
             format!(
@@ -128,13 +133,13 @@ fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &
             )
         }
         Contrast::Single => {
-            format!("{material}: one run determines {symbol}; there is nothing to compare it with.")
+            format!("{material}: one run says something of {symbol}; there is nothing to compare it with.")
         }
         Contrast::NotDetermined => format!("{material}: no run determines {symbol}."),
     }
 }
 
-/// `in air at 2.5 V`
+/// `air, 2.5 V`
 fn condition_of(site: &Site, run: usize) -> String {
     let conditions = &site.conditions;
     let place = conditions
@@ -145,7 +150,7 @@ fn condition_of(site: &Site, run: usize) -> String {
         surroundings_label(&conditions.surroundings[c.surroundings])
     });
     let voltage = nominal_voltage_v(&site.input.runs[run]).map_or_else(String::new, voltage_label);
-    format!("in {surroundings} at {voltage}")
+    format!("{surroundings}, {voltage}")
 }
 
 fn section(
@@ -236,11 +241,16 @@ fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group>
     groups
 }
 
-/// Estimates of the fitted runs among `runs`, in shown units.
+/// Estimates of the runs with a converged fit among `runs`, in shown units.
 fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Estimate> {
-    let shown = |number: Option<f64>| number.map(|number| number * parameter.shown_factor);
+    let finite = |number: &f64| number.is_finite();
+    let shown = |number: Option<f64>| {
+        number
+            .filter(finite)
+            .map(|number| number * parameter.shown_factor)
+    };
     let of = |&run: &usize| {
-        let estimate = site.input.runs[run].fit.as_ref()?.parameter(parameter.key)?;
+        let estimate = usable(&site.input.runs[run], parameter.key)?;
         Some(Estimate {
             value: shown(estimate.value),
             standard_error: shown(estimate.standard_error),
@@ -283,7 +293,15 @@ fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Group>) 
             false => (l, h),
         };
         let (low, high) = ends.fold((low, high), reach);
-        return Axis::log(low / 1.6, high * 1.3, parameter.symbol, unit);
+        // Room for the arrow below an upper bound: a seventh of the height.
+        let decades = (high / low).log10().max(0.3);
+        let bounded = |estimate: &&Estimate| estimate.value.is_none() && estimate.high_95.is_some();
+        let room = if estimates.iter().any(bounded) {
+            10f64.powf(decades / 6.0)
+        } else {
+            1.0
+        };
+        return Axis::log(low / room.max(1.5), high * 1.3, parameter.symbol, unit);
     }
     let largest = values.iter().fold(0.0, |far: f64, value| far.max(value.abs()));
     let limit = if largest > 0.0 { STRETCH * largest } else { 1.0 };
@@ -295,7 +313,7 @@ fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Group>) 
     Axis::linear_rounded(low, high, parameter.symbol, unit, 5)
 }
 
-/// Which runs of a material do not determine the parameter, by reason.
+/// Which runs of a material do not determine the parameter, or only bound it, by reason.
 fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
     let of_material = site
         .conditions
@@ -303,44 +321,45 @@ fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
         .iter()
         .filter(|condition| condition.material == material);
     let runs: Vec<usize> = of_material.flat_map(|condition| condition.runs.clone()).collect();
-    let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
-    let mut determined = 0;
+    let mut bounded: BTreeMap<String, usize> = BTreeMap::new();
+    let mut missing: BTreeMap<String, usize> = BTreeMap::new();
     for &run in &runs {
         let record = &site.input.runs[run];
-        let estimate = record.fit.as_ref().and_then(|fit| fit.parameter(parameter.key));
-        match estimate {
-            Some(estimate) if estimate.value.is_some() => determined += 1,
-            Some(estimate) => {
-                let reason = estimate
-                    .reason
-                    .clone()
-                    .unwrap_or_else(|| "no reason is stored".to_owned());
-                *reasons.entry(reason).or_default() += 1;
-            }
-            None if record.fit.is_none() => *reasons.entry(why_unfitted(record).to_owned()).or_default() += 1,
-            None => {
-                *reasons
-                    .entry("its model has no such parameter".to_owned())
-                    .or_default() += 1
-            }
-        }
+        let estimate = usable(record, parameter.key);
+        let (reasons, reason) = match estimate {
+            Some(estimate) if estimate.value.is_some() => continue,
+            Some(estimate) => (
+                if says_something(estimate) {
+                    &mut bounded
+                } else {
+                    &mut missing
+                },
+                estimate.reason.as_deref().unwrap_or("no reason is stored"),
+            ),
+            None if record.fit.is_none() => (&mut missing, why_unfitted(record)),
+            None if record.fit.as_ref().is_some_and(|fit| !fit.converged) => (&mut missing, NOT_CONVERGED),
+            None => (&mut missing, "its model has no such parameter"),
+        };
+        *reasons.entry(reason.to_owned()).or_default() += 1;
     }
-    if reasons.is_empty() {
-        return String::new();
+    let in_all = |reasons: &BTreeMap<String, usize>| reasons.values().sum::<usize>() == runs.len();
+    let sentences = [
+        reasons_sentence("Not determined", &missing, in_all(&missing)),
+        reasons_sentence("Only bounded", &bounded, false),
+    ];
+    let sentences: Vec<String> = sentences.into_iter().flatten().collect();
+    sentences.join(" ")
+}
+
+/// `Not determined in any run, because ...` or `Only bounded: 3 runs, because ...`; the most frequent first.
+fn reasons_sentence(lead: &str, reasons: &BTreeMap<String, usize>, in_all: bool) -> Option<String> {
+    let mut gathered: Vec<(&String, &usize)> = reasons.iter().collect();
+    gathered.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    if let ([(reason, _)], true) = (gathered.as_slice(), in_all) {
+        return Some(format!("{lead} in any run, because {reason}."));
     }
-    let mut gathered: Vec<(String, usize)> = reasons.into_iter().collect();
-    gathered.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-    if determined == 0 && gathered.len() == 1 {
-        return format!("Not determined in any run, because {}.", gathered[0].0);
-    }
-    let parts: Vec<String> = gathered
-        .iter()
-        .map(|(reason, count)| format!("{} because {reason}", counted(*count, "run")))
-        .collect();
-    let lead = if determined == 0 {
-        "Not determined in any run: "
-    } else {
-        "Not determined: "
-    };
-    format!("{lead}{}.", parts.join("; "))
+    let part = |(reason, count): &(&String, &usize)| format!("{}, because {reason}", counted(**count, "run"));
+    let parts: Vec<String> = gathered.iter().map(part).collect();
+    let where_ = if in_all { " in any run" } else { "" };
+    (!parts.is_empty()).then(|| format!("{lead}{where_}: {}.", parts.join("; ")))
 }

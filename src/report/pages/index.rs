@@ -17,6 +17,8 @@ use crate::report::site::Site;
 const NEWS: usize = 8;
 /// Contrasts named on this page; the comparison has all.
 const CONTRASTS: usize = 4;
+/// Voltages from which the matrix is set tighter.
+const MANY: usize = 8;
 /// Ratio from which a contrast is worth a sentence here.
 const NOTABLE_RATIO: f64 = 1.5;
 
@@ -27,6 +29,7 @@ struct Index {
     caution: Vec<String>,
     counts: Vec<Count>,
     voltages: Vec<String>,
+    many_voltages: bool,
     rows: Vec<MatrixRow>,
     unplaced: Vec<RunLink>,
     news: Vec<NewsRow>,
@@ -94,6 +97,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         caution: caution(site),
         counts: counts(site),
         voltages: voltage_labels(&site.conditions.voltages_v),
+        many_voltages: site.conditions.voltages_v.len() > MANY,
         rows: rows(site),
         unplaced: site
             .conditions
@@ -187,6 +191,7 @@ fn counts(site: &Site) -> Vec<Count> {
         count(of_state(RunState::NotFitted), "not a step response"),
         count(files(site, FileState::Refused).len(), "files refused"),
         count(files(site, FileState::Pending).len(), "files waiting"),
+        count(site.input.superseded.len(), "earlier revisions kept"),
     ];
     // The first two are always of interest, the others where there are any.
     all.into_iter()

@@ -8,14 +8,14 @@ use super::Content;
 use super::run_evidence::{Evidence, evidence};
 use super::table5::r_squared_text;
 use super::wording::{
-    EstimateText, IssueText, RunLink, counted, humidity_label, voltage_label, why_unfitted,
+    EstimateText, IssueText, RunLink, counted, humidity_label, in_unit, voltage_label, why_unfitted,
 };
 use crate::analysis::ParameterInfo;
 use crate::analysis::conditions::{material, nominal_voltage_v};
 use crate::domain::{ChannelNoise, Drive, Fit, RunCurve, RunRecord};
 use crate::report::error::ReportError;
 use crate::report::figures::response::{TimeView, response};
-use crate::report::number::{fixed, significant, with_unit};
+use crate::report::number::{fixed, significant};
 use crate::report::site::Site;
 
 /// Residual over noise up to which the model describes the readings.
@@ -209,7 +209,12 @@ fn drawn(
     Ok(Response {
         heading: quantity.label().to_owned(),
         figures: ids,
-        note: thinned,
+        note: match fitted {
+            true => {
+                format!("Dots are readings, the line is the fit; below, residuals over the noise. {thinned}")
+            }
+            false => thinned,
+        },
     })
 }
 
@@ -267,7 +272,7 @@ fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
         ),
         r_squared: r_squared
             .into_iter()
-            .filter_map(|(of, value)| Some((of.to_owned(), r_squared_text(value?))))
+            .filter_map(|(of, value)| Some((format!("R² of {of}"), r_squared_text(value?))))
             .chain(fit.noise.iter().map(noise_pair))
             .collect(),
     }
@@ -275,7 +280,7 @@ fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
 
 /// Noise of a channel and where its estimate comes from.
 fn noise_pair(noise: &ChannelNoise) -> (String, String) {
-    let amount = with_unit(noise.standard_deviation, noise.quantity.unit());
+    let amount = in_unit(noise.standard_deviation, noise.quantity.unit());
     let label = format!("{} noise", noise.quantity.label().to_lowercase());
     (
         label,
@@ -327,6 +332,19 @@ mod tests {
             readings: 1200,
             r_squared: None,
         }
+    }
+
+    #[test]
+    fn the_logarithmic_view_ends_at_the_next_change_of_the_drive() {
+        let mut drive = Drive::step(2.5);
+        drive.segments[0].start_s = 10.0;
+        drive.segments.push(crate::domain::Segment {
+            start_s: 300.0,
+            level: crate::domain::Level::OpenCircuit,
+        });
+        let since = |step_s, until_s| TimeView::SinceStep { step_s, until_s };
+        assert_eq!(views(Some(&drive))[1].1, since(10.0, 300.0));
+        assert_eq!(views(None)[1].1, since(0.0, f64::INFINITY));
     }
 
     #[test]

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::wording::{moment, voltage_label};
+use super::wording::{in_unit, moment, voltage_label};
 use crate::domain::{ChannelSummary, Drive, Level, Quantity, RunRecord, RunStatus};
-use crate::report::number::{plain, significant, with_unit};
+use crate::report::number::{plain, significant};
 use crate::report::site::Site;
 
 /// Segments of a drive that are spelled out.
@@ -146,16 +146,6 @@ fn channel(channel: &ChannelSummary) -> ChannelRow {
     }
 }
 
-/// Units that take no prefix stay as they are.
-fn in_unit(value: f64, unit: &str) -> String {
-    match unit {
-        "V" | "A" => with_unit(value, unit),
-        "" => significant(value, 4),
-        "1/cm" => format!("{} cm⁻¹", significant(value, 4)),
-        unit => format!("{} {unit}", significant(value, 4)),
-    }
-}
-
 fn file(file: &crate::domain::RunFile) -> FileRow {
     FileRow {
         path: file.path.clone(),
@@ -168,7 +158,7 @@ fn file(file: &crate::domain::RunFile) -> FileRow {
 fn size(bytes: u64) -> String {
     match bytes {
         0..=999 => format!("{bytes} B"),
-        _ => with_unit(bytes as f64, "B"),
+        _ => in_unit(bytes as f64, "B"),
     }
 }
 
@@ -218,7 +208,7 @@ mod tests {
     #[test]
     fn drives_in_words() {
         let mut drive = Drive::step(2.5);
-        assert_eq!(drive_text(&drive), "from 0 V: 2.5 V at 0 s");
+        assert_eq!(drive_text(&drive), "from 0\u{a0}V: 2.5\u{a0}V at 0 s");
         let pulse = |k: i32| Segment {
             start_s: 10.0 * f64::from(k),
             level: Level::OpenCircuit,

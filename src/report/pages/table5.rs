@@ -59,13 +59,13 @@ struct Cell {
     /// 95 % interval and reason, shown on hover.
     hover: String,
     kind: &'static str,
-    /// Number of the footnote that gives the reason.
-    footnote: Option<usize>,
+    /// Letter of the footnote that gives the reason: a figure beside a power of ten would be misread.
+    footnote: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
 struct Footnote {
-    number: usize,
+    letter: String,
     text: String,
 }
 
@@ -85,7 +85,10 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         columns: columns(),
         materials,
         footnotes: footnotes
-            .map(|(k, text)| Footnote { number: k + 1, text })
+            .map(|(k, text)| Footnote {
+                letter: letter(k),
+                text,
+            })
             .collect(),
         unplaced: match unplaced {
             0 => String::new(),
@@ -179,13 +182,22 @@ fn cell(run: &RunRecord, key: &str, reasons: &mut Vec<String>) -> Cell {
     }
 }
 
-/// Number of the footnote with that text, made where it is new.
-fn footnote(reason: &str, reasons: &mut Vec<String>) -> usize {
+/// Letter of the footnote with that text, made where it is new.
+fn footnote(reason: &str, reasons: &mut Vec<String>) -> String {
     let known = reasons.iter().position(|text| text == reason);
-    known.unwrap_or_else(|| {
+    letter(known.unwrap_or_else(|| {
         reasons.push(reason.to_owned());
         reasons.len() - 1
-    }) + 1
+    }))
+}
+
+/// `a` to `z`, then `aa`, `ab`, ...
+fn letter(index: usize) -> String {
+    let last = char::from(b'a' + (index % 26) as u8);
+    match index / 26 {
+        0 => last.to_string(),
+        before => format!("{}{last}", letter(before - 1)),
+    }
 }
 
 fn r_squared(value: Option<f64>) -> Cell {
@@ -227,10 +239,14 @@ mod tests {
     #[test]
     fn equal_reasons_share_a_footnote() {
         let mut reasons = vec![];
-        let numbers: Vec<usize> = ["a", "b", "a"]
+        let letters: Vec<String> = ["a", "b", "a"]
             .iter()
             .map(|reason| footnote(reason, &mut reasons))
             .collect();
-        assert_eq!((numbers, reasons.len()), (vec![1, 2, 1], 2));
+        assert_eq!((letters.join(" "), reasons.len()), ("a b a".to_owned(), 2));
+        assert_eq!(
+            (letter(25), letter(26), letter(52)),
+            ("z".to_owned(), "aa".to_owned(), "ba".to_owned())
+        );
     }
 }

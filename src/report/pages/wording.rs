@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::analysis::{ParameterInfo, Surroundings};
 use crate::domain::{Estimate, Issue, RunRecord, RunState, Severity};
-use crate::report::number::{fixed, lower_bound, measured, plain, significant, upper_bound};
+use crate::report::number::{fixed, lower_bound, measured, plain, significant, upper_bound, with_unit};
 use crate::report::site::Site;
 
 /// A link to a run's page.
@@ -59,7 +59,7 @@ pub struct EstimateText {
     pub interval: String,
     /// Why there is no value or only a bound, or that the value lies at a limit; empty where all is well.
     pub reason: String,
-    /// `value`, `bound` or `missing`.
+    /// `value`, `bound`, `missing` or `doubtful`: class.
     pub kind: &'static str,
 }
 
@@ -111,11 +111,24 @@ impl EstimateText {
 /// Estimate of a parameter in a run, or why the run has none.
 pub fn estimate_of(run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
     match run.fit.as_ref().map(|fit| fit.parameter(parameter.key)) {
-        Some(Some(estimate)) => EstimateText::of(estimate, parameter.shown_factor),
+        Some(Some(estimate)) => {
+            let text = EstimateText::of(estimate, parameter.shown_factor);
+            match run.fit.as_ref().is_some_and(|fit| fit.converged) {
+                true => text,
+                false => EstimateText {
+                    reason: NOT_CONVERGED.to_owned(),
+                    kind: "doubtful",
+                    ..text
+                },
+            }
+        }
         Some(None) => EstimateText::missing("the model of this run has no such parameter"),
         None => EstimateText::missing(why_unfitted(run)),
     }
 }
+
+/// What is said of every number of a fit that did not converge.
+pub const NOT_CONVERGED: &str = "the fit did not converge, so that its numbers are not to be used";
 
 /// Why a run has no fit, in words.
 pub fn why_unfitted(run: &RunRecord) -> &'static str {
@@ -175,9 +188,23 @@ pub fn voltage_labels(voltages_v: &[f64]) -> Vec<String> {
         .collect()
 }
 
-/// `2.5 V`
+/// `2.5 V`, not broken across lines
 pub fn voltage_label(voltage_v: f64) -> String {
-    format!("{} V", plain(voltage_v))
+    let shortest = plain(voltage_v);
+    match shortest.contains(['.', '·']) || voltage_v == 0.0 {
+        true => format!("{shortest}\u{a0}V"),
+        false => format!("{shortest}.0\u{a0}V"),
+    }
+}
+
+/// A number with its unit; volts, amperes and bytes take an SI prefix, the others stay as tables print them.
+pub fn in_unit(value: f64, unit: &str) -> String {
+    match unit {
+        "V" | "A" | "B" => with_unit(value, unit),
+        "" => significant(value, 4),
+        "1/cm" => format!("{} cm⁻¹", significant(value, 3)),
+        unit => format!("{} {unit}", significant(value, 4)),
+    }
 }
 
 /// Whether a run or its fit carries a warning or an error.

@@ -1,0 +1,53 @@
+//! What the pages say, as text: goldens of the contexts that the templates print.
+
+use ieap::domain::CurveSource;
+use ieap::report::pages::{PAGES, run_content};
+use ieap::report::{Input, Site};
+use serde_json::Value;
+
+use super::report_fixture::{MadeUpCurves, current_only_input, troubled_input};
+
+fn page(input: &Input, file: &str) -> Value {
+    let page = PAGES.iter().find(|page| page.file == file).expect("a known page");
+    (page.content)(&Site::new(input)).expect("its content").context
+}
+
+fn run_page(input: &Input, run: usize) -> Value {
+    let curves = MadeUpCurves::of(input)
+        .curves(input.runs[run].id)
+        .expect("curves");
+    run_content(&Site::new(input), run, &curves)
+        .expect("its content")
+        .context
+}
+
+#[test]
+fn overview_of_a_troubled_campaign() {
+    insta::assert_json_snapshot!(page(&troubled_input(), "index.html"));
+}
+
+#[test]
+fn comparison_of_a_troubled_campaign() {
+    insta::assert_json_snapshot!(page(&troubled_input(), "comparison.html"));
+}
+
+#[test]
+fn parameters_of_a_troubled_campaign() {
+    insta::assert_json_snapshot!(page(&troubled_input(), "table5.html"));
+}
+
+#[test]
+fn overview_and_comparison_of_a_campaign_with_currents_only() {
+    let input = current_only_input();
+    insta::assert_json_snapshot!("current_only_overview", page(&input, "index.html"));
+    insta::assert_json_snapshot!("current_only_comparison", page(&input, "comparison.html"));
+}
+
+#[test]
+fn runs_fitted_revised_hostile_and_untagged() {
+    let input = troubled_input();
+    insta::assert_json_snapshot!("run_not_converged", run_page(&input, 0));
+    insta::assert_json_snapshot!("run_revised", run_page(&input, 2));
+    insta::assert_json_snapshot!("run_hostile", run_page(&input, 18));
+    insta::assert_json_snapshot!("run_untagged", run_page(&input, 19));
+}
