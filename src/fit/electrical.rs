@@ -139,6 +139,10 @@ impl Electrical {
     }
 }
 
+/// Part of the sum of squares at which a search settles: exactly, and where only the sum itself is wanted.
+const SETTLE: f64 = 1e-10;
+const SETTLE_SUM: f64 = 1e-3;
+
 /// A choice of branches with what it leaves.
 struct Choice {
     found: Found,
@@ -200,15 +204,14 @@ impl Choosing<'_> {
         let most = if self.limits.is_some() { most } else { 0 };
         let mut chosen = self.fit(most, with_offset);
         for count in (0..most).rev() {
-            let simpler = self.fit(count, with_offset);
-            let gain = simpler.residuals.square - chosen.residuals.square;
+            let gain = self.search(count, with_offset, SETTLE_SUM).solution.square - chosen.residuals.square;
             let all_used = chosen.found.solution.conductances_s[..=count]
                 .iter()
                 .all(|&c| c > 0.0);
             if all_used && gain > BRANCH_EVIDENCE * self.noise {
                 break;
             }
-            chosen = simpler;
+            chosen = self.fit(count, with_offset);
         }
         chosen
     }
@@ -244,14 +247,25 @@ impl Choosing<'_> {
     }
 
     fn fit(&mut self, branches: usize, with_offset: bool) -> Choice {
-        let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
-        let found = search(&self.circuit(with_offset), &self.grouped, branches, limits);
-        self.evaluations += found.evaluations;
+        let found = self.search(branches, with_offset, SETTLE);
         Choice {
             residuals: self.residuals(&found.solution, with_offset),
             found,
             with_offset,
         }
+    }
+
+    fn search(&mut self, branches: usize, with_offset: bool, settle: f64) -> Found {
+        let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
+        let found = search(
+            &self.circuit(with_offset),
+            &self.grouped,
+            branches,
+            limits,
+            settle,
+        );
+        self.evaluations += found.evaluations;
+        found
     }
 
     /// Residuals of a solution over all readings.
