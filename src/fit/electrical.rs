@@ -14,9 +14,13 @@ use super::circuit::{Circuit, Solution};
 use super::sampled::Sampled;
 use super::search::{Found, Limits, search};
 
-/// A further branch must lower the sum of squares by this many long-run variances. Two parameters fitted to
-/// noise, one of them a time constant that may lie anywhere on the record, reach it about once in 20 000 runs.
-const BRANCH_EVIDENCE: f64 = 25.0;
+/// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
+/// parameters fitted to it of which one is a time constant anywhere on the record, does so in less than one of
+/// a hundred runs (see the test of a resistor with one capacitor).
+const BRANCH_EVIDENCE: f64 = 12.0;
+/// From here on a second branch may be there: leaving it out would bias what one branch says, so two are kept
+/// for the sums over branches, and their parts are not reported.
+const BRANCH_DOUBT: f64 = 4.0;
 /// An offset must explain this share of the misfit.
 const OFFSET_SHARE: f64 = 0.3;
 /// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
@@ -85,6 +89,8 @@ pub(super) struct Electrical {
     pub(super) steady_s: f64,
     /// Whether any reading was taken at a held voltage other than zero, so that R_ss carries current.
     pub(super) steady_visible: bool,
+    /// Whether the second branch may be chance: the parts of both branches are then open.
+    pub(super) in_doubt: bool,
     /// Offset of the instrument's zero, A, where one was fitted.
     pub(super) offset_a: Option<f64>,
     /// Covariance of [ln c_1.., steady, ln tau_1.., offset where fitted].
@@ -148,6 +154,7 @@ struct Choice {
     found: Found,
     residuals: Residuals,
     with_offset: bool,
+    in_doubt: bool,
 }
 
 /// One current under one drive, while branches and offset are chosen.
@@ -211,6 +218,10 @@ impl Choosing<'_> {
             if all_used && gain > BRANCH_EVIDENCE * self.noise {
                 break;
             }
+            if all_used && count == 1 && gain > BRANCH_DOUBT * self.noise {
+                chosen.in_doubt = true;
+                break;
+            }
             chosen = self.fit(count, with_offset);
         }
         chosen
@@ -252,6 +263,7 @@ impl Choosing<'_> {
             residuals: self.residuals(&found.solution, with_offset),
             found,
             with_offset,
+            in_doubt: false,
         }
     }
 
@@ -311,6 +323,7 @@ impl Choosing<'_> {
             conductances_s,
             steady_s: solution.conductances_s[n],
             steady_visible: sums.gram.matrix.get(n, n) > 0.0,
+            in_doubt: chosen.in_doubt,
             offset_a: chosen.with_offset.then_some(solution.offset_a),
             covariance: sums.covariance(&chosen.residuals),
             residuals: chosen.residuals,
