@@ -11,6 +11,7 @@ use crate::numerics::student::quantile_95;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
+use super::coupled::{is_coupled, refine};
 use super::sampled::Sampled;
 use super::search::{Found, Limits, search};
 
@@ -152,6 +153,8 @@ const SETTLE_SUM: f64 = 1e-3;
 /// A choice of branches with what it leaves.
 struct Choice {
     found: Found,
+    /// Derivatives by column where the drive couples the parameters.
+    jacobian: Option<Vec<Vec<f64>>>,
     residuals: Residuals,
     with_offset: bool,
     in_doubt: bool,
@@ -165,6 +168,8 @@ struct Choosing<'a> {
     limits: Option<Limits>,
     /// Variance of a long sum per reading, found without the circuit.
     noise: f64,
+    /// Whether the source comes back after an open circuit.
+    coupled: bool,
     evaluations: u64,
 }
 
@@ -176,6 +181,7 @@ pub(super) fn identify(drive: &Drive, area_cm2: f64, sampled: &Sampled, branches
         grouped: sampled.grouped(),
         limits: Limits::of(sampled),
         noise: noise_without_circuit(sampled),
+        coupled: is_coupled(drive),
         evaluations: 0,
     };
     let plain = choosing.choose(branches, false);
@@ -211,7 +217,7 @@ impl Choosing<'_> {
         let most = if self.limits.is_some() { most } else { 0 };
         let mut chosen = self.fit(most, with_offset);
         for count in (0..most).rev() {
-            let gain = self.search(count, with_offset, SETTLE_SUM).solution.square - chosen.residuals.square;
+            let gain = self.square_of(count, with_offset) - chosen.residuals.square;
             let all_used = chosen.found.solution.conductances_s[..=count]
                 .iter()
                 .all(|&c| c > 0.0);
@@ -232,7 +238,7 @@ impl Choosing<'_> {
     fn try_offset(&mut self, most: usize, plain: Choice) -> Choice {
         let readings = self.sampled.len() as f64;
         let misfit = plain.residuals.square - readings * self.noise;
-        if misfit <= BRANCH_EVIDENCE * self.noise || !self.offset_is_separable() {
+        if self.coupled || misfit <= BRANCH_EVIDENCE * self.noise || !self.offset_is_separable() {
             return plain;
         }
         let shifted = self.choose(most, true);
@@ -258,13 +264,37 @@ impl Choosing<'_> {
     }
 
     fn fit(&mut self, branches: usize, with_offset: bool) -> Choice {
-        let found = self.search(branches, with_offset, SETTLE);
+        let mut found = self.search(branches, with_offset, SETTLE);
+        let refinable =
+            self.coupled && branches > 0 && found.solution.conductances_s.iter().any(|&c| c > 0.0);
+        if let (true, Some(limits)) = (refinable, self.limits) {
+            let refined = refine(self.drive, self.sampled, &found.solution, limits.low, limits.high);
+            self.evaluations += refined.evaluations;
+            found.solution = refined.solution;
+            found.stop = refined.stop;
+            return Choice {
+                residuals: Residuals::new(self.sampled, refined.fitted, 2 * branches + 1),
+                jacobian: Some(refined.jacobian),
+                found,
+                with_offset,
+                in_doubt: false,
+            };
+        }
         Choice {
             residuals: self.residuals(&found.solution, with_offset),
+            jacobian: None,
             found,
             with_offset,
             in_doubt: false,
         }
+    }
+
+    /// Sum of squares that `count` branches leave.
+    fn square_of(&mut self, count: usize, with_offset: bool) -> f64 {
+        if self.coupled {
+            return self.fit(count, with_offset).residuals.square;
+        }
+        self.search(count, with_offset, SETTLE_SUM).solution.square
     }
 
     fn search(&mut self, branches: usize, with_offset: bool, settle: f64) -> Found {
@@ -315,7 +345,19 @@ impl Choosing<'_> {
         }
         let circuit = self.circuit(chosen.with_offset);
         let mut sums = CovarianceSums::new(circuit.columns(n), chosen.residuals.noise.correlation);
-        circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
+        match &chosen.jacobian {
+            None => circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales)),
+            Some(jacobian) => {
+                let steady = std::iter::once(n);
+                let own = order
+                    .iter()
+                    .copied()
+                    .chain(steady)
+                    .chain(order.iter().map(|k| n + 1 + k));
+                let columns: Vec<&[f64]> = own.map(|column| jacobian[column].as_slice()).collect();
+                sums.add_dense(&columns);
+            }
+        }
         Electrical {
             area_cm2,
             at_bound: logs.iter().map(|&log| self.bound(log)).collect(),
@@ -382,6 +424,20 @@ impl CovarianceSums {
                 let both = dot(&scaled[row], &memory[column]) + dot(&memory[row], &scaled[column]);
                 self.middle.set(row, column, self.middle.get(row, column) + both);
             }
+        }
+    }
+
+    /// Adds whole columns of the Jacobian.
+    fn add_dense(&mut self, columns: &[&[f64]]) {
+        let readings = columns.first().map_or(0, |column| column.len());
+        let mut block = vec![[0.0; BLOCK]; columns.len()];
+        for start in (0..readings).step_by(BLOCK) {
+            let len = BLOCK.min(readings - start);
+            for (out, column) in block.iter_mut().zip(columns) {
+                out[..len].copy_from_slice(&column[start..start + len]);
+                out[len..].fill(0.0);
+            }
+            self.add(len, &block, &[1.0; CAPACITY]);
         }
     }
 

@@ -5,6 +5,7 @@
 
 mod bending;
 mod circuit;
+mod coupled;
 mod electrical;
 mod error;
 mod estimates;
