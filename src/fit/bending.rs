@@ -273,8 +273,10 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
     let square: f64 = sampled.values.iter().map(|v| v * v).sum();
     let rounding = 4.0 * f64::EPSILON * square;
     let local = |strain: &Strain, at: &[f64]| strain.projected(at[0] / unit_s, unit_s);
-    let rough = minimise(&[start], &[0.0], &[high], 60, rounding, |at| local(&coarse, at));
-    let found = minimise(&rough.at[..1], &[0.0], &[high], 60, rounding, |at| {
+    let rough = minimise(&[start], &[0.0], &[high], 60, 1e-3, rounding, |at| {
+        local(&coarse, at)
+    });
+    let found = minimise(&rough.at[..1], &[0.0], &[high], 60, 1e-10, rounding, |at| {
         local(&full, at)
     });
     let rate_per_s = found.at[0] / unit_s;

@@ -5,7 +5,7 @@
 
 use crate::domain::{Drive, Level};
 use crate::numerics::decay::{BLOCK, Block, Column, Decay};
-use crate::numerics::gram::{Gram, dot};
+use crate::numerics::gram::Gram;
 use crate::numerics::levenberg::{Local, Minimum, minimise};
 use crate::numerics::nonnegative::nonnegative_least_squares;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
@@ -154,22 +154,15 @@ impl Circuit<'_> {
     }
 
     /// Searches from `start` within the bounds (logarithms of s).
-    pub(super) fn minimise(&self, start: &[f64], low: f64, high: f64, limit: u64) -> Minimum {
-        let square: f64 = {
-            let mut sum = 0.0;
-            let mut y = [0.0; BLOCK];
-            for (_, block) in &self.sampled.blocks {
-                self.sampled.fill_values(block, &mut y);
-                sum += dot(&y, &y);
-            }
-            sum
-        };
+    pub(super) fn minimise(&self, start: &[f64], low: f64, high: f64, limit: u64, settle: f64) -> Minimum {
+        let square: f64 = self.sampled.weighted_square();
         let n = start.len();
         minimise(
             start,
             &vec![low; n],
             &vec![high; n],
             limit,
+            settle,
             4.0 * f64::EPSILON * square,
             |at| self.projected(at),
         )
@@ -261,7 +254,7 @@ mod tests {
             assert!((built - current_a[k]).abs() < 1e-15_f64, "{k}");
             assert!((slope[k] - (above[k] - below[k]) / 2e-5).abs() < 1e-8, "{k}");
         }
-        let found = circuit.minimise(&[12.0_f64.ln()], -5.0, 10.0, 60);
+        let found = circuit.minimise(&[12.0_f64.ln()], -5.0, 10.0, 60, 1e-10);
         assert!((found.at[0] - log_tau).abs() < 1e-8, "{found:?}");
         let solution = circuit.solve(&found.at[..1]);
         assert!((solution.conductances_s[0] / (0.2 / 300.0) - 1.0).abs() < 1e-8);

@@ -11,12 +11,17 @@ use crate::numerics::student::quantile_95;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
+use super::coupled::{is_coupled, refine};
 use super::sampled::Sampled;
 use super::search::{Found, Limits, search};
 
-/// A further branch must lower the sum of squares by this many long-run variances. Two parameters fitted to
-/// noise, one of them a time constant that may lie anywhere on the record, reach it about once in 20 000 runs.
-const BRANCH_EVIDENCE: f64 = 25.0;
+/// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
+/// parameters fitted to it of which one is a time constant anywhere on the record, does so in less than one of
+/// a hundred runs (see the test of a resistor with one capacitor).
+const BRANCH_EVIDENCE: f64 = 12.0;
+/// From here on a second branch may be there: leaving it out would bias what one branch says, so two are kept
+/// for the sums over branches, and their parts are not reported.
+const BRANCH_DOUBT: f64 = 4.0;
 /// An offset must explain this share of the misfit.
 const OFFSET_SHARE: f64 = 0.3;
 /// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
@@ -85,6 +90,8 @@ pub(super) struct Electrical {
     pub(super) steady_s: f64,
     /// Whether any reading was taken at a held voltage other than zero, so that R_ss carries current.
     pub(super) steady_visible: bool,
+    /// Whether the second branch may be chance: the parts of both branches are then open.
+    pub(super) in_doubt: bool,
     /// Offset of the instrument's zero, A, where one was fitted.
     pub(super) offset_a: Option<f64>,
     /// Covariance of [ln c_1.., steady, ln tau_1.., offset where fitted].
@@ -139,11 +146,18 @@ impl Electrical {
     }
 }
 
+/// Part of the sum of squares at which a search settles: exactly, and where only the sum itself is wanted.
+const SETTLE: f64 = 1e-10;
+const SETTLE_SUM: f64 = 1e-3;
+
 /// A choice of branches with what it leaves.
 struct Choice {
     found: Found,
+    /// Derivatives by column where the drive couples the parameters.
+    jacobian: Option<Vec<Vec<f64>>>,
     residuals: Residuals,
     with_offset: bool,
+    in_doubt: bool,
 }
 
 /// One current under one drive, while branches and offset are chosen.
@@ -154,6 +168,8 @@ struct Choosing<'a> {
     limits: Option<Limits>,
     /// Variance of a long sum per reading, found without the circuit.
     noise: f64,
+    /// Whether the source comes back after an open circuit.
+    coupled: bool,
     evaluations: u64,
 }
 
@@ -165,6 +181,7 @@ pub(super) fn identify(drive: &Drive, area_cm2: f64, sampled: &Sampled, branches
         grouped: sampled.grouped(),
         limits: Limits::of(sampled),
         noise: noise_without_circuit(sampled),
+        coupled: is_coupled(drive),
         evaluations: 0,
     };
     let plain = choosing.choose(branches, false);
@@ -200,15 +217,18 @@ impl Choosing<'_> {
         let most = if self.limits.is_some() { most } else { 0 };
         let mut chosen = self.fit(most, with_offset);
         for count in (0..most).rev() {
-            let simpler = self.fit(count, with_offset);
-            let gain = simpler.residuals.square - chosen.residuals.square;
+            let gain = self.square_of(count, with_offset) - chosen.residuals.square;
             let all_used = chosen.found.solution.conductances_s[..=count]
                 .iter()
                 .all(|&c| c > 0.0);
             if all_used && gain > BRANCH_EVIDENCE * self.noise {
                 break;
             }
-            chosen = simpler;
+            if all_used && count == 1 && gain > BRANCH_DOUBT * self.noise {
+                chosen.in_doubt = true;
+                break;
+            }
+            chosen = self.fit(count, with_offset);
         }
         chosen
     }
@@ -218,7 +238,7 @@ impl Choosing<'_> {
     fn try_offset(&mut self, most: usize, plain: Choice) -> Choice {
         let readings = self.sampled.len() as f64;
         let misfit = plain.residuals.square - readings * self.noise;
-        if misfit <= BRANCH_EVIDENCE * self.noise || !self.offset_is_separable() {
+        if self.coupled || misfit <= BRANCH_EVIDENCE * self.noise || !self.offset_is_separable() {
             return plain;
         }
         let shifted = self.choose(most, true);
@@ -244,14 +264,50 @@ impl Choosing<'_> {
     }
 
     fn fit(&mut self, branches: usize, with_offset: bool) -> Choice {
-        let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
-        let found = search(&self.circuit(with_offset), &self.grouped, branches, limits);
-        self.evaluations += found.evaluations;
+        let mut found = self.search(branches, with_offset, SETTLE);
+        let refinable =
+            self.coupled && branches > 0 && found.solution.conductances_s.iter().any(|&c| c > 0.0);
+        if let (true, Some(limits)) = (refinable, self.limits) {
+            let refined = refine(self.drive, self.sampled, &found.solution, limits.low, limits.high);
+            self.evaluations += refined.evaluations;
+            found.solution = refined.solution;
+            found.stop = refined.stop;
+            return Choice {
+                residuals: Residuals::new(self.sampled, refined.fitted, 2 * branches + 1),
+                jacobian: Some(refined.jacobian),
+                found,
+                with_offset,
+                in_doubt: false,
+            };
+        }
         Choice {
             residuals: self.residuals(&found.solution, with_offset),
+            jacobian: None,
             found,
             with_offset,
+            in_doubt: false,
         }
+    }
+
+    /// Sum of squares that `count` branches leave.
+    fn square_of(&mut self, count: usize, with_offset: bool) -> f64 {
+        if self.coupled {
+            return self.fit(count, with_offset).residuals.square;
+        }
+        self.search(count, with_offset, SETTLE_SUM).solution.square
+    }
+
+    fn search(&mut self, branches: usize, with_offset: bool, settle: f64) -> Found {
+        let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
+        let found = search(
+            &self.circuit(with_offset),
+            &self.grouped,
+            branches,
+            limits,
+            settle,
+        );
+        self.evaluations += found.evaluations;
+        found
     }
 
     /// Residuals of a solution over all readings.
@@ -289,7 +345,19 @@ impl Choosing<'_> {
         }
         let circuit = self.circuit(chosen.with_offset);
         let mut sums = CovarianceSums::new(circuit.columns(n), chosen.residuals.noise.correlation);
-        circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
+        match &chosen.jacobian {
+            None => circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales)),
+            Some(jacobian) => {
+                let steady = std::iter::once(n);
+                let own = order
+                    .iter()
+                    .copied()
+                    .chain(steady)
+                    .chain(order.iter().map(|k| n + 1 + k));
+                let columns: Vec<&[f64]> = own.map(|column| jacobian[column].as_slice()).collect();
+                sums.add_dense(&columns);
+            }
+        }
         Electrical {
             area_cm2,
             at_bound: logs.iter().map(|&log| self.bound(log)).collect(),
@@ -297,6 +365,7 @@ impl Choosing<'_> {
             conductances_s,
             steady_s: solution.conductances_s[n],
             steady_visible: sums.gram.matrix.get(n, n) > 0.0,
+            in_doubt: chosen.in_doubt,
             offset_a: chosen.with_offset.then_some(solution.offset_a),
             covariance: sums.covariance(&chosen.residuals),
             residuals: chosen.residuals,
@@ -355,6 +424,20 @@ impl CovarianceSums {
                 let both = dot(&scaled[row], &memory[column]) + dot(&memory[row], &scaled[column]);
                 self.middle.set(row, column, self.middle.get(row, column) + both);
             }
+        }
+    }
+
+    /// Adds whole columns of the Jacobian.
+    fn add_dense(&mut self, columns: &[&[f64]]) {
+        let readings = columns.first().map_or(0, |column| column.len());
+        let mut block = vec![[0.0; BLOCK]; columns.len()];
+        for start in (0..readings).step_by(BLOCK) {
+            let len = BLOCK.min(readings - start);
+            for (out, column) in block.iter_mut().zip(columns) {
+                out[..len].copy_from_slice(&column[start..start + len]);
+                out[len..].fill(0.0);
+            }
+            self.add(len, &block, &[1.0; CAPACITY]);
         }
     }
 

@@ -39,6 +39,11 @@ fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
     if k >= n {
         return Estimate::not_determined(absent(k, n));
     }
+    if electrical.in_doubt {
+        return Estimate::not_determined(
+            "a second branch may be there or may be chance, so that the parts of neither are known",
+        );
+    }
     if let Some(bound) = electrical.at_bound[k] {
         let mut estimate = Estimate::not_determined(beyond(bound));
         estimate.at_bound = true;

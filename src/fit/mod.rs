@@ -5,6 +5,7 @@
 
 mod bending;
 mod circuit;
+mod coupled;
 mod electrical;
 mod error;
 mod estimates;
@@ -89,8 +90,9 @@ struct Identified {
 /// [`FitError`] where there is nothing to fit: no response channel, too few readings after the step, an area
 /// or a drive that is none.
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
-    check(input, options)?;
-    let identified = identify(input, options);
+    let readings = Readings::new(input)?;
+    readings.check(input, options)?;
+    let identified = identify(input, options, readings);
     Ok(outcome::fit(input, options.model, &identified))
 }
 
@@ -99,56 +101,72 @@ fn needed(model: &FitModel) -> usize {
     2 * model.branches + 3
 }
 
-fn channel(input: &FitInput, quantity: Quantity) -> Option<Channel> {
-    input
-        .channels
-        .iter()
-        .find(|channel| channel.quantity == quantity)
-        .cloned()
+/// Readings of the responses that a run has.
+struct Readings {
+    current: Option<Sampled>,
+    curvature: Option<Sampled>,
 }
 
-fn check(input: &FitInput, options: &FitOptions) -> Result<(), FitError> {
-    if !(input.area_cm2.is_finite() && input.area_cm2 > 0.0) {
-        return Err(FitError::Area {
-            found_cm2: input.area_cm2,
-        });
-    }
-    check_drive(input.drive)?;
-    let fitted = [Quantity::Current, Quantity::Curvature];
-    let mut most: Option<(usize, &'static str)> = None;
-    for quantity in fitted {
-        let Some(channel) = channel(input, quantity) else {
-            continue;
-        };
-        let readings = Sampled::new(&channel, input.drive, quantity == Quantity::Curvature).after_step();
-        if most.is_none_or(|(count, _)| readings > count) {
-            most = Some((readings, quantity.column()));
+impl Readings {
+    /// Sorts the readings by segment, after a look at area and drive.
+    fn new(input: &FitInput) -> Result<Readings, FitError> {
+        if !(input.area_cm2.is_finite() && input.area_cm2 > 0.0) {
+            return Err(FitError::Area {
+                found_cm2: input.area_cm2,
+            });
         }
-    }
-    let Some((found, channel)) = most else {
-        let names: Vec<&str> = input
-            .channels
-            .iter()
-            .map(|channel| channel.raw_name.as_str())
-            .collect();
-        let found = if names.is_empty() {
-            "none".to_owned()
-        } else {
-            names.join(", ")
+        check_drive(input.drive)?;
+        let of = |quantity: Quantity| {
+            let channel = input
+                .channels
+                .iter()
+                .find(|channel| channel.quantity == quantity)?;
+            Some(Sampled::new(
+                channel,
+                input.drive,
+                quantity == Quantity::Curvature,
+            ))
         };
-        return Err(FitError::NoResponse { found });
-    };
-    let needed = needed(options.model);
-    if found < needed {
-        return Err(FitError::TooFewReadings {
-            channel,
-            found,
-            needed,
-            start_s: input.drive.segments[0].start_s,
-            model: options.model.id,
-        });
+        Ok(Readings {
+            current: of(Quantity::Current),
+            curvature: of(Quantity::Curvature),
+        })
     }
-    Ok(())
+
+    /// Whether there is anything to fit.
+    fn check(&self, input: &FitInput, options: &FitOptions) -> Result<(), FitError> {
+        let counts = [
+            (&self.current, Quantity::Current),
+            (&self.curvature, Quantity::Curvature),
+        ];
+        let counts = counts
+            .into_iter()
+            .filter_map(|(sampled, quantity)| Some((sampled.as_ref()?.after_step(), quantity)));
+        let Some((found, quantity)) = counts.max_by_key(|(count, _)| *count) else {
+            let names: Vec<&str> = input
+                .channels
+                .iter()
+                .map(|channel| channel.raw_name.as_str())
+                .collect();
+            let found = if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(", ")
+            };
+            return Err(FitError::NoResponse { found });
+        };
+        let needed = needed(options.model);
+        if found < needed {
+            return Err(FitError::TooFewReadings {
+                channel: quantity.column(),
+                found,
+                needed,
+                start_s: input.drive.segments[0].start_s,
+                model: options.model.id,
+            });
+        }
+        Ok(())
+    }
 }
 
 fn check_drive(drive: &Drive) -> Result<(), FitError> {
@@ -173,7 +191,7 @@ fn check_drive(drive: &Drive) -> Result<(), FitError> {
     Ok(())
 }
 
-fn identify(input: &FitInput, options: &FitOptions) -> Identified {
+fn identify(input: &FitInput, options: &FitOptions, readings: Readings) -> Identified {
     let needed = needed(options.model);
     let enough = |sampled: &Sampled, name: &str| {
         if sampled.after_step() >= needed {
@@ -184,20 +202,20 @@ fn identify(input: &FitInput, options: &FitOptions) -> Identified {
             "the {name} has {found} usable readings after the step, {needed} are needed"
         ))
     };
-    let current = channel(input, Quantity::Current)
+    let current = readings
+        .current
         .ok_or_else(|| "the run has no current channel".to_owned())
-        .and_then(|channel| {
-            let sampled = Sampled::new(&channel, input.drive, false);
+        .and_then(|sampled| {
             enough(&sampled, "current")?;
             let electrical =
                 electrical::identify(input.drive, input.area_cm2, &sampled, options.model.branches);
             Ok((sampled, electrical))
         });
     let mut unfitted_curvature = None;
-    let curvature = channel(input, Quantity::Curvature)
+    let curvature = readings
+        .curvature
         .ok_or_else(|| "the run has no curvature channel".to_owned())
-        .and_then(|channel| {
-            let sampled = Sampled::new(&channel, input.drive, true);
+        .and_then(|sampled| {
             let fitted = enough(&sampled, "curvature").and_then(|()| bend(input, &current, &sampled));
             match fitted {
                 Ok(bending) => Ok((sampled, bending)),

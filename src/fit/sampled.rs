@@ -32,7 +32,7 @@ pub(super) struct Sampled {
 }
 
 /// Width of a group of readings in parts of the time since the start of its segment.
-const GROUP_WIDTH: f64 = 0.06;
+const GROUP_WIDTH: f64 = 0.1;
 
 impl Sampled {
     /// Readings of `channel` that are finite and not excluded; those taken while the circuit was open only
@@ -176,6 +176,19 @@ impl Sampled {
             {
                 *value *= weight;
             }
+        }
+    }
+
+    /// Sum of the squared values, each as often as it stands for readings.
+    pub(super) fn weighted_square(&self) -> f64 {
+        match &self.root_weights {
+            None => self.values.iter().map(|v| v * v).sum(),
+            Some(weights) => self
+                .values
+                .iter()
+                .zip(weights)
+                .map(|(v, w)| (v * w).powi(2))
+                .sum(),
         }
     }
 

@@ -11,7 +11,9 @@ use super::sampled::Sampled;
 /// Time constants in the coarse look.
 const GRID: usize = 16;
 /// Places from which the search descends.
-const DESCENTS: usize = 3;
+const DESCENTS: usize = 2;
+/// Part of the sum of squares at which a descent over groups settles: the last one goes over all readings.
+const SETTLE_COARSE: f64 = 1e-3;
 /// Evaluations allowed to one descent.
 const LIMIT: u64 = 80;
 
@@ -40,7 +42,13 @@ pub(super) struct Found {
 }
 
 /// Fits `branches` (0, 1 or 2) R-C branches to the current.
-pub(super) fn search(full: &Circuit, grouped: &Sampled, branches: usize, limits: Limits) -> Found {
+pub(super) fn search(
+    full: &Circuit,
+    grouped: &Sampled,
+    branches: usize,
+    limits: Limits,
+    settle: f64,
+) -> Found {
     if branches == 0 {
         return Found {
             solution: full.solve(&[]),
@@ -55,7 +63,7 @@ pub(super) fn search(full: &Circuit, grouped: &Sampled, branches: usize, limits:
     let mut evaluations = 0;
     let mut best: Option<(f64, Vec<f64>)> = None;
     for start in starts(&coarse, branches, limits) {
-        let found = coarse.minimise(&start, limits.low, limits.high, LIMIT);
+        let found = coarse.minimise(&start, limits.low, limits.high, LIMIT, SETTLE_COARSE);
         evaluations += found.evaluations;
         let square = found.local.square;
         if best.as_ref().is_none_or(|(least, _)| square < *least) {
@@ -63,7 +71,7 @@ pub(super) fn search(full: &Circuit, grouped: &Sampled, branches: usize, limits:
         }
     }
     let start = best.map_or_else(|| vec![(limits.low + limits.high) / 2.0; branches], |(_, at)| at);
-    let found = full.minimise(&start, limits.low, limits.high, LIMIT);
+    let found = full.minimise(&start, limits.low, limits.high, LIMIT, settle);
     Found {
         solution: full.solve(&found.at[..branches]),
         stop: found.stop,

@@ -16,7 +16,7 @@ pub struct Local {
 /// Why a search stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// A further step would lower the sum of squares by less than a part in 10^10, or move by less than 10^-9.
+    /// A further step would lower the sum of squares by less than the part asked for, or move by less than 10^-9.
     Converged,
     /// No damped step lowers the sum of squares any more: rounding has been reached.
     NoDescent,
@@ -35,7 +35,7 @@ impl Stop {
     /// The reason in words.
     pub fn words(self) -> &'static str {
         match self {
-            Stop::Converged => "a further step would lower the sum of squares by less than a part in 10^10",
+            Stop::Converged => "a further step would not lower the sum of squares noticeably",
             Stop::NoDescent => "no step lowers the sum of squares any more",
             Stop::EvaluationLimit => "the limit of evaluations was reached",
             Stop::NotFinite => "the sum of squares is no finite number",
@@ -58,13 +58,14 @@ pub struct Minimum {
 
 /// Lowers the sum of squares from `start` inside the box `low..=high`, within `limit` evaluations.
 ///
-/// `resolution` is the rounding error of the sum of squares: a rise below it counts as none. Coordinates
+/// It settles where a further step would lower the sum by less than the part `settle` of it. `resolution` is the rounding error of the sum of squares: a rise below it counts as none. Coordinates
 /// should be scaled so that a step of 1 is large (logarithms of positive parameters are).
 pub fn minimise(
     start: &[f64],
     low: &[f64],
     high: &[f64],
     limit: u64,
+    settle: f64,
     resolution: f64,
     mut evaluate: impl FnMut(&[f64]) -> Local,
 ) -> Minimum {
@@ -89,7 +90,7 @@ pub fn minimise(
         let Some((trial, moved, expected)) = step(&at, &local, low, high, damping) else {
             return ended(at, local, evaluations, Stop::Converged);
         };
-        if moved < 1e-9 || expected <= 1e-10 * local.square {
+        if moved < 1e-9 || expected <= settle * local.square {
             return ended(at, local, evaluations, Stop::Converged);
         }
         if evaluations >= limit {
@@ -193,16 +194,16 @@ mod tests {
 
     #[test]
     fn finds_the_bottom_of_a_valley() {
-        let found = minimise(&[-1.2, 1.0], &[-5.0; 2], &[5.0; 2], 200, 0.0, valley);
+        let found = minimise(&[-1.2, 1.0], &[-5.0; 2], &[5.0; 2], 200, 1e-10, 0.0, valley);
         assert!(found.stop.converged(), "{found:?}");
         assert!((found.at[0] - 1.0).abs() < 1e-6 && (found.at[1] - 1.0).abs() < 1e-6);
     }
 
     #[test]
     fn stays_in_the_box_and_within_the_limit() {
-        let found = minimise(&[-1.2, 1.0], &[-5.0; 2], &[0.5, 5.0], 200, 0.0, valley);
+        let found = minimise(&[-1.2, 1.0], &[-5.0; 2], &[0.5, 5.0], 200, 1e-10, 0.0, valley);
         assert!((found.at[0] - 0.5).abs() < 1e-9 && (found.at[1] - 0.25).abs() < 1e-6);
-        let cut = minimise(&[-1.2, 1.0], &[-5.0; 2], &[5.0; 2], 3, 0.0, valley);
+        let cut = minimise(&[-1.2, 1.0], &[-5.0; 2], &[5.0; 2], 3, 1e-10, 0.0, valley);
         assert_eq!((cut.stop, cut.evaluations), (Stop::EvaluationLimit, 3));
     }
 
@@ -214,7 +215,7 @@ mod tests {
             normal: Symmetric::zero(1),
         };
         assert_eq!(
-            minimise(&[0.0], &[-1.0], &[1.0], 50, 0.0, nan).stop,
+            minimise(&[0.0], &[-1.0], &[1.0], 50, 1e-10, 0.0, nan).stop,
             Stop::NotFinite
         );
     }
