@@ -42,6 +42,16 @@ pub fn breaks(runs: &[RunRecord]) -> Vec<Break> {
     found
 }
 
+/// Adds the issue of each break to the runs that it is about.
+pub fn annotate(runs: &mut [RunRecord]) {
+    for found in breaks(runs) {
+        let issue = found.issue(runs);
+        for &index in &found.runs {
+            runs[index].issues.push(issue.clone());
+        }
+    }
+}
+
 fn breaks_of(runs: &[RunRecord], dated: &[(usize, i64)]) -> Vec<Break> {
     let mut found: Vec<Break> = Vec::new();
     let mut previous: Option<(usize, i64)> = None;

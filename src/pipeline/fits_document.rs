@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::{Context, PipelineError};
+use crate::analysis::sequence;
 use crate::domain::tag::keys;
 use crate::domain::{ChannelNoise, Issue, RunRecord};
 
@@ -100,7 +101,8 @@ pub struct NotFitted {
 /// # Errors
 /// The database cannot be read.
 pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
-    let runs = context.store.runs()?;
+    let mut runs = context.store.runs()?;
+    sequence::annotate(&mut runs);
     let not_fitted = runs.iter().filter(|run| run.fit.is_none()).map(|run| NotFitted {
         run: run.path.clone(),
         state: run.state.key(),

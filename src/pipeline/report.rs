@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::context::CODE_VERSION;
 use super::swap::replace_folder;
 use super::{Context, Observer, PipelineError};
+use crate::analysis::sequence;
 use crate::report;
 
 /// Folder of the report inside a campaign.
@@ -108,7 +109,8 @@ fn remove_leftovers(folder: &Path) {
 }
 
 fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::Input, PipelineError> {
-    let runs = context.store.runs()?;
+    let mut runs = context.store.runs()?;
+    sequence::annotate(&mut runs);
     let mut news: Vec<report::News> = runs
         .iter()
         .map(|run| report::News {

@@ -343,9 +343,7 @@ fn a_second_instance_is_refused_while_the_first_works() {
         .stderr(std::process::Stdio::null())
         .spawn()
         .unwrap();
-    crate::watch::until("the watch has the lock", || {
-        folder.join("report/index.html").exists()
-    });
+    crate::watch::until("the watch has fitted", || crate::watch::fitted(&folder) == 1);
     let second = folder.ieap(&["run"]).expect(4);
     assert!(
         second.stderr.contains("another ieap") && second.stderr.contains("process"),

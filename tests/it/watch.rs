@@ -57,7 +57,8 @@ impl Drop for Watching {
     }
 }
 
-fn fitted(folder: &CampaignFolder) -> u64 {
+/// Number of fitted runs.
+pub fn fitted(folder: &CampaignFolder) -> u64 {
     let status = folder.ieap(&["status", "--json"]).expect(0).json();
     status["status"]["runs_by_state"]["fitted"].as_u64().unwrap_or(0)
 }

@@ -34,6 +34,7 @@ struct Index {
     unplaced: Vec<RunLink>,
     news: Vec<NewsRow>,
     refused: Vec<RefusedRow>,
+    refused_more: Vec<String>,
     waiting: Vec<RefusedRow>,
     untagged: Vec<RunIssues>,
     problems: Vec<Problem>,
@@ -73,6 +74,8 @@ struct NewsRow {
 struct RefusedRow {
     path: String,
     missing: bool,
+    #[serde(skip)]
+    code: String,
     issue: Option<IssueText>,
 }
 
@@ -106,7 +109,8 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             .map(|&run| RunLink::to(site, run))
             .collect(),
         news: news(site),
-        refused: files(site, FileState::Refused),
+        refused_more: more(site),
+        refused: first_of_each_reason(files(site, FileState::Refused)),
         waiting: files(site, FileState::Pending),
         untagged: untagged(site),
         problems: problems(site),
@@ -260,7 +264,44 @@ fn files(site: &Site, state: FileState) -> Vec<RefusedRow> {
         .map(|file| RefusedRow {
             path: file.path.clone(),
             missing: file.missing,
+            code: file
+                .issue
+                .as_ref()
+                .map(|issue| issue.code.clone())
+                .unwrap_or_default(),
             issue: file.issue.as_ref().map(IssueText::from),
+        })
+        .collect()
+}
+
+/// Files listed for one reason: a folder of thousands of foreign files must not bury the rest of the page.
+const LISTED_FILES: usize = 20;
+
+/// The first refused files of each reason.
+fn first_of_each_reason(rows: Vec<RefusedRow>) -> Vec<RefusedRow> {
+    let mut listed: BTreeMap<String, usize> = BTreeMap::new();
+    rows.into_iter()
+        .filter(|row| {
+            let of_reason = listed.entry(row.code.clone()).or_insert(0);
+            *of_reason += 1;
+            *of_reason <= LISTED_FILES
+        })
+        .collect()
+}
+
+/// How many refused files of each reason are not listed.
+fn more(site: &Site) -> Vec<String> {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for row in files(site, FileState::Refused) {
+        *counts.entry(row.code).or_insert(0) += 1;
+    }
+    let unlisted = counts.into_iter().filter(|(_, count)| *count > LISTED_FILES);
+    unlisted
+        .map(|(code, count)| {
+            format!(
+                "{} more for the same reason ({code}); ieap status lists all.",
+                counted(count - LISTED_FILES, "file")
+            )
         })
         .collect()
 }
