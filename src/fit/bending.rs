@@ -276,7 +276,7 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
     let rough = minimise(&[start], &[0.0], &[high], 60, 1e-3, rounding, |at| {
         local(&coarse, at)
     });
-    let found = minimise(&rough.at[..1], &[0.0], &[high], 60, 1e-10, rounding, |at| {
+    let found = minimise(&rough.at[..1], &[0.0], &[high], 60, 1e-8, rounding, |at| {
         local(&full, at)
     });
     let rate_per_s = found.at[0] / unit_s;

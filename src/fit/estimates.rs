@@ -203,12 +203,20 @@ pub(super) fn bending_estimate(key: &str, bending: Result<&Bending, &str>) -> Op
 
 fn coupling(bending: &Bending, error: f64, half: f64) -> Estimate {
     let value = bending.coupling_per_c_cm;
-    if bending.at_upper_bound || !(half < WIDEST_FACTOR * value.abs()) {
-        return Estimate::not_determined(
-            "the strip relaxes as fast as it is charged, so that only the product of coupling and time shows",
-        );
+    if coupling_is_open(bending) {
+        return Estimate::not_determined(OPEN_COUPLING);
     }
     Estimate::determined(value, error, value - half, value + half)
+}
+
+const OPEN_COUPLING: &str = "coupling and rate cannot be told apart, or the charge is not known well enough: \
+                             the 95 % interval of the coupling would contain zero although the strip bends";
+
+/// Whether the interval of the coupling reaches zero; without a coupling the rate means nothing either.
+fn coupling_is_open(bending: &Bending) -> bool {
+    let error = bending.covariance.get(0, 0).max(0.0).sqrt();
+    let half = bending.residuals.quantile * error;
+    bending.at_upper_bound || half.is_nan() || half >= bending.coupling_per_c_cm.abs()
 }
 
 fn rate(bending: &Bending, error: f64, half: f64) -> Estimate {
@@ -219,8 +227,8 @@ fn rate(bending: &Bending, error: f64, half: f64) -> Estimate {
         estimate.at_bound = true;
         return estimate;
     }
-    if !half.is_finite() {
-        return Estimate::not_determined("the curvature leaves the rate open");
+    if coupling_is_open(bending) || !half.is_finite() {
+        return Estimate::not_determined(OPEN_COUPLING);
     }
     if value - half <= 0.0 {
         let mut estimate = Estimate::below(
