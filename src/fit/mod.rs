@@ -23,6 +23,8 @@ use electrical::Electrical;
 use sampled::Sampled;
 
 #[cfg(test)]
+mod any_input;
+#[cfg(test)]
 mod tests;
 
 /// What one run gives to a fit.

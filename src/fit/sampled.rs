@@ -31,6 +31,8 @@ pub(super) struct Sampled {
     pub(super) blocks: Vec<(Option<usize>, Block)>,
 }
 
+/// Readings at or beyond this size are none: their squares would not be numbers.
+const LARGEST: f64 = 1e100;
 /// Width of a group of readings in parts of the time since the start of its segment.
 const GROUP_WIDTH: f64 = 0.1;
 
@@ -69,7 +71,7 @@ impl Sampled {
     fn take(&mut self, segment: Option<usize>, start_s: f64, time_s: &[f64], values: &[f64]) {
         let first = self.values.len();
         for (&t, &value) in time_s.iter().zip(values) {
-            if t.is_finite() && value.is_finite() {
+            if t.is_finite() && value.abs() < LARGEST {
                 self.time_s.push(t);
                 self.elapsed_s.push(t - start_s);
                 self.values.push(value);
