@@ -477,3 +477,41 @@ fn scaling_and_reversal_move_the_parameters_as_physics_says() {
         close(ratio(&reversed, key), 1.0);
     }
 }
+
+#[test]
+fn a_current_of_the_wrong_sign_is_named() {
+    let run = channels(
+        &model(&AIR_2V),
+        &Drive::step(2.0),
+        &times(0.0, 3600.0, 1801),
+        0.01,
+        0.0,
+        2,
+    );
+    let fit = fitted(&run, &Drive::step(-2.0));
+    assert!(
+        fit.issues
+            .iter()
+            .any(|issue| issue.code == "current-against-voltage" && !issue.mend.is_empty())
+    );
+    assert!(
+        fit.parameters
+            .iter()
+            .all(|parameter| parameter.estimate.value.is_none())
+    );
+}
+
+#[test]
+fn a_camera_slower_than_the_potentiostat_and_a_relaxation_as_fast_as_the_charging() {
+    let mut degenerate = model(&AIR_2V);
+    degenerate.relaxation_rate_per_s = 1.0 / degenerate.branches[0].time_constant_s();
+    for rate_per_s in [3.8e-4, degenerate.relaxation_rate_per_s, 0.5] {
+        degenerate.relaxation_rate_per_s = rate_per_s;
+        let drive = Drive::step(2.0);
+        let fast = channels(&degenerate, &drive, &times(-10.0, 3600.0, 7221), 0.0, 0.0, 1);
+        let slow = channels(&degenerate, &drive, &times(1.3, 3500.0, 700), 0.0, 0.0, 1);
+        let fit = fitted(&[fast[0].clone(), slow[1].clone()], &drive);
+        assert_recovers(&fit, &degenerate, 1e-5);
+        assert_eq!(fit.n_samples, 7221 + 700);
+    }
+}
