@@ -4,7 +4,6 @@
 //! linear. An offset is fitted beside it only where the readings before the step show one.
 
 use crate::domain::Drive;
-use crate::numerics::correlation::Autoregression;
 use crate::numerics::levenberg::{Stop, minimise};
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
@@ -16,8 +15,6 @@ use super::uncertainty::{CovarianceSums, Residuals};
 /// A bending response must lower the sum of squares by this many long-run variances: chance does so in about
 /// one of 500 runs.
 const BENDING_EVIDENCE: f64 = 12.0;
-/// An offset is fitted where the mean before the step is this many standard errors from zero.
-const OFFSET_EVIDENCE: f64 = 4.0;
 /// Rates in the coarse look.
 const GRID: usize = 16;
 
@@ -51,7 +48,7 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
         responses: &responses,
         area_cm2: electrical.area_cm2,
         sampled,
-        with_offset: shows_offset(sampled),
+        with_offset: sampled.rests_off_zero(),
     };
     let grouped = sampled.grouped();
     let full = strain(sampled);
@@ -87,26 +84,6 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
         stop: found.stop,
         evaluations: looked + rough.evaluations + found.evaluations + 1,
     }
-}
-
-/// Whether the mean before the step differs from zero beyond its own error.
-fn shows_offset(sampled: &Sampled) -> bool {
-    let before = &sampled.values[..sampled.before_step()];
-    if before.len() < 4 {
-        return false;
-    }
-    let count = before.len() as f64;
-    let mean = before.iter().sum::<f64>() / count;
-    let (mut square, mut product, mut last) = (0.0, 0.0, 0.0);
-    for value in before {
-        let e = value - mean;
-        square += e * e;
-        product += e * last;
-        last = e;
-    }
-    let noise = Autoregression::from_sums(square, product, count, 1.0);
-    let variance = noise.long_run_variance().max(noise.variance) / count;
-    mean.abs() > OFFSET_EVIDENCE * variance.sqrt() && mean != 0.0
 }
 
 /// Where the sum of squares is least among no relaxation and rates spread over the record (in 1/unit).

@@ -198,8 +198,12 @@ impl Choosing<'_> {
         }
     }
 
-    /// Whether readings at two held voltages, or at 0 V, tell an offset from the steady current.
+    /// Whether readings at two held voltages, or at 0 V, tell an offset from the steady current. Readings at rest
+    /// at 0 V before the step show the offset itself: where they show none there is none.
     fn offset_is_separable(&self) -> bool {
+        if self.drive.baseline_v == 0.0 && self.sampled.before_step() >= 4 && !self.sampled.rests_off_zero() {
+            return false;
+        }
         let held = self.sampled.spans.iter().filter_map(|span| match span.segment {
             None => Some(self.drive.baseline_v),
             Some(index) => match self.drive.segments[index].level {

@@ -189,3 +189,20 @@ fn a_camera_slower_than_the_potentiostat_and_a_relaxation_as_fast_as_the_chargin
         assert_eq!(fit.n_samples, 7221 + 700);
     }
 }
+
+#[test]
+fn an_instrument_whose_zero_is_off_is_seen_on_a_discharge() {
+    let mut drive = Drive::step(0.0);
+    drive.baseline_v = 2.0;
+    let model = model(&AIR_2V);
+    let mut run = channels(&model, &drive, &times(-300.0, 3600.0, 3901), 0.002, 0.0, 5);
+    let off: Vec<f64> = run[0].values.iter().map(|i| i - 8e-6).collect();
+    run[0] = Channel::new(Quantity::Current, run[0].time_s.clone(), off.into());
+    let fit = fitted(&run, &drive);
+    assert!(
+        fit.issues.iter().any(|issue| issue.code == "current-offset"),
+        "{:?}",
+        fit.issues
+    );
+    assert_recovers(&fit, &model, 0.1);
+}
