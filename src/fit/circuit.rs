@@ -26,7 +26,7 @@ pub(super) struct Solution {
     /// Logarithms of the time constants in s.
     pub(super) log_time_constants: Vec<f64>,
     /// Conductances of the branches, then the steady one, A/V.
-    pub(super) conductances_s: Vec<f64>,
+    pub(super) conductances_a_per_v: Vec<f64>,
     /// Offset of the instrument's zero, A; 0 where none is fitted.
     pub(super) offset_a: f64,
     /// Sum of squared residuals, A2.
@@ -116,7 +116,7 @@ impl Circuit<'_> {
         };
         Solution {
             log_time_constants: log_time_constants.to_vec(),
-            conductances_s: x[..=n].to_vec(),
+            conductances_a_per_v: x[..=n].to_vec(),
             offset_a,
             square: gram.residual_square(&x),
         }
@@ -257,6 +257,6 @@ mod tests {
         let found = circuit.minimise(&[12.0_f64.ln()], -5.0, 10.0, 60, 1e-10);
         assert!((found.at[0] - log_tau).abs() < 1e-8, "{found:?}");
         let solution = circuit.solve(&found.at[..1]);
-        assert!((solution.conductances_s[0] / (0.2 / 300.0) - 1.0).abs() < 1e-8);
+        assert!((solution.conductances_a_per_v[0] / (0.2 / 300.0) - 1.0).abs() < 1e-8);
     }
 }

@@ -47,7 +47,7 @@ struct Current<'a> {
     drive: &'a Drive,
     sampled: &'a Sampled,
     branches: usize,
-    unit_s: f64,
+    unit_a_per_v: f64,
 }
 
 impl Current<'_> {
@@ -59,7 +59,7 @@ impl Current<'_> {
         };
         let model = LumpedModel {
             branches: (0..n).map(branch).collect(),
-            steady_state_resistance_ohm_cm2: (place[n].max(0.0) * self.unit_s).recip(),
+            steady_state_resistance_ohm_cm2: (place[n].max(0.0) * self.unit_a_per_v).recip(),
             charge_to_curvature_per_c_cm: 0.0,
             relaxation_rate_per_s: 0.0,
         };
@@ -106,22 +106,22 @@ impl Current<'_> {
 /// between `low` and `high` (logarithms of s).
 pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64, high: f64) -> Refined {
     let n = from.log_time_constants.len();
-    let unit_s: f64 = from.conductances_s.iter().sum();
+    let unit_a_per_v: f64 = from.conductances_a_per_v.iter().sum();
     let current = Current {
         drive,
         sampled,
         branches: n,
-        unit_s,
+        unit_a_per_v,
     };
     // A branch that was given no current starts small, so that the search may still raise it.
-    let logs = |k: usize| from.conductances_s[k].max(1e-3 * unit_s).ln();
+    let logs = |k: usize| from.conductances_a_per_v[k].max(1e-3 * unit_a_per_v).ln();
     let mut start: Vec<f64> = (0..n).map(logs).collect();
-    start.push(from.conductances_s[n] / unit_s);
+    start.push(from.conductances_a_per_v[n] / unit_a_per_v);
     start.extend(&from.log_time_constants);
-    let mut lowest = vec![unit_s.ln() - 20.0; n];
+    let mut lowest = vec![unit_a_per_v.ln() - 20.0; n];
     lowest.push(0.0);
     lowest.extend(vec![low; n]);
-    let mut highest = vec![unit_s.ln() + 10.0; n];
+    let mut highest = vec![unit_a_per_v.ln() + 10.0; n];
     highest.push(1e3);
     highest.extend(vec![high; n]);
     let rounding = 4.0 * f64::EPSILON * sampled.weighted_square();
@@ -131,13 +131,13 @@ pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64
     let place = &found.at[..2 * n + 1];
     let fitted = current.at(place);
     let mut jacobian = current.jacobian(place, &fitted);
-    jacobian[n].iter_mut().for_each(|value| *value /= unit_s);
-    let mut conductances_s: Vec<f64> = place[..n].iter().map(|log| log.exp()).collect();
-    conductances_s.push(place[n] * unit_s);
+    jacobian[n].iter_mut().for_each(|value| *value /= unit_a_per_v);
+    let mut conductances_a_per_v: Vec<f64> = place[..n].iter().map(|log| log.exp()).collect();
+    conductances_a_per_v.push(place[n] * unit_a_per_v);
     Refined {
         solution: Solution {
             log_time_constants: place[n + 1..].to_vec(),
-            conductances_s,
+            conductances_a_per_v,
             offset_a: 0.0,
             square: found.local.square,
         },

@@ -2,18 +2,16 @@
 
 use crate::domain::{Drive, Level};
 use crate::model::{Branch, LumpedModel};
-use crate::numerics::correlation::{Autoregression, slow_excess};
-use crate::numerics::decay::{BLOCK, Column};
-use crate::numerics::gram::{Gram, dot};
+use crate::numerics::correlation::Autoregression;
 use crate::numerics::levenberg::Stop;
 use crate::numerics::noise::local_scatter;
-use crate::numerics::student::quantile_95;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};
 use super::sampled::Sampled;
 use super::search::{Found, Limits, search};
+use super::uncertainty::{CovarianceSums, Residuals};
 
 /// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
 /// parameters fitted to it of which one is a time constant anywhere on the record, does so in less than one of
@@ -24,56 +22,6 @@ const BRANCH_EVIDENCE: f64 = 12.0;
 const BRANCH_DOUBT: f64 = 4.0;
 /// An offset must explain this share of the misfit.
 const OFFSET_SHARE: f64 = 0.3;
-/// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
-const LOST: f64 = 1e-13;
-
-/// Residuals of one response with what they say of the noise.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Residuals {
-    /// Fitted values at the readings used.
-    pub(super) fitted: Vec<f64>,
-    /// Measured minus fitted.
-    pub(super) residuals: Vec<f64>,
-    /// Sum of their squares.
-    pub(super) square: f64,
-    /// Variance and lag-1 correlation.
-    pub(super) noise: Autoregression,
-    /// Factor for slow misfit beyond the autoregression.
-    pub(super) excess: f64,
-    /// Half-width of a 95 % interval in standard errors.
-    pub(super) quantile: f64,
-}
-
-impl Residuals {
-    /// From fitted values at all readings of `sampled`, of a fit with `parameters` parameters.
-    pub(super) fn new(sampled: &Sampled, fitted: Vec<f64>, parameters: usize) -> Residuals {
-        let residuals: Vec<f64> = sampled.values.iter().zip(&fitted).map(|(y, f)| y - f).collect();
-        let (mut square, mut product, mut last) = (0.0, 0.0, 0.0);
-        for &r in &residuals {
-            square += r * r;
-            product += r * last;
-            last = r;
-        }
-        let readings = residuals.len() as f64;
-        let noise = Autoregression::from_sums(square, product, readings, parameters as f64);
-        let excess = slow_excess(&residuals, noise.long_run_variance(), parameters);
-        let freedom = noise.effective_readings(readings) - parameters as f64;
-        Residuals {
-            fitted,
-            residuals,
-            square,
-            noise,
-            excess,
-            quantile: quantile_95(freedom.max(2.0)),
-        }
-    }
-
-    /// Variance of a long sum per reading, not below what rounding of numbers of size `peak` leaves.
-    pub(super) fn long_run_variance(&self, peak: f64) -> f64 {
-        let all = self.noise.long_run_variance().max(self.noise.variance) * self.excess;
-        all.max((1e-9 * peak).powi(2))
-    }
-}
 
 /// What the current says of the circuit.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,13 +29,13 @@ pub(super) struct Electrical {
     /// Active area, cm2.
     pub(super) area_cm2: f64,
     /// Branch conductances A/R_k, A/V, fastest branch first.
-    pub(super) conductances_s: Vec<f64>,
+    pub(super) conductances_a_per_v: Vec<f64>,
     /// Time constants, s.
     pub(super) time_constants_s: Vec<f64>,
     /// Whether each time constant lies at a limit of the search: below, above.
     pub(super) at_bound: Vec<Option<Bound>>,
     /// Steady conductance A/R_ss, A/V.
-    pub(super) steady_s: f64,
+    pub(super) steady_a_per_v: f64,
     /// Whether any reading was taken at a held voltage other than zero, so that R_ss carries current.
     pub(super) steady_visible: bool,
     /// Whether the second branch may be chance: the parts of both branches are then open.
@@ -122,12 +70,12 @@ impl Electrical {
         };
         LumpedModel {
             branches: self
-                .conductances_s
+                .conductances_a_per_v
                 .iter()
                 .zip(&self.time_constants_s)
                 .map(branch)
                 .collect(),
-            steady_state_resistance_ohm_cm2: self.area_cm2 / self.steady_s,
+            steady_state_resistance_ohm_cm2: self.area_cm2 / self.steady_a_per_v,
             charge_to_curvature_per_c_cm,
             relaxation_rate_per_s,
         }
@@ -135,19 +83,19 @@ impl Electrical {
 
     /// The circuit with its logarithmic parameters moved by `by`, in the covariance's order.
     pub(super) fn moved(&self, by: &[f64; CAPACITY]) -> Electrical {
-        let n = self.conductances_s.len();
+        let n = self.conductances_a_per_v.len();
         let mut moved = self.clone();
         for k in 0..n {
-            moved.conductances_s[k] *= by[k].exp();
+            moved.conductances_a_per_v[k] *= by[k].exp();
             moved.time_constants_s[k] *= by[n + 1 + k].exp();
         }
-        moved.steady_s += by[n];
+        moved.steady_a_per_v += by[n];
         moved
     }
 }
 
 /// Part of the sum of squares at which a search settles: exactly, and where only the sum itself is wanted.
-const SETTLE: f64 = 1e-10;
+const SETTLE: f64 = 1e-8;
 const SETTLE_SUM: f64 = 1e-3;
 
 /// A choice of branches with what it leaves.
@@ -218,7 +166,7 @@ impl Choosing<'_> {
         let mut chosen = self.fit(most, with_offset);
         for count in (0..most).rev() {
             let gain = self.square_of(count, with_offset) - chosen.residuals.square;
-            let all_used = chosen.found.solution.conductances_s[..=count]
+            let all_used = chosen.found.solution.conductances_a_per_v[..=count]
                 .iter()
                 .all(|&c| c > 0.0);
             if all_used && gain > BRANCH_EVIDENCE * self.noise {
@@ -250,8 +198,12 @@ impl Choosing<'_> {
         }
     }
 
-    /// Whether readings at two held voltages, or at 0 V, tell an offset from the steady current.
+    /// Whether readings at two held voltages, or at 0 V, tell an offset from the steady current. Readings at rest
+    /// at 0 V before the step show the offset itself: where they show none there is none.
     fn offset_is_separable(&self) -> bool {
+        if self.drive.baseline_v == 0.0 && self.sampled.before_step() >= 4 && !self.sampled.rests_off_zero() {
+            return false;
+        }
         let held = self.sampled.spans.iter().filter_map(|span| match span.segment {
             None => Some(self.drive.baseline_v),
             Some(index) => match self.drive.segments[index].level {
@@ -266,7 +218,7 @@ impl Choosing<'_> {
     fn fit(&mut self, branches: usize, with_offset: bool) -> Choice {
         let mut found = self.search(branches, with_offset, SETTLE);
         let refinable =
-            self.coupled && branches > 0 && found.solution.conductances_s.iter().any(|&c| c > 0.0);
+            self.coupled && branches > 0 && found.solution.conductances_a_per_v.iter().any(|&c| c > 0.0);
         if let (true, Some(limits)) = (refinable, self.limits) {
             let refined = refine(self.drive, self.sampled, &found.solution, limits.low, limits.high);
             self.evaluations += refined.evaluations;
@@ -317,7 +269,7 @@ impl Choosing<'_> {
         circuit.each_block(&solution.log_time_constants, |block, columns, _| {
             let start = fitted.len();
             fitted.resize(start + block.len, solution.offset_a);
-            for (column, conductance) in columns.iter().zip(&solution.conductances_s) {
+            for (column, conductance) in columns.iter().zip(&solution.conductances_a_per_v) {
                 for (out, value) in fitted[start..].iter_mut().zip(column) {
                     *out += conductance * value;
                 }
@@ -337,11 +289,12 @@ impl Choosing<'_> {
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| solution.log_time_constants[a].total_cmp(&solution.log_time_constants[b]));
         let logs: Vec<f64> = order.iter().map(|&k| solution.log_time_constants[k]).collect();
-        let conductances_s: Vec<f64> = order.iter().map(|&k| solution.conductances_s[k]).collect();
+        let conductances_a_per_v: Vec<f64> =
+            order.iter().map(|&k| solution.conductances_a_per_v[k]).collect();
         let mut scales = [1.0; CAPACITY];
         for k in 0..n {
-            scales[k] = conductances_s[k];
-            scales[n + 1 + k] = conductances_s[k];
+            scales[k] = conductances_a_per_v[k];
+            scales[n + 1 + k] = conductances_a_per_v[k];
         }
         let circuit = self.circuit(chosen.with_offset);
         let mut sums = CovarianceSums::new(circuit.columns(n), chosen.residuals.noise.correlation);
@@ -362,8 +315,8 @@ impl Choosing<'_> {
             area_cm2,
             at_bound: logs.iter().map(|&log| self.bound(log)).collect(),
             time_constants_s: logs.iter().map(|log| log.exp()).collect(),
-            conductances_s,
-            steady_s: solution.conductances_s[n],
+            conductances_a_per_v,
+            steady_a_per_v: solution.conductances_a_per_v[n],
             steady_visible: sums.gram.matrix.get(n, n) > 0.0,
             in_doubt: chosen.in_doubt,
             offset_a: chosen.with_offset.then_some(solution.offset_a),
@@ -374,90 +327,12 @@ impl Choosing<'_> {
         }
     }
 
+    /// Which limit a time constant lies at.
     fn bound(&self, log: f64) -> Option<Bound> {
         let limits = self.limits?;
         if log <= limits.low + 1e-6 {
             return Some(Bound::Low);
         }
         (log >= limits.high - 1e-6).then_some(Bound::High)
-    }
-}
-
-/// Sums for the covariance of least squares under noise that is a first-order autoregression:
-/// `(J'J)^-1 J' Omega J (J'J)^-1`, with `Omega_st = rho^|s-t|` summed by one recursion along the record.
-pub(super) struct CovarianceSums {
-    /// J'J.
-    pub(super) gram: Gram,
-    middle: Symmetric,
-    correlation: f64,
-    remembered: [f64; CAPACITY],
-}
-
-impl CovarianceSums {
-    pub(super) fn new(columns: usize, correlation: f64) -> CovarianceSums {
-        CovarianceSums {
-            gram: Gram::new(columns),
-            middle: Symmetric::zero(columns),
-            correlation,
-            remembered: [0.0; CAPACITY],
-        }
-    }
-
-    /// Adds a block of `len` readings whose design columns, times `scales`, are the Jacobian's.
-    pub(super) fn add(&mut self, len: usize, columns: &[Column], scales: &[f64; CAPACITY]) {
-        let mut scaled = [[0.0; BLOCK]; CAPACITY];
-        let mut memory = [[0.0; BLOCK]; CAPACITY];
-        for (k, column) in columns.iter().enumerate() {
-            let mut z = self.remembered[k];
-            for t in 0..len {
-                let value = scales[k] * column[t];
-                scaled[k][t] = value;
-                z = self.correlation * z + value;
-                memory[k][t] = z;
-            }
-            self.remembered[k] = z;
-        }
-        let n = columns.len();
-        self.gram.add(&scaled[..n], &[0.0; BLOCK]);
-        for row in 0..n {
-            for column in 0..=row {
-                let both = dot(&scaled[row], &memory[column]) + dot(&memory[row], &scaled[column]);
-                self.middle.set(row, column, self.middle.get(row, column) + both);
-            }
-        }
-    }
-
-    /// Adds whole columns of the Jacobian.
-    fn add_dense(&mut self, columns: &[&[f64]]) {
-        let readings = columns.first().map_or(0, |column| column.len());
-        let mut block = vec![[0.0; BLOCK]; columns.len()];
-        for start in (0..readings).step_by(BLOCK) {
-            let len = BLOCK.min(readings - start);
-            for (out, column) in block.iter_mut().zip(columns) {
-                out[..len].copy_from_slice(&column[start..start + len]);
-                out[len..].fill(0.0);
-            }
-            self.add(len, &block, &[1.0; CAPACITY]);
-        }
-    }
-
-    /// The covariance. Where the data lose a direction altogether the plain inverse with that direction held
-    /// at rounding is taken, so that its variance is huge and combinations that do not need it stay small.
-    pub(super) fn covariance(&self, residuals: &Residuals) -> Symmetric {
-        let n = self.gram.matrix.order();
-        let inverse = self.gram.matrix.floored_inverse(LOST);
-        let lost = (0..n).any(|k| inverse.get(k, k) * self.gram.matrix.get(k, k) > 0.01 / LOST);
-        let variance = residuals.noise.variance * residuals.excess;
-        if lost {
-            let memory =
-                residuals.noise.long_run_variance().max(residuals.noise.variance) / residuals.noise.variance;
-            let memory = if memory.is_finite() { memory } else { 1.0 };
-            return Symmetric::from_fn(n, |row, column| variance * memory * inverse.get(row, column));
-        }
-        let middle = Symmetric::from_fn(n, |row, column| {
-            self.middle.get(row, column) - self.gram.matrix.get(row, column)
-        });
-        let sandwich = inverse.sandwich(&middle);
-        Symmetric::from_fn(n, |row, column| variance * sandwich.get(row, column))
     }
 }

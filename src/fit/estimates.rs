@@ -35,7 +35,7 @@ pub(super) fn electrical_estimate(key: &str, electrical: &Electrical, drive: &Dr
 
 fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
     let (Part::Resistance(k) | Part::Capacitance(k)) = part;
-    let n = electrical.conductances_s.len();
+    let n = electrical.conductances_a_per_v.len();
     if k >= n {
         return Estimate::not_determined(absent(k, n));
     }
@@ -50,7 +50,7 @@ fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
         return estimate;
     }
     let mut weights = [0.0; CAPACITY];
-    let conductance = electrical.conductances_s[k];
+    let conductance = electrical.conductances_a_per_v[k];
     match part {
         Part::Resistance(_) => {
             weights[k] = -1.0;
@@ -86,8 +86,11 @@ fn beyond(bound: Bound) -> String {
 
 /// C1 + C2: weights of the logarithms are the shares of the branches.
 fn total_capacitance(electrical: &Electrical) -> Estimate {
-    let n = electrical.conductances_s.len();
-    let branches = electrical.conductances_s.iter().zip(&electrical.time_constants_s);
+    let n = electrical.conductances_a_per_v.len();
+    let branches = electrical
+        .conductances_a_per_v
+        .iter()
+        .zip(&electrical.time_constants_s);
     let parts: Vec<f64> = branches.map(|(c, tau)| c * tau / electrical.area_cm2).collect();
     let total: f64 = parts.iter().sum();
     let mut weights = [0.0; CAPACITY];
@@ -100,9 +103,9 @@ fn total_capacitance(electrical: &Electrical) -> Estimate {
 
 /// R1 || R2 = A / (c1 + c2).
 fn parallel_resistance(electrical: &Electrical) -> Estimate {
-    let total: f64 = electrical.conductances_s.iter().sum();
+    let total: f64 = electrical.conductances_a_per_v.iter().sum();
     let mut weights = [0.0; CAPACITY];
-    for (weight, conductance) in weights.iter_mut().zip(&electrical.conductances_s) {
+    for (weight, conductance) in weights.iter_mut().zip(&electrical.conductances_a_per_v) {
         *weight = -conductance / total;
     }
     derived(electrical.area_cm2 / total, &weights, electrical, Bound::Low)
@@ -110,7 +113,7 @@ fn parallel_resistance(electrical: &Electrical) -> Estimate {
 
 /// A sum over the branches; lost where a branch lies at the bound that such a sum does not survive.
 fn derived(value: f64, weights: &[f64; CAPACITY], electrical: &Electrical, fatal: Bound) -> Estimate {
-    if electrical.conductances_s.is_empty() {
+    if electrical.conductances_a_per_v.is_empty() {
         return Estimate::not_determined(absent(0, 0));
     }
     if electrical.at_bound.contains(&Some(fatal)) {
@@ -146,30 +149,30 @@ fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
             "no voltage other than zero was held, so no steady current could flow"
         });
     }
-    let index = electrical.conductances_s.len();
+    let index = electrical.conductances_a_per_v.len();
     let error = electrical.covariance.get(index, index).max(0.0).sqrt();
     let half = electrical.residuals.quantile * error;
     let area = electrical.area_cm2;
-    let (low, high) = (electrical.steady_s - half, electrical.steady_s + half);
+    let (low, high) = (electrical.steady_a_per_v - half, electrical.steady_a_per_v + half);
     if !high.is_finite() || high <= 0.0 {
         return Estimate::not_determined("the current leaves the steady part open");
     }
     if electrical.at_bound.contains(&Some(Bound::High)) {
-        let slow: f64 = electrical.conductances_s.iter().sum();
+        let slow: f64 = electrical.conductances_a_per_v.iter().sum();
         return Estimate::above(
-            area / (electrical.steady_s + slow),
+            area / (electrical.steady_a_per_v + slow),
             "a branch that hardly decays within the record carries a part of the lasting current, and the two cannot be told apart",
         );
     }
-    if low <= electrical.steady_s / 10.0 {
+    if low <= electrical.steady_a_per_v / 10.0 {
         let mut estimate = Estimate::above(area / high, "the steady current cannot be told from zero");
-        estimate.at_bound = electrical.steady_s == 0.0;
+        estimate.at_bound = electrical.steady_a_per_v == 0.0;
         return estimate;
     }
-    let value = area / electrical.steady_s;
+    let value = area / electrical.steady_a_per_v;
     Estimate::determined(
         value,
-        value * error / electrical.steady_s,
+        value * error / electrical.steady_a_per_v,
         area / high,
         area / low,
     )
@@ -203,12 +206,20 @@ pub(super) fn bending_estimate(key: &str, bending: Result<&Bending, &str>) -> Op
 
 fn coupling(bending: &Bending, error: f64, half: f64) -> Estimate {
     let value = bending.coupling_per_c_cm;
-    if bending.at_upper_bound || !(half < WIDEST_FACTOR * value.abs()) {
-        return Estimate::not_determined(
-            "the strip relaxes as fast as it is charged, so that only the product of coupling and time shows",
-        );
+    if coupling_is_open(bending) {
+        return Estimate::not_determined(OPEN_COUPLING);
     }
     Estimate::determined(value, error, value - half, value + half)
+}
+
+const OPEN_COUPLING: &str = "coupling and rate cannot be told apart, or the charge is not known well enough: \
+                             the 95 % interval of the coupling would contain zero although the strip bends";
+
+/// Whether the interval of the coupling reaches zero; without a coupling the rate means nothing either.
+fn coupling_is_open(bending: &Bending) -> bool {
+    let error = bending.covariance.get(0, 0).max(0.0).sqrt();
+    let half = bending.residuals.quantile * error;
+    bending.at_upper_bound || half.is_nan() || half >= bending.coupling_per_c_cm.abs()
 }
 
 fn rate(bending: &Bending, error: f64, half: f64) -> Estimate {
@@ -219,8 +230,8 @@ fn rate(bending: &Bending, error: f64, half: f64) -> Estimate {
         estimate.at_bound = true;
         return estimate;
     }
-    if !half.is_finite() {
-        return Estimate::not_determined("the curvature leaves the rate open");
+    if coupling_is_open(bending) || !half.is_finite() {
+        return Estimate::not_determined(OPEN_COUPLING);
     }
     if value - half <= 0.0 {
         let mut estimate = Estimate::below(

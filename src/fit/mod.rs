@@ -12,6 +12,8 @@ mod estimates;
 mod outcome;
 mod sampled;
 mod search;
+mod strain;
+mod uncertainty;
 
 use crate::domain::{Channel, Drive, Fit, Level, Quantity};
 use crate::model::{FitModel, fit_model, fit_models};
@@ -22,6 +24,8 @@ use bending::Bending;
 use electrical::Electrical;
 use sampled::Sampled;
 
+#[cfg(test)]
+mod any_input;
 #[cfg(test)]
 mod tests;
 
@@ -240,7 +244,7 @@ fn bend(
     let (_, electrical) = current
         .as_ref()
         .map_err(|reason| format!("the charge that bends the strip is not known: {reason}"))?;
-    if electrical.conductances_s.is_empty() {
+    if electrical.conductances_a_per_v.is_empty() {
         return Err("the current shows no charge that could bend the strip".to_owned());
     }
     Ok(bending::identify(input.drive, electrical, sampled))

@@ -1,14 +1,14 @@
 //! The identified parameters as a `Fit`: estimates, noise, curves and issues.
 
 use crate::domain::thinning::drawn_indices;
-use crate::domain::{ChannelNoise, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
+use crate::domain::{ChannelNoise, Drive, Estimate, Fit, Issue, Level, Parameter, Quantity, RunCurve};
 use crate::model::FitModel;
 use crate::numerics::correlation::lag_one;
 use crate::numerics::noise::local_scatter;
 
-use super::electrical::Residuals;
 use super::estimates::{bending_estimate, electrical_estimate};
 use super::sampled::Sampled;
+use super::uncertainty::Residuals;
 use super::{FitInput, Identified};
 
 /// Stretches of time in which the drawn readings are chosen.
@@ -67,7 +67,7 @@ pub(super) fn fit(input: &FitInput, model: &'static FitModel, identified: &Ident
         n_samples,
         r_squared_current: r_squared(Quantity::Current),
         r_squared_curvature: r_squared(Quantity::Curvature),
-        issues: issues(identified, &parameters),
+        issues: issues(input.drive, identified, &parameters),
         evaluations: current.map_or(0, |(_, e)| e.evaluations) + curvature.map_or(0, |(_, b)| b.evaluations),
         parameters,
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
@@ -113,7 +113,7 @@ fn why_stopped(identified: &Identified) -> String {
     format!("{current}; {curvature}")
 }
 
-fn issues(identified: &Identified, parameters: &[Parameter]) -> Vec<Issue> {
+fn issues(drive: &Drive, identified: &Identified, parameters: &[Parameter]) -> Vec<Issue> {
     let mut issues = Vec::new();
     for parameter in parameters {
         let estimate = &parameter.estimate;
@@ -131,6 +131,18 @@ fn issues(identified: &Identified, parameters: &[Parameter]) -> Vec<Issue> {
             (None, None, None) => ("parameter-not-determined", "not determined".to_owned()),
         };
         issues.push(Issue::note(code, format!("{what}: {reason}")).at(parameter.key.as_str()));
+    }
+    if let Ok((sampled, electrical)) = &identified.current
+        && electrical.conductances_a_per_v.is_empty()
+        && electrical.steady_a_per_v == 0.0
+        && flows_backwards(drive, sampled)
+    {
+        let message = "the current flows against the voltage: no resistor or capacitor does that";
+        let issue = Issue::warning("current-against-voltage", message).at("column current_a");
+        issues
+            .push(issue.mend(
+                "check the sign of current and voltage: instruments differ in what they call positive",
+            ));
     }
     if let Ok((_, electrical)) = &identified.current
         && let Some(offset_a) = electrical.offset_a
@@ -166,6 +178,16 @@ fn issues(identified: &Identified, parameters: &[Parameter]) -> Vec<Issue> {
         ));
     }
     issues
+}
+
+/// Whether the current after the step is on the whole opposite to the first change of the voltage.
+fn flows_backwards(drive: &Drive, sampled: &Sampled) -> bool {
+    let held = drive.segments.iter().find_map(|segment| match segment.level {
+        Level::Voltage(level_v) if level_v != drive.baseline_v => Some(level_v - drive.baseline_v),
+        _ => None,
+    });
+    let after = &sampled.values[sampled.before_step()..];
+    held.is_some_and(|change_v| change_v * after.iter().sum::<f64>() < 0.0)
 }
 
 /// One response with its noise and the curve to draw.

@@ -1,6 +1,7 @@
 //! Readings of one channel, sorted by drive segment and cut into blocks for fast evaluation.
 
 use crate::domain::{Channel, Drive, Level};
+use crate::numerics::correlation::Autoregression;
 use crate::numerics::decay::{BLOCK, Block, Column, blocks};
 
 /// Consecutive readings within one segment of the drive.
@@ -31,6 +32,10 @@ pub(super) struct Sampled {
     pub(super) blocks: Vec<(Option<usize>, Block)>,
 }
 
+/// The mean before the step is off zero where it is this many standard errors from zero.
+const OFFSET_EVIDENCE: f64 = 4.0;
+/// Readings at or beyond this size are none: their squares would not be numbers.
+const LARGEST: f64 = 1e100;
 /// Width of a group of readings in parts of the time since the start of its segment.
 const GROUP_WIDTH: f64 = 0.1;
 
@@ -69,7 +74,7 @@ impl Sampled {
     fn take(&mut self, segment: Option<usize>, start_s: f64, time_s: &[f64], values: &[f64]) {
         let first = self.values.len();
         for (&t, &value) in time_s.iter().zip(values) {
-            if t.is_finite() && value.is_finite() {
+            if t.is_finite() && value.abs() < LARGEST {
                 self.time_s.push(t);
                 self.elapsed_s.push(t - start_s);
                 self.values.push(value);
@@ -105,6 +110,26 @@ impl Sampled {
             .first()
             .filter(|span| span.segment.is_none())
             .map_or(0, |span| span.end)
+    }
+
+    /// Whether the mean before the step differs from zero beyond its own error.
+    pub(super) fn rests_off_zero(&self) -> bool {
+        let before = &self.values[..self.before_step()];
+        if before.len() < 4 {
+            return false;
+        }
+        let count = before.len() as f64;
+        let mean = before.iter().sum::<f64>() / count;
+        let (mut square, mut product, mut last) = (0.0, 0.0, 0.0);
+        for value in before {
+            let e = value - mean;
+            square += e * e;
+            product += e * last;
+            last = e;
+        }
+        let noise = Autoregression::from_sums(square, product, count, 1.0);
+        let variance = noise.long_run_variance().max(noise.variance) / count;
+        mean.abs() > OFFSET_EVIDENCE * variance.sqrt() && mean != 0.0
     }
 
     /// Shortest mean spacing of three readings in a row, and longest time since a segment's start, s.
