@@ -7,6 +7,7 @@ mod folder;
 mod formats_fixtures;
 mod formats_properties;
 mod formats_real_files;
+mod kill_loop;
 mod lumped_reference;
 mod main_job;
 mod real_campaigns;

@@ -1,0 +1,109 @@
+//! Killed at any moment, nothing is lost, doubled or half-done. `IEAP_KILLS=1000 cargo test --release --test it
+//! kill_loop` is the long form.
+
+use std::process::Stdio;
+use std::time::Duration;
+
+use crate::campaign::{CampaignFolder, command, run_table};
+
+/// Kills in the short form.
+const KILLS: u32 = 15;
+/// Files added before each start.
+const FILES_A_ROUND: u32 = 2;
+
+fn kills() -> u32 {
+    std::env::var("IEAP_KILLS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(KILLS)
+}
+
+/// What must hold of a database whatever was killed when.
+fn check(folder: &CampaignFolder) {
+    if !folder.join("campaign.db").exists() {
+        return;
+    }
+    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    let one = |sql: &str| -> String {
+        database
+            .query_row(sql, [], |row| {
+                row.get::<_, rusqlite::types::Value>(0).map(|v| format!("{v:?}"))
+            })
+            .unwrap()
+    };
+    if one("SELECT count(*) FROM sqlite_schema WHERE name = 'run'") == "Integer(0)" {
+        return;
+    }
+    assert_eq!(one("PRAGMA integrity_check"), "Text(\"ok\")");
+    assert_eq!(one("SELECT count(*) FROM pragma_foreign_key_check"), "Integer(0)");
+    let doubled = "SELECT count(*) FROM (SELECT path FROM run WHERE superseded_at IS NULL GROUP BY path HAVING count(*) > 1)";
+    assert_eq!(one(doubled), "Integer(0)");
+    assert_eq!(one("SELECT count(*) FROM run WHERE revision > 1"), "Integer(0)");
+    // Every content that the database names is in the archive, whole.
+    let mut contents = database
+        .prepare("SELECT hash, archive_path FROM content")
+        .unwrap();
+    let rows = contents
+        .query_map([], |row| Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?)))
+        .unwrap();
+    for row in rows {
+        let (hash, path) = row.unwrap();
+        let bytes = std::fs::read(folder.join(&path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+        assert_eq!(blake3::hash(&bytes).to_hex().as_str(), hash, "{path}");
+    }
+    // A report that is there is whole: its index ends, and every page it links to is there.
+    if let Ok(index) = std::fs::read_to_string(folder.join("report/index.html")) {
+        assert!(index.trim_end().ends_with("</html>"));
+        for link in index
+            .split("href=\"runs/")
+            .skip(1)
+            .filter_map(|rest| rest.split('"').next())
+        {
+            assert!(folder.join("report/runs").join(link).exists(), "{link}");
+        }
+    }
+}
+
+#[test]
+fn killed_at_any_moment_nothing_is_lost_doubled_or_half_done() {
+    let folder = CampaignFolder::new();
+    let mut state = 20_150_607u64;
+    let mut random_ms = |below: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    let (mut files, mut killed) = (0, 0);
+    for _ in 0..kills() {
+        for _ in 0..FILES_A_ROUND {
+            folder.write(&format!("runs/{files}.csv"), run_table(files));
+            files += 1;
+        }
+        let mut child = command(folder.path(), &["run"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(random_ms(60)));
+        killed += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+        check(&folder);
+    }
+    let summary = folder.run_json();
+    check(&folder);
+    assert_eq!(summary["ingest"]["refused"], serde_json::json!([]));
+    let document = folder.ieap(&["fit", "--json"]).expect(0).json();
+    assert_eq!(document["fits"].as_array().unwrap().len(), files as usize);
+    let leftovers: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with(".report"))
+        .collect();
+    assert!(leftovers.is_empty(), "{leftovers:?}");
+    eprintln!(
+        "{killed} of {} kills met a working program; {files} files, all fitted",
+        kills()
+    );
+}
