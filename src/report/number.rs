@@ -13,25 +13,55 @@ const PLAIN_DOWN_TO: i32 = -2;
 ///
 /// An uncertainty of zero or one that is no number gives the value alone with three digits.
 pub fn measured(value: f64, standard_error: f64) -> String {
+    match parts(value, standard_error) {
+        (value, None, _) => value,
+        (value, Some(error), None) => format!("{value} ± {error}"),
+        (value, Some(error), Some(power)) => format!("({value} ± {error}){power}"),
+    }
+}
+
+/// The same in two pieces, for one above the other: `24.62` and `± 0.31`, `9.4·10⁻⁵` and `± 1.2·10⁻⁵`; the
+/// second is empty where there is no uncertainty.
+pub fn measured_stacked(value: f64, standard_error: f64) -> (String, String) {
+    let (value, error, power) = parts(value, standard_error);
+    let power = power.unwrap_or_default();
+    let error = error.map(|error| format!("± {error}{power}"));
+    (format!("{value}{power}"), error.unwrap_or_default())
+}
+
+/// `24.0 to 25.3`, `(9.1 to 9.7)·10⁻⁵`: the ends of a 95 % interval, to the digits that its width carries.
+pub fn interval(low: f64, high: f64) -> String {
+    // A quarter of a 95 % interval is about one standard error.
+    let error = (high - low).abs() / 4.0;
+    match (parts(low, error), parts(high, error)) {
+        ((low, Some(_), None), (high, Some(_), None)) => format!("{low} to {high}"),
+        ((low, Some(_), Some(power)), (high, Some(_), Some(same))) if power == same => {
+            format!("({low} to {high}){power}")
+        }
+        _ => format!("{} to {}", significant(low, 3), significant(high, 3)),
+    }
+}
+
+/// Value, uncertainty and power of ten, each rounded by the uncertainty.
+fn parts(value: f64, standard_error: f64) -> (String, Option<String>, Option<String>) {
     if !value.is_finite() || !standard_error.is_finite() || standard_error <= 0.0 {
-        return significant(value, 3);
+        return (significant(value, 3), None, None);
     }
     let place = rounding_place(standard_error);
     let leading = decimal_exponent(value.abs().max(standard_error));
     if (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading) {
-        return format!(
-            "{} ± {}",
+        return (
             rounded_at(value, place),
-            rounded_at(standard_error, place)
+            Some(rounded_at(standard_error, place)),
+            None,
         );
     }
     let (mantissa, error) = (scaled(value, -leading), scaled(standard_error, -leading));
     let place = place - leading;
-    format!(
-        "({} ± {}){}",
+    (
         rounded_at(mantissa, place),
-        rounded_at(error, place),
-        power_of_ten(leading)
+        Some(rounded_at(error, place)),
+        Some(power_of_ten(leading)),
     )
 }
 
@@ -255,6 +285,23 @@ mod tests {
         assert_eq!(significant(-9.4e-5, 2), "−9.4·10⁻⁵");
         assert_eq!(significant(0.0, 3), "0");
         assert_eq!(significant(f64::NAN, 3), "–");
+    }
+
+    #[test]
+    fn intervals_show_their_width_and_pieces_stack() {
+        assert_eq!(interval(12.271, 12.349), "12.271 to 12.349");
+        assert_eq!(interval(796.2, 1040.7), "800 to 1040");
+        assert_eq!(interval(1.794e-4, 1.814e-4), "(1.794 to 1.814)·10⁻⁴");
+        assert_eq!(interval(9.0e-5, 2.0e-4), "9.00·10⁻⁵ to 2.00·10⁻⁴");
+        assert_eq!(
+            measured_stacked(24.618, 0.31),
+            ("24.62".to_owned(), "± 0.31".to_owned())
+        );
+        assert_eq!(
+            measured_stacked(9.4e-5, 1.2e-5),
+            ("9.4·10⁻⁵".to_owned(), "± 1.2·10⁻⁵".to_owned())
+        );
+        assert_eq!(measured_stacked(9.4, 0.0), ("9.40".to_owned(), String::new()));
     }
 
     #[test]

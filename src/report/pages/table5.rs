@@ -56,6 +56,8 @@ struct Row {
 #[derive(Debug, Serialize)]
 struct Cell {
     text: String,
+    /// Standard error, to stand below the value; empty where there is none.
+    error: String,
     /// 95 % interval and reason, shown on hover.
     hover: String,
     kind: &'static str,
@@ -177,7 +179,8 @@ fn cell(run: &RunRecord, key: &str, reasons: &mut Vec<String>) -> Cell {
     Cell {
         hover: hover.join("; "),
         footnote: (!estimate.reason.is_empty()).then(|| footnote(&estimate.reason, reasons)),
-        text: estimate.text,
+        text: estimate.stacked.0,
+        error: estimate.stacked.1,
         kind: estimate.kind,
     }
 }
@@ -204,6 +207,7 @@ fn r_squared(value: Option<f64>) -> Cell {
     Cell {
         // Three decimals as in the thesis; a value that rounds to 1 keeps the digits that differ.
         text: value.map_or_else(|| "–".to_owned(), r_squared_text),
+        error: String::new(),
         hover: String::new(),
         kind: if value.is_some() { "value" } else { "missing" },
         footnote: None,

@@ -4,7 +4,9 @@ use serde::Serialize;
 
 use crate::analysis::{ParameterInfo, Surroundings};
 use crate::domain::{Estimate, Issue, RunRecord, RunState, Severity};
-use crate::report::number::{fixed, lower_bound, measured, plain, significant, upper_bound, with_unit};
+use crate::report::number::{
+    fixed, interval, lower_bound, measured, measured_stacked, plain, significant, upper_bound, with_unit,
+};
 use crate::report::site::Site;
 
 /// A link to a run's page.
@@ -55,6 +57,8 @@ impl From<&Issue> for IssueText {
 pub struct EstimateText {
     /// `24.62 ± 0.31`, `< 4·10⁻⁵` or a dash.
     pub text: String,
+    /// The same for narrow tables: value, and `± 0.31` to stand below it (empty where there is none).
+    pub stacked: (String, String),
     /// `23.9 to 25.3`; empty where there is no interval.
     pub interval: String,
     /// Why there is no value or only a bound, or that the value lies at a limit; empty where all is well.
@@ -82,15 +86,20 @@ impl EstimateText {
             (None, None, None) => ("–".to_owned(), "missing"),
         };
         let interval = match (low, high) {
-            (Some(low), Some(high)) => format!("{} to {}", significant(low, 3), significant(high, 3)),
+            (Some(low), Some(high)) => interval(low, high),
             (None, Some(high)) => format!("below {}", significant(high, 3)),
             (Some(low), None) => format!("above {}", significant(low, 3)),
             (None, None) => String::new(),
         };
         let limit = (estimate.at_bound && estimate.reason.is_none())
             .then(|| "the value lies at a limit of the search".to_owned());
+        let stacked = match shown(estimate.value) {
+            Some(value) => measured_stacked(value, shown(estimate.standard_error).unwrap_or(0.0)),
+            None => (text.clone(), String::new()),
+        };
         EstimateText {
             text,
+            stacked,
             interval,
             reason: estimate.reason.clone().or(limit).unwrap_or_default(),
             kind,
@@ -101,6 +110,7 @@ impl EstimateText {
     pub fn missing(reason: impl Into<String>) -> EstimateText {
         EstimateText {
             text: "–".to_owned(),
+            stacked: ("–".to_owned(), String::new()),
             interval: String::new(),
             reason: reason.into(),
             kind: "missing",
