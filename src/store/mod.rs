@@ -73,12 +73,19 @@ impl Store {
             return Ok(None);
         }
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let connection = Connection::open_with_flags(&path, flags)
-            .map_err(|e| StoreError::from_sql(&path, "opening to read", e))?;
-        let found = connection
-            .busy_timeout(BUSY_TIMEOUT)
-            .and_then(|()| migration::version(&connection))
-            .map_err(|e| StoreError::from_sql(&path, "opening to read", e))?;
+        let opened = open_to_read(&path, &path.to_string_lossy(), flags).or_else(|refused| {
+            // A write-ahead log needs a folder that can be written. Without a log waiting to be merged, a
+            // database on a read-only disk can be read as it stands.
+            let log = folder.join(format!("{FILE_NAME}-wal"));
+            let settled = std::fs::metadata(log).map_or(true, |log| log.len() == 0);
+            match (refused, as_uri(&path)) {
+                (StoreError::CannotOpen { .. } | StoreError::ReadOnly { .. }, Some(uri)) if settled => {
+                    open_to_read(&path, &uri, flags | OpenFlags::SQLITE_OPEN_URI)
+                }
+                (refused, _) => Err(refused),
+            }
+        });
+        let (connection, found) = opened?;
         match found {
             migration::NEWEST => Ok(Some(Store { connection, path })),
             0 => Ok(None),
@@ -159,6 +166,29 @@ impl Store {
             StepError::Store(error) => error,
         }
     }
+}
+
+/// Opens a database to read, and reads its schema version.
+fn open_to_read(path: &Path, name: &str, flags: OpenFlags) -> Result<(Connection, i64), StoreError> {
+    let failed = |e| StoreError::from_sql(path, "opening to read", e);
+    let connection = Connection::open_with_flags(name, flags).map_err(failed)?;
+    connection.busy_timeout(BUSY_TIMEOUT).map_err(failed)?;
+    let version = migration::version(&connection).map_err(failed)?;
+    Ok((connection, version))
+}
+
+/// The database as a file that nothing changes; none where the path is no UTF-8.
+fn as_uri(path: &Path) -> Option<String> {
+    let path = std::path::absolute(path).ok()?;
+    let escaped: String = path
+        .to_str()?
+        .chars()
+        .map(|c| match c {
+            '%' | '?' | '#' | '\\' => format!("%{:02X}", u32::from(c)),
+            c => c.to_string(),
+        })
+        .collect();
+    Some(format!("file:{escaped}?immutable=1"))
 }
 
 /// A failure inside a transaction, before the step's name is added.
