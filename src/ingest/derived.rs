@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::domain::{Channel, Quantity};
 
 /// The channels with a curvature added where only the tip displacement was measured: kappa = 2 d / (L^2 + d^2),
-/// equation [3] of the thesis, for a strip of free length `length_cm`. Without a length nothing is added.
+/// equation \[3\] of the thesis, for a strip of free length `length_cm`. Without a length nothing is added.
 pub fn responses(channels: &[Channel], length_cm: Option<f64>) -> Vec<Channel> {
     let mut all = channels.to_vec();
     let has = |quantity| channels.iter().any(|c| c.quantity == quantity && !c.is_empty());

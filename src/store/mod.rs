@@ -1,7 +1,7 @@
 //! The database: all SQL stands here. One SQLite file a campaign, one writer, raw bytes beside it.
 //!
 //! [`Store::open`] takes the working instance's connection; [`Store::open_read_only`] serves `status` and the
-//! like beside it. Every change goes through [`Store::write`], one transaction a step, so nothing half-done
+//! like beside it. Every change goes through `Store::write`, one transaction a step, so nothing half-done
 //! is ever visible.
 
 mod blob;
