@@ -76,7 +76,7 @@ impl Watch {
                 Err(error) if may_pass(&error) && refusals < MOST_REFUSALS => {
                     refusals += 1;
                     observer.warn(&format!(
-                        "{error} The watch tries again in {} s.",
+                        "{error}; the watch tries again in {} s",
                         AFTER_REFUSAL.as_secs()
                     ));
                     AFTER_REFUSAL
@@ -97,7 +97,7 @@ impl Watch {
     ) -> Result<RunSummary, PipelineError> {
         if let Err(error) = context.reload() {
             observer.warn(&format!(
-                "{error} What campaign.toml said before goes on to hold."
+                "{error}; what campaign.toml said before goes on to hold"
             ));
         }
         sightings.begin();
