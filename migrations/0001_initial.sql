@@ -67,6 +67,7 @@ CREATE TABLE channel (
     quantity      TEXT    NOT NULL,
     raw_name      TEXT    NOT NULL,
     raw_unit      TEXT    NOT NULL,
+    position_mm   REAL,                          -- NULL: measured on the strip as a whole
     readings      INTEGER NOT NULL,
     excluded      INTEGER NOT NULL,              -- how many are no measurement
     first_time_s  REAL,                          -- NULL: no reading

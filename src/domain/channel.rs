@@ -19,6 +19,8 @@ pub struct Channel {
     pub raw_name: String,
     /// The unit as the file has it; empty where the file names none.
     pub raw_unit: String,
+    /// Where along the strip it was measured, mm from the clamp; none for the strip as a whole.
+    pub position_mm: Option<f64>,
     /// Time of each reading, s, strictly increasing.
     pub time_s: Arc<[f64]>,
     /// Readings in the canonical unit of `quantity`.
@@ -34,10 +36,22 @@ impl Channel {
             quantity,
             raw_name: quantity.column().to_owned(),
             raw_unit: quantity.unit().to_owned(),
+            position_mm: None,
             time_s,
             values,
             excluded: Arc::from([]),
         }
+    }
+
+    /// Whether it is a response of the sample: current, bending, or a voltage measured along the strip.
+    pub fn is_response(&self) -> bool {
+        let along = self.quantity == Quantity::Voltage && self.position_mm.is_some();
+        (along || self.quantity.is_response()) && !self.is_empty()
+    }
+
+    /// Whether it measures `quantity` of the strip as a whole, and has readings.
+    pub fn is_whole(&self, quantity: Quantity) -> bool {
+        self.quantity == quantity && self.position_mm.is_none() && !self.is_empty()
     }
 
     /// Number of readings, the excluded ones counted.

@@ -7,6 +7,10 @@ pub fn data_hash(channels: &[Channel]) -> String {
     let mut hasher = blake3::Hasher::new();
     for channel in channels.iter().filter(|c| c.quantity != Quantity::Other) {
         hasher.update(channel.quantity.key().as_bytes());
+        // A whole-strip channel hashes as it did before positions were known.
+        if let Some(position_mm) = channel.position_mm {
+            hasher.update(&position_mm.to_le_bytes());
+        }
         hasher.update(&(channel.len() as u64).to_le_bytes());
         hasher.update(&bytes(&channel.time_s));
         hasher.update(&bytes(&channel.values));

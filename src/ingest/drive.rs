@@ -33,13 +33,13 @@ pub fn find(
     tag_v: Option<f64>,
     open_s: &[(f64, f64)],
 ) -> FoundDrive {
-    let of = |quantity| channels.iter().find(|c| c.quantity == quantity && !c.is_empty());
+    let of = |quantity| channels.iter().find(|c| c.is_whole(quantity));
     let mut open: Vec<(f64, f64)> = open_s.to_vec();
     open.extend(of(Quantity::OpenCircuit).map(stretches_open).unwrap_or_default());
     open.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first_response_s = channels
         .iter()
-        .filter(|c| c.quantity.is_response())
+        .filter(|c| c.is_response())
         .filter_map(|c| c.time_s.first().copied())
         .fold(f64::INFINITY, f64::min);
     let found = match (of(Quantity::Voltage), tag_v) {

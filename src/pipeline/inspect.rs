@@ -73,6 +73,8 @@ pub struct InspectedColumn {
     pub unit: String,
     /// Canonical column name.
     pub canonical: Option<&'static str>,
+    /// Where along the strip, mm from the clamp; null for the strip as a whole.
+    pub position_mm: Option<f64>,
     /// Readings; empty cells are not counted.
     pub readings: usize,
     /// Readings left out of fits.
@@ -159,6 +161,7 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
         quantity: Some(Quantity::Time.key()),
         unit: unit.clone(),
         canonical: Some(Quantity::Time.column()),
+        position_mm: None,
         readings: table.rows,
         excluded: 0,
         first: table.time_first_last_s.map(|t| t.0),
@@ -172,6 +175,7 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
             quantity: known.then(|| channel.quantity.key()),
             unit: summary.raw_unit,
             canonical: known.then(|| channel.quantity.column()),
+            position_mm: channel.position_mm,
             readings: summary.readings,
             excluded: summary.excluded,
             first: summary.first,

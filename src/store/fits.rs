@@ -212,7 +212,7 @@ impl CurveSource for Store {
         let channels = self.channels(run_id).map_err(|e| e.to_string())?;
         Ok(channels
             .iter()
-            .filter(|c| c.quantity.is_response() && !c.is_empty())
+            .filter(|c| c.quantity.is_response() && c.position_mm.is_none() && !c.is_empty())
             .map(|c| c.drawn())
             .collect())
     }

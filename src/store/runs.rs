@@ -249,7 +249,8 @@ impl Store {
     /// See [`StoreError`].
     pub fn channels(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
         let doing = "reading channels";
-        let sql = "SELECT quantity, raw_name, raw_unit, time_of, time_blob, value_blob, excluded_blob
+        let sql =
+            "SELECT quantity, raw_name, raw_unit, position_mm, time_of, time_blob, value_blob, excluded_blob
                    FROM channel WHERE run_id = ?1 ORDER BY ordinal";
         let mut statement = self
             .connection
@@ -484,7 +485,8 @@ fn insert_channels(
     run_id: i64,
     channels: &[Channel],
 ) -> Result<(), StepError> {
-    let sql = "INSERT INTO channel VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15)";
+    let sql =
+        "INSERT INTO channel VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
     for (ordinal, channel) in channels.iter().enumerate() {
         let time_of = channels[..ordinal]
             .iter()
@@ -500,6 +502,7 @@ fn insert_channels(
             channel.quantity.key(),
             channel.raw_name,
             channel.raw_unit,
+            channel.position_mm,
             channel.len() as i64,
             channel.excluded.len() as i64,
             summary.first_time_s,
@@ -592,6 +595,7 @@ fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError
         )?,
         raw_name: row.get("raw_name")?,
         raw_unit: row.get("raw_unit")?,
+        position_mm: row.get("position_mm")?,
         time_s,
         values,
         excluded: unpack_u32(&row.get::<_, Vec<u8>>("excluded_blob")?)?.into(),

@@ -73,7 +73,7 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
         });
     }
     let channels = channels(&raw, &meanings, time_index, &axis, issues);
-    if raw.must_be_run && !channels.iter().any(|channel| channel.quantity.is_response()) {
+    if raw.must_be_run && !channels.iter().any(|channel| channel.is_response()) {
         return Err(no_response(&raw, &meanings));
     }
     Ok(RunTable {
@@ -183,9 +183,9 @@ fn channels(
             continue;
         }
         let mut quantity = meanings[index].quantity().unwrap_or(Quantity::Other);
-        let first = channels
-            .iter()
-            .find(|c| c.quantity == quantity && quantity != Quantity::Other);
+        let first = channels.iter().find(|c| {
+            c.quantity == quantity && c.position_mm == header.position_mm && quantity != Quantity::Other
+        });
         if let Some(first) = first {
             let message = format!(
                 "column {} measures what {} does; it is kept under its own name",
@@ -224,6 +224,7 @@ fn channels(
             quantity,
             raw_name: header.raw_name.clone(),
             raw_unit: header.raw_unit.clone(),
+            position_mm: header.position_mm.filter(|_| quantity != Quantity::Other),
             excluded: match quantity {
                 Quantity::Current => excluded(&raw.excluded_rows, axis, &rows),
                 _ => Arc::from([]),

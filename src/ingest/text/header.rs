@@ -53,17 +53,21 @@ pub struct Header {
     pub raw_unit: String,
     /// What it means.
     pub meaning: Meaning,
+    /// Where along the strip, mm from the clamp: `voltage_v@12.5`.
+    pub position_mm: Option<f64>,
 }
 
 impl Header {
     /// Reads a header cell such as `Time (s)`, `I/mA`, `Current [µA]`, `Temp, °C` or `curvature_per_m`.
     pub fn parse(cell: &str) -> Header {
         let raw_name = unquote(cell);
-        let (name, unit) = split(raw_name);
+        let (measured, position_mm) = placed(raw_name);
+        let (name, unit) = split(measured);
         Header {
             raw_name: raw_name.to_owned(),
             meaning: interpret(&name, &unit),
             raw_unit: unit,
+            position_mm,
         }
     }
 
@@ -74,6 +78,7 @@ impl Header {
             raw_name: raw_name.to_owned(),
             raw_unit: raw_unit.to_owned(),
             meaning: interpret(raw_name, raw_unit),
+            position_mm: None,
         }
     }
 
@@ -83,6 +88,20 @@ impl Header {
             meaning: Meaning::Other,
             ..Header::parse(cell)
         }
+    }
+}
+
+/// The cell without `@<mm>` at its end, and that position.
+fn placed(cell: &str) -> (&str, Option<f64>) {
+    let Some((name, place)) = cell.rsplit_once('@') else {
+        return (cell, None);
+    };
+    let millimetres = place.trim().trim_end_matches("mm").trim().parse::<f64>();
+    match millimetres {
+        Ok(position_mm) if position_mm.is_finite() && position_mm >= 0.0 => {
+            (name.trim_end(), Some(position_mm))
+        }
+        _ => (cell, None),
     }
 }
 

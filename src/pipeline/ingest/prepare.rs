@@ -120,12 +120,7 @@ pub struct RunPart {
 
 /// The runs that a reading holds: every table with a response, or all tables where none has one.
 pub fn run_parts(reading: &Reading) -> Vec<RunPart> {
-    let has_response = |table: &&RunTable| {
-        table
-            .channels
-            .iter()
-            .any(|c| c.quantity.is_response() && !c.is_empty())
-    };
+    let has_response = |table: &&RunTable| table.channels.iter().any(|c| c.is_response());
     let mut tables: Vec<&RunTable> = reading.tables.iter().filter(has_response).collect();
     if tables.is_empty() {
         tables = reading.tables.iter().collect();

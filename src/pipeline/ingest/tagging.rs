@@ -195,10 +195,7 @@ fn improbable_density(channels: &[Channel], area_cm2: f64) -> Option<Issue> {
 }
 
 fn has_response(input: &TaggingInput<'_>) -> bool {
-    input
-        .channels
-        .iter()
-        .any(|c| c.quantity.is_response() && !c.is_empty())
+    input.channels.iter().any(|c| c.is_response())
 }
 
 /// A tip displacement is of no use without the free length.
