@@ -1,10 +1,14 @@
-//! Models of an actuator: circuits, back-relaxation, the lumped electromechanical model.
+//! Models of an actuator: geometry, circuits, back-relaxation, the lumped and the distributed electromechanical
+//! model, and the classical and rival models that they are compared with.
 
+pub mod circuit;
+pub mod geometry;
 pub mod lumped;
 pub mod ode;
 mod open_circuit;
 pub mod registry;
 pub mod relaxation;
 
+pub use circuit::EquivalentCircuit;
 pub use lumped::{Branch, LumpedModel};
 pub use registry::{FitModel, ParameterDescription, fit_model, fit_models};
