@@ -2,6 +2,8 @@
 //! model, and the classical and rival models that they are compared with.
 
 pub mod circuit;
+pub mod coupling;
+pub mod distributed;
 pub mod geometry;
 pub mod lumped;
 pub mod ode;
@@ -10,5 +12,6 @@ pub mod registry;
 pub mod relaxation;
 
 pub use circuit::EquivalentCircuit;
+pub use distributed::{DistributedModel, Laminate};
 pub use lumped::{Branch, LumpedModel};
 pub use registry::{FitModel, ParameterDescription, fit_model, fit_models};
