@@ -2,6 +2,7 @@
 //! model, and the classical and rival models that they are compared with.
 
 pub mod circuit;
+pub mod classical;
 pub mod coupling;
 pub mod distributed;
 pub mod geometry;
@@ -10,6 +11,7 @@ pub mod ode;
 mod open_circuit;
 pub mod registry;
 pub mod relaxation;
+pub mod rivals;
 
 pub use circuit::EquivalentCircuit;
 pub use distributed::{DistributedModel, Laminate};

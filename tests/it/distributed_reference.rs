@@ -43,7 +43,7 @@ fn one_branch_along_the_strip() {
         ] {
             let expected = number(&row, column);
             let miss = (field.at(0, 0) - expected).abs();
-            let allowed = (1e-6 * expected.abs()).max(5.0 * field.truncation_bound.unwrap() + 1e-14 * full);
+            let allowed = (1e-6 * expected.abs()).max(field.truncation_bound.unwrap() + 1e-14 * full);
             assert!(
                 miss <= allowed,
                 "{column} at {s} cm, {t} s: {} instead of {expected}",

@@ -273,7 +273,7 @@ fn a_perfect_electrode_gives_the_lumped_model() {
 #[test]
 fn shape_ends_at_the_tip_angle_and_nothing_moves_before_the_step() {
     let model = ptnaf();
-    let time_s = [-1.0, 0.0, 0.2, 1.0];
+    let time_s = [-1.0, 0.0, 1.0, 30.0];
     let shapes = model.shapes(1.0, 400, &time_s);
     let angles = model.tip_angle_rad(1.0, &time_s);
     for (shape, angle) in shapes.iter().zip(&angles) {
