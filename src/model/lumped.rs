@@ -56,7 +56,7 @@ pub struct SegmentResponse {
 }
 
 impl SegmentResponse {
-    fn current_a_per_cm2(&self, elapsed_s: f64) -> f64 {
+    pub(super) fn current_a_per_cm2(&self, elapsed_s: f64) -> f64 {
         let decaying = self.rates_per_s.iter().zip(&self.current_amplitudes_a_per_cm2);
         let sum: f64 = decaying
             .map(|(rate, amplitude)| amplitude * (-rate * elapsed_s).exp())
@@ -64,7 +64,7 @@ impl SegmentResponse {
         self.current_constant_a_per_cm2 + sum
     }
 
-    fn charge_c_per_cm2(&self, elapsed_s: f64) -> f64 {
+    pub(super) fn charge_c_per_cm2(&self, elapsed_s: f64) -> f64 {
         let modes = self.rates_per_s.iter().zip(&self.charge_amplitudes_c_per_cm2);
         let gained: f64 = modes
             .map(|(rate, amplitude)| amplitude * (-rate * elapsed_s).exp_m1())
@@ -72,7 +72,7 @@ impl SegmentResponse {
         self.charge_start_c_per_cm2 + gained
     }
 
-    fn strain_c_per_cm2(&self, elapsed_s: f64, relaxation_rate_per_s: f64) -> f64 {
+    pub(super) fn strain_c_per_cm2(&self, elapsed_s: f64, relaxation_rate_per_s: f64) -> f64 {
         let modes = self.rates_per_s.iter().zip(&self.charge_amplitudes_c_per_cm2);
         let driven: f64 = modes
             .map(|(&rate, amplitude)| amplitude * spring_response(elapsed_s, rate, relaxation_rate_per_s))
@@ -122,8 +122,16 @@ impl LumpedModel {
 
     /// Every segment of the drive in closed form, with the state carried across.
     pub fn segment_responses(&self, drive: &Drive) -> Vec<SegmentResponse> {
-        let mut voltages_v = vec![drive.baseline_v; self.branches.len()];
-        let mut strain = 0.0;
+        self.segment_responses_from(drive, vec![drive.baseline_v; self.branches.len()], 0.0)
+    }
+
+    /// The same from given branch voltages (V, one per branch) and spring strain (C/cm2) at the first segment.
+    pub(super) fn segment_responses_from(
+        &self,
+        drive: &Drive,
+        mut voltages_v: Vec<f64>,
+        mut strain: f64,
+    ) -> Vec<SegmentResponse> {
         let mut responses: Vec<SegmentResponse> = Vec::with_capacity(drive.segments.len());
         for (index, segment) in drive.segments.iter().enumerate() {
             let mut response = match segment.level {
@@ -170,7 +178,7 @@ impl LumpedModel {
         }
     }
 
-    fn voltages_after(&self, level: Level, from_v: &[f64], lasting_s: f64) -> Vec<f64> {
+    pub(super) fn voltages_after(&self, level: Level, from_v: &[f64], lasting_s: f64) -> Vec<f64> {
         match level {
             Level::OpenCircuit => self.circuit().voltages_after(from_v, lasting_s),
             Level::Voltage(level_v) => self

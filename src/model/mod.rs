@@ -1,10 +1,22 @@
-//! Models of an actuator: circuits, back-relaxation, the lumped electromechanical model.
+//! Models of an actuator: geometry, circuits, back-relaxation, the lumped and the distributed electromechanical
+//! model, and the classical and rival models that they are compared with.
 
+pub mod circuit;
+pub mod classical;
+pub mod coupling;
+pub mod distributed;
+pub mod geometry;
 pub mod lumped;
+pub mod lumped_state;
 pub mod ode;
 mod open_circuit;
 pub mod registry;
 pub mod relaxation;
+pub mod rivals;
+pub mod scaling;
 
+pub use circuit::EquivalentCircuit;
+pub use distributed::{DistributedModel, Laminate};
 pub use lumped::{Branch, LumpedModel};
+pub use lumped_state::{LumpedState, StateError};
 pub use registry::{FitModel, ParameterDescription, fit_model, fit_models};

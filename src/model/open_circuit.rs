@@ -1,6 +1,7 @@
 //! What the branches do while the source is disconnected: they exchange charge through R_ss and each other.
 
-use crate::numerics::symmetric::Symmetric;
+use crate::numerics::jacobi;
+use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::lumped::{Branch, SegmentResponse};
 
@@ -15,24 +16,28 @@ pub(super) struct FreeCircuit<'a> {
 }
 
 impl<'a> FreeCircuit<'a> {
-    /// Modes of `branches` (at most the capacity of small matrices) beside `steady_state_resistance_ohm_cm2`.
+    /// Modes of any number of `branches` beside `steady_state_resistance_ohm_cm2`.
     pub(super) fn new(branches: &'a [Branch], steady_state_resistance_ohm_cm2: f64) -> FreeCircuit<'a> {
         let n = branches.len();
         let steady = steady_state_resistance_ohm_cm2.recip();
         let conductance: f64 = branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum::<f64>() + steady;
         let weight = |b: &Branch| b.resistance_ohm_cm2.recip() / b.capacitance_f_per_cm2.sqrt();
-        let matrix = Symmetric::from_fn(n, |j, k| {
+        let entry = |j: usize, k: usize| {
             let own = if j == k {
                 branches[k].time_constant_s().recip()
             } else {
                 0.0
             };
             own - weight(&branches[j]) * weight(&branches[k]) / conductance
-        });
-        let (values, vectors) = matrix.eigen();
-        let mut rates_per_s = values[..n].to_vec();
+        };
+        let (mut rates_per_s, modes) = if n <= CAPACITY {
+            let (values, vectors) = Symmetric::from_fn(n, entry).eigen();
+            let modes = vectors[..n].iter().map(|row| row[..n].to_vec()).collect();
+            (values[..n].to_vec(), modes)
+        } else {
+            jacobi::eigen(n, entry)
+        };
         refine_slowest(&mut rates_per_s, branches, steady / conductance);
-        let modes = vectors[..n].iter().map(|row| row[..n].to_vec()).collect();
         FreeCircuit {
             branches,
             rates_per_s,

@@ -25,7 +25,7 @@ mod tests {
 
     #[test]
     fn agrees_with_the_printed_form_where_that_is_well_conditioned() {
-        for (t, tau, lambda) in [(3.0_f64, 5.0, 0.01), (40.0, 2.0, 3.0), (0.1, 100.0, 0.5)] {
+        for (t, tau, lambda) in [(3.0_f64, 5.0_f64, 0.01_f64), (40.0, 2.0, 3.0), (0.1, 100.0, 0.5)] {
             let printed = ((-t / tau).exp() - (-lambda * t).exp()) / (tau * lambda - 1.0);
             let ours = spring_response(t, 1.0 / tau, lambda);
             assert!((ours / printed - 1.0).abs() < 1e-12, "{ours} {printed}");

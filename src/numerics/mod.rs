@@ -3,6 +3,7 @@
 pub mod correlation;
 pub mod decay;
 pub mod gram;
+pub mod jacobi;
 pub mod levenberg;
 pub mod noise;
 pub mod nonnegative;

@@ -1,0 +1,55 @@
+//! Time of the distributed model: 100 positions x 1,000 times in closed form, and the ladder through a drive.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use ieap::domain::{Drive, Level, Segment};
+use ieap::model::DistributedModel;
+use ieap::model::coupling::CurvaturePerLineCharge;
+use ieap::model::distributed::Ladder;
+
+/// PtNaf of thesis table 3, a strip of 45 mm by 3 mm: its electrodes resist most.
+const PTNAF: DistributedModel = DistributedModel {
+    electrode_resistance_ohm_per_cm: 15.0,
+    branch_resistance_ohm_cm: 10.0,
+    capacitance_f_per_cm: 0.00591,
+    steady_state_resistance_ohm_cm: 143.0,
+    length_cm: 4.5,
+    coupling: CurvaturePerLineCharge(132.75),
+    relaxation_rate_per_s: 0.29,
+};
+
+fn distributed(criterion: &mut Criterion) {
+    let s: Vec<f64> = (0..100).map(|k| PTNAF.length_cm * f64::from(k) / 99.0).collect();
+    let t: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+    criterion.bench_function("voltage, 100 positions x 1,000 times", |bencher| {
+        bencher.iter(|| PTNAF.voltage_v(1.5, black_box(&s), &t));
+    });
+    criterion.bench_function("charge, 100 positions x 1,000 times", |bencher| {
+        bencher.iter(|| PTNAF.charge_c_per_cm(1.5, black_box(&s), &t));
+    });
+    criterion.bench_function("curvature, 100 positions x 1,000 times", |bencher| {
+        bencher.iter(|| PTNAF.curvature_per_cm(1.5, black_box(&s), &t));
+    });
+    criterion.bench_function("shapes of 100 links, 1,000 times", |bencher| {
+        bencher.iter(|| PTNAF.shapes(1.5, 100, black_box(&t)));
+    });
+    let segment = |start_s, level| Segment { start_s, level };
+    let drive = Drive {
+        baseline_v: 0.0,
+        segments: vec![
+            segment(0.0, Level::Voltage(1.5)),
+            segment(3.0, Level::Voltage(-1.0)),
+            segment(6.0, Level::OpenCircuit),
+        ],
+    };
+    criterion.bench_function("ladder of 100 cells, 1,000 times, three segments", |bencher| {
+        bencher.iter(|| {
+            let ladder = Ladder::new(black_box(&PTNAF), 100);
+            ladder.map(|ladder| ladder.respond(&drive, &t, 1e-8))
+        });
+    });
+}
+
+criterion_group!(benches, distributed);
+criterion_main!(benches);

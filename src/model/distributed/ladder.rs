@@ -1,0 +1,214 @@
+//! The distributed model stated a second time: a chain of cells under Kirchhoff's laws, for any drive.
+//!
+//! It shares nothing with the series but the parameters: finite volumes along the strip, one tridiagonal solution
+//! per evaluation, an adaptive integrator in time. Its error falls with the square of the cells' length.
+
+use thiserror::Error;
+
+use super::DistributedModel;
+use super::field::StripField;
+use crate::domain::{Drive, Level};
+use crate::numerics::ode::integrate;
+
+/// Why a strip cannot be cut into cells.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LadderError {
+    /// The electrodes conduct perfectly, which the cells' equations divide by.
+    #[error(
+        "electrode resistance is {found_ohm_per_cm} Ohm/cm; the ladder needs a positive one (use the lumped model)"
+    )]
+    NoElectrodeResistance {
+        /// The resistance given, Ohm/cm.
+        found_ohm_per_cm: f64,
+    },
+    /// There is nothing to compute with.
+    #[error("the ladder has no cells; it needs at least 1")]
+    NoCells,
+}
+
+/// A strip cut into cells of equal length.
+#[derive(Debug, Clone)]
+pub struct Ladder<'a> {
+    model: &'a DistributedModel,
+    cells: usize,
+    cell_cm: f64,
+    /// Conductance between neighbouring cells, 1/Ohm.
+    along: f64,
+}
+
+/// What the ladder does at given times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LadderResponse {
+    /// Middle of each cell, cm from the clamp.
+    pub arc_length_cm: Vec<f64>,
+    /// Voltage between the electrodes, V.
+    pub voltage_v: StripField,
+    /// Charge of unit length, C/cm.
+    pub charge_c_per_cm: StripField,
+    /// Curvature with the shape before the first segment subtracted, 1/cm.
+    pub curvature_per_cm: StripField,
+    /// Current into the strip at the clamp, A; zero while the circuit is open.
+    pub clamp_current_a: Vec<f64>,
+}
+
+/// The cells' equations for one kind of drive, eliminated once: `G_i v_i = b_i + along (v_(i-1) + v_(i+1))`.
+struct Eliminated {
+    along: f64,
+    /// Reciprocal pivots.
+    pivots: Vec<f64>,
+    /// Conductance from the terminal into the first cell, 1/Ohm; zero while the circuit is open.
+    into_first: f64,
+}
+
+impl Eliminated {
+    /// Replaces the currents `b` (A) that flow into the cells by the cells' voltages (V).
+    fn solve(&self, terminal_v: f64, b: &mut [f64]) {
+        if let Some(first) = b.first_mut() {
+            *first += self.into_first * terminal_v;
+        }
+        for k in 1..b.len() {
+            b[k] += self.along * self.pivots[k - 1] * b[k - 1];
+        }
+        let mut beyond = 0.0;
+        for (b, pivot) in b.iter_mut().zip(&self.pivots).rev() {
+            *b = (*b + self.along * beyond) * pivot;
+            beyond = *b;
+        }
+    }
+}
+
+impl<'a> Ladder<'a> {
+    /// Cuts the strip into `cells`.
+    ///
+    /// # Errors
+    /// No cells, or electrodes without resistance.
+    pub fn new(model: &'a DistributedModel, cells: usize) -> Result<Ladder<'a>, LadderError> {
+        let resistance = model.electrode_resistance_ohm_per_cm;
+        if resistance.is_nan() || resistance <= 0.0 {
+            return Err(LadderError::NoElectrodeResistance {
+                found_ohm_per_cm: resistance,
+            });
+        }
+        if cells == 0 {
+            return Err(LadderError::NoCells);
+        }
+        let cell_cm = model.length_cm / cells as f64;
+        Ok(Ladder {
+            model,
+            cells,
+            cell_cm,
+            along: (resistance * cell_cm).recip(),
+        })
+    }
+
+    /// Integrates the cells through `drive`, with the local error of each step below `relative` of the largest
+    /// value so far. `time_s` must increase. Before the first segment the strip rests in the steady state at the
+    /// baseline voltage.
+    pub fn respond(&self, drive: &Drive, time_s: &[f64], relative: f64) -> LadderResponse {
+        let model = self.model;
+        let (held, open) = (self.with_branches(true), self.with_branches(false));
+        let solver = |level: Level| match level {
+            Level::Voltage(level_v) => (&held, level_v),
+            Level::OpenCircuit => (&open, 0.0),
+        };
+        let n = self.cells;
+        let mut state = self.resting(drive.baseline_v);
+        let mut level = Level::Voltage(drive.baseline_v);
+        let first = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+        let mut now_s = time_s.first().map_or(first, |&t| t.min(first));
+        let mut upcoming = drive.segments.iter().peekable();
+        let mut response = self.empty(time_s.len());
+        let advance = |state: &mut [f64], now_s: &mut f64, to_s: f64, level: Level| {
+            let (eliminated, terminal_v) = solver(level);
+            let rate = |_: f64, y: &[f64], out: &mut [f64]| {
+                let (charging, straining) = out.split_at_mut(n);
+                self.voltages(eliminated, terminal_v, &y[..n], charging);
+                for k in 0..n {
+                    charging[k] =
+                        (charging[k] - y[k] / model.capacitance_f_per_cm) / model.branch_resistance_ohm_cm;
+                    straining[k] = charging[k] - model.relaxation_rate_per_s * y[n + k];
+                }
+            };
+            integrate(rate, *now_s, to_s, state, relative, 1e-18);
+            *now_s = to_s;
+        };
+        for &t in time_s {
+            while let Some(segment) = upcoming.next_if(|segment| segment.start_s <= t) {
+                advance(&mut state, &mut now_s, segment.start_s, level);
+                level = segment.level;
+            }
+            advance(&mut state, &mut now_s, t, level);
+            let (eliminated, terminal_v) = solver(level);
+            let mut voltage_v = vec![0.0; n];
+            self.voltages(eliminated, terminal_v, &state[..n], &mut voltage_v);
+            response
+                .clamp_current_a
+                .push(eliminated.into_first * (terminal_v - voltage_v[0]));
+            response.voltage_v.values.extend(voltage_v);
+            response.charge_c_per_cm.values.extend(&state[..n]);
+            let curvature = state[n..].iter().map(|strain| model.coupling.0 * strain);
+            response.curvature_per_cm.values.extend(curvature);
+        }
+        response
+    }
+
+    /// Charges of the steady state at `baseline_v`, no strain.
+    fn resting(&self, baseline_v: f64) -> Vec<f64> {
+        let mut state = vec![0.0; self.cells];
+        let leaking = self.model.steady_state_resistance_ohm_cm.recip();
+        self.eliminate(leaking, true).solve(baseline_v, &mut state);
+        for voltage in &mut state {
+            *voltage *= self.model.capacitance_f_per_cm;
+        }
+        state.resize(2 * self.cells, 0.0);
+        state
+    }
+
+    /// Voltages of the cells from the charges on their capacitors.
+    fn voltages(&self, eliminated: &Eliminated, terminal_v: f64, charge: &[f64], out: &mut [f64]) {
+        let into = self.cell_cm / (self.model.branch_resistance_ohm_cm * self.model.capacitance_f_per_cm);
+        for (out, charge) in out.iter_mut().zip(charge) {
+            *out = into * charge;
+        }
+        eliminated.solve(terminal_v, out);
+    }
+
+    fn with_branches(&self, held: bool) -> Eliminated {
+        let across =
+            self.model.steady_state_resistance_ohm_cm.recip() + self.model.branch_resistance_ohm_cm.recip();
+        self.eliminate(across, held)
+    }
+
+    /// Elimination for cells that conduct `across` (1/(Ohm cm)), with the source connected or not. The clamp is
+    /// half a cell away from the first cell's middle.
+    fn eliminate(&self, across: f64, held: bool) -> Eliminated {
+        let into_first = if held { 2.0 * self.along } else { 0.0 };
+        let mut pivots: Vec<f64> = Vec::with_capacity(self.cells);
+        for k in 0..self.cells {
+            let inward = if k == 0 { into_first } else { self.along };
+            let outward = if k + 1 < self.cells { self.along } else { 0.0 };
+            let eliminated = pivots.last().map_or(0.0, |pivot| self.along * self.along * pivot);
+            pivots.push((self.cell_cm * across + inward + outward - eliminated).recip());
+        }
+        Eliminated {
+            along: self.along,
+            pivots,
+            into_first,
+        }
+    }
+
+    fn empty(&self, times: usize) -> LadderResponse {
+        let field = || StripField {
+            positions: self.cells,
+            values: Vec::with_capacity(self.cells * times),
+            truncation_bound: None,
+        };
+        LadderResponse {
+            arc_length_cm: (0..self.cells).map(|k| (k as f64 + 0.5) * self.cell_cm).collect(),
+            voltage_v: field(),
+            charge_c_per_cm: field(),
+            curvature_per_cm: field(),
+            clamp_current_a: Vec::with_capacity(times),
+        }
+    }
+}
