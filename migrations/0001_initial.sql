@@ -43,6 +43,7 @@ CREATE TABLE run (
     drive             TEXT,                      -- JSON of a Drive; NULL: unknown
     area_cm2          REAL,                      -- NULL: the sample is not known or has no dimensions
     length_cm         REAL,                      -- NULL: as above
+    electrode_resistance_ohm_per_sq REAL,        -- along the strip; NULL: not measured
     data_hash         TEXT    NOT NULL,          -- BLAKE3 of the readings
     tag_digest        TEXT    NOT NULL,          -- BLAKE3 over everything the tags came from
     ingested_at       TEXT    NOT NULL,

@@ -17,6 +17,9 @@ pub struct Sample {
     pub thickness_mm: Option<f64>,
     /// Active area, cm2, where it is not length times width.
     pub area_cm2: Option<f64>,
+    /// Resistance of both electrodes along the strip, Ohm per square, as measured by a probe.
+    #[serde(default)]
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
     /// Production batch.
     pub batch: Option<String>,
 }

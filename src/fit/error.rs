@@ -31,6 +31,30 @@ pub enum FitError {
         /// Model id.
         model: &'static str,
     },
+    /// Too little was measured along the strip.
+    #[error(
+        "the run has {found} readings of voltages along the strip and of the current, the distributed model needs {needed}: \
+         name columns voltage_v@<mm from the clamp> and current_a"
+    )]
+    NothingAlong {
+        /// Readings that there are.
+        found: usize,
+        /// Readings needed.
+        needed: usize,
+    },
+    /// The electrode resistance given is none.
+    #[error(
+        "the electrode resistance is {found_ohm_per_sq} Ohm/sq, it must be positive: correct electrode_resistance_ohm_per_sq of the sample"
+    )]
+    ElectrodeResistance {
+        /// The resistance given, Ohm per square.
+        found_ohm_per_sq: f64,
+    },
+    /// The closed form of the distributed model needs a held voltage.
+    #[error(
+        "the drive has an open circuit, which the distributed model does not describe: fit a lumped model"
+    )]
+    OpenCircuitAlong,
     /// The active area is no area.
     #[error(
         "the active area is {found_cm2} cm2, it must be positive: correct length_mm and width_mm or area_cm2 of the sample"

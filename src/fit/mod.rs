@@ -6,6 +6,7 @@
 mod bending;
 mod circuit;
 mod coupled;
+pub mod distributed;
 mod electrical;
 mod error;
 mod estimates;
@@ -47,11 +48,14 @@ pub struct FitOptions {
     pub model: &'static FitModel,
 }
 
+/// The model of a run where nothing else is asked for.
+const DEFAULT_MODEL: &str = "lumped-2";
+
 impl Default for FitOptions {
     /// Two branches, `lumped-2`.
     fn default() -> FitOptions {
         FitOptions {
-            model: fit_models().last().unwrap_or(&fit_models()[0]),
+            model: fit_model(DEFAULT_MODEL).unwrap_or(&fit_models()[0]),
         }
     }
 }

@@ -80,7 +80,33 @@ const R_PARALLEL: ParameterDescription = derived(fitted(
     "branch resistances in parallel: set the first charging current",
 ));
 
-static MODELS: [FitModel; 2] = [
+const RE: ParameterDescription = fitted(
+    "re_ohm_per_sq",
+    "R_e",
+    "Ohm/sq",
+    "resistance of both electrodes along the strip",
+);
+const RC: ParameterDescription = fitted(
+    "rc_ohm_cm2",
+    "R_c",
+    "Ohm cm2",
+    "resistance of the chain across the laminate",
+);
+const C: ParameterDescription = fitted(
+    "c_f_per_cm2",
+    "C",
+    "F/cm2",
+    "capacitance of the chain across the laminate",
+);
+const MU: ParameterDescription = fitted(
+    "mu_per_c",
+    "mu",
+    "1/C",
+    "curvature per charge of unit length of the strip",
+);
+const ALPHA_OF_MU: ParameterDescription = derived(ALPHA);
+
+static MODELS: [FitModel; 3] = [
     FitModel {
         id: "lumped-1",
         version: 1,
@@ -94,6 +120,13 @@ static MODELS: [FitModel; 2] = [
         branches: 2,
         description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
         parameters: &[R1, C1, R2, C2, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL],
+    },
+    FitModel {
+        id: "distributed",
+        version: 1,
+        branches: 1,
+        description: "one R-C branch beside R_ss between electrodes that resist along the strip; needs voltages or curvatures along it",
+        parameters: &[RE, RC, C, RSS, MU, LAMBDA, ALPHA_OF_MU],
     },
 ];
 

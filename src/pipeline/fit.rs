@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::context::{CODE_VERSION, now};
 use super::{Context, Observer, PipelineError};
 use crate::domain::{Channel, Fit, Issue};
-use crate::fit::{FitInput, FitOptions, fit_run};
+use crate::fit::{FitError, FitInput, FitOptions, distributed, fit_run};
 use crate::ingest::derived;
 use crate::store::{FitStamp, FitTask};
 
@@ -73,13 +73,8 @@ fn fit_batch(
 ) -> Result<Vec<Outcome>, PipelineError> {
     let loaded = batch
         .iter()
-        .map(|(_, task)| {
-            Ok(derived::responses(
-                &context.store.channels(task.run_id)?,
-                task.length_cm,
-            ))
-        })
-        .collect::<Result<Vec<Vec<Channel>>, PipelineError>>()?;
+        .map(|(_, task)| context.store.channels(task.run_id))
+        .collect::<Result<Vec<Vec<Channel>>, _>>()?;
     Ok(batch
         .par_iter()
         .zip(loaded)
@@ -93,17 +88,48 @@ fn fit_batch(
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.
 fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
+    let fitted = std::panic::catch_unwind(|| match options.model.id {
+        distributed::MODEL_ID => fit_along(task, channels),
+        _ => fit_whole(task, channels, options),
+    });
+    fitted.unwrap_or_else(|_| {
+        Err(Issue::error("fit-fault", "the fit stopped on an internal fault")
+            .mend("report it with the run's file; the other runs are not affected"))
+    })
+}
+
+/// The strip as a whole, with a lumped model.
+fn fit_whole(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
+    let channels = derived::responses(channels, task.length_cm);
     let input = FitInput {
-        channels,
+        channels: &channels,
         drive: &task.drive,
         area_cm2: task.area_cm2,
     };
-    match std::panic::catch_unwind(|| fit_run(&input, options)) {
-        Ok(Ok(fit)) => Ok(fit),
-        Ok(Err(error)) => Err(Issue::warning("not-fitted", error.to_string())),
-        Err(_) => Err(Issue::error("fit-fault", "the fit stopped on an internal fault")
-            .mend("report it with the run's file; the other runs are not affected")),
-    }
+    fit_run(&input, options).map_err(not_fitted)
+}
+
+/// What was measured along the strip, with the distributed model.
+fn fit_along(task: &FitTask, channels: &[Channel]) -> Outcome {
+    let Some(length_cm) = task.length_cm else {
+        let message = "the distributed model needs the sample's free length";
+        return Err(Issue::warning("not-fitted", message).mend("give the sample length_mm in campaign.toml"));
+    };
+    let strip = distributed::Strip {
+        length_cm,
+        width_cm: task.area_cm2 / length_cm,
+        electrode_resistance_ohm_per_sq: task.electrode_resistance_ohm_per_sq,
+    };
+    let input = distributed::DistributedInput {
+        channels,
+        drive: &task.drive,
+        strip,
+    };
+    distributed::fit_distributed(&input).map_err(not_fitted)
+}
+
+fn not_fitted(error: FitError) -> Issue {
+    Issue::warning("not-fitted", error.to_string())
 }
 
 fn save_batch(
@@ -144,6 +170,14 @@ fn input_hash(task: &FitTask, model_id: &str, model_version: u32) -> String {
     hasher.update(format!("{:?}", task.drive).as_bytes());
     hasher.update(&task.area_cm2.to_le_bytes());
     hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
+    if model_id == distributed::MODEL_ID {
+        hasher.update(
+            &task
+                .electrode_resistance_ohm_per_sq
+                .unwrap_or(f64::NAN)
+                .to_le_bytes(),
+        );
+    }
     hasher.update(format!("{model_id}/{model_version}").as_bytes());
     hasher.finalize().to_hex().to_string()
 }

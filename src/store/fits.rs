@@ -19,6 +19,8 @@ pub struct FitTask {
     pub area_cm2: f64,
     /// Free length, cm, where it is known.
     pub length_cm: Option<f64>,
+    /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
     /// Hash of the readings.
     pub data_hash: String,
     /// Input hash of the current fit, or of the last failure.
@@ -44,7 +46,8 @@ impl Store {
     pub fn fit_tasks(&self) -> Result<Vec<FitTask>, StoreError> {
         let doing = "listing runs to fit";
         let sql = "SELECT run.id, run.path, run.drive, run.area_cm2, run.length_cm, run.data_hash,
-                          coalesce(fit.input_hash, fit_failure.input_hash)
+                          coalesce(fit.input_hash, fit_failure.input_hash),
+                          run.electrode_resistance_ohm_per_sq
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
                    WHERE run.superseded_at IS NULL AND run.state = 'ready'
@@ -66,6 +69,7 @@ impl Store {
                     length_cm: row.get(4)?,
                     data_hash: row.get(5)?,
                     done_input_hash: row.get(6)?,
+                    electrode_resistance_ohm_per_sq: row.get(7)?,
                 })
             };
             tasks.push(read().map_err(self.named(doing))?);

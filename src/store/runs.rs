@@ -44,6 +44,8 @@ pub struct Tagging {
     pub area_cm2: Option<f64>,
     /// Free length of the sample, cm, where it is known.
     pub length_cm: Option<f64>,
+    /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
     /// BLAKE3 over everything the tags came from.
     pub digest: String,
 }
@@ -105,16 +107,25 @@ impl Store {
     pub fn retag(&mut self, now: &str, run_id: i64, tagging: &Tagging) -> Result<(), StoreError> {
         self.write("storing tags", now, |transaction| {
             transaction.execute("DELETE FROM tag WHERE run_id = ?1", [run_id])?;
-            transaction.execute("DELETE FROM run_issue WHERE run_id = ?1 AND stage = 'tag'", [run_id])?;
-            let sql = "UPDATE run SET state = ?2, drive = ?3, area_cm2 = ?4, length_cm = ?5, tag_digest = ?6 WHERE id = ?1";
-            let drive = tagging.drive.as_ref().map(|drive| to_json("a drive", drive)).transpose()?;
+            transaction.execute(
+                "DELETE FROM run_issue WHERE run_id = ?1 AND stage = 'tag'",
+                [run_id],
+            )?;
+            let sql = "UPDATE run SET state = ?2, drive = ?3, area_cm2 = ?4, length_cm = ?5, tag_digest = ?6,
+                       electrode_resistance_ohm_per_sq = ?7 WHERE id = ?1";
+            let drive = tagging
+                .drive
+                .as_ref()
+                .map(|drive| to_json("a drive", drive))
+                .transpose()?;
             transaction.prepare_cached(sql)?.execute(params![
                 run_id,
                 tagging.state.key(),
                 drive,
                 tagging.area_cm2,
                 tagging.length_cm,
-                tagging.digest
+                tagging.digest,
+                tagging.electrode_resistance_ohm_per_sq
             ])?;
             if tagging.state != RunState::Ready {
                 retire_fit(transaction, now, run_id)?;
@@ -419,8 +430,8 @@ fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<
     let sql =
         "INSERT INTO run (path, revision, state, status, status_evidence, format, reader_version, technique,
                  is_step_response, encoding, time_zero_is_step, original_metadata, drive, area_cm2, length_cm,
-                 data_hash, tag_digest, ingested_at)
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18)";
+                 data_hash, tag_digest, ingested_at, electrode_resistance_ohm_per_sq)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)";
     transaction.prepare_cached(sql)?.execute(params![
         run.path,
         revision,
@@ -440,6 +451,7 @@ fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<
         run.data_hash,
         tagging.digest,
         now,
+        tagging.electrode_resistance_ohm_per_sq,
     ])?;
     let run_id = transaction.last_insert_rowid();
     insert_contents(transaction, now, run_id, &run.contents)?;

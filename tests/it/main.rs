@@ -3,6 +3,7 @@
 mod architecture;
 mod bad_input;
 mod campaign;
+mod distributed;
 mod distributed_reference;
 mod folder;
 mod formats_fixtures;

@@ -24,6 +24,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         width_mm: Some(2.0),
         thickness_mm: Some(0.22),
         area_cm2: None,
+        electrode_resistance_ohm_per_sq: None,
         batch: None,
     };
     let environment = |id: &str| Environment {

@@ -89,6 +89,11 @@ impl Checker<'_> {
             width_mm: self.above_zero(raw.width_mm, place, "width_mm")?,
             thickness_mm: self.above_zero(raw.thickness_mm, place, "thickness_mm")?,
             area_cm2: self.above_zero(raw.area_cm2, place, "area_cm2")?,
+            electrode_resistance_ohm_per_sq: self.above_zero(
+                raw.electrode_resistance_ohm_per_sq,
+                place,
+                "electrode_resistance_ohm_per_sq",
+            )?,
             batch: raw.batch,
             id,
         })

@@ -21,6 +21,7 @@ const KNOWN: [(&str, &[&str]); 5] = [
             "width_mm",
             "thickness_mm",
             "area_cm2",
+            "electrode_resistance_ohm_per_sq",
             "batch",
         ],
     ),

@@ -38,6 +38,7 @@ pub(super) struct Sample {
     pub width_mm: Option<f64>,
     pub thickness_mm: Option<f64>,
     pub area_cm2: Option<f64>,
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
     pub batch: Option<String>,
 }
 

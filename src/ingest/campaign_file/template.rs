@@ -24,6 +24,7 @@ title = {id}                            # what stands above the report
 # width_mm = 2.0
 # thickness_mm = 0.22
 # area_cm2 = 0.1                         # only where it is not length times width
+# electrode_resistance_ohm_per_sq = 2.5  # of both electrodes along the strip, for model = "distributed"
 # batch = "2026-03"
 
 # What the tables say of a material (optional).

@@ -7,6 +7,7 @@ use crate::domain::{Environment, Sample, Severity};
 
 fn campaign(name_pattern: Option<&str>) -> Campaign {
     let sample = |id: &str| Sample {
+        electrode_resistance_ohm_per_sq: None,
         id: id.to_owned(),
         material: "CNaf".to_owned(),
         length_mm: None,

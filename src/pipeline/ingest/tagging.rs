@@ -170,6 +170,7 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         drive: found.drive,
         area_cm2,
         length_cm,
+        electrode_resistance_ohm_per_sq: sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq),
         digest,
     }
 }
