@@ -5,6 +5,7 @@ pub mod design;
 pub mod export;
 pub mod findings;
 pub mod parameters;
+pub mod same_tags;
 #[cfg(test)]
 pub mod sample_campaign;
 pub mod sequence;

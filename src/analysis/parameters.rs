@@ -48,6 +48,24 @@ pub const PARAMETERS: [ParameterInfo; 9] = [
     electrical("r_parallel_ohm_cm2", "R₁ ∥ R₂", "charging resistance", "Ω cm²"),
 ];
 
+/// What the distributed model and the lumped fits add to them: named on the run's page.
+pub const FURTHER: [ParameterInfo; 6] = [
+    electrical(
+        "re_ohm_per_sq",
+        "Rₑ",
+        "resistance of the electrodes along the strip",
+        "Ω/sq",
+    ),
+    electrical("rc_ohm_cm2", "R꜀", "resistance across the laminate", "Ω cm²"),
+    electrical("c_f_per_cm2", "C", "capacitance across the laminate", "F cm⁻²"),
+    ParameterInfo {
+        needs_curvature: true,
+        ..electrical("mu_per_c", "μ", "curvature per line charge", "C⁻¹")
+    },
+    electrical("tau1_s", "τ₁", "time constant of the fast branch", "s"),
+    electrical("tau2_s", "τ₂", "time constant of the slow branch", "s"),
+];
+
 /// Keys of the parameters that figure 26 of the thesis compares, in this report's order: what bends first.
 pub const COMPARED: [&str; 5] = [
     "alpha_per_c_cm",
@@ -60,7 +78,8 @@ pub const COMPARED: [&str; 5] = [
 impl ParameterInfo {
     /// The parameter stored under `key`; none for a parameter of another model.
     pub fn of(key: &str) -> Option<&'static ParameterInfo> {
-        PARAMETERS.iter().find(|parameter| parameter.key == key)
+        let mut known = PARAMETERS.iter().chain(&FURTHER);
+        known.find(|parameter| parameter.key == key)
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::{Context, PipelineError};
-use crate::analysis::sequence;
+use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
 use crate::domain::{ChannelNoise, Issue, RunRecord};
 
@@ -102,6 +102,7 @@ pub struct NotFitted {
 /// The database cannot be read.
 pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
     let mut runs = context.store.runs()?;
+    same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
     let not_fitted = runs.iter().filter(|run| run.fit.is_none()).map(|run| NotFitted {
         run: run.path.clone(),

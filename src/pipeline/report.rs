@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::context::CODE_VERSION;
 use super::swap::replace_folder;
 use super::{Context, Observer, PipelineError};
-use crate::analysis::sequence;
+use crate::analysis::{same_tags, sequence};
 use crate::report;
 
 /// Folder of the report inside a campaign.
@@ -110,6 +110,7 @@ fn remove_leftovers(folder: &Path) {
 
 fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::Input, PipelineError> {
     let mut runs = context.store.runs()?;
+    same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
     let mut news: Vec<report::News> = runs
         .iter()

@@ -206,6 +206,18 @@ fn sidecars_that_contradict_or_are_no_toml_are_pointed_out() {
 }
 
 #[test]
+fn runs_that_no_tag_tells_apart_are_named() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.write("runs/b.csv", run_table(2));
+    let document = folder.ieap(&["fit", "--json"]).expect(0).json();
+    assert!(issue_codes(&document, "runs/a.csv").contains(&"same-tags".to_owned()));
+    folder.write("runs/b.csv.toml", "cycle = 2\n");
+    let document = folder.ieap(&["fit", "--json"]).expect(0).json();
+    assert!(!issue_codes(&document, "runs/a.csv").contains(&"same-tags".to_owned()));
+}
+
+#[test]
 fn names_tags_and_headers_are_shown_as_text_everywhere() {
     let folder = CampaignFolder::new();
     folder.write("runs/<script>alert(1)<_script>.csv", run_table(1));

@@ -114,11 +114,14 @@ enum Dependence {
     ThroughArea,
     /// Belongs to one strip, with the inverse of its area.
     InverseArea,
+    /// Belongs to strips of one width, with its inverse: kappa = mu q per unit length.
+    InverseWidth,
 }
 
 fn dependence(key: &str) -> Option<Dependence> {
     match key {
         "alpha_per_c_cm" => Some(Dependence::InverseArea),
+        "mu_per_c" => Some(Dependence::InverseWidth),
         "re_ohm_per_sq" => Some(Dependence::None),
         _ if key.ends_with("_per_s") => Some(Dependence::None),
         _ if key.ends_with("_ohm_cm2") || key.ends_with("_f_per_cm2") => Some(Dependence::ThroughArea),
@@ -148,6 +151,10 @@ pub fn carry_over(
             Dependence::None => (1.0, 0.0),
             Dependence::ThroughArea => (1.0, from.relative_area_error()),
             Dependence::InverseArea => (from.area_cm2() / to.area_cm2(), both),
+            Dependence::InverseWidth => (
+                from.width.value_mm / to.width.value_mm,
+                from.width.relative().hypot(to.width.relative()),
+            ),
         };
         Ok(Parameter {
             key: parameter.key.clone(),
