@@ -3,13 +3,13 @@
 mod architecture;
 mod bad_input;
 mod campaign;
-mod distributed_reference;
 mod folder;
 mod formats_fixtures;
 mod formats_properties;
 mod formats_real_files;
 mod lumped_reference;
 mod main_job;
+mod models_reference;
 mod real_campaigns;
 mod report_fixture;
 mod report_goldens;
