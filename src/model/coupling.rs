@@ -1,7 +1,7 @@
 //! Charge-to-curvature coupling per total, areal and line charge: three quantities with three units.
 //!
 //! Correction to the thesis: it prints alpha in 1/(C cm), which multiplies the charge of the whole sample, beside
-//! capacitances per cm2, and calls the distributed coupling [26] mu where the lumped one [16] is alpha.
+//! capacitances per cm2, and calls the distributed coupling (26) mu where the lumped one (16) is alpha.
 
 /// Lengths of a strip that turn one charge into another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +19,7 @@ impl ActiveArea {
     }
 }
 
-/// Curvature per total charge of the sample, 1/(C cm): alpha of [16] as the thesis prints it. It belongs to one
+/// Curvature per total charge of the sample, 1/(C cm): alpha of (16) as the thesis prints it. It belongs to one
 /// sample: half of the strip with half of the charge bends as much.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CurvaturePerTotalCharge(pub f64);
@@ -28,7 +28,7 @@ pub struct CurvaturePerTotalCharge(pub f64);
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CurvaturePerArealCharge(pub f64);
 
-/// Curvature per charge of unit length, 1/C: mu of [26]. It belongs to a strip of one width.
+/// Curvature per charge of unit length, 1/C: mu of (26). It belongs to a strip of one width.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CurvaturePerLineCharge(pub f64);
 

@@ -1,4 +1,4 @@
-//! Back-relaxation: the spring strain that an exponentially arriving charge leaves, thesis [14], [18], [20].
+//! Back-relaxation: the spring strain that an exponentially arriving charge leaves, thesis (14), (18), (20).
 
 /// Response g of the spring to a unit charge that arrives as `1 - e^(-r t)`, with r = 1/tau:
 /// `g = (e^(-t/tau) - e^(-lambda t)) / (tau lambda - 1)`, dimensionless.

@@ -35,7 +35,7 @@ fn ptnaf() -> DistributedModel {
     }
 }
 
-/// Voltage with the coefficients as [24] prints them, `b_n = 4 pi (2n-1) / (pi^2 (2n-1)^2 + 4 R_e L^2/R_ss)`.
+/// Voltage with the coefficients as (24) prints them, `b_n = 4 pi (2n-1) / (pi^2 (2n-1)^2 + 4 R_e L^2/R_ss)`.
 fn printed_voltage(model: &DistributedModel, step_v: f64, s: f64, t: f64) -> f64 {
     let decay = model.steady_decay_per_cm2();
     let g = decay.sqrt();
@@ -164,24 +164,33 @@ fn clamp_current_and_totals_are_those_of_the_ladder() {
 }
 
 #[test]
-fn printed_coefficients_break_kirchhoffs_laws_by_a_volt() {
+fn printed_coefficients_give_the_capacitors_voltage_and_miss_that_between_the_electrodes() {
     let model = figure_16();
     let ladder = Ladder::new(&model, 400).unwrap();
-    let time_s = [0.0, 0.1, 1.0, 2.0, 1000.0];
+    let time_s = [0.0, 0.1, 1.0, 2.0, 5.0, 1000.0];
     let response = ladder.respond(&Drive::step(1.5), &time_s, 1e-9);
-    let ours = model.voltage_v(1.5, &response.arc_length_cm, &time_s);
-    let mut worst = [0.0_f64; 5];
+    let s = &response.arc_length_cm;
+    let ours = model.voltage_v(1.5, s, &time_s);
+    let mut worst = [0.0_f64; 6];
     for (time, &t) in time_s.iter().enumerate() {
-        for (k, &s) in response.arc_length_cm.iter().enumerate() {
-            let ladder_v = response.voltage_v.at(time, k);
-            worst[time] = worst[time].max((printed_voltage(&model, 1.5, s, t) - ladder_v).abs());
-            assert!((ours.at(time, k) - ladder_v).abs() < 2e-5);
+        // Within 2 mm of the clamp the plain sum of 200 terms swings about its limit.
+        for (k, &s) in s.iter().enumerate().filter(|(_, s)| **s > 0.2) {
+            let (printed, ladder_v) = (printed_voltage(&model, 1.5, s, t), response.voltage_v.at(time, k));
+            let capacitor_v = response.charge_c_per_cm.at(time, k) / model.capacitance_f_per_cm;
+            assert!(
+                (printed - capacitor_v).abs() < 0.05,
+                "{s} cm, {t} s: {printed} {capacitor_v}"
+            );
+            assert!((ours.at(time, k) - ladder_v).abs() < 2e-5, "{s} cm, {t} s");
+            worst[time] = worst[time].max((printed - ladder_v).abs());
         }
     }
-    // Near the clamp the printed series jumps from V0 to 0 at the first instant; it is right in the end.
-    assert!(worst[0] > 1.3 && worst[1] > 1.0, "{worst:?}");
-    assert!(worst[2] > 0.8 && worst[3] > 0.5, "{worst:?}");
-    assert!(worst[4] < 1e-3, "{worst:?}");
+    // Wrong by more than a volt of 1.5 V in the first seconds; right in the end.
+    assert!(
+        worst[0] > 1.2 && worst[1] > 1.2 && worst[2] > 1.1 && worst[3] > 1.0,
+        "{worst:?}"
+    );
+    assert!(worst[4] > 0.7 && worst[5] < 1e-3, "{worst:?}");
 }
 
 #[test]
@@ -218,7 +227,7 @@ fn fast_sum_is_the_plain_sum_of_the_corrected_series() {
             let k =
                 (square + g) / (model.branch_resistance_ohm_cm * model.capacitance_f_per_cm * (square + g0));
             voltage -= b * (beta * s).sin() * (-k * t).exp();
-            // [25] applied to the mode: INT_0^t e^(-r (t-u)) e^(-k u) du / R_c.
+            // (25) applied to the mode: INT_0^t e^(-r (t-u)) e^(-k u) du / R_c.
             let r = model.charging_rate_per_s();
             let gained = ((-k * t).exp() - (-r * t).exp()) / (r - k) / model.branch_resistance_ohm_cm;
             charge -= b * (beta * s).sin() * gained;
@@ -328,7 +337,7 @@ fn any_relaxation_rate_and_any_electrode_is_the_ladder() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Kirchhoff's laws themselves, by differences: v_ss = R_e (v/R_ss + q') [21, 22] and q' = (v - q/C)/R_c [25].
+    /// Kirchhoff's laws themselves, by differences: v_ss = R_e (v/R_ss + q') (21, 22) and q' = (v - q/C)/R_c (25).
     #[test]
     fn series_obeys_kirchhoffs_laws_everywhere(
         electrode in -1.0..2.5_f64,
