@@ -3,6 +3,8 @@
 //! Correction to the thesis: it prints alpha in 1/(C cm), which multiplies the charge of the whole sample, beside
 //! capacitances per cm2, and calls the distributed coupling (26) mu where the lumped one (16) is alpha.
 
+use super::geometry::CrossSection;
+
 /// Lengths of a strip that turn one charge into another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveArea {
@@ -33,6 +35,22 @@ pub struct CurvaturePerArealCharge(pub f64);
 pub struct CurvaturePerLineCharge(pub f64);
 
 impl CurvaturePerTotalCharge {
+    /// The coupling `alpha = mu / (E I)` (16) of a strip whose charge makes the bending moment `M = mu q` (15), with
+    /// mu in mN mm per C and the effective Young's modulus in MPa.
+    pub fn from_moment(
+        moment_per_charge_mn_mm_per_c: f64,
+        modulus_mpa: f64,
+        section: &CrossSection,
+    ) -> CurvaturePerTotalCharge {
+        CurvaturePerTotalCharge(section.curvature_from_moment(modulus_mpa, moment_per_charge_mn_mm_per_c))
+    }
+
+    /// Bending moment per charge, mu of (15), mN mm per C: what blocks the strip's motion, independent of how stiff
+    /// it is.
+    pub fn moment_per_charge_mn_mm_per_c(self, modulus_mpa: f64, section: &CrossSection) -> f64 {
+        section.bending_moment_mn_mm(modulus_mpa, self.0)
+    }
+
     /// The laminate's coupling: `kappa = alpha (A q_areal)`.
     pub fn areal(self, of: &ActiveArea) -> CurvaturePerArealCharge {
         CurvaturePerArealCharge(self.0 * of.area_cm2())
@@ -86,6 +104,17 @@ mod tests {
         let line = alpha.line(&STRIP).0 * (total_c / STRIP.length_cm);
         assert!((areal / curvature - 1.0).abs() < 1e-15);
         assert!((line / curvature - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_softer_strip_bends_further_under_the_same_moment() {
+        let section = CrossSection::symmetrical(5.0, 0.22);
+        let dry = CurvaturePerTotalCharge(2.1);
+        let moment = dry.moment_per_charge_mn_mm_per_c(70.0, &section);
+        let humid = CurvaturePerTotalCharge::from_moment(moment, 55.0, &section);
+        assert!((humid.0 / dry.0 - 70.0 / 55.0).abs() < 1e-14);
+        // E I kappa per coulomb by hand: 70 N/mm2, 5 * 0.22^3 / 12 mm4, 0.21 per mm.
+        assert!((moment - 1e3 * 70.0 * (5.0 * 0.010_648 / 12.0) * 0.21).abs() < 1e-10);
     }
 
     #[test]

@@ -116,3 +116,19 @@ fn laminates_of_table_3_need_the_distributed_model_and_bend_as_identified() {
         );
     }
 }
+
+#[test]
+fn every_row_of_table_5_charges_faster_than_it_relaxes() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/thesis_table5.csv");
+    if !path.exists() {
+        println!("skipped: thesis_table5.csv is not here");
+        return;
+    }
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let rows: Vec<HashMap<String, String>> = reader.deserialize().map(|row| row.unwrap()).collect();
+    assert_eq!(rows.len(), 18);
+    for row in rows {
+        let tau_s = number(&row, "r2_ohm_cm2") * number(&row, "c2_f_per_cm2");
+        assert!(tau_s * number(&row, "lambda_per_s") < 1.0, "{row:?}");
+    }
+}
