@@ -92,8 +92,9 @@ pub fn series_chain(resistances_ohm_cm2: &[f64], capacitances_f_per_cm2: &[f64])
 
 /// An R-C chain that a leak bridges in part: `outer` in series with (`leak` beside (`inner` in series with C)).
 ///
-/// The drawings 7C to 7E place the leak across the terminals (`outer` 0), across the laminate between the
-/// electrodes' resistances (both positive), or across the capacitor alone (`inner` 0, canonical form 7F).
+/// Where a leak can sit in the drawings 7C to 7E: across the terminals (`outer` 0), across the laminate between
+/// the electrodes' resistances (both positive), or across the capacitors (`inner` 0, which is form 7F). The
+/// thesis's text says only that all of them reduce to 7F and 7G; with any placement they do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BridgedChain {
     /// Resistance outside the leak, Ohm cm2; not negative.
@@ -204,6 +205,37 @@ mod tests {
             assert!(
                 (-z.imaginary_ohm_cm2 * square / imaginary - 1.0).abs() < 1e-6,
                 "{z:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn step_response_is_the_transform_of_the_impedance() {
+        // INT_0^oo (i(t) - i_ss) e^(-jwt) dt = (Y(jw) - 1/R_ss) / (jw) for a step of 1 V.
+        let circuit = three_branches();
+        let model = circuit.clone().with_relaxation(1.0, 0.0);
+        for w in [1e-3, 0.02, 0.5] {
+            let rate = |t: f64, _: &[f64], out: &mut [f64]| {
+                let transient = model.current_a(&Drive::step(1.0), 1.0, &[t])[0] - 1.0 / 9000.0;
+                out[0] = transient * (w * t).cos();
+                out[1] = transient * (w * t).sin();
+            };
+            let mut transform = [0.0; 2];
+            integrate(rate, 0.0, 20_000.0, &mut transform, 1e-9, 1e-15);
+            let z = circuit.impedance(w);
+            let square = z.real_ohm_cm2.powi(2) + z.imaginary_ohm_cm2.powi(2);
+            let (real, imaginary) = (
+                z.real_ohm_cm2 / square - 1.0 / 9000.0,
+                -z.imaginary_ohm_cm2 / square,
+            );
+            let size = real.hypot(imaginary) / w;
+            assert!(
+                (transform[0] - imaginary / w).abs() < 1e-6 * size,
+                "{w}: {transform:?}"
+            );
+            assert!(
+                (transform[1] - real / w).abs() < 1e-6 * size,
+                "{w}: {transform:?}"
             );
         }
     }

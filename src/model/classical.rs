@@ -2,9 +2,9 @@
 //! linear solid.
 //!
 //! They are here for comparison. Under a load that is held their strain never falls, so none of them both bends
-//! and relaxes back; the thesis's model differs by having its drive inside, in series with the dashpot \[14\].
+//! and relaxes back; the thesis's model differs by having its drive inside, in series with the dashpot (14).
 
-/// A classical viscoelastic model of springs \[12\] and dashpots \[13\].
+/// A classical viscoelastic model of springs (12) and dashpots (13).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ClassicalModel {
     /// Spring and dashpot side by side: `sigma = E eps + eta eps'`.

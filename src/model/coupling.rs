@@ -1,7 +1,9 @@
 //! Charge-to-curvature coupling per total, areal and line charge: three quantities with three units.
 //!
 //! Correction to the thesis: it prints alpha in 1/(C cm), which multiplies the charge of the whole sample, beside
-//! capacitances per cm2, and calls the distributed coupling \[26\] mu where the lumped one \[16\] is alpha.
+//! capacitances per cm2, and calls the distributed coupling (26) mu where the lumped one (16) is alpha.
+
+use super::geometry::CrossSection;
 
 /// Lengths of a strip that turn one charge into another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +21,7 @@ impl ActiveArea {
     }
 }
 
-/// Curvature per total charge of the sample, 1/(C cm): alpha of \[16\] as the thesis prints it. It belongs to one
+/// Curvature per total charge of the sample, 1/(C cm): alpha of (16) as the thesis prints it. It belongs to one
 /// sample: half of the strip with half of the charge bends as much.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CurvaturePerTotalCharge(pub f64);
@@ -28,11 +30,27 @@ pub struct CurvaturePerTotalCharge(pub f64);
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CurvaturePerArealCharge(pub f64);
 
-/// Curvature per charge of unit length, 1/C: mu of \[26\]. It belongs to a strip of one width.
+/// Curvature per charge of unit length, 1/C: mu of (26). It belongs to a strip of one width.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CurvaturePerLineCharge(pub f64);
 
 impl CurvaturePerTotalCharge {
+    /// The coupling `alpha = mu / (E I)` (16) of a strip whose charge makes the bending moment `M = mu q` (15), with
+    /// mu in mN mm per C and the effective Young's modulus in MPa.
+    pub fn from_moment(
+        moment_per_charge_mn_mm_per_c: f64,
+        modulus_mpa: f64,
+        section: &CrossSection,
+    ) -> CurvaturePerTotalCharge {
+        CurvaturePerTotalCharge(section.curvature_from_moment(modulus_mpa, moment_per_charge_mn_mm_per_c))
+    }
+
+    /// Bending moment per charge, mu of (15), mN mm per C: what blocks the strip's motion, independent of how stiff
+    /// it is.
+    pub fn moment_per_charge_mn_mm_per_c(self, modulus_mpa: f64, section: &CrossSection) -> f64 {
+        section.bending_moment_mn_mm(modulus_mpa, self.0)
+    }
+
     /// The laminate's coupling: `kappa = alpha (A q_areal)`.
     pub fn areal(self, of: &ActiveArea) -> CurvaturePerArealCharge {
         CurvaturePerArealCharge(self.0 * of.area_cm2())
@@ -86,6 +104,17 @@ mod tests {
         let line = alpha.line(&STRIP).0 * (total_c / STRIP.length_cm);
         assert!((areal / curvature - 1.0).abs() < 1e-15);
         assert!((line / curvature - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_softer_strip_bends_further_under_the_same_moment() {
+        let section = CrossSection::symmetrical(5.0, 0.22);
+        let dry = CurvaturePerTotalCharge(2.1);
+        let moment = dry.moment_per_charge_mn_mm_per_c(70.0, &section);
+        let humid = CurvaturePerTotalCharge::from_moment(moment, 55.0, &section);
+        assert!((humid.0 / dry.0 - 70.0 / 55.0).abs() < 1e-14);
+        // E I kappa per coulomb by hand: 70 N/mm2, 5 * 0.22^3 / 12 mm4, 0.21 per mm.
+        assert!((moment - 1e3 * 70.0 * (5.0 * 0.010_648 / 12.0) * 0.21).abs() < 1e-10);
     }
 
     #[test]

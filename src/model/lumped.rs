@@ -21,7 +21,7 @@ impl Branch {
     }
 }
 
-/// Equivalent circuit of thesis figures 7 and 8 with back-relaxation \[14\]: the charge that the capacitors store
+/// Equivalent circuit of thesis figures 7 and 8 with back-relaxation (14): the charge that the capacitors store
 /// strains the polymer network, and the strain relaxes; the current through R_ss does not bend the strip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LumpedModel {
@@ -102,7 +102,7 @@ impl LumpedModel {
     }
 
     /// Curvature at each time, 1/cm, with the shape before the first segment subtracted:
-    /// kappa = alpha A q_spring \[15, 16, 20\].
+    /// kappa = alpha A q_spring (15, 16, 20).
     pub fn curvature_per_cm(&self, drive: &Drive, area_cm2: f64, time_s: &[f64]) -> Vec<f64> {
         let per_areal_charge = self.charge_to_curvature_per_c_cm * area_cm2;
         self.evaluate(drive, time_s, |segment, elapsed_s| {

@@ -16,7 +16,7 @@ pub struct Responses {
     pub curvature_per_cm: Vec<f64>,
 }
 
-/// Integrates Kirchhoff's laws \[17\] and the spring equation eps' = q' - lambda eps \[14\] step by step, with the
+/// Integrates Kirchhoff's laws (17) and the spring equation eps' = q' - lambda eps (14) step by step, with the
 /// local error of each step below `relative` times the largest value so far. `time_s` must increase.
 ///
 /// It shares nothing with the closed form but the parameters. It is slow where a time constant is much

@@ -1,4 +1,8 @@
-//! Back-relaxation: the spring strain that an exponentially arriving charge leaves, thesis \[14\], \[18\], \[20\].
+//! Back-relaxation: the spring strain that an exponentially arriving charge leaves, thesis (14), (18), (20).
+//!
+//! Corrections to the thesis: (18) prints e^(+t/tau), which grows for ever; it is e^(-t/tau). tau lambda = 1 is no
+//! pole of (18) and (20) and does not cancel the bending. Charging is not slower than relaxation by orders of
+//! magnitude, as the text beside (20) says: in the thesis's table 5 it is faster in every row.
 
 /// Response g of the spring to a unit charge that arrives as `1 - e^(-r t)`, with r = 1/tau:
 /// `g = (e^(-t/tau) - e^(-lambda t)) / (tau lambda - 1)`, dimensionless.
@@ -29,6 +33,22 @@ mod tests {
             let printed = ((-t / tau).exp() - (-lambda * t).exp()) / (tau * lambda - 1.0);
             let ours = spring_response(t, 1.0 / tau, lambda);
             assert!((ours / printed - 1.0).abs() < 1e-12, "{ours} {printed}");
+        }
+    }
+
+    #[test]
+    fn printed_sign_breaks_the_spring_equation() {
+        // eps' = q' - lambda eps (14) with q = 1 - e^(-t/tau), by central differences.
+        let (tau, lambda, h) = (5.0_f64, 0.02_f64, 1e-4);
+        let printed = |t: f64| ((t / tau).exp() - (-lambda * t).exp()) / (tau * lambda - 1.0);
+        let ours = |t: f64| spring_response(t, 1.0 / tau, lambda);
+        let broken_by = |strain: &dyn Fn(f64) -> f64, t: f64| {
+            let change = (strain(t + h) - strain(t - h)) / (2.0 * h);
+            change - ((-t / tau).exp() / tau - lambda * strain(t))
+        };
+        for t in [1.0, 10.0, 50.0] {
+            assert!(broken_by(&ours, t).abs() < 1e-8);
+            assert!(broken_by(&printed, t).abs() > 0.3);
         }
     }
 

@@ -1,4 +1,4 @@
-//! Rival models of back-relaxation: Yagasaki and Tamagawa's time-dependent modulus \[1\], Bao's two-way transport \[2\].
+//! Rival models of back-relaxation: Yagasaki and Tamagawa's time-dependent modulus (1), Bao's two-way transport (2).
 
 use thiserror::Error;
 
@@ -6,7 +6,7 @@ use super::circuit::EquivalentCircuit;
 use super::lumped::LumpedModel;
 use crate::domain::Drive;
 
-/// Bao's two-way transport \[2\]: `kappa' = K1 q' - (kappa - K2 q) / tau_2`, with the charge of an equivalent
+/// Bao's two-way transport (2): `kappa' = K1 q' - (kappa - K2 q) / tau_2`, with the charge of an equivalent
 /// circuit. K2 = 0 *is* the thesis's model with alpha = K1 and lambda = 1/tau_2; K2 between 0 and K1 lets part of
 /// the bending stay.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ impl TwoWayTransport {
     /// Curvature at each time (s), 1/cm, with the shape before the first segment subtracted, for a sample of
     /// `area_cm2` in the given drive.
     ///
-    /// Integrating \[14\] by parts, the part of the charge that has relaxed is `q - q_spring`, so that
+    /// Integrating (14) by parts, the part of the charge that has relaxed is `q - q_spring`, so that
     /// `kappa = K1 q_spring + K2 (q - q_spring)` for any drive.
     pub fn curvature_per_cm(&self, drive: &Drive, area_cm2: f64, time_s: &[f64]) -> Vec<f64> {
         let unit = self.with_unit_coupling();
@@ -48,7 +48,7 @@ impl TwoWayTransport {
     }
 }
 
-/// Yagasaki and Tamagawa's modulus that changes with the time since the step \[1\]:
+/// Yagasaki and Tamagawa's modulus that changes with the time since the step (1):
 /// `E(t) = E0 + (E1 t + E2) e^(-lambda t)` with `E0 > E2 > 0` and `E1, lambda > 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeDependentModulus {
@@ -62,7 +62,7 @@ pub struct TimeDependentModulus {
     rate_per_s: f64,
 }
 
-/// Parameters that \[1\] does not allow.
+/// Parameters that (1) does not allow.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
     "E0 = {final_modulus_mpa} MPa, E1 = {growth_mpa_per_s} MPa/s, E2 = {first_excess_mpa} MPa, lambda = {rate_per_s} 1/s; \
@@ -110,7 +110,7 @@ impl TimeDependentModulus {
         })
     }
 
-    /// Modulus at `elapsed_s` (not negative) after the step, MPa \[1\].
+    /// Modulus at `elapsed_s` (not negative) after the step, MPa (1).
     pub fn modulus_mpa(&self, elapsed_s: f64) -> f64 {
         let decaying = self.growth_mpa_per_s * elapsed_s + self.first_excess_mpa;
         self.final_modulus_mpa + decaying * (-self.rate_per_s * elapsed_s).exp()
@@ -123,10 +123,10 @@ impl TimeDependentModulus {
     }
 
     /// Curvature at each time (s) after a step of `step_v` from the discharged state, 1/cm: the moment that the
-    /// charge makes \[15\] on a strip of this modulus \[7\], `kappa = alpha q E0 / E(t)`.
+    /// charge makes (15) on a strip of this modulus (7), `kappa = alpha q E0 / E(t)`.
     ///
-    /// `circuit` gives the charge and `coupling_per_c_cm` is alpha = mu/(E0 I), that of the final modulus. \[1\]
-    /// counts time from one step, so no other drive is defined.
+    /// `circuit` gives the charge and `coupling_per_c_cm` is alpha = mu/(E0 I), that of the final modulus. The
+    /// modulus counts time from one step, so no other drive is defined.
     pub fn curvature_per_cm(
         &self,
         circuit: &EquivalentCircuit,
@@ -188,7 +188,7 @@ mod tests {
         }
     }
 
-    /// \[2\] itself with the branches' charges as further states, from the steady state at the baseline.
+    /// (2) itself with the branches' charges as further states, from the steady state at the baseline.
     fn by_integration(model: &TwoWayTransport, drive: &Drive, area_cm2: f64, time_s: &[f64]) -> Vec<f64> {
         let branches = &model.circuit.branches;
         let n = branches.len();
@@ -297,7 +297,7 @@ mod tests {
         integrate(rate, 0.0, time_s[101], &mut charge, 1e-12, 1e-18);
         let moment = 13.88 * 0.1 * (charge[0] + charge[1]) * 70.0;
         assert!((curvature[101] * modulus.modulus_mpa(time_s[101]) / moment - 1.0).abs() < 1e-10);
-        // It comes back to alpha q of the final modulus: unlike [14] it cannot relax to the unbent state.
+        // It comes back to alpha q of the final modulus: unlike (14) it cannot relax to the unbent state.
         let last = *curvature.last().unwrap();
         let full = 13.88 * 0.1 * 2.0 * (0.098 + 0.13);
         assert!((last / full - 1.0).abs() < 1e-4, "{last} {full}");

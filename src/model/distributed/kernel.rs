@@ -1,8 +1,8 @@
 //! How one mode answers in time, and its expansion in `y` (see `heads`), for each quantity of the strip.
 //!
 //! With r = 1/(R_c C), `k = r (1 - y)` and `p_j = e^(-rt) (rt)^j / j!` the local charge of a mode is
-//! `1 - e^(-kt) = 1 - SUM p_j y^j` \[25\], its voltage `1 - y e^(-kt)` \[23\], its curvature the spring's response to
-//! the charge \[26\], its current the steady one and the charging one. The first orders are summed over the modes
+//! `1 - e^(-kt) = 1 - SUM p_j y^j` (25), its voltage `1 - y e^(-kt)` (23), its curvature the spring's response to
+//! the charge (26), its current the steady one and the charging one. The first orders are summed over the modes
 //! in closed form; here stand their factors, and what is left of a mode, with a bound.
 
 use super::DistributedModel;

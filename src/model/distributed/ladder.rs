@@ -212,3 +212,148 @@ impl<'a> Ladder<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Segment;
+    use crate::model::LumpedModel;
+    use crate::model::coupling::CurvaturePerLineCharge;
+    use crate::model::lumped::Branch;
+
+    fn strip(electrode_resistance_ohm_per_cm: f64, steady_state_resistance_ohm_cm: f64) -> DistributedModel {
+        DistributedModel {
+            electrode_resistance_ohm_per_cm,
+            branch_resistance_ohm_cm: 10.0,
+            capacitance_f_per_cm: 0.05,
+            steady_state_resistance_ohm_cm,
+            length_cm: 2.0,
+            coupling: CurvaturePerLineCharge(4.0),
+            relaxation_rate_per_s: 0.1,
+        }
+    }
+
+    fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
+        let segment = |&(start_s, level): &(f64, Option<f64>)| Segment {
+            start_s,
+            level: level.map_or(Level::OpenCircuit, Level::Voltage),
+        };
+        Drive {
+            baseline_v,
+            segments: levels.iter().map(segment).collect(),
+        }
+    }
+
+    fn pulses() -> Drive {
+        drive(
+            0.4,
+            &[(0.0, Some(1.5)), (1.0, None), (2.5, Some(-0.8)), (3.0, Some(0.0))],
+        )
+    }
+
+    #[test]
+    fn well_conducting_electrodes_give_the_lumped_model_in_any_drive() {
+        let model = strip(1e-5, 143.0);
+        let lumped = LumpedModel {
+            branches: vec![Branch {
+                resistance_ohm_cm2: 10.0,
+                capacitance_f_per_cm2: 0.05,
+            }],
+            steady_state_resistance_ohm_cm2: 143.0,
+            charge_to_curvature_per_c_cm: 4.0 / 2.0,
+            relaxation_rate_per_s: 0.1,
+        };
+        let time_s: Vec<f64> = (-4..50).map(|k| 0.1 * f64::from(k)).collect();
+        let found = Ladder::new(&model, 20)
+            .unwrap()
+            .respond(&pulses(), &time_s, 1e-10);
+        // 1 cm wide, so that per length is per area and the whole strip has 2 cm2.
+        let current = lumped.current_a(&pulses(), 2.0, &time_s);
+        let charge = lumped.charge_c(&pulses(), 1.0, &time_s);
+        let curvature = lumped.curvature_per_cm(&pulses(), 2.0, &time_s);
+        for k in 0..time_s.len() {
+            assert!(
+                (found.clamp_current_a[k] - current[k]).abs() < 1e-5,
+                "{}",
+                time_s[k]
+            );
+            for cell in [0, 19] {
+                assert!((found.charge_c_per_cm.at(k, cell) - charge[k]).abs() < 1e-7);
+                assert!((found.curvature_per_cm.at(k, cell) - curvature[k]).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn held_levels_are_superposed_steps_of_the_series() {
+        let model = strip(25.0, 143.0);
+        let held = drive(0.4, &[(0.0, Some(1.5)), (1.0, Some(-0.8)), (2.0, Some(0.0))]);
+        let time_s: Vec<f64> = (0..35).map(|k| 0.1 * f64::from(k)).collect();
+        let found = Ladder::new(&model, 400).unwrap().respond(&held, &time_s, 1e-9);
+        let s = &found.arc_length_cm;
+        let changes = [(0.0, 1.1), (1.0, -2.3), (2.0, 0.8)];
+        for (k, t) in time_s.iter().enumerate() {
+            for cell in [0, 100, 399] {
+                let place = [s[cell]];
+                let mut voltage_v = model.voltage_v(0.4, &place, &[1e9]).at(0, 0);
+                let (mut curvature, mut current) = (0.0, model.clamp_current_a(0.4, &[1e9])[0]);
+                for (start_s, step_v) in changes {
+                    voltage_v += model.voltage_v(step_v, &place, &[t - start_s]).at(0, 0);
+                    curvature += model.curvature_per_cm(step_v, &place, &[t - start_s]).at(0, 0);
+                    current += model.clamp_current_a(step_v, &[t - start_s])[0];
+                }
+                assert!(
+                    (found.voltage_v.at(k, cell) - voltage_v).abs() < 2e-5,
+                    "{t} s, cell {cell}"
+                );
+                assert!((found.curvature_per_cm.at(k, cell) - curvature).abs() < 1e-5);
+                assert!((found.clamp_current_a[k] - current).abs() < 1e-4 * 1.5);
+            }
+        }
+    }
+
+    #[test]
+    fn an_open_sealed_strip_keeps_its_charge_and_evens_it_out() {
+        let model = strip(25.0, f64::INFINITY);
+        let opened = drive(0.0, &[(0.0, Some(1.0)), (0.2, None)]);
+        let found = Ladder::new(&model, 50)
+            .unwrap()
+            .respond(&opened, &[0.1, 0.2, 1.0, 400.0], 1e-10);
+        let total = |k| found.charge_c_per_cm.profile(k).iter().sum::<f64>();
+        assert!(found.charge_c_per_cm.at(1, 0) > 2.0 * found.charge_c_per_cm.at(1, 49));
+        assert!((found.charge_c_per_cm.at(3, 0) / found.charge_c_per_cm.at(3, 49) - 1.0).abs() < 1e-8);
+        assert!((total(2) / total(1) - 1.0).abs() < 1e-9 && (total(3) / total(1) - 1.0).abs() < 1e-9);
+        assert!(found.clamp_current_a[0] > 0.0);
+        assert_eq!(found.clamp_current_a[1..], [0.0; 3]);
+    }
+
+    #[test]
+    fn error_falls_with_the_square_of_the_cells() {
+        let model = strip(25.0, 143.0);
+        let t = [0.3];
+        let miss = |cells: usize| {
+            let found = Ladder::new(&model, cells)
+                .unwrap()
+                .respond(&Drive::step(1.0), &t, 1e-11);
+            let series = model.charge_c_per_cm(1.0, &found.arc_length_cm, &t);
+            let apart = series.values.iter().zip(&found.charge_c_per_cm.values);
+            apart.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()))
+        };
+        let ratio = miss(40) / miss(80);
+        assert!((3.8..4.2).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_strip_that_cannot_be_cut_is_refused() {
+        let perfect = strip(0.0, 143.0);
+        let error = Ladder::new(&perfect, 10).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "electrode resistance is 0 Ohm/cm; the ladder needs a positive one (use the lumped model)"
+        );
+        assert_eq!(
+            Ladder::new(&strip(1.0, 143.0), 0).unwrap_err(),
+            LadderError::NoCells
+        );
+    }
+}

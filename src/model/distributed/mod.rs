@@ -1,4 +1,4 @@
-//! The distributed model, thesis \[21\]-\[26\]: electrodes that resist along the strip, so that it charges from the
+//! The distributed model, thesis (21)-(26): electrodes that resist along the strip, so that it charges from the
 //! clamp and bends unevenly.
 //!
 //! Per unit length an R-C chain beside R_ss lies between electrodes of resistance R_e (both together). A step V0
@@ -34,7 +34,7 @@ pub struct DistributedModel {
     pub steady_state_resistance_ohm_cm: f64,
     /// Free length L, cm; positive.
     pub length_cm: f64,
-    /// Curvature per local line charge, mu of \[26\].
+    /// Curvature per local line charge, mu of (26).
     pub coupling: CurvaturePerLineCharge,
     /// Rate lambda of back-relaxation, 1/s; not negative.
     pub relaxation_rate_per_s: f64,

@@ -1,15 +1,17 @@
-//! The response to a voltage step in closed form, thesis \[23\]-\[26\] with the corrected coefficients.
+//! The response to a voltage step in closed form, thesis (23)-(26) with the corrected coefficients.
 //!
 //! `v(s,t) = V0 [ S(g^2) - SUM b_n sin(beta_n s) e^(-k_n t) ]`, `beta_n = (2n-1) pi / (2L)`,
 //! `k_n = (beta_n^2 + g^2) / (R_c C (beta_n^2 + g0^2))`, `g^2 = R_e/R_ss`, `g0^2 = R_e (1/R_c + 1/R_ss)`.
 //!
 //! Corrections to the thesis:
-//! - The printed b_n of \[24\] expands `v(s, 0+) = 0`, which Kirchhoff's laws forbid: with empty capacitors the
+//! - The printed b_n of (24) expands `v(s, 0+) = 0`, which Kirchhoff's laws forbid: with empty capacitors the
 //!   resistors conduct at once and `v(s, 0+) = V0 S(g0^2)`. The right ones are
-//!   `b_n = (2 beta_n / L) [1/(beta_n^2 + g^2) - 1/(beta_n^2 + g0^2)]`.
+//!   `b_n = (2 beta_n / L) [1/(beta_n^2 + g^2) - 1/(beta_n^2 + g0^2)]`. With the printed ones, c_n of `heads`,
+//!   the series is the voltage q/C of the capacitors: what the thesis calls v is too small by the drop across
+//!   R_c, up to V0 at the clamp, and (25) would then charge the capacitors a second time.
 //! - The printed k_n has a letter W where 1/R_c stands.
-//! - \[26\] calls mu what is alpha in \[16\]; here it is the coupling per line charge.
-//! - \[22\] is printed with a derivative by x that is one by s; the current in \[21\] is that along the electrodes.
+//! - (26) calls mu what is alpha in (16); here it is the coupling per line charge.
+//! - (22) is printed with a derivative by x that is one by s; the current in (21) is that along the electrodes.
 //!
 //! The charge's modes fall off with 1/n only and never die out against each other, so the first three orders of
 //! the sum are taken in closed form (`heads`); what is left falls off with n^-7, and modes are added until the
@@ -34,18 +36,18 @@ struct View {
 
 impl DistributedModel {
     /// Voltage between the electrodes at the positions (cm from the clamp) and times (s after a step of `step_v`
-    /// from the discharged state), V \[23\].
+    /// from the discharged state), V (23).
     pub fn voltage_v(&self, step_v: f64, arc_length_cm: &[f64], time_s: &[f64]) -> StripField {
         self.along(Quantity::Voltage, step_v, arc_length_cm, time_s, TRUNCATION_SHARE)
     }
 
-    /// Charge of unit length on the capacitors, C/cm \[25\].
+    /// Charge of unit length on the capacitors, C/cm (25).
     pub fn charge_c_per_cm(&self, step_v: f64, arc_length_cm: &[f64], time_s: &[f64]) -> StripField {
         let scale = step_v * self.capacitance_f_per_cm;
         self.along(Quantity::Charge, scale, arc_length_cm, time_s, TRUNCATION_SHARE)
     }
 
-    /// Local curvature that the step induced, 1/cm \[26\].
+    /// Local curvature that the step induced, 1/cm (26).
     pub fn curvature_per_cm(&self, step_v: f64, arc_length_cm: &[f64], time_s: &[f64]) -> StripField {
         let scale = self.coupling.0 * step_v * self.capacitance_f_per_cm;
         self.along(Quantity::Strain, scale, arc_length_cm, time_s, TRUNCATION_SHARE)

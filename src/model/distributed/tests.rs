@@ -1,5 +1,7 @@
 //! The series against the ladder, the direct sum, the printed coefficients and the lumped model.
 
+use proptest::prelude::*;
+
 use super::field::StripField;
 use super::kernel::Quantity;
 use super::ladder::Ladder;
@@ -33,7 +35,7 @@ fn ptnaf() -> DistributedModel {
     }
 }
 
-/// Voltage with the coefficients as \[24\] prints them, `b_n = 4 pi (2n-1) / (pi^2 (2n-1)^2 + 4 R_e L^2/R_ss)`.
+/// Voltage with the coefficients as (24) prints them, `b_n = 4 pi (2n-1) / (pi^2 (2n-1)^2 + 4 R_e L^2/R_ss)`.
 fn printed_voltage(model: &DistributedModel, step_v: f64, s: f64, t: f64) -> f64 {
     let decay = model.steady_decay_per_cm2();
     let g = decay.sqrt();
@@ -162,24 +164,33 @@ fn clamp_current_and_totals_are_those_of_the_ladder() {
 }
 
 #[test]
-fn printed_coefficients_break_kirchhoffs_laws_by_a_volt() {
+fn printed_coefficients_give_the_capacitors_voltage_and_miss_that_between_the_electrodes() {
     let model = figure_16();
     let ladder = Ladder::new(&model, 400).unwrap();
-    let time_s = [0.0, 0.1, 1.0, 2.0, 1000.0];
+    let time_s = [0.0, 0.1, 1.0, 2.0, 5.0, 1000.0];
     let response = ladder.respond(&Drive::step(1.5), &time_s, 1e-9);
-    let ours = model.voltage_v(1.5, &response.arc_length_cm, &time_s);
-    let mut worst = [0.0_f64; 5];
+    let s = &response.arc_length_cm;
+    let ours = model.voltage_v(1.5, s, &time_s);
+    let mut worst = [0.0_f64; 6];
     for (time, &t) in time_s.iter().enumerate() {
-        for (k, &s) in response.arc_length_cm.iter().enumerate() {
-            let ladder_v = response.voltage_v.at(time, k);
-            worst[time] = worst[time].max((printed_voltage(&model, 1.5, s, t) - ladder_v).abs());
-            assert!((ours.at(time, k) - ladder_v).abs() < 2e-5);
+        // Within 2 mm of the clamp the plain sum of 200 terms swings about its limit.
+        for (k, &s) in s.iter().enumerate().filter(|(_, s)| **s > 0.2) {
+            let (printed, ladder_v) = (printed_voltage(&model, 1.5, s, t), response.voltage_v.at(time, k));
+            let capacitor_v = response.charge_c_per_cm.at(time, k) / model.capacitance_f_per_cm;
+            assert!(
+                (printed - capacitor_v).abs() < 0.05,
+                "{s} cm, {t} s: {printed} {capacitor_v}"
+            );
+            assert!((ours.at(time, k) - ladder_v).abs() < 2e-5, "{s} cm, {t} s");
+            worst[time] = worst[time].max((printed - ladder_v).abs());
         }
     }
-    // Near the clamp the printed series jumps from V0 to 0 at the first instant; it is right in the end.
-    assert!(worst[0] > 1.3 && worst[1] > 1.0, "{worst:?}");
-    assert!(worst[2] > 0.8 && worst[3] > 0.5, "{worst:?}");
-    assert!(worst[4] < 1e-3, "{worst:?}");
+    // Wrong by more than a volt of 1.5 V in the first seconds; right in the end.
+    assert!(
+        worst[0] > 1.2 && worst[1] > 1.2 && worst[2] > 1.1 && worst[3] > 1.0,
+        "{worst:?}"
+    );
+    assert!(worst[4] > 0.7 && worst[5] < 1e-3, "{worst:?}");
 }
 
 #[test]
@@ -216,7 +227,7 @@ fn fast_sum_is_the_plain_sum_of_the_corrected_series() {
             let k =
                 (square + g) / (model.branch_resistance_ohm_cm * model.capacitance_f_per_cm * (square + g0));
             voltage -= b * (beta * s).sin() * (-k * t).exp();
-            // [25] applied to the mode: INT_0^t e^(-r (t-u)) e^(-k u) du / R_c.
+            // (25) applied to the mode: INT_0^t e^(-r (t-u)) e^(-k u) du / R_c.
             let r = model.charging_rate_per_s();
             let gained = ((-k * t).exp() - (-r * t).exp()) / (r - k) / model.branch_resistance_ohm_cm;
             charge -= b * (beta * s).sin() * gained;
@@ -282,4 +293,82 @@ fn shape_ends_at_the_tip_angle_and_nothing_moves_before_the_step() {
     assert!((x - 4.5).abs() < 1e-12 && y == 0.0);
     assert!(angles[2] > 0.5 && angles[3] < angles[2], "{angles:?}");
     assert_eq!(model.voltage_v(1.0, &[1.0], &[-1.0]).at(0, 0), 0.0);
+}
+
+#[test]
+fn any_relaxation_rate_and_any_electrode_is_the_ladder() {
+    // Relaxation absent, slow, as fast as charging and much faster; electrodes from good to bad; sealed or not.
+    let rate = ptnaf().charging_rate_per_s();
+    for (relaxation, electrode, steady) in [
+        (0.0, 15.0, f64::INFINITY),
+        (1e-3 * rate, 2000.0, 143.0),
+        (rate, 15.0, 143.0),
+        (1.000_001 * rate, 0.3, f64::INFINITY),
+        (50.0 * rate, 150.0, 5.0),
+    ] {
+        let model = DistributedModel {
+            electrode_resistance_ohm_per_cm: electrode,
+            steady_state_resistance_ohm_cm: steady,
+            relaxation_rate_per_s: relaxation,
+            ..ptnaf()
+        };
+        let time_s: Vec<f64> = [0.05, 0.8, 5.0, 60.0].iter().map(|t| t / rate).collect();
+        let respond = |cells| {
+            let ladder = Ladder::new(&model, cells).unwrap();
+            ladder.respond(&Drive::step(1.0), &time_s, 1e-9)
+        };
+        let (coarse, fine) = (respond(400), respond(800));
+        let series = model.curvature_per_cm(1.0, &coarse.arc_length_cm, &time_s);
+        let full = model.coupling.0 * model.capacitance_f_per_cm;
+        for time in 0..time_s.len() {
+            let ladder = extrapolated(&coarse.curvature_per_cm, &fine.curvature_per_cm, time);
+            let pairs = series.profile(time).iter().zip(&ladder);
+            for (k, (a, b)) in pairs.enumerate().skip(1).take(398) {
+                assert!(
+                    (a - b).abs() < 5e-6 * full,
+                    "{relaxation} {electrode} {steady}, cell {k}: {a} {b}"
+                );
+            }
+        }
+        assert!(series.truncation_bound.unwrap() <= TRUNCATION_SHARE * full);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Kirchhoff's laws themselves, by differences: v_ss = R_e (v/R_ss + q') (21, 22) and q' = (v - q/C)/R_c (25).
+    #[test]
+    fn series_obeys_kirchhoffs_laws_everywhere(
+        electrode in -1.0..2.5_f64,
+        branch in 0.0..3.0_f64,
+        steady in 1.0..5.0_f64,
+        capacitance in -3.0..0.0_f64,
+        place in 0.05..0.95_f64,
+        elapsed in -2.0..1.5_f64,
+    ) {
+        let model = DistributedModel {
+            electrode_resistance_ohm_per_cm: 10_f64.powf(electrode),
+            branch_resistance_ohm_cm: 10_f64.powf(branch),
+            capacitance_f_per_cm: 10_f64.powf(capacitance),
+            steady_state_resistance_ohm_cm: 10_f64.powf(steady),
+            length_cm: 3.0,
+            ..ptnaf()
+        };
+        let decay = model.first_decay_per_cm2().sqrt();
+        let h = 0.02 / decay.max(1.0);
+        let (s, tau) = (place * 3.0, 1.0 / model.charging_rate_per_s());
+        let (t, dt) = (10_f64.powf(elapsed) * tau, 2e-3 * 10_f64.powf(elapsed) * tau);
+        let v = model.voltage_v(1.0, &[s - 2.0 * h, s - h, s, s + h, s + 2.0 * h], &[t]);
+        let q = model.charge_c_per_cm(1.0, &[s], &[t - 2.0 * dt, t - dt, t, t + dt, t + 2.0 * dt]);
+        // Central differences of fourth order.
+        let bend = (16.0 * (v.at(0, 1) + v.at(0, 3)) - v.at(0, 0) - v.at(0, 4) - 30.0 * v.at(0, 2)) / (12.0 * h * h);
+        let charging = (8.0 * (q.at(3, 0) - q.at(1, 0)) - (q.at(4, 0) - q.at(0, 0))) / (12.0 * dt);
+        let across = (v.at(0, 2) - q.at(2, 0) / model.capacitance_f_per_cm) / model.branch_resistance_ohm_cm;
+        let full = 1.0 / model.branch_resistance_ohm_cm;
+        prop_assert!((charging - across).abs() < 1e-5 * full, "{charging} {across}");
+        let leaving = model.electrode_resistance_ohm_per_cm
+            * (v.at(0, 2) / model.steady_state_resistance_ohm_cm + across);
+        prop_assert!((bend - leaving).abs() < 1e-4 * decay * decay, "{bend} {leaving}");
+    }
 }

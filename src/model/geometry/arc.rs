@@ -1,7 +1,7 @@
-//! Curvature from the displacement of one point and back, for a strip bent to a circle: thesis \[3\].
+//! Curvature from the displacement of one point and back, for a strip bent to a circle: thesis (3).
 
 /// Curvature of the circle that leaves the clamp straight ahead and passes `displacement_mm` beside the point
-/// `distance_mm` ahead of the clamp, 1/cm: `kappa = 2 d / (L^2 + d^2)` \[3\].
+/// `distance_mm` ahead of the clamp, 1/cm: `kappa = 2 d / (L^2 + d^2)` (3).
 ///
 /// L is the distance of the measured point along the undeflected strip, not the length of the arc. The distance
 /// must be positive. A displacement d and its mirror image L^2/d lie on the same circle.
@@ -9,7 +9,7 @@ pub fn curvature_from_displacement(displacement_mm: f64, distance_mm: f64) -> f6
     10.0 * 2.0 * displacement_mm / (distance_mm * distance_mm + displacement_mm * displacement_mm)
 }
 
-/// Displacement at `distance_mm` ahead of the clamp of a strip bent to `curvature_per_cm`, mm: the inverse of \[3\]
+/// Displacement at `distance_mm` ahead of the clamp of a strip bent to `curvature_per_cm`, mm: the inverse of (3)
 /// on the first quarter of the circle, `d = kappa L^2 / (1 + sqrt(1 - kappa^2 L^2))`, without cancellation.
 ///
 /// None where `|kappa| L > 1`: the circle turns back before it gets there, and nothing is to be seen.

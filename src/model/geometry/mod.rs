@@ -1,4 +1,4 @@
-//! Geometry and statics of a bent strip, thesis \[3\]-\[11\]: what is measured at one point, and the whole shape.
+//! Geometry and statics of a bent strip, thesis (3)-(11): what is measured at one point, and the whole shape.
 
 pub mod arc;
 pub mod shape;

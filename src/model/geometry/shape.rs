@@ -1,4 +1,4 @@
-//! The strip as a chain of short links: tangent angle, local curvature and shape, thesis \[11\].
+//! The strip as a chain of short links: tangent angle, local curvature and shape, thesis (11).
 
 /// Where a strip lies, seen from its side: joints of a chain of links, the clamp first.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +44,7 @@ fn last(values: &[f64]) -> f64 {
     values.last().copied().unwrap_or(0.0)
 }
 
-/// Tangent angle at every joint, rad, from the curvature of the links: the integral of \[11\]. One value more than
+/// Tangent angle at every joint, rad, from the curvature of the links: the integral of (11). One value more than
 /// there are links; the first is zero.
 pub fn tangent_angles(curvature_per_cm: &[f64], link_cm: f64) -> Vec<f64> {
     let mut angles = vec![0.0];
@@ -55,7 +55,7 @@ pub fn tangent_angles(curvature_per_cm: &[f64], link_cm: f64) -> Vec<f64> {
     angles
 }
 
-/// Curvature of every link, 1/cm, from the tangent angles at its ends: `kappa = d(phi)/ds` \[11\]. Jumps by whole
+/// Curvature of every link, 1/cm, from the tangent angles at its ends: `kappa = d(phi)/ds` (11). Jumps by whole
 /// turns, which tracked angles have, are taken out.
 pub fn curvature_from_angles(angle_rad: &[f64], link_cm: f64) -> Vec<f64> {
     angle_rad
@@ -138,7 +138,7 @@ mod tests {
                 assert!((x - turn.sin() / curvature).abs() < 1e-14);
                 let exact = 2.0 * (0.5 * turn).sin().powi(2) / curvature;
                 assert!((y - exact).abs() < 1e-14 + 1e-13 * exact.abs(), "{y} {exact}");
-                // [3] holds at every point of the circle up to the quarter turn.
+                // (3) holds at every point of the circle up to the quarter turn.
                 if turn.abs() < 1.5 {
                     assert!((curvature_from_displacement(10.0 * y, 10.0 * x) / curvature - 1.0).abs() < 1e-6);
                 }

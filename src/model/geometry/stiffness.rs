@@ -1,4 +1,4 @@
-//! Second moment of area, bending moment and strain energy of a strip: thesis \[7\]-\[10\].
+//! Second moment of area, bending moment and strain energy of a strip: thesis (7)-(10).
 
 /// Cross-section of a strip with its neutral layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,25 +21,25 @@ impl CrossSection {
         }
     }
 
-    /// Second moment of area about the neutral layer, mm^4: `I = b h^3/12 + b h Delta^2` \[8\]. With the neutral
-    /// layer at the surface, Delta = h/2, it is four times that of symmetrical bending \[9\].
+    /// Second moment of area about the neutral layer, mm^4: `I = b h^3/12 + b h Delta^2` (8). With the neutral
+    /// layer at the surface, Delta = h/2, it is four times that of symmetrical bending (9).
     pub fn second_moment_mm4(&self) -> f64 {
         let area_mm2 = self.width_mm * self.thickness_mm;
         area_mm2 * (self.thickness_mm.powi(2) / 12.0 + self.neutral_layer_shift_mm.powi(2))
     }
 
-    /// Electrically induced bending moment `M = E I kappa` \[7\], mN mm, of a strip whose effective Young's modulus
+    /// Electrically induced bending moment `M = E I kappa` (7), mN mm, of a strip whose effective Young's modulus
     /// is `modulus_mpa`.
     pub fn bending_moment_mn_mm(&self, modulus_mpa: f64, curvature_per_cm: f64) -> f64 {
         1000.0 * modulus_mpa * self.second_moment_mm4() * (curvature_per_cm / 10.0)
     }
 
-    /// Curvature that a bending moment gives, 1/cm: the inverse of \[7\].
+    /// Curvature that a bending moment gives, 1/cm: the inverse of (7).
     pub fn curvature_from_moment(&self, modulus_mpa: f64, moment_mn_mm: f64) -> f64 {
         10.0 * moment_mn_mm / (1000.0 * modulus_mpa * self.second_moment_mm4())
     }
 
-    /// Work that bends the strip to a uniform curvature, `U = E I L kappa^2 / 2` \[10\], microjoule (mN mm).
+    /// Work that bends the strip to a uniform curvature, `U = E I L kappa^2 / 2` (10), microjoule (mN mm).
     pub fn strain_energy_uj(&self, modulus_mpa: f64, length_mm: f64, curvature_per_cm: f64) -> f64 {
         0.5 * self.bending_moment_mn_mm(modulus_mpa, curvature_per_cm) * length_mm * (curvature_per_cm / 10.0)
     }

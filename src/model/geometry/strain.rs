@@ -1,13 +1,13 @@
-//! Strains of a bent strip: difference between the electrodes \[4\], bending strain of the outer layers \[5, 6\].
+//! Strains of a bent strip: difference between the electrodes (4), bending strain of the outer layers (5, 6).
 
-/// Exact difference of strain between the electrodes \[4\]: `eps_d = h kappa (1 + e)` with the mean elongation
+/// Exact difference of strain between the electrodes (4): `eps_d = h kappa (1 + e)` with the mean elongation
 /// `e = (dL1 + dL2) / (2 L)` of the strip, dimensionless. With `e = 0` it is the usual approximation
 /// `2 h d / (L^2 + d^2)`, which is wrong by the share e and by nothing else.
 pub fn strain_difference(thickness_mm: f64, curvature_per_cm: f64, mean_elongation: f64) -> f64 {
     thickness_mm * curvature_per_cm / 10.0 * (1.0 + mean_elongation)
 }
 
-/// Curvature that belongs to a difference of strain, 1/cm: the inverse of \[4\].
+/// Curvature that belongs to a difference of strain, 1/cm: the inverse of (4).
 pub fn curvature_from_strain_difference(
     strain_difference: f64,
     thickness_mm: f64,
@@ -17,14 +17,14 @@ pub fn curvature_from_strain_difference(
 }
 
 /// Bending strain of the outer layers where bending is symmetrical about the centroid, dimensionless:
-/// `eps = h kappa / 2` \[5\], half of the strain difference \[6\].
+/// `eps = h kappa / 2` (5), half of the strain difference (6).
 ///
-/// Correction: \[5\] is printed `(h/2) R`, which has the unit of an area; it is `(h/2) / R`.
+/// Correction: (5) is printed `(h/2) R`, which has the unit of an area; it is `(h/2) / R`.
 pub fn bending_strain(thickness_mm: f64, curvature_per_cm: f64) -> f64 {
     thickness_mm * curvature_per_cm / 20.0
 }
 
-/// Curvature that belongs to a symmetrical bending strain, 1/cm: the inverse of \[5\].
+/// Curvature that belongs to a symmetrical bending strain, 1/cm: the inverse of (5).
 pub fn curvature_from_bending_strain(strain: f64, thickness_mm: f64) -> f64 {
     20.0 * strain / thickness_mm
 }

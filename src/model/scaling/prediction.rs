@@ -334,6 +334,26 @@ mod tests {
     }
 
     #[test]
+    fn the_tips_error_holds_for_a_strip_that_bends_over() {
+        // Bent by 2 rad, where the sideways displacement grows slower than the length and the curvature.
+        let of = size(12.0, 3.0, 0.02);
+        for curvature in [1.7, -1.7, 5e-4] {
+            let tip = |curvature: f64, length_cm: f64| {
+                10.0 * Shape::from_curvature(&[curvature], length_cm).tip_cm().1
+            };
+            let by_curvature = (tip(curvature + 1e-4, 1.2) - tip(curvature - 1e-4, 1.2)) / 2e-4;
+            let by_length = (tip(curvature, 1.2001) - tip(curvature, 1.1999)) / 2e-4;
+            let expected = (0.05 * by_curvature).hypot(0.024 * by_length);
+            let (displacement, error) = tip_mm(curvature, 0.05, &of);
+            assert!(
+                (error / expected - 1.0).abs() < 1e-6,
+                "{curvature}: {error} {expected}"
+            );
+            assert_eq!(displacement, tip(curvature, 1.2));
+        }
+    }
+
+    #[test]
     fn a_larger_strip_draws_more_current_and_bends_to_the_same_curvature() {
         let (from, to) = (size(5.0, 2.0, 0.0), size(10.0, 4.0, 0.0));
         let found = predicted(&from, &to, Some(2.5));
