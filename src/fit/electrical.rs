@@ -10,7 +10,7 @@ use crate::numerics::symmetric::{CAPACITY, Symmetric};
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};
 use super::sampled::Sampled;
-use super::search::{Found, Limits, search};
+use super::search::{Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
 
 /// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
@@ -112,7 +112,9 @@ struct Choice {
 struct Choosing<'a> {
     drive: &'a Drive,
     sampled: &'a Sampled,
-    grouped: Sampled,
+    /// What stands for the readings while time constants are searched.
+    compressed: Sampled,
+    how: Search,
     limits: Option<Limits>,
     /// Variance of a long sum per reading, found without the circuit.
     noise: f64,
@@ -122,11 +124,18 @@ struct Choosing<'a> {
 }
 
 /// Fits at most `branches` branches; those that the current does not show are left out.
-pub(super) fn identify(drive: &Drive, area_cm2: f64, sampled: &Sampled, branches: usize) -> Electrical {
+pub(super) fn identify(
+    drive: &Drive,
+    area_cm2: f64,
+    sampled: &Sampled,
+    branches: usize,
+    how: Search,
+) -> Electrical {
     let mut choosing = Choosing {
         drive,
         sampled,
-        grouped: sampled.grouped(),
+        compressed: sampled.compressed(),
+        how,
         limits: Limits::of(sampled),
         noise: noise_without_circuit(sampled),
         coupled: is_coupled(drive),
@@ -251,13 +260,11 @@ impl Choosing<'_> {
 
     fn search(&mut self, branches: usize, with_offset: bool, settle: f64) -> Found {
         let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
-        let found = search(
-            &self.circuit(with_offset),
-            &self.grouped,
-            branches,
-            limits,
-            settle,
-        );
+        let circuit = Circuit {
+            sampled: &self.compressed,
+            ..self.circuit(with_offset)
+        };
+        let found = search(&circuit, branches, limits, self.how, settle);
         self.evaluations += found.evaluations;
         found
     }

@@ -9,13 +9,14 @@ use crate::numerics::noise::local_scatter;
 use super::estimates::{bending_estimate, electrical_estimate};
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
-use super::{FitInput, Identified};
+use super::{FitInput, FitOptions, Identified};
 
 /// Stretches of time in which the drawn readings are chosen.
 const DRAWN_STRETCHES: usize = 120;
 
 /// Puts everything together.
-pub(super) fn fit(input: &FitInput, model: &'static FitModel, identified: &Identified) -> Fit {
+pub(super) fn fit(input: &FitInput, options: &FitOptions, identified: &Identified) -> Fit {
+    let model = options.model;
     let parameters = parameters(input, model, identified);
     let step_s = input
         .drive
@@ -59,7 +60,7 @@ pub(super) fn fit(input: &FitInput, model: &'static FitModel, identified: &Ident
     Fit {
         model: model.id.to_owned(),
         model_version: model.version,
-        method: "two-step variable projection".to_owned(),
+        method: format!("two-step {}", options.method.name()),
         converged: current.is_none_or(|(_, e)| e.stop.converged())
             && curvature.is_none_or(|(_, b)| b.stop.converged())
             && (current.is_some() || curvature.is_some()),

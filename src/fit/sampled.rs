@@ -2,7 +2,8 @@
 
 use crate::domain::{Channel, Drive, Level};
 use crate::numerics::correlation::Autoregression;
-use crate::numerics::decay::{BLOCK, Block, Column, blocks};
+use crate::numerics::decay::{BLOCK, Block, Column, blocks, even_step};
+use crate::numerics::discrete_gauss::{FEWEST, compress};
 
 /// Consecutive readings within one segment of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,14 +19,16 @@ pub(super) struct Span {
 /// Readings that a fit uses.
 #[derive(Debug, Clone)]
 pub(super) struct Sampled {
-    /// Time of each reading, s; of a group its mean.
+    /// Time of each reading, s.
     pub(super) time_s: Vec<f64>,
     /// Time since the start of the reading's segment, s.
     pub(super) elapsed_s: Vec<f64>,
     /// Measured values.
     pub(super) values: Vec<f64>,
-    /// Square root of the number of readings behind each value, where they are groups.
+    /// Square root of the number of readings behind each value, where they are compressed.
     root_weights: Option<Vec<f64>>,
+    /// Sum of the squared values of all readings, also where they are compressed.
+    pub(super) square: f64,
     /// Readings by segment.
     pub(super) spans: Vec<Span>,
     /// Blocks with their segments.
@@ -36,8 +39,11 @@ pub(super) struct Sampled {
 const OFFSET_EVIDENCE: f64 = 4.0;
 /// Readings at or beyond this size are none: their squares would not be numbers.
 const LARGEST: f64 = 1e100;
-/// Width of a group of readings in parts of the time since the start of its segment.
-const GROUP_WIDTH: f64 = 0.1;
+/// A stretch that is compressed at once ends at this multiple of the elapsed time at which it begins.
+const STRETCH: f64 = 2.0;
+
+/// Times, values and weights.
+type Standing = (Vec<f64>, Vec<f64>, Vec<f64>);
 
 impl Sampled {
     /// Readings of `channel` that are finite and not excluded; those taken while the circuit was open only
@@ -48,6 +54,7 @@ impl Sampled {
             elapsed_s: Vec::with_capacity(channel.len()),
             values: Vec::with_capacity(channel.len()),
             root_weights: None,
+            square: 0.0,
             spans: Vec::new(),
             blocks: Vec::new(),
         };
@@ -67,6 +74,7 @@ impl Sampled {
             }
             next = end;
         }
+        sampled.square = sampled.values.iter().map(|v| v * v).sum();
         sampled.cut();
         sampled
     }
@@ -144,45 +152,78 @@ impl Sampled {
         (shortest, longest)
     }
 
-    /// The same readings in groups whose width grows with the time since the segment's start: enough to find
-    /// where the minimum lies, not to tell its exact place.
-    pub(super) fn grouped(&self) -> Sampled {
-        let mut grouped = Sampled {
+    /// A few nodes that stand for all readings: inner products with every response of the circuit and of the strip
+    /// stay what they are (see `discrete_gauss`). Readings that are too few or too uneven stay themselves.
+    pub(super) fn compressed(&self) -> Sampled {
+        let mut compressed = Sampled {
             time_s: Vec::new(),
             elapsed_s: Vec::new(),
             values: Vec::new(),
             root_weights: None,
-            spans: Vec::new(),
+            square: self.square,
+            spans: Vec::with_capacity(self.spans.len()),
             blocks: Vec::new(),
         };
         let mut root_weights = Vec::new();
         for span in &self.spans {
-            let first = grouped.len();
+            let first = compressed.len();
             let mut start = span.first;
             while start < span.end {
-                let limit = match span.segment {
-                    Some(_) => self.elapsed_s[start] * (1.0 + GROUP_WIDTH),
-                    None => f64::INFINITY,
-                };
-                let beyond = self.elapsed_s[start..span.end].iter().position(|&t| t > limit);
-                let end = beyond.map_or(span.end, |count| start + count.max(1));
-                let count = (end - start) as f64;
-                let mean = |column: &[f64]| column[start..end].iter().sum::<f64>() / count;
-                grouped.time_s.push(mean(&self.time_s));
-                grouped.elapsed_s.push(mean(&self.elapsed_s));
-                grouped.values.push(mean(&self.values));
-                root_weights.push(count.sqrt());
+                let end = self.stretch_end(span, start);
+                match self.stands_for(span, start, end) {
+                    Some((at, values, weights)) => {
+                        compressed.elapsed_s.extend(at);
+                        compressed.values.extend(values);
+                        root_weights.extend(weights.into_iter().map(f64::sqrt));
+                    }
+                    None => {
+                        compressed.elapsed_s.extend(&self.elapsed_s[start..end]);
+                        compressed.values.extend(&self.values[start..end]);
+                        root_weights.resize(compressed.values.len(), 1.0);
+                    }
+                }
                 start = end;
             }
-            grouped.spans.push(Span {
+            let start_s = self.time_s[span.first] - self.elapsed_s[span.first];
+            let elapsed_s = &compressed.elapsed_s[first..];
+            compressed.time_s.extend(elapsed_s.iter().map(|t| start_s + t));
+            compressed.spans.push(Span {
                 segment: span.segment,
                 first,
-                end: grouped.len(),
+                end: compressed.len(),
             });
         }
-        grouped.root_weights = Some(root_weights);
-        grouped.cut();
-        grouped
+        compressed.root_weights = Some(root_weights);
+        compressed.cut();
+        compressed
+    }
+
+    /// End of the stretch from `start` on over which a response is smooth: to twice the elapsed time. Before the
+    /// first segment nothing changes.
+    fn stretch_end(&self, span: &Span, start: usize) -> usize {
+        if span.segment.is_none() {
+            return span.end;
+        }
+        let limit = self.elapsed_s[start] * STRETCH;
+        start
+            + self.elapsed_s[start..span.end]
+                .partition_point(|&t| t <= limit)
+                .max(1)
+    }
+
+    /// Times, values and weights that stand for the readings `start..end`.
+    fn stands_for(&self, span: &Span, start: usize, end: usize) -> Option<Standing> {
+        if span.segment.is_none() {
+            let count = (end - start) as f64;
+            let mean = self.values[start..end].iter().sum::<f64>() / count;
+            return Some((vec![self.elapsed_s[start]], vec![mean], vec![count]));
+        }
+        if end - start < FEWEST {
+            return None;
+        }
+        let elapsed_s = &self.elapsed_s[start..end];
+        let found = compress(elapsed_s, &self.values[start..end], even_step(elapsed_s))?;
+        Some((found.at.to_vec(), found.values.to_vec(), found.weights.to_vec()))
     }
 
     /// Measured values of a block, weighted like the columns.
@@ -204,19 +245,6 @@ impl Sampled {
         }
     }
 
-    /// Sum of the squared values, each as often as it stands for readings.
-    pub(super) fn weighted_square(&self) -> f64 {
-        match &self.root_weights {
-            None => self.values.iter().map(|v| v * v).sum(),
-            Some(weights) => self
-                .values
-                .iter()
-                .zip(weights)
-                .map(|(v, w)| (v * w).powi(2))
-                .sum(),
-        }
-    }
-
     /// 1 at every reading of the block.
     pub(super) fn ones(block: &Block) -> Column {
         std::array::from_fn(|k| if k < block.len { 1.0 } else { 0.0 })
@@ -234,6 +262,8 @@ impl Sampled {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::domain::{Quantity, Segment};
 
@@ -264,12 +294,28 @@ mod tests {
     }
 
     #[test]
-    fn groups_keep_the_sum_of_the_readings() {
-        let sampled = Sampled::new(&channel(1000), &Drive::step(1.0), false);
-        let grouped = sampled.grouped();
-        assert!(grouped.len() < 150, "{}", grouped.len());
-        let weights = grouped.root_weights.as_ref().unwrap();
-        let sum: f64 = grouped.values.iter().zip(weights).map(|(v, w)| v * w * w).sum();
-        assert!((sum / sampled.values.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    fn compressed_readings_keep_inner_products_with_every_decay() {
+        for (n, most) in [(1000, 120), (36_000, 190)] {
+            let time_s: Arc<[f64]> = (0..n).map(|k| k as f64 * 0.1 - 10.0).collect();
+            let values: Arc<[f64]> = (0..n).map(|k| 1.0 + ((k * k) as f64).sin()).collect();
+            let channel = Channel::new(Quantity::Current, time_s, values);
+            let sampled = Sampled::new(&channel, &Drive::step(1.0), false);
+            let compressed = sampled.compressed();
+            assert!(compressed.len() < most, "{}", compressed.len());
+            assert_eq!((compressed.before_step(), compressed.square), (1, sampled.square));
+            let weights = compressed.root_weights.as_ref().unwrap();
+            let after = sampled.before_step();
+            let norm = sampled.square.sqrt() * (n as f64).sqrt();
+            for power in -40..30 {
+                let rate = 10.0_f64.powf(power as f64 / 10.0);
+                let all = sampled.elapsed_s[after..].iter().zip(&sampled.values[after..]);
+                let direct: f64 = all.map(|(t, y)| y * (-rate * t).exp()).sum();
+                let nodes = (1..compressed.len()).map(|k| (k, weights[k] * weights[k]));
+                let short: f64 = nodes
+                    .map(|(k, w)| w * compressed.values[k] * (-rate * compressed.elapsed_s[k]).exp())
+                    .sum();
+                assert!((short - direct).abs() < 1e-9 * norm, "{rate}: {short} {direct}");
+            }
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! Where the time constants lie: a coarse look at every pair, then descent from the best few places.
 
+use crate::numerics::global::{Effort, Landscape, Method};
 use crate::numerics::gram::Gram;
-use crate::numerics::levenberg::Stop;
+use crate::numerics::levenberg::{Local, Minimum, Stop};
 use crate::numerics::nonnegative::nonnegative_least_squares;
 use crate::numerics::symmetric::Symmetric;
 
@@ -12,10 +13,6 @@ use super::sampled::Sampled;
 const GRID: usize = 16;
 /// Places from which the search descends.
 const DESCENTS: usize = 2;
-/// Part of the sum of squares at which a descent over groups settles: the last one goes over all readings.
-const SETTLE_COARSE: f64 = 1e-3;
-/// Evaluations allowed to one descent.
-const LIMIT: u64 = 80;
 
 /// Limits of the time constants, logarithms of s: a third of the sampling interval, and a hundred records.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,41 +38,74 @@ pub(super) struct Found {
     pub(super) evaluations: u64,
 }
 
-/// Fits `branches` (0, 1 or 2) R-C branches to the current.
-pub(super) fn search(
-    full: &Circuit,
-    grouped: &Sampled,
+/// The sum of squares over the time constants, the conductances eliminated.
+struct TimeConstants<'a> {
+    circuit: &'a Circuit<'a>,
     branches: usize,
     limits: Limits,
-    settle: f64,
-) -> Found {
+}
+
+impl Landscape for TimeConstants<'_> {
+    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+        (
+            vec![self.limits.low; self.branches],
+            vec![self.limits.high; self.branches],
+        )
+    }
+
+    fn square(&self, at: &[f64]) -> f64 {
+        self.circuit.projected_square(at)
+    }
+
+    fn local(&self, at: &[f64]) -> Local {
+        self.circuit.projected(at)
+    }
+
+    fn starts(&self) -> Vec<Vec<f64>> {
+        starts(self.circuit, self.branches, self.limits)
+    }
+
+    fn resolution(&self) -> f64 {
+        4.0 * f64::EPSILON * self.circuit.sampled.square
+    }
+}
+
+/// How a minimum is searched.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Search {
+    /// The method.
+    pub(super) method: &'static dyn Method,
+    /// Seed of a method that is random.
+    pub(super) seed: u64,
+}
+
+impl Search {
+    /// The least place of `landscape`.
+    pub(super) fn minimise(&self, landscape: &dyn Landscape, settle: f64) -> Minimum {
+        let seed = self.seed;
+        self.method.minimise(landscape, Effort { settle, seed })
+    }
+}
+
+/// Fits `branches` (0, 1 or 2) R-C branches to the current.
+pub(super) fn search(circuit: &Circuit, branches: usize, limits: Limits, how: Search, settle: f64) -> Found {
     if branches == 0 {
         return Found {
-            solution: full.solve(&[]),
+            solution: circuit.solve(&[]),
             stop: Stop::Converged,
             evaluations: 1,
         };
     }
-    let coarse = Circuit {
-        sampled: grouped,
-        ..*full
+    let landscape = TimeConstants {
+        circuit,
+        branches,
+        limits,
     };
-    let mut evaluations = 0;
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for start in starts(&coarse, branches, limits) {
-        let found = coarse.minimise(&start, limits.low, limits.high, LIMIT, SETTLE_COARSE);
-        evaluations += found.evaluations;
-        let square = found.local.square;
-        if best.as_ref().is_none_or(|(least, _)| square < *least) {
-            best = Some((square, found.at[..branches].to_vec()));
-        }
-    }
-    let start = best.map_or_else(|| vec![(limits.low + limits.high) / 2.0; branches], |(_, at)| at);
-    let found = full.minimise(&start, limits.low, limits.high, LIMIT, settle);
+    let found = how.minimise(&landscape, settle);
     Found {
-        solution: full.solve(&found.at[..branches]),
+        solution: circuit.solve(&found.at[..branches]),
         stop: found.stop,
-        evaluations: evaluations + found.evaluations,
+        evaluations: found.evaluations,
     }
 }
 
@@ -176,7 +206,7 @@ fn products(coarse: &Circuit, log_time_constants: &[f64]) -> Products {
     let mut table = Products {
         matrix: vec![[0.0; GRID + 1]; GRID + 1],
         right: [0.0; GRID + 1],
-        square: dot(&y, &y),
+        square: coarse.sampled.square,
     };
     for row in 0..=GRID {
         for column in 0..=row {

@@ -14,6 +14,7 @@ use super::sampled::Sampled;
 const NEAR: f64 = 1e-3;
 
 /// The strain response per unit coupling and its derivative, block by block.
+#[derive(Clone, Copy)]
 pub(super) struct Strain<'a> {
     pub(super) responses: &'a [SegmentResponse],
     pub(super) area_cm2: f64,
@@ -139,6 +140,7 @@ impl Strain<'_> {
     pub(super) fn gram(&self, rate_per_s: f64) -> Gram {
         let mut gram = Gram::new(if self.with_offset { 3 } else { 2 });
         self.each_block(rate_per_s, |_, columns, y| gram.add(columns, y));
+        gram.square = self.sampled.square;
         gram
     }
 

@@ -2,6 +2,8 @@
 
 pub mod correlation;
 pub mod decay;
+pub mod discrete_gauss;
+pub mod global;
 pub mod gram;
 pub mod levenberg;
 pub mod noise;
