@@ -14,7 +14,9 @@ pub fn drawn_indices(time_s: &[f64], series: &[&[f64]], origin_s: f64, buckets: 
     if n <= 4 * buckets {
         return (0..n).collect();
     }
-    let mut kept = vec![0, n - 1];
+    let mut kept = Kept::new(n);
+    kept.mark(0);
+    kept.mark(n - 1);
     let (first, last) = (time_s[0], time_s[n - 1]);
     let half = (buckets / 2).max(1);
     let linear = (1..=half).map(|k| first + (last - first) * k as f64 / half as f64);
@@ -25,23 +27,80 @@ pub fn drawn_indices(time_s: &[f64], series: &[&[f64]], origin_s: f64, buckets: 
         let logarithmic = (0..=half).map(|k| origin_s + (low + (high - low) * k as f64 / half as f64).exp());
         keep_extremes(time_s, series, logarithmic, &mut kept);
     }
-    kept.sort_unstable();
-    kept.dedup();
-    kept
+    kept.indices()
+}
+
+/// Indices to keep, one bit each.
+struct Kept {
+    words: Vec<u64>,
+}
+
+impl Kept {
+    fn new(n: usize) -> Kept {
+        Kept {
+            words: vec![0; n.div_ceil(64)],
+        }
+    }
+
+    fn mark(&mut self, index: usize) {
+        self.words[index / 64] |= 1 << (index % 64);
+    }
+
+    /// The marked indices, increasing.
+    fn indices(&self) -> Vec<usize> {
+        let mut found = Vec::new();
+        for (number, &word) in self.words.iter().enumerate() {
+            let mut left = word;
+            while left != 0 {
+                found.push(number * 64 + left.trailing_zeros() as usize);
+                left &= left - 1;
+            }
+        }
+        found
+    }
 }
 
 /// Adds, for each stretch that ends at one of `ends`, the indices of the extremes of each series.
-fn keep_extremes(time_s: &[f64], series: &[&[f64]], ends: impl Iterator<Item = f64>, kept: &mut Vec<usize>) {
+fn keep_extremes(time_s: &[f64], series: &[&[f64]], ends: impl Iterator<Item = f64>, kept: &mut Kept) {
     let mut start = 0;
     for end in ends {
         let stop = time_s.partition_point(|&t| t <= end).max(start);
         for values in series {
-            let stretch = start..stop;
-            kept.extend(stretch.clone().min_by(|&a, &b| values[a].total_cmp(&values[b])));
-            kept.extend(stretch.max_by(|&a, &b| values[a].total_cmp(&values[b])));
+            let stretch = &values[start..stop];
+            let (least, most) = range(stretch);
+            let ends = [
+                stretch.iter().position(|&v| v == least),
+                stretch.iter().rposition(|&v| v == most),
+            ];
+            ends.into_iter().flatten().for_each(|k| kept.mark(start + k));
         }
         start = stop;
     }
+}
+
+/// Smallest and largest of the values, in lanes that the compiler turns into vector instructions.
+fn range(values: &[f64]) -> (f64, f64) {
+    const LANES: usize = 8;
+    let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    let parts = values.chunks_exact(LANES);
+    let rest = parts.remainder();
+    for part in parts {
+        for lane in 0..LANES {
+            least[lane] = if part[lane] < least[lane] {
+                part[lane]
+            } else {
+                least[lane]
+            };
+            most[lane] = if part[lane] > most[lane] {
+                part[lane]
+            } else {
+                most[lane]
+            };
+        }
+    }
+    let low = least.iter().chain(rest).copied().fold(f64::INFINITY, f64::min);
+    let high = most.iter().chain(rest).copied().fold(f64::NEG_INFINITY, f64::max);
+    (low, high)
 }
 
 #[cfg(test)]

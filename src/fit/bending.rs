@@ -6,6 +6,7 @@
 use crate::domain::Drive;
 use crate::numerics::global::Landscape;
 use crate::numerics::levenberg::{Local, Stop};
+use crate::numerics::sums;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::electrical::Electrical;
@@ -134,12 +135,12 @@ fn residuals(full: &Strain, rate_per_s: f64, x: &[f64; CAPACITY]) -> Residuals {
 fn response_is_evident(full: &Strain, residuals: &Residuals) -> bool {
     let values = &full.sampled.values;
     let mean = if full.with_offset {
-        values.iter().sum::<f64>() / values.len() as f64
+        sums::sum(values) / values.len() as f64
     } else {
         0.0
     };
-    let without: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let peak = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let without = sums::square_about(values, mean);
+    let peak = sums::peak(values);
     without - residuals.square > BENDING_EVIDENCE * residuals.long_run_variance(peak)
 }
 
@@ -154,10 +155,13 @@ fn covariance(
     x: &[f64; CAPACITY],
     residuals: &Residuals,
 ) -> Symmetric {
-    let columns = if full.with_offset { 3 } else { 2 };
     let mut scales = [1.0; CAPACITY];
     scales[1] = x[0];
-    let mut sums = CovarianceSums::new(columns, residuals.noise.correlation);
+    let gram = short.gram(rate_per_s);
+    let normal = Symmetric::from_fn(gram.matrix.order(), |row, column| {
+        scales[row] * scales[column] * gram.matrix.get(row, column)
+    });
+    let mut sums = CovarianceSums::with_normal(normal, residuals.noise.correlation);
     full.each_block(rate_per_s, |block, columns, _| {
         sums.add(block.len, columns, &scales)
     });

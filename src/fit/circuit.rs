@@ -94,6 +94,14 @@ impl Circuit<'_> {
         gram
     }
 
+    /// J'J for columns times `scales`.
+    pub(super) fn normal(&self, log_time_constants: &[f64], scales: &[f64; CAPACITY]) -> Symmetric {
+        let gram = self.gram(log_time_constants);
+        Symmetric::from_fn(gram.matrix.order(), |row, column| {
+            scales[row] * scales[column] * gram.matrix.get(row, column)
+        })
+    }
+
     /// The sums with the offset, which may have either sign, eliminated; it is the last column.
     fn without_offset(&self, gram: &Gram) -> Gram {
         if self.with_offset {

@@ -4,7 +4,7 @@ use crate::domain::{Drive, Level};
 use crate::model::{Branch, LumpedModel};
 use crate::numerics::correlation::Autoregression;
 use crate::numerics::levenberg::Stop;
-use crate::numerics::noise::local_scatter;
+use crate::numerics::sums;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
@@ -149,8 +149,8 @@ pub(super) fn identify(
 /// Long-run variance from the scatter about parabolas, not below what rounding leaves. Misfit of the circuit
 /// does not enter it, so that it cannot hide a branch.
 fn noise_without_circuit(sampled: &Sampled) -> f64 {
-    let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let scatter = local_scatter(&sampled.smooth_stretches()).map_or(0.0, |scatter| {
+    let peak = sums::peak(&sampled.values);
+    let scatter = sampled.scatter.as_ref().map_or(0.0, |scatter| {
         let noise = Autoregression {
             variance: scatter.standard_deviation.powi(2),
             correlation: scatter.correlation,
@@ -304,10 +304,19 @@ impl Choosing<'_> {
             scales[n + 1 + k] = conductances_a_per_v[k];
         }
         let circuit = self.circuit(chosen.with_offset);
-        let mut sums = CovarianceSums::new(circuit.columns(n), chosen.residuals.noise.correlation);
-        match &chosen.jacobian {
-            None => circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales)),
+        let correlation = chosen.residuals.noise.correlation;
+        let sums = match &chosen.jacobian {
+            None => {
+                let short = Circuit {
+                    sampled: &self.compressed,
+                    ..circuit
+                };
+                let mut sums = CovarianceSums::with_normal(short.normal(&logs, &scales), correlation);
+                circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
+                sums
+            }
             Some(jacobian) => {
+                let mut sums = CovarianceSums::new(circuit.columns(n), correlation);
                 let steady = std::iter::once(n);
                 let own = order
                     .iter()
@@ -316,8 +325,9 @@ impl Choosing<'_> {
                     .chain(order.iter().map(|k| n + 1 + k));
                 let columns: Vec<&[f64]> = own.map(|column| jacobian[column].as_slice()).collect();
                 sums.add_dense(&columns);
+                sums
             }
-        }
+        };
         Electrical {
             area_cm2,
             at_bound: logs.iter().map(|&log| self.bound(log)).collect(),

@@ -4,7 +4,7 @@ use crate::domain::thinning::drawn_indices;
 use crate::domain::{ChannelNoise, Drive, Estimate, Fit, Issue, Level, Parameter, Quantity, RunCurve};
 use crate::model::FitModel;
 use crate::numerics::correlation::lag_one;
-use crate::numerics::noise::local_scatter;
+use crate::numerics::sums;
 
 use super::estimates::{bending_estimate, electrical_estimate};
 use super::sampled::Sampled;
@@ -240,7 +240,7 @@ impl Response {
 
 /// Noise standard deviation without the model, and how it was found.
 fn noise(sampled: &Sampled) -> (f64, String) {
-    match local_scatter(&sampled.smooth_stretches()) {
+    match &sampled.scatter {
         Some(scatter) => (
             scatter.standard_deviation,
             format!(
@@ -268,8 +268,7 @@ fn noise(sampled: &Sampled) -> (f64, String) {
 fn r_squared(sampled: &Sampled, residuals: &[f64]) -> Option<f64> {
     let start = sampled.before_step();
     let (values, residuals) = (&sampled.values[start..], &residuals[start..]);
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let total: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let left: f64 = residuals.iter().map(|r| r * r).sum();
+    let total = sums::square_about(values, sums::sum(values) / values.len() as f64);
+    let left = sums::square(residuals);
     (total > 0.0).then(|| 1.0 - left / total)
 }

@@ -1,9 +1,13 @@
 //! Readings of one channel, sorted by drive segment and cut into blocks for fast evaluation.
 
+use std::sync::Arc;
+
 use crate::domain::{Channel, Drive, Level};
 use crate::numerics::correlation::Autoregression;
 use crate::numerics::decay::{BLOCK, Block, Column, blocks, even_step};
 use crate::numerics::discrete_gauss::{FEWEST, compress};
+use crate::numerics::noise::{LocalScatter, local_scatter};
+use crate::numerics::sums;
 
 /// Consecutive readings within one segment of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,11 +24,11 @@ pub(super) struct Span {
 #[derive(Debug, Clone)]
 pub(super) struct Sampled {
     /// Time of each reading, s.
-    pub(super) time_s: Vec<f64>,
+    pub(super) time_s: Arc<[f64]>,
     /// Time since the start of the reading's segment, s.
-    pub(super) elapsed_s: Vec<f64>,
+    pub(super) elapsed_s: Arc<[f64]>,
     /// Measured values.
-    pub(super) values: Vec<f64>,
+    pub(super) values: Arc<[f64]>,
     /// Square root of the number of readings behind each value, where they are compressed.
     root_weights: Option<Vec<f64>>,
     /// Sum of the squared values of all readings, also where they are compressed.
@@ -33,6 +37,8 @@ pub(super) struct Sampled {
     pub(super) spans: Vec<Span>,
     /// Blocks with their segments.
     pub(super) blocks: Vec<(Option<usize>, Block)>,
+    /// Noise without the model; none where the readings are too few or compressed.
+    pub(super) scatter: Option<LocalScatter>,
 }
 
 /// The mean before the step is off zero where it is this many standard errors from zero.
@@ -49,49 +55,84 @@ impl Sampled {
     /// Readings of `channel` that are finite and not excluded; those taken while the circuit was open only
     /// where `with_open_circuit`.
     pub(super) fn new(channel: &Channel, drive: &Drive, with_open_circuit: bool) -> Sampled {
-        let mut sampled = Sampled {
-            time_s: Vec::with_capacity(channel.len()),
-            elapsed_s: Vec::with_capacity(channel.len()),
-            values: Vec::with_capacity(channel.len()),
-            root_weights: None,
-            square: 0.0,
-            spans: Vec::new(),
-            blocks: Vec::new(),
-        };
         let (time_s, values) = channel.included();
+        let segments = std::iter::once(None).chain((0..drive.segments.len()).map(Some));
         let mut next = 0;
-        for segment in std::iter::once(None).chain((0..drive.segments.len()).map(Some)) {
+        let mut taken: Vec<Span> = Vec::with_capacity(drive.segments.len() + 1);
+        for segment in segments {
             let until = segment.map_or(0, |index| index + 1);
             let end_s = drive
                 .segments
                 .get(until)
                 .map_or(f64::INFINITY, |segment| segment.start_s);
-            let end = next + time_s[next..].partition_point(|&t| t < end_s);
+            let first = next;
+            next += time_s[next..].partition_point(|&t| t < end_s);
             let open = segment.is_some_and(|index| drive.segments[index].level == Level::OpenCircuit);
-            if !open || with_open_circuit {
-                let start_s = segment.map_or(0.0, |index| drive.segments[index].start_s);
-                sampled.take(segment, start_s, &time_s[next..end], &values[next..end]);
+            if next > first && (!open || with_open_circuit) {
+                let end = next;
+                taken.push(Span { segment, first, end });
             }
-            next = end;
         }
-        sampled.square = sampled.values.iter().map(|v| v * v).sum();
+        let start_s = |span: &Span| span.segment.map_or(0.0, |index| drive.segments[index].start_s);
+        let whole = taken.iter().map(|span| span.end - span.first).sum::<usize>() == values.len();
+        let usable = sums::peak(&values) < LARGEST && values.iter().chain(&*time_s).all(|v| v.is_finite());
+        let mut sampled = if whole && usable {
+            // Nothing is left out: the channel's own columns serve.
+            let elapsed_s = if taken.iter().all(|span| start_s(span) == 0.0) {
+                time_s.clone()
+            } else {
+                let each = taken.iter().flat_map(|span| {
+                    let start_s = start_s(span);
+                    time_s[span.first..span.end].iter().map(move |t| t - start_s)
+                });
+                each.collect()
+            };
+            Sampled::of(time_s, elapsed_s, values, taken)
+        } else {
+            Sampled::picked(&time_s, &values, &taken, start_s)
+        };
+        sampled.square = sums::square(&sampled.values);
+        sampled.scatter = local_scatter(&sampled.smooth_stretches());
+        sampled
+    }
+
+    fn of(time_s: Arc<[f64]>, elapsed_s: Arc<[f64]>, values: Arc<[f64]>, spans: Vec<Span>) -> Sampled {
+        let mut sampled = Sampled {
+            time_s,
+            elapsed_s,
+            values,
+            root_weights: None,
+            square: 0.0,
+            spans,
+            blocks: Vec::new(),
+            scatter: None,
+        };
         sampled.cut();
         sampled
     }
 
-    fn take(&mut self, segment: Option<usize>, start_s: f64, time_s: &[f64], values: &[f64]) {
-        let first = self.values.len();
-        for (&t, &value) in time_s.iter().zip(values) {
-            if t.is_finite() && value.abs() < LARGEST {
-                self.time_s.push(t);
-                self.elapsed_s.push(t - start_s);
-                self.values.push(value);
+    /// The usable readings of the spans `taken`, copied one after the other.
+    fn picked(time_s: &[f64], values: &[f64], taken: &[Span], start_s: impl Fn(&Span) -> f64) -> Sampled {
+        let (mut times, mut elapsed, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spans = Vec::with_capacity(taken.len());
+        for span in taken {
+            let first = kept.len();
+            for (&t, &value) in time_s[span.first..span.end]
+                .iter()
+                .zip(&values[span.first..span.end])
+            {
+                if t.is_finite() && value.abs() < LARGEST {
+                    times.push(t);
+                    elapsed.push(t - start_s(span));
+                    kept.push(value);
+                }
+            }
+            let end = kept.len();
+            if end > first {
+                spans.push(Span { first, end, ..*span });
             }
         }
-        let end = self.values.len();
-        if end > first {
-            self.spans.push(Span { segment, first, end });
-        }
+        Sampled::of(times.into(), elapsed.into(), kept.into(), spans)
     }
 
     fn cut(&mut self) {
@@ -155,46 +196,35 @@ impl Sampled {
     /// A few nodes that stand for all readings: inner products with every response of the circuit and of the strip
     /// stay what they are (see `discrete_gauss`). Readings that are too few or too uneven stay themselves.
     pub(super) fn compressed(&self) -> Sampled {
-        let mut compressed = Sampled {
-            time_s: Vec::new(),
-            elapsed_s: Vec::new(),
-            values: Vec::new(),
-            root_weights: None,
-            square: self.square,
-            spans: Vec::with_capacity(self.spans.len()),
-            blocks: Vec::new(),
-        };
-        let mut root_weights = Vec::new();
+        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut root_weights, mut spans) = (Vec::new(), Vec::with_capacity(self.spans.len()));
         for span in &self.spans {
-            let first = compressed.len();
+            let first = values.len();
             let mut start = span.first;
             while start < span.end {
                 let end = self.stretch_end(span, start);
                 match self.stands_for(span, start, end) {
-                    Some((at, values, weights)) => {
-                        compressed.elapsed_s.extend(at);
-                        compressed.values.extend(values);
+                    Some((at, node_values, weights)) => {
+                        elapsed_s.extend(at);
+                        values.extend(node_values);
                         root_weights.extend(weights.into_iter().map(f64::sqrt));
                     }
                     None => {
-                        compressed.elapsed_s.extend(&self.elapsed_s[start..end]);
-                        compressed.values.extend(&self.values[start..end]);
-                        root_weights.resize(compressed.values.len(), 1.0);
+                        elapsed_s.extend(&self.elapsed_s[start..end]);
+                        values.extend(&self.values[start..end]);
+                        root_weights.resize(values.len(), 1.0);
                     }
                 }
                 start = end;
             }
             let start_s = self.time_s[span.first] - self.elapsed_s[span.first];
-            let elapsed_s = &compressed.elapsed_s[first..];
-            compressed.time_s.extend(elapsed_s.iter().map(|t| start_s + t));
-            compressed.spans.push(Span {
-                segment: span.segment,
-                first,
-                end: compressed.len(),
-            });
+            time_s.extend(elapsed_s[first..].iter().map(|t| start_s + t));
+            let end = values.len();
+            spans.push(Span { first, end, ..*span });
         }
+        let mut compressed = Sampled::of(time_s.into(), elapsed_s.into(), values.into(), spans);
         compressed.root_weights = Some(root_weights);
-        compressed.cut();
+        compressed.square = self.square;
         compressed
     }
 
@@ -215,7 +245,7 @@ impl Sampled {
     fn stands_for(&self, span: &Span, start: usize, end: usize) -> Option<Standing> {
         if span.segment.is_none() {
             let count = (end - start) as f64;
-            let mean = self.values[start..end].iter().sum::<f64>() / count;
+            let mean = sums::sum(&self.values[start..end]) / count;
             return Some((vec![self.elapsed_s[start]], vec![mean], vec![count]));
         }
         if end - start < FEWEST {

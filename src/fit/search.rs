@@ -1,16 +1,16 @@
 //! Where the time constants lie: a coarse look at every pair, then descent from the best few places.
 
 use crate::numerics::global::{Effort, Landscape, Method};
-use crate::numerics::gram::Gram;
 use crate::numerics::levenberg::{Local, Minimum, Stop};
-use crate::numerics::nonnegative::nonnegative_least_squares;
-use crate::numerics::symmetric::Symmetric;
+use crate::numerics::sums;
 
 use super::circuit::{Circuit, Solution};
 use super::sampled::Sampled;
 
 /// Time constants in the coarse look.
 const GRID: usize = 16;
+/// Pivot, relative to the diagonal, below which columns count as alike.
+const ALIKE: f64 = 1e-11;
 /// Places from which the search descends.
 const DESCENTS: usize = 2;
 
@@ -158,15 +158,56 @@ struct Products {
 }
 
 impl Products {
-    /// Least sum of squares that the columns `own` leave.
+    /// Least sum of squares that the columns `own` (three at most) leave with coefficients none of which is
+    /// negative: the plain solution where it is admissible, else the best with a column fewer.
     fn square_of(&self, own: &[usize]) -> f64 {
-        let mut gram = Gram::new(own.len());
-        gram.matrix = Symmetric::from_fn(own.len(), |row, column| self.matrix[own[row]][own[column]]);
-        for (k, &column) in own.iter().enumerate() {
-            gram.right[k] = self.right[column];
+        if let Some(explained) = self.explained(own) {
+            return self.square - explained;
         }
-        gram.square = self.square;
-        gram.residual_square(&nonnegative_least_squares(&gram, own.len()))
+        let without = |left_out: usize| {
+            let mut fewer = [0; 2];
+            let others = own.iter().enumerate().filter(|(k, _)| *k != left_out);
+            for (slot, (_, &column)) in fewer.iter_mut().zip(others) {
+                *slot = column;
+            }
+            self.square_of(&fewer[..own.len() - 1])
+        };
+        (0..own.len()).map(without).fold(self.square, f64::min)
+    }
+
+    /// What the plain least-squares solution explains; none where a coefficient is negative or columns are alike.
+    fn explained(&self, own: &[usize]) -> Option<f64> {
+        let n = own.len();
+        let mut factor = [[0.0; 3]; 3];
+        let (mut x, mut explained) = ([0.0; 3], 0.0);
+        for row in 0..n {
+            for column in 0..=row {
+                let mut rest = self.matrix[own[row]][own[column]];
+                for k in 0..column {
+                    rest -= factor[row][k] * factor[column][k];
+                }
+                if row > column {
+                    factor[row][column] = rest / factor[column][column];
+                } else if rest > ALIKE * self.matrix[own[row]][own[row]] {
+                    factor[row][row] = rest.sqrt();
+                } else {
+                    return None;
+                }
+            }
+            let mut rest = self.right[own[row]];
+            for k in 0..row {
+                rest -= factor[row][k] * x[k];
+            }
+            x[row] = rest / factor[row][row];
+            explained += x[row] * x[row];
+        }
+        for row in (0..n).rev() {
+            for k in row + 1..n {
+                x[row] -= factor[k][row] * x[k];
+            }
+            x[row] /= factor[row][row];
+        }
+        x[..n].iter().all(|&value| value >= 0.0).then_some(explained)
     }
 }
 
@@ -187,22 +228,6 @@ fn products(coarse: &Circuit, log_time_constants: &[f64]) -> Products {
             columns.push(steady);
         }
     }
-    let dot = |a: &[f64], b: &[f64]| {
-        let mut sums = [0.0; 4];
-        let (left, right) = (a.chunks_exact(4), b.chunks_exact(4));
-        let rest: f64 = left
-            .remainder()
-            .iter()
-            .zip(right.remainder())
-            .map(|(a, b)| a * b)
-            .sum();
-        for (left, right) in left.zip(right) {
-            for lane in 0..4 {
-                sums[lane] += left[lane] * right[lane];
-            }
-        }
-        sums.iter().sum::<f64>() + rest
-    };
     let mut table = Products {
         matrix: vec![[0.0; GRID + 1]; GRID + 1],
         right: [0.0; GRID + 1],
@@ -210,11 +235,11 @@ fn products(coarse: &Circuit, log_time_constants: &[f64]) -> Products {
     };
     for row in 0..=GRID {
         for column in 0..=row {
-            let product = dot(&columns[row], &columns[column]);
+            let product = sums::dot(&columns[row], &columns[column]);
             table.matrix[row][column] = product;
             table.matrix[column][row] = product;
         }
-        table.right[row] = dot(&columns[row], &y);
+        table.right[row] = sums::dot(&columns[row], &y);
     }
     table
 }

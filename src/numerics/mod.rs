@@ -10,4 +10,5 @@ pub mod noise;
 pub mod nonnegative;
 pub mod ode;
 pub mod student;
+pub mod sums;
 pub mod symmetric;
