@@ -66,16 +66,32 @@ fn keep_extremes(time_s: &[f64], series: &[&[f64]], ends: impl Iterator<Item = f
     for end in ends {
         let stop = time_s.partition_point(|&t| t <= end).max(start);
         for values in series {
-            let stretch = &values[start..stop];
-            let (least, most) = range(stretch);
-            let ends = [
-                stretch.iter().position(|&v| v == least),
-                stretch.iter().rposition(|&v| v == most),
-            ];
-            ends.into_iter().flatten().for_each(|k| kept.mark(start + k));
+            if let Some((least, most)) = extremes(&values[start..stop]) {
+                kept.mark(start + least);
+                kept.mark(start + most);
+            }
         }
         start = stop;
     }
+}
+
+/// Places of the first smallest and the last largest value.
+fn extremes(values: &[f64]) -> Option<(usize, usize)> {
+    const PART: usize = 64;
+    let (mut low, mut high) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
+    for (number, part) in values.chunks(PART).enumerate() {
+        let (least, most) = range(part);
+        if least < low.0 {
+            low = (least, number);
+        }
+        if most >= high.0 {
+            high = (most, number);
+        }
+    }
+    let part = |number: usize| &values[number * PART..values.len().min((number + 1) * PART)];
+    let first = part(low.1).iter().position(|&v| v == low.0)?;
+    let last = part(high.1).iter().rposition(|&v| v == high.0)?;
+    Some((low.1 * PART + first, high.1 * PART + last))
 }
 
 /// Smallest and largest of the values, in lanes that the compiler turns into vector instructions.
@@ -123,5 +139,16 @@ mod tests {
     #[test]
     fn short_channels_are_kept_whole() {
         assert_eq!(drawn_indices(&[0.0, 1.0], &[&[1.0, 2.0]], 0.0, 100), vec![0, 1]);
+    }
+
+    #[test]
+    fn extremes_are_the_first_smallest_and_the_last_largest() {
+        for n in [1_usize, 5, 64, 65, 200] {
+            let values: Vec<f64> = (0..n).map(|k| ((k * 7919) % 13) as f64).collect();
+            let least = (0..n).min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap();
+            let most = (0..n).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap();
+            assert_eq!(extremes(&values), Some((least, most)), "{n}");
+        }
+        assert_eq!(extremes(&[]), None);
     }
 }

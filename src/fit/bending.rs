@@ -12,7 +12,7 @@ use crate::numerics::symmetric::{CAPACITY, Symmetric};
 use super::electrical::Electrical;
 use super::sampled::Sampled;
 use super::search::Search;
-use super::strain::Strain;
+use super::strain::{Charged, Strain};
 use super::uncertainty::{CovarianceSums, Residuals};
 
 /// A bending response must lower the sum of squares by this many long-run variances: chance does so in about
@@ -92,9 +92,12 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
         area_cm2: electrical.area_cm2,
         sampled,
         with_offset: sampled.rests_off_zero(),
+        charged: None,
     };
+    let charged = Charged::new(&responses, &compressed);
     let short = Strain {
         sampled: &compressed,
+        charged: Some(&charged),
         ..full
     };
     let (shortest_s, longest_s) = sampled.time_scales_s();
@@ -206,6 +209,7 @@ fn moved_by_circuit(
         let responses = electrical.moved(&by).model(1.0, 0.0).segment_responses(drive);
         let moved = Strain {
             responses: &responses,
+            charged: None,
             ..*short
         };
         let mut change = Vec::with_capacity(jacobian[0].len());

@@ -89,7 +89,9 @@ impl Circuit<'_> {
 
     fn gram(&self, log_time_constants: &[f64]) -> Gram {
         let mut gram = Gram::new(self.columns(log_time_constants.len()));
-        self.each_block(log_time_constants, |_, columns, y| gram.add(columns, y));
+        self.each_block(log_time_constants, |block, columns, y| {
+            gram.add_first(block.len, columns, y)
+        });
         gram.square = self.sampled.square;
         gram
     }

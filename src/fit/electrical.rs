@@ -1,5 +1,7 @@
 //! Step one: the electrical parameters from the current, with their covariance.
 
+use std::cell::OnceCell;
+
 use crate::domain::{Drive, Level};
 use crate::model::{Branch, LumpedModel};
 use crate::numerics::correlation::Autoregression;
@@ -10,7 +12,7 @@ use crate::numerics::symmetric::{CAPACITY, Symmetric};
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};
 use super::sampled::Sampled;
-use super::search::{Found, Limits, Search, search};
+use super::search::{CoarseLook, Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
 
 /// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
@@ -114,6 +116,7 @@ struct Choosing<'a> {
     sampled: &'a Sampled,
     /// What stands for the readings while time constants are searched.
     compressed: Sampled,
+    look: OnceCell<CoarseLook>,
     how: Search,
     limits: Option<Limits>,
     /// Variance of a long sum per reading, found without the circuit.
@@ -135,6 +138,7 @@ pub(super) fn identify(
         drive,
         sampled,
         compressed: sampled.compressed(),
+        look: OnceCell::new(),
         how,
         limits: Limits::of(sampled),
         noise: noise_without_circuit(sampled),
@@ -259,12 +263,15 @@ impl Choosing<'_> {
     }
 
     fn search(&mut self, branches: usize, with_offset: bool, settle: f64) -> Found {
-        let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
         let circuit = Circuit {
             sampled: &self.compressed,
             ..self.circuit(with_offset)
         };
-        let found = search(&circuit, branches, limits, self.how, settle);
+        let look = self.look.get_or_init(|| {
+            let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
+            CoarseLook::new(&circuit, limits)
+        });
+        let found = search(&circuit, branches, look, self.how, settle);
         self.evaluations += found.evaluations;
         found
     }

@@ -186,8 +186,9 @@ impl Sampled {
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
         for span in self.spans.iter().filter(|span| span.segment.is_some()) {
             let elapsed_s = &self.elapsed_s[span.first..span.end];
-            let spacings = elapsed_s.windows(3).map(|three| (three[2] - three[0]) / 2.0);
-            shortest = spacings.fold(shortest, f64::min);
+            if let Some(later) = elapsed_s.get(2..) {
+                shortest = shortest.min(0.5 * sums::least_difference(later, elapsed_s));
+            }
             longest = longest.max(elapsed_s[elapsed_s.len() - 1]);
         }
         (shortest, longest)

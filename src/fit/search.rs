@@ -42,14 +42,14 @@ pub(super) struct Found {
 struct TimeConstants<'a> {
     circuit: &'a Circuit<'a>,
     branches: usize,
-    limits: Limits,
+    look: &'a CoarseLook,
 }
 
 impl Landscape for TimeConstants<'_> {
     fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         (
-            vec![self.limits.low; self.branches],
-            vec![self.limits.high; self.branches],
+            vec![self.look.limits.low; self.branches],
+            vec![self.look.limits.high; self.branches],
         )
     }
 
@@ -62,7 +62,7 @@ impl Landscape for TimeConstants<'_> {
     }
 
     fn starts(&self) -> Vec<Vec<f64>> {
-        starts(self.circuit, self.branches, self.limits)
+        self.look.starts(self.branches)
     }
 
     fn resolution(&self) -> f64 {
@@ -88,7 +88,13 @@ impl Search {
 }
 
 /// Fits `branches` (0, 1 or 2) R-C branches to the current.
-pub(super) fn search(circuit: &Circuit, branches: usize, limits: Limits, how: Search, settle: f64) -> Found {
+pub(super) fn search(
+    circuit: &Circuit,
+    branches: usize,
+    look: &CoarseLook,
+    how: Search,
+    settle: f64,
+) -> Found {
     if branches == 0 {
         return Found {
             solution: circuit.solve(&[]),
@@ -99,7 +105,7 @@ pub(super) fn search(circuit: &Circuit, branches: usize, limits: Limits, how: Se
     let landscape = TimeConstants {
         circuit,
         branches,
-        limits,
+        look,
     };
     let found = how.minimise(&landscape, settle);
     Found {
@@ -109,45 +115,64 @@ pub(super) fn search(circuit: &Circuit, branches: usize, limits: Limits, how: Se
     }
 }
 
-/// The most promising places of the coarse look, no two of them neighbours.
-fn starts(coarse: &Circuit, branches: usize, limits: Limits) -> Vec<Vec<f64>> {
-    // Above ten records the look tells nothing that it does not tell at ten.
-    let high = limits.high - 10.0_f64.ln();
-    let at = |k: usize| limits.low + (high - limits.low) * (k as f64 + 0.5) / GRID as f64;
-    let table = products(coarse, &(0..GRID).map(at).collect::<Vec<f64>>());
-    let mut places: Vec<(f64, usize, usize)> = Vec::new();
-    for slow in 0..GRID {
-        for fast in if branches == 1 { slow..slow + 1 } else { 0..slow } {
-            let own = if branches == 1 {
-                vec![slow, GRID]
-            } else {
-                vec![fast, slow, GRID]
-            };
-            places.push((table.square_of(&own), fast, slow));
+/// A look at time constants spread over the limits, alone and in pairs.
+pub(super) struct CoarseLook {
+    limits: Limits,
+    /// Logarithms of the time constants.
+    at: [f64; GRID],
+    table: Products,
+}
+
+impl CoarseLook {
+    /// Computes every branch's column once.
+    pub(super) fn new(circuit: &Circuit, limits: Limits) -> CoarseLook {
+        // Above ten records the look tells nothing that it does not tell at ten.
+        let high = limits.high - 10.0_f64.ln();
+        let at = std::array::from_fn(|k| limits.low + (high - limits.low) * (k as f64 + 0.5) / GRID as f64);
+        CoarseLook {
+            limits,
+            at,
+            table: products(circuit, &at),
         }
     }
-    places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut chosen: Vec<(usize, usize)> = Vec::new();
-    for (_, fast, slow) in places {
-        if chosen
-            .iter()
-            .all(|&(f, s)| f.abs_diff(fast).max(s.abs_diff(slow)) > 1)
-        {
-            chosen.push((fast, slow));
-        }
-        if chosen.len() == DESCENTS {
-            break;
-        }
-    }
-    (chosen.into_iter())
-        .map(|(fast, slow)| {
-            if branches == 1 {
-                vec![at(slow)]
-            } else {
-                vec![at(fast), at(slow)]
+
+    /// The most promising places, no two of them neighbours.
+    fn starts(&self, branches: usize) -> Vec<Vec<f64>> {
+        let table = &self.table;
+        let mut places: Vec<(f64, usize, usize)> = Vec::new();
+        for slow in 0..GRID {
+            for fast in if branches == 1 { slow..slow + 1 } else { 0..slow } {
+                let own = if branches == 1 {
+                    vec![slow, GRID]
+                } else {
+                    vec![fast, slow, GRID]
+                };
+                places.push((table.square_of(&own), fast, slow));
             }
-        })
-        .collect()
+        }
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut chosen: Vec<(usize, usize)> = Vec::new();
+        for (_, fast, slow) in places {
+            if chosen
+                .iter()
+                .all(|&(f, s)| f.abs_diff(fast).max(s.abs_diff(slow)) > 1)
+            {
+                chosen.push((fast, slow));
+            }
+            if chosen.len() == DESCENTS {
+                break;
+            }
+        }
+        (chosen.into_iter())
+            .map(|(fast, slow)| {
+                if branches == 1 {
+                    vec![self.at[slow]]
+                } else {
+                    vec![self.at[fast], self.at[slow]]
+                }
+            })
+            .collect()
+    }
 }
 
 /// Inner products of the columns of every time constant of the coarse look; the steady column stands last.

@@ -91,12 +91,14 @@ impl CovarianceSums {
     pub(super) fn add(&mut self, len: usize, columns: &[Column], scales: &[f64; CAPACITY]) {
         let mut memory = [[0.0; BLOCK]; CAPACITY];
         for (k, column) in columns.iter().enumerate() {
-            let mut z = self.remembered[k];
-            for (out, value) in memory[k][..len].iter_mut().zip(&column[..len]) {
-                z = self.correlation * z + scales[k] * value;
-                *out = z;
+            let out = &mut memory[k];
+            for (value, entry) in out[..len].iter_mut().zip(column) {
+                *value = scales[k] * entry;
             }
-            self.remembered[k] = z;
+            out[0] += self.correlation * self.remembered[k];
+            remember(self.correlation, out);
+            self.remembered[k] = out[len - 1];
+            out[len..].fill(0.0);
         }
         for row in 0..columns.len() {
             for column in 0..=row {
@@ -147,6 +149,27 @@ impl CovarianceSums {
         let sandwich = inverse.sandwich(&middle);
         Symmetric::from_fn(n, |row, column| variance * sandwich.get(row, column))
     }
+}
+
+/// Replaces v by z with z_t = rho z_(t-1) + v_t, in steps that double: eight values depend on the eight before.
+fn remember(correlation: f64, values: &mut Column) {
+    const LEAD: usize = 8;
+    let mut padded = [0.0; BLOCK + LEAD];
+    padded[LEAD..].copy_from_slice(values);
+    let mut power = correlation;
+    for reach in [1, 2, 4] {
+        let before = padded;
+        for t in LEAD..BLOCK + LEAD {
+            padded[t] = before[t] + power * before[t - reach];
+        }
+        power *= power;
+    }
+    for start in (LEAD..BLOCK + LEAD).step_by(LEAD) {
+        for lane in 0..LEAD {
+            padded[start + lane] += power * padded[start + lane - LEAD];
+        }
+    }
+    values.copy_from_slice(&padded[LEAD..]);
 }
 
 #[cfg(test)]

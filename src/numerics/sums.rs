@@ -21,6 +21,7 @@ fn over_pairs(a: &[f64], b: &[f64], f: impl Fn(f64, f64) -> f64) -> f64 {
 }
 
 /// `SUM a_k b_k`.
+#[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     over_pairs(a, b, |a, b| a * b)
 }
@@ -43,6 +44,21 @@ pub fn square_about(a: &[f64], centre: f64) -> f64 {
 /// `SUM a_k a_(k+1)`.
 pub fn lagged(a: &[f64]) -> f64 {
     if a.is_empty() { 0.0 } else { dot(a, &a[1..]) }
+}
+
+/// Least `a_k - b_k` over the shorter of two columns; infinite where there is none.
+pub fn least_difference(a: &[f64], b: &[f64]) -> f64 {
+    let mut least = [f64::INFINITY; LANES];
+    let (left, right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let whole = left.len().min(right.len()) * LANES;
+    for (left, right) in left.zip(right) {
+        for lane in 0..LANES {
+            let apart = left[lane] - right[lane];
+            least[lane] = if apart < least[lane] { apart } else { least[lane] };
+        }
+    }
+    let rest = a[whole..].iter().zip(&b[whole..]).map(|(a, b)| a - b);
+    least.into_iter().chain(rest).fold(f64::INFINITY, f64::min)
 }
 
 /// Largest magnitude; 0 where there is none.
@@ -78,6 +94,8 @@ mod tests {
                 a.iter().map(|v| (v - 2.0) * (v - 2.0)).sum::<f64>()
             );
             assert_eq!(lagged(&a), a.windows(2).map(|p| p[0] * p[1]).sum::<f64>());
+            let apart = a.iter().zip(&b).map(|(a, b)| a - b).fold(f64::INFINITY, f64::min);
+            assert_eq!(least_difference(&a, &b), apart);
             assert_eq!(peak(&a), a.iter().fold(0.0_f64, |most, v| most.max(v.abs())));
         }
     }
