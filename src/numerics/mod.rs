@@ -9,6 +9,8 @@ pub mod levenberg;
 pub mod noise;
 pub mod nonnegative;
 pub mod ode;
+#[cfg(test)]
+mod problems;
 pub mod student;
 pub mod sums;
 pub mod symmetric;
