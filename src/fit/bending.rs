@@ -21,7 +21,7 @@ const BENDING_EVIDENCE: f64 = 12.0;
 /// Rates in the coarse look.
 const GRID: usize = 16;
 /// Part of the sum of squares at which the search settles.
-const SETTLE: f64 = 1e-8;
+const SETTLE: f64 = 1e-12;
 
 /// What the curvature says.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +60,7 @@ impl Landscape for Rate<'_> {
     }
 
     fn square(&self, at: &[f64]) -> f64 {
-        self.strain.solve(&self.strain.gram(at[0] / self.unit_s)).1
+        self.strain.projected_square(at[0] / self.unit_s)
     }
 
     fn local(&self, at: &[f64]) -> Local {
@@ -71,15 +71,14 @@ impl Landscape for Rate<'_> {
     fn starts(&self) -> Vec<Vec<f64>> {
         let (low, top) = (0.02_f64.ln(), self.high.max(0.1).ln());
         let rates = (0..GRID).map(|k| (low + (top - low) * k as f64 / GRID as f64).exp());
-        let squares = std::iter::once(0.0)
-            .chain(rates)
-            .map(|rate| (rate, self.square(&[rate])));
+        let rough = |rate: f64| self.strain.solve(&self.strain.gram(rate / self.unit_s)).1;
+        let squares = std::iter::once(0.0).chain(rates).map(|rate| (rate, rough(rate)));
         let best = squares.min_by(|a, b| a.1.total_cmp(&b.1));
         vec![vec![best.map_or(0.0, |(rate, _)| rate)]]
     }
 
-    fn resolution(&self) -> f64 {
-        4.0 * f64::EPSILON * self.strain.sampled.square
+    fn size(&self) -> f64 {
+        self.strain.sampled.square
     }
 }
 

@@ -10,7 +10,7 @@ use crate::numerics::levenberg::Local;
 use crate::numerics::nonnegative::nonnegative_least_squares;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
-use super::sampled::Sampled;
+use super::sampled::{Remainder, Sampled};
 
 /// The design of the current for given time constants.
 pub(super) struct Circuit<'a> {
@@ -133,10 +133,24 @@ impl Circuit<'_> {
         }
     }
 
-    /// Sum of squares with the conductances eliminated.
+    /// Sum of squares with the conductances eliminated, from the residuals themselves: finer than the sum that
+    /// `projected` takes from products.
     pub(super) fn projected_square(&self, log_time_constants: &[f64]) -> f64 {
-        let gram = self.without_offset(&self.gram(log_time_constants));
-        gram.residual_square(&nonnegative_least_squares(&gram, log_time_constants.len() + 1))
+        let solution = self.solve(log_time_constants);
+        let conductances_a_per_v = &solution.conductances_a_per_v;
+        let mut left = Remainder::default();
+        self.each_block(log_time_constants, |block, columns, y| {
+            left.add(&y[..block.len], |k| {
+                let terms = conductances_a_per_v.iter().zip(columns);
+                let offset = if self.with_offset {
+                    solution.offset_a * columns[columns.len() - 1][k]
+                } else {
+                    0.0
+                };
+                terms.map(|(c, column)| c * column[k]).sum::<f64>() + offset
+            });
+        });
+        left.square(self.sampled)
     }
 
     /// Sum of squares with the conductances eliminated, and its local model (Kaufman's variable projection).

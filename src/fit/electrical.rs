@@ -97,7 +97,7 @@ impl Electrical {
 }
 
 /// Part of the sum of squares at which a search settles: exactly, and where only the sum itself is wanted.
-const SETTLE: f64 = 1e-8;
+const SETTLE: f64 = 1e-12;
 const SETTLE_SUM: f64 = 1e-3;
 
 /// A choice of branches with what it leaves.

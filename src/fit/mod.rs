@@ -59,8 +59,8 @@ impl Default for FitOptions {
     fn default() -> FitOptions {
         FitOptions {
             model: fit_models().last().unwrap_or(&fit_models()[0]),
-            method: methods()[0],
-            seed: 1,
+            method: Search::default().method,
+            seed: Search::default().seed,
         }
     }
 }

@@ -291,6 +291,29 @@ impl Sampled {
     }
 }
 
+/// Sum of squared residuals over what stands for the readings.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Remainder {
+    left: f64,
+    values: f64,
+}
+
+impl Remainder {
+    /// Adds a block of weighted values and the fitted value at each.
+    pub(super) fn add(&mut self, values: &[f64], fitted: impl Fn(usize) -> f64) {
+        for (k, value) in values.iter().enumerate() {
+            let residual = value - fitted(k);
+            self.left += residual * residual;
+            self.values += value * value;
+        }
+    }
+
+    /// The sum over all readings of `sampled`: what no smooth response reaches is the same for every one.
+    pub(super) fn square(&self, sampled: &Sampled) -> f64 {
+        self.left + (sampled.square - self.values).max(0.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;

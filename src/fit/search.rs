@@ -1,6 +1,6 @@
 //! Where the time constants lie: a coarse look at every pair, then descent from the best few places.
 
-use crate::numerics::global::{Effort, Landscape, Method};
+use crate::numerics::global::{Effort, Landscape, Method, methods};
 use crate::numerics::levenberg::{Local, Minimum, Stop};
 use crate::numerics::sums;
 
@@ -65,8 +65,8 @@ impl Landscape for TimeConstants<'_> {
         self.look.starts(self.branches)
     }
 
-    fn resolution(&self) -> f64 {
-        4.0 * f64::EPSILON * self.circuit.sampled.square
+    fn size(&self) -> f64 {
+        self.circuit.sampled.square
     }
 }
 
@@ -77,6 +77,15 @@ pub(super) struct Search {
     pub(super) method: &'static dyn Method,
     /// Seed of a method that is random.
     pub(super) seed: u64,
+}
+
+impl Default for Search {
+    fn default() -> Search {
+        Search {
+            method: methods()[0],
+            seed: 1,
+        }
+    }
 }
 
 impl Search {
@@ -207,10 +216,8 @@ impl Products {
         let (mut x, mut explained) = ([0.0; 3], 0.0);
         for row in 0..n {
             for column in 0..=row {
-                let mut rest = self.matrix[own[row]][own[column]];
-                for k in 0..column {
-                    rest -= factor[row][k] * factor[column][k];
-                }
+                let earlier = factor[row][..column].iter().zip(&factor[column]);
+                let rest = self.matrix[own[row]][own[column]] - earlier.map(|(a, b)| a * b).sum::<f64>();
                 if row > column {
                     factor[row][column] = rest / factor[column][column];
                 } else if rest > ALIKE * self.matrix[own[row]][own[row]] {
@@ -219,10 +226,8 @@ impl Products {
                     return None;
                 }
             }
-            let mut rest = self.right[own[row]];
-            for k in 0..row {
-                rest -= factor[row][k] * x[k];
-            }
+            let earlier = factor[row][..row].iter().zip(&x);
+            let rest = self.right[own[row]] - earlier.map(|(a, b)| a * b).sum::<f64>();
             x[row] = rest / factor[row][row];
             explained += x[row] * x[row];
         }

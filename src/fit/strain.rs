@@ -8,7 +8,7 @@ use crate::numerics::gram::Gram;
 use crate::numerics::levenberg::Local;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
-use super::sampled::Sampled;
+use super::sampled::{Remainder, Sampled};
 
 /// Relative distance of lambda from a charging rate below which h is evaluated reading by reading.
 const NEAR: f64 = 1e-3;
@@ -179,6 +179,19 @@ impl Strain<'_> {
         });
         gram.square = self.sampled.square;
         gram
+    }
+
+    /// Sum of squares with the coupling (and offset) eliminated, from the residuals themselves.
+    pub(super) fn projected_square(&self, rate_per_s: f64) -> f64 {
+        let (x, _) = self.solve(&self.gram(rate_per_s));
+        let mut left = Remainder::default();
+        self.each_block(rate_per_s, |block, columns, y| {
+            left.add(&y[..block.len], |k| {
+                let offset = columns.get(2).map_or(0.0, |ones| x[2] * ones[k]);
+                x[0] * columns[0][k] + offset
+            });
+        });
+        left.square(self.sampled)
     }
 
     /// Coefficients of strain and offset, and the sum of squares they leave.

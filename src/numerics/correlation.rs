@@ -66,7 +66,7 @@ pub fn slow_excess(residuals: &[f64], long_run_variance: f64, parameters: usize)
     if length < 4 || long_run_variance <= 0.0 {
         return 1.0;
     }
-    let sums = residuals.chunks_exact(length).map(|stretch| sums::sum(stretch));
+    let sums = residuals.chunks_exact(length).map(sums::sum);
     let (square, count) = sums.fold((0.0, 0.0), |(square, count), s| (square + s * s, count + 1.0));
     let freedom = (count - parameters as f64).max(1.0);
     let excess = square / (freedom * length as f64) / long_run_variance;

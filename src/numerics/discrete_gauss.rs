@@ -93,8 +93,8 @@ impl Recurrence {
         let n = place.len();
         let (mut last, mut now) = (vec![0.0; n], vec![self.constant; n]);
         let mut sums = [0.0; NODES];
-        for k in 0..NODES {
-            sums[k] = inner(&now, values);
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = inner(&now, values);
             let along: f64 = place.iter().zip(&now).map(|(x, p)| x * p * p).sum();
             self.a[k] = along;
             if k + 1 == NODES {

@@ -10,6 +10,7 @@ mod formats_real_files;
 mod kill_loop;
 mod lumped_reference;
 mod main_job;
+mod methods;
 mod real_campaigns;
 mod report_fixture;
 mod report_goldens;

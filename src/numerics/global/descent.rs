@@ -32,7 +32,7 @@ impl Method for Descent {
     fn minimise(&self, landscape: &dyn Landscape, effort: Effort) -> Minimum {
         let (low, high) = landscape.bounds();
         let n = low.len();
-        let resolution = landscape.resolution();
+        let resolution = 4.0 * f64::EPSILON * landscape.size();
         let mut evaluations = 0;
         let mut descend = |start: &[f64], settle: f64| {
             let found = minimise(start, &low, &high, LIMIT, settle, resolution, |at| {

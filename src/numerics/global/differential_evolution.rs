@@ -71,7 +71,7 @@ impl Method for DifferentialEvolution {
             .collect();
         let mut stop = Stop::EvaluationLimit;
         for _ in 0..self.generations {
-            if settled(&population, effort.settle, landscape.resolution()) {
+            if settled(&population, effort.settle, landscape.size()) {
                 stop = Stop::Converged;
                 break;
             }
@@ -161,10 +161,12 @@ fn spread(low: &[f64], high: &[f64], count: usize, random: &mut impl Rng) -> Vec
     places
 }
 
-/// Whether all members have the same sum of squares up to the part `settle` of the least, or up to rounding.
-fn settled(population: &[Member], settle: f64, resolution: f64) -> bool {
+/// Whether all members have the same sum of squares up to the part `settle` of the least, or up to the rounding
+/// that residuals of measured values of that size leave.
+fn settled(population: &[Member], settle: f64, size: f64) -> bool {
     let squares = population.iter().map(|member| member.square);
     let least = squares.clone().fold(f64::INFINITY, f64::min);
     let largest = squares.fold(f64::NEG_INFINITY, f64::max);
-    largest - least <= (settle * least).max(2.0 * resolution) || least == f64::INFINITY
+    let rounding = 4.0 * f64::EPSILON * ((least * size).sqrt() + f64::EPSILON * size);
+    largest - least <= (settle * least).max(rounding) || least == f64::INFINITY
 }

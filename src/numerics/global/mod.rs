@@ -16,17 +16,17 @@ pub trait Landscape {
     /// Lower and upper limit of every coordinate; coordinates are scaled so that a step of 1 is large.
     fn bounds(&self) -> (Vec<f64>, Vec<f64>);
 
-    /// Sum of squares at a place within the limits.
+    /// Sum of squares at a place within the limits, taken from the residuals.
     fn square(&self, at: &[f64]) -> f64;
 
-    /// Sum of squares with its local model.
+    /// Sum of squares with its local model; the sum may come from products, which round by the size.
     fn local(&self, at: &[f64]) -> Local;
 
     /// Places that a coarse look finds promising, the best first.
     fn starts(&self) -> Vec<Vec<f64>>;
 
-    /// Rounding error of the sum of squares.
-    fn resolution(&self) -> f64;
+    /// Sum of squares of the measured values: what rounding is measured by.
+    fn size(&self) -> f64;
 }
 
 /// How far a search goes.
@@ -105,8 +105,8 @@ mod tests {
             self.starts.clone()
         }
 
-        fn resolution(&self) -> f64 {
-            0.0
+        fn size(&self) -> f64 {
+            1.0
         }
     }
 
