@@ -16,6 +16,9 @@ pub struct FitArgs {
     /// Model to fit with [default: the campaign's; `ieap models` lists them]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
+    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
+    #[arg(long, value_name = "METHOD")]
+    method: Option<String>,
     /// Fit again even where nothing changed
     #[arg(long)]
     again: bool,
@@ -30,6 +33,8 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .for_each(|(path, issue)| output.issue(path, issue));
     let summary = FitRuns {
         model: args.model.clone(),
+        method: args.method.clone(),
+        seed: global.seed,
         again: args.again,
     }
     .run(&mut context, output)?;

@@ -5,9 +5,9 @@ use serde_json::json;
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use crate::model;
+use crate::{model, pipeline};
 
-/// List the models that runs can be fitted with, and their parameters
+/// List the models that runs can be fitted with, their parameters, and the methods that search the minimum
 #[derive(Debug, Args)]
 pub struct ModelsArgs {}
 
@@ -25,6 +25,12 @@ pub fn run(_args: &ModelsArgs, output: &Output) -> Result<u8, CliError> {
             ));
         }
     }
+    output.result("");
+    output.result("Methods that search the minimum (--method):");
+    for method in pipeline::methods() {
+        let seed = if method.is_random() { " (--seed)" } else { "" };
+        output.result(&format!("    {:<24} {}{seed}", method.id(), method.description()));
+    }
     let models: Vec<_> = model::fit_models()
         .iter()
         .map(|model| {
@@ -36,6 +42,10 @@ pub fn run(_args: &ModelsArgs, output: &Output) -> Result<u8, CliError> {
             json!({ "id": model.id, "version": model.version, "description": model.description, "parameters": parameters })
         })
         .collect();
-    output.document(&json!({ "schema": "ieap/models/1", "models": models }))?;
+    let methods: Vec<_> = pipeline::methods()
+        .iter()
+        .map(|m| json!({ "id": m.id(), "description": m.description(), "random": m.is_random() }))
+        .collect();
+    output.document(&json!({ "schema": "ieap/models/1", "models": models, "methods": methods }))?;
     Ok(DONE)
 }

@@ -16,6 +16,9 @@ pub struct RunArgs {
     /// Model to fit with [default: the campaign's; `ieap models` lists them]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
+    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
+    #[arg(long, value_name = "METHOD")]
+    method: Option<String>,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -26,6 +29,8 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .for_each(|issue| output.issue("campaign.toml", issue));
     let summary = Run {
         model: args.model.clone(),
+        method: args.method.clone(),
+        seed: global.seed,
     }
     .run(&mut context, output)?;
     print(&summary, output);

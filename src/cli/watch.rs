@@ -25,6 +25,9 @@ pub struct WatchArgs {
     /// Model to fit with [default: the campaign's; `ieap models` lists them]
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
+    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
+    #[arg(long, value_name = "METHOD")]
+    method: Option<String>,
 }
 
 pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -52,6 +55,8 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
         settings,
         job: Run {
             model: args.model.clone(),
+            method: args.method.clone(),
+            seed: global.seed,
         },
     };
     watch.run(&mut context, output, &stop, &mut |summary| {

@@ -4,12 +4,15 @@
 //! linear. An offset is fitted beside it only where the readings before the step show one.
 
 use crate::domain::Drive;
-use crate::numerics::levenberg::{Stop, minimise};
+use crate::numerics::global::Landscape;
+use crate::numerics::levenberg::{Local, Stop};
+use crate::numerics::sums;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::electrical::Electrical;
 use super::sampled::Sampled;
-use super::strain::Strain;
+use super::search::Search;
+use super::strain::{Charged, Strain};
 use super::uncertainty::{CovarianceSums, Residuals};
 
 /// A bending response must lower the sum of squares by this many long-run variances: chance does so in about
@@ -17,6 +20,8 @@ use super::uncertainty::{CovarianceSums, Residuals};
 const BENDING_EVIDENCE: f64 = 12.0;
 /// Rates in the coarse look.
 const GRID: usize = 16;
+/// Part of the sum of squares at which the search settles.
+const SETTLE: f64 = 1e-12;
 
 /// What the curvature says.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,63 +46,83 @@ pub(super) struct Bending {
     pub(super) evaluations: u64,
 }
 
+/// The sum of squares over the relaxation rate (the coordinate is the rate times `unit_s`), coupling and offset
+/// eliminated.
+struct Rate<'a> {
+    strain: &'a Strain<'a>,
+    unit_s: f64,
+    high: f64,
+}
+
+impl Landscape for Rate<'_> {
+    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+        (vec![0.0], vec![self.high])
+    }
+
+    fn square(&self, at: &[f64]) -> f64 {
+        self.strain.projected_square(at[0] / self.unit_s)
+    }
+
+    fn local(&self, at: &[f64]) -> Local {
+        self.strain.projected(at[0] / self.unit_s, self.unit_s)
+    }
+
+    /// The best of no relaxation and rates spread over the record.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let (low, top) = (0.02_f64.ln(), self.high.max(0.1).ln());
+        let rates = (0..GRID).map(|k| (low + (top - low) * k as f64 / GRID as f64).exp());
+        let rough = |rate: f64| self.strain.solve(&self.strain.gram(rate / self.unit_s)).1;
+        let squares = std::iter::once(0.0).chain(rates).map(|rate| (rate, rough(rate)));
+        let best = squares.min_by(|a, b| a.1.total_cmp(&b.1));
+        vec![vec![best.map_or(0.0, |(rate, _)| rate)]]
+    }
+
+    fn size(&self) -> f64 {
+        self.strain.sampled.square
+    }
+}
+
 /// Fits coupling and rate to the curvature readings, given the circuit (with one branch at least).
-pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled) -> Bending {
+pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled, how: Search) -> Bending {
     let responses = electrical.model(1.0, 0.0).segment_responses(drive);
-    let strain = |sampled| Strain {
+    let compressed = sampled.compressed();
+    let full = Strain {
         responses: &responses,
         area_cm2: electrical.area_cm2,
         sampled,
         with_offset: sampled.rests_off_zero(),
+        charged: None,
     };
-    let grouped = sampled.grouped();
-    let full = strain(sampled);
-    let coarse = Strain {
-        sampled: &grouped,
-        ..strain(sampled)
+    let charged = Charged::new(&responses, &compressed);
+    let short = Strain {
+        sampled: &compressed,
+        charged: Some(&charged),
+        ..full
     };
     let (shortest_s, longest_s) = sampled.time_scales_s();
     let unit_s = if longest_s > 0.0 { longest_s } else { 1.0 };
     let high = 10.0 * unit_s / shortest_s.min(unit_s);
-    let (start, looked) = coarse_look(&coarse, unit_s, high);
-    let square: f64 = sampled.values.iter().map(|v| v * v).sum();
-    let rounding = 4.0 * f64::EPSILON * square;
-    let local = |strain: &Strain, at: &[f64]| strain.projected(at[0] / unit_s, unit_s);
-    let rough = minimise(&[start], &[0.0], &[high], 60, 1e-3, rounding, |at| {
-        local(&coarse, at)
-    });
-    let found = minimise(&rough.at[..1], &[0.0], &[high], 60, 1e-8, rounding, |at| {
-        local(&full, at)
-    });
+    let landscape = Rate {
+        strain: &short,
+        unit_s,
+        high,
+    };
+    let found = how.minimise(&landscape, SETTLE);
     let rate_per_s = found.at[0] / unit_s;
-    let (x, _) = full.solve(&full.gram(rate_per_s));
+    let (x, _) = short.solve(&short.gram(rate_per_s));
     let residuals = residuals(&full, rate_per_s, &x);
     let evident = response_is_evident(&full, &residuals);
     Bending {
         coupling_per_c_cm: x[0],
         rate_per_s,
         offset_per_cm: full.with_offset.then_some(x[2]),
-        covariance: covariance(drive, electrical, &full, &coarse, rate_per_s, &x, &residuals),
+        covariance: covariance(drive, electrical, &full, &short, rate_per_s, &x, &residuals),
         evident,
         at_upper_bound: found.at[0] >= high * (1.0 - 1e-9),
         residuals,
         stop: found.stop,
-        evaluations: looked + rough.evaluations + found.evaluations + 1,
+        evaluations: found.evaluations + 1,
     }
-}
-
-/// Where the sum of squares is least among no relaxation and rates spread over the record (in 1/unit).
-fn coarse_look(coarse: &Strain, unit_s: f64, high: f64) -> (f64, u64) {
-    let (low, top) = (0.02_f64.ln(), high.max(0.1).ln());
-    let rates = (0..GRID).map(|k| (low + (top - low) * k as f64 / GRID as f64).exp());
-    let squares = std::iter::once(0.0).chain(rates).map(|rate| {
-        let (_, square) = coarse.solve(&coarse.gram(rate / unit_s));
-        (rate, square)
-    });
-    let best = squares
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map_or(0.0, |(rate, _)| rate);
-    (best, GRID as u64 + 1)
 }
 
 fn residuals(full: &Strain, rate_per_s: f64, x: &[f64; CAPACITY]) -> Residuals {
@@ -112,12 +137,12 @@ fn residuals(full: &Strain, rate_per_s: f64, x: &[f64; CAPACITY]) -> Residuals {
 fn response_is_evident(full: &Strain, residuals: &Residuals) -> bool {
     let values = &full.sampled.values;
     let mean = if full.with_offset {
-        values.iter().sum::<f64>() / values.len() as f64
+        sums::sum(values) / values.len() as f64
     } else {
         0.0
     };
-    let without: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let peak = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let without = sums::square_about(values, mean);
+    let peak = sums::peak(values);
     without - residuals.square > BENDING_EVIDENCE * residuals.long_run_variance(peak)
 }
 
@@ -127,20 +152,23 @@ fn covariance(
     drive: &Drive,
     electrical: &Electrical,
     full: &Strain,
-    coarse: &Strain,
+    short: &Strain,
     rate_per_s: f64,
     x: &[f64; CAPACITY],
     residuals: &Residuals,
 ) -> Symmetric {
-    let columns = if full.with_offset { 3 } else { 2 };
     let mut scales = [1.0; CAPACITY];
     scales[1] = x[0];
-    let mut sums = CovarianceSums::new(columns, residuals.noise.correlation);
+    let gram = short.gram(rate_per_s);
+    let normal = Symmetric::from_fn(gram.matrix.order(), |row, column| {
+        scales[row] * scales[column] * gram.matrix.get(row, column)
+    });
+    let mut sums = CovarianceSums::with_normal(normal, residuals.noise.correlation);
     full.each_block(rate_per_s, |block, columns, _| {
         sums.add(block.len, columns, &scales)
     });
     let own = sums.covariance(residuals);
-    let moves = moved_by_circuit(drive, electrical, coarse, rate_per_s, x, &scales);
+    let moves = moved_by_circuit(drive, electrical, short, rate_per_s, x, &scales);
     Symmetric::from_fn(2, |row, column| {
         own.get(row, column) + electrical.covariance.form(&moves[row], &moves[column])
     })
@@ -149,18 +177,18 @@ fn covariance(
 /// How far alpha and lambda move per unit of each electrical parameter: rows alpha and lambda.
 ///
 /// The fit answers a change of the strain by `-(J'J)^-1 J' (change of the curvature)`; the change is taken as
-/// a difference over the grouped readings, since only its smooth shape matters.
+/// a difference over the nodes that stand for the readings.
 fn moved_by_circuit(
     drive: &Drive,
     electrical: &Electrical,
-    coarse: &Strain,
+    short: &Strain,
     rate_per_s: f64,
     x: &[f64; CAPACITY],
     scales: &[f64; CAPACITY],
 ) -> [[f64; CAPACITY]; 2] {
     const STEP: f64 = 1e-5;
-    let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); if coarse.with_offset { 3 } else { 2 }];
-    coarse.each_block(rate_per_s, |block, columns, _| {
+    let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); if short.with_offset { 3 } else { 2 }];
+    short.each_block(rate_per_s, |block, columns, _| {
         for (k, column) in columns.iter().enumerate() {
             jacobian[k].extend(column[..block.len].iter().map(|value| scales[k] * value));
         }
@@ -180,7 +208,8 @@ fn moved_by_circuit(
         let responses = electrical.moved(&by).model(1.0, 0.0).segment_responses(drive);
         let moved = Strain {
             responses: &responses,
-            ..*coarse
+            charged: None,
+            ..*short
         };
         let mut change = Vec::with_capacity(jacobian[0].len());
         moved.each_block(rate_per_s, |block, columns, _| {

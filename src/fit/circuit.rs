@@ -6,11 +6,11 @@
 use crate::domain::{Drive, Level};
 use crate::numerics::decay::{BLOCK, Block, Column, Decay};
 use crate::numerics::gram::Gram;
-use crate::numerics::levenberg::{Local, Minimum, minimise};
+use crate::numerics::levenberg::Local;
 use crate::numerics::nonnegative::nonnegative_least_squares;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
-use super::sampled::Sampled;
+use super::sampled::{Remainder, Sampled};
 
 /// The design of the current for given time constants.
 pub(super) struct Circuit<'a> {
@@ -89,8 +89,19 @@ impl Circuit<'_> {
 
     fn gram(&self, log_time_constants: &[f64]) -> Gram {
         let mut gram = Gram::new(self.columns(log_time_constants.len()));
-        self.each_block(log_time_constants, |_, columns, y| gram.add(columns, y));
+        self.each_block(log_time_constants, |block, columns, y| {
+            gram.add_first(block.len, columns, y)
+        });
+        gram.square = self.sampled.square;
         gram
+    }
+
+    /// J'J for columns times `scales`.
+    pub(super) fn normal(&self, log_time_constants: &[f64], scales: &[f64; CAPACITY]) -> Symmetric {
+        let gram = self.gram(log_time_constants);
+        Symmetric::from_fn(gram.matrix.order(), |row, column| {
+            scales[row] * scales[column] * gram.matrix.get(row, column)
+        })
     }
 
     /// The sums with the offset, which may have either sign, eliminated; it is the last column.
@@ -122,8 +133,28 @@ impl Circuit<'_> {
         }
     }
 
+    /// Sum of squares with the conductances eliminated, from the residuals themselves: finer than the sum that
+    /// `projected` takes from products.
+    pub(super) fn projected_square(&self, log_time_constants: &[f64]) -> f64 {
+        let solution = self.solve(log_time_constants);
+        let conductances_a_per_v = &solution.conductances_a_per_v;
+        let mut left = Remainder::default();
+        self.each_block(log_time_constants, |block, columns, y| {
+            left.add(&y[..block.len], |k| {
+                let terms = conductances_a_per_v.iter().zip(columns);
+                let offset = if self.with_offset {
+                    solution.offset_a * columns[columns.len() - 1][k]
+                } else {
+                    0.0
+                };
+                terms.map(|(c, column)| c * column[k]).sum::<f64>() + offset
+            });
+        });
+        left.square(self.sampled)
+    }
+
     /// Sum of squares with the conductances eliminated, and its local model (Kaufman's variable projection).
-    fn projected(&self, log_time_constants: &[f64]) -> Local {
+    pub(super) fn projected(&self, log_time_constants: &[f64]) -> Local {
         let n = log_time_constants.len();
         let gram = self.without_offset(&self.gram(log_time_constants));
         let x = nonnegative_least_squares(&gram, n + 1);
@@ -151,21 +182,6 @@ impl Circuit<'_> {
             descent,
             normal,
         }
-    }
-
-    /// Searches from `start` within the bounds (logarithms of s).
-    pub(super) fn minimise(&self, start: &[f64], low: f64, high: f64, limit: u64, settle: f64) -> Minimum {
-        let square: f64 = self.sampled.weighted_square();
-        let n = start.len();
-        minimise(
-            start,
-            &vec![low; n],
-            &vec![high; n],
-            limit,
-            settle,
-            4.0 * f64::EPSILON * square,
-            |at| self.projected(at),
-        )
     }
 }
 
@@ -206,6 +222,7 @@ mod tests {
     use super::*;
     use crate::domain::{Channel, Quantity, Segment};
     use crate::model::{Branch, LumpedModel};
+    use crate::numerics::levenberg::minimise;
 
     fn drive() -> Drive {
         let segment = |start_s, level_v| Segment {
@@ -254,7 +271,10 @@ mod tests {
             assert!((built - current_a[k]).abs() < 1e-15_f64, "{k}");
             assert!((slope[k] - (above[k] - below[k]) / 2e-5).abs() < 1e-8, "{k}");
         }
-        let found = circuit.minimise(&[12.0_f64.ln()], -5.0, 10.0, 60, 1e-10);
+        let start = [12.0_f64.ln()];
+        let found = minimise(&start, &[-5.0], &[10.0], 60, 1e-10, 0.0, |at| {
+            circuit.projected(at)
+        });
         assert!((found.at[0] - log_tau).abs() < 1e-8, "{found:?}");
         let solution = circuit.solve(&found.at[..1]);
         assert!((solution.conductances_a_per_v[0] / (0.2 / 300.0) - 1.0).abs() < 1e-8);

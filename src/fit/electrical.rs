@@ -1,16 +1,18 @@
 //! Step one: the electrical parameters from the current, with their covariance.
 
+use std::cell::OnceCell;
+
 use crate::domain::{Drive, Level};
 use crate::model::{Branch, LumpedModel};
 use crate::numerics::correlation::Autoregression;
 use crate::numerics::levenberg::Stop;
-use crate::numerics::noise::local_scatter;
+use crate::numerics::sums;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};
 use super::sampled::Sampled;
-use super::search::{Found, Limits, search};
+use super::search::{CoarseLook, Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
 
 /// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
@@ -95,7 +97,7 @@ impl Electrical {
 }
 
 /// Part of the sum of squares at which a search settles: exactly, and where only the sum itself is wanted.
-const SETTLE: f64 = 1e-8;
+const SETTLE: f64 = 1e-12;
 const SETTLE_SUM: f64 = 1e-3;
 
 /// A choice of branches with what it leaves.
@@ -112,7 +114,10 @@ struct Choice {
 struct Choosing<'a> {
     drive: &'a Drive,
     sampled: &'a Sampled,
-    grouped: Sampled,
+    /// What stands for the readings while time constants are searched.
+    compressed: Sampled,
+    look: OnceCell<CoarseLook>,
+    how: Search,
     limits: Option<Limits>,
     /// Variance of a long sum per reading, found without the circuit.
     noise: f64,
@@ -122,11 +127,19 @@ struct Choosing<'a> {
 }
 
 /// Fits at most `branches` branches; those that the current does not show are left out.
-pub(super) fn identify(drive: &Drive, area_cm2: f64, sampled: &Sampled, branches: usize) -> Electrical {
+pub(super) fn identify(
+    drive: &Drive,
+    area_cm2: f64,
+    sampled: &Sampled,
+    branches: usize,
+    how: Search,
+) -> Electrical {
     let mut choosing = Choosing {
         drive,
         sampled,
-        grouped: sampled.grouped(),
+        compressed: sampled.compressed(),
+        look: OnceCell::new(),
+        how,
         limits: Limits::of(sampled),
         noise: noise_without_circuit(sampled),
         coupled: is_coupled(drive),
@@ -140,8 +153,8 @@ pub(super) fn identify(drive: &Drive, area_cm2: f64, sampled: &Sampled, branches
 /// Long-run variance from the scatter about parabolas, not below what rounding leaves. Misfit of the circuit
 /// does not enter it, so that it cannot hide a branch.
 fn noise_without_circuit(sampled: &Sampled) -> f64 {
-    let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let scatter = local_scatter(&sampled.smooth_stretches()).map_or(0.0, |scatter| {
+    let peak = sums::peak(&sampled.values);
+    let scatter = sampled.scatter.as_ref().map_or(0.0, |scatter| {
         let noise = Autoregression {
             variance: scatter.standard_deviation.powi(2),
             correlation: scatter.correlation,
@@ -250,14 +263,15 @@ impl Choosing<'_> {
     }
 
     fn search(&mut self, branches: usize, with_offset: bool, settle: f64) -> Found {
-        let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
-        let found = search(
-            &self.circuit(with_offset),
-            &self.grouped,
-            branches,
-            limits,
-            settle,
-        );
+        let circuit = Circuit {
+            sampled: &self.compressed,
+            ..self.circuit(with_offset)
+        };
+        let look = self.look.get_or_init(|| {
+            let limits = self.limits.unwrap_or(Limits { low: 0.0, high: 1.0 });
+            CoarseLook::new(&circuit, limits)
+        });
+        let found = search(&circuit, branches, look, self.how, settle);
         self.evaluations += found.evaluations;
         found
     }
@@ -297,10 +311,19 @@ impl Choosing<'_> {
             scales[n + 1 + k] = conductances_a_per_v[k];
         }
         let circuit = self.circuit(chosen.with_offset);
-        let mut sums = CovarianceSums::new(circuit.columns(n), chosen.residuals.noise.correlation);
-        match &chosen.jacobian {
-            None => circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales)),
+        let correlation = chosen.residuals.noise.correlation;
+        let sums = match &chosen.jacobian {
+            None => {
+                let short = Circuit {
+                    sampled: &self.compressed,
+                    ..circuit
+                };
+                let mut sums = CovarianceSums::with_normal(short.normal(&logs, &scales), correlation);
+                circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
+                sums
+            }
             Some(jacobian) => {
+                let mut sums = CovarianceSums::new(circuit.columns(n), correlation);
                 let steady = std::iter::once(n);
                 let own = order
                     .iter()
@@ -309,8 +332,9 @@ impl Choosing<'_> {
                     .chain(order.iter().map(|k| n + 1 + k));
                 let columns: Vec<&[f64]> = own.map(|column| jacobian[column].as_slice()).collect();
                 sums.add_dense(&columns);
+                sums
             }
-        }
+        };
         Electrical {
             area_cm2,
             at_bound: logs.iter().map(|&log| self.bound(log)).collect(),

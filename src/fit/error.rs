@@ -81,4 +81,12 @@ pub enum FitError {
         /// The ids that exist, with commas.
         known: String,
     },
+    /// No method has this id.
+    #[error("there is no method \"{found}\"; known are {known}")]
+    UnknownMethod {
+        /// The id asked for.
+        found: String,
+        /// The ids that exist, with commas.
+        known: String,
+    },
 }

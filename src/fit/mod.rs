@@ -1,7 +1,8 @@
 //! Identification of a run with a model, in two steps as in the thesis: the electrical parameters from the
 //! current; then, with those fixed, coupling and relaxation rate from the curvature.
 //!
-//! A fit is a pure function of its input: nothing is random, and the same readings give the same bytes.
+//! A fit is a pure function of its input and options, the seed of a random method among them: the same readings
+//! give the same bytes.
 
 mod bending;
 mod circuit;
@@ -18,12 +19,14 @@ mod uncertainty;
 
 use crate::domain::{Channel, Drive, Fit, Level, Quantity};
 use crate::model::{FitModel, fit_model, fit_models};
+use crate::numerics::global::{Method, method, methods};
 
 pub use error::FitError;
 
 use bending::Bending;
 use electrical::Electrical;
 use sampled::Sampled;
+use search::Search;
 
 #[cfg(test)]
 mod any_input;
@@ -46,16 +49,22 @@ pub struct FitInput<'a> {
 pub struct FitOptions {
     /// The model.
     pub model: &'static FitModel,
+    /// How minima are searched.
+    pub method: &'static dyn Method,
+    /// Seed of a method that is random.
+    pub seed: u64,
 }
 
 /// The model of a run where nothing else is asked for.
 const DEFAULT_MODEL: &str = "lumped-2";
 
 impl Default for FitOptions {
-    /// Two branches, `lumped-2`.
+    /// Two branches, `lumped-2`, searched by variable projection.
     fn default() -> FitOptions {
         FitOptions {
             model: fit_model(DEFAULT_MODEL).unwrap_or(&fit_models()[0]),
+            method: Search::default().method,
+            seed: Search::default().seed,
         }
     }
 }
@@ -74,11 +83,44 @@ impl FitOptions {
                 .join(", ")
         };
         fit_model(id)
-            .map(|model| FitOptions { model })
+            .map(|model| FitOptions {
+                model,
+                ..FitOptions::default()
+            })
             .ok_or_else(|| FitError::UnknownModel {
                 found: id.to_owned(),
                 known: known(),
             })
+    }
+}
+
+impl FitOptions {
+    /// The same with the method of that id.
+    ///
+    /// # Errors
+    /// [`FitError::UnknownMethod`] where there is none.
+    pub fn with_method(self, id: &str) -> Result<FitOptions, FitError> {
+        let known = || {
+            methods()
+                .iter()
+                .map(|method| method.id())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        match method(id) {
+            Some(method) => Ok(FitOptions { method, ..self }),
+            None => Err(FitError::UnknownMethod {
+                found: id.to_owned(),
+                known: known(),
+            }),
+        }
+    }
+
+    fn search(&self) -> Search {
+        Search {
+            method: self.method,
+            seed: self.seed,
+        }
     }
 }
 
@@ -101,7 +143,7 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
     let identified = identify(input, options, readings);
-    Ok(outcome::fit(input, options.model, &identified))
+    Ok(outcome::fit(input, options, &identified))
 }
 
 /// Readings after the step that the electrical step needs: two more than parameters, and never below five.
@@ -215,8 +257,13 @@ fn identify(input: &FitInput, options: &FitOptions, readings: Readings) -> Ident
         .ok_or_else(|| "the run has no current channel".to_owned())
         .and_then(|sampled| {
             enough(&sampled, "current")?;
-            let electrical =
-                electrical::identify(input.drive, input.area_cm2, &sampled, options.model.branches);
+            let electrical = electrical::identify(
+                input.drive,
+                input.area_cm2,
+                &sampled,
+                options.model.branches,
+                options.search(),
+            );
             Ok((sampled, electrical))
         });
     let mut unfitted_curvature = None;
@@ -224,7 +271,8 @@ fn identify(input: &FitInput, options: &FitOptions, readings: Readings) -> Ident
         .curvature
         .ok_or_else(|| "the run has no curvature channel".to_owned())
         .and_then(|sampled| {
-            let fitted = enough(&sampled, "curvature").and_then(|()| bend(input, &current, &sampled));
+            let fitted =
+                enough(&sampled, "curvature").and_then(|()| bend(input, options, &current, &sampled));
             match fitted {
                 Ok(bending) => Ok((sampled, bending)),
                 Err(reason) => {
@@ -242,6 +290,7 @@ fn identify(input: &FitInput, options: &FitOptions, readings: Readings) -> Ident
 
 fn bend(
     input: &FitInput,
+    options: &FitOptions,
     current: &Result<(Sampled, Electrical), String>,
     sampled: &Sampled,
 ) -> Result<Bending, String> {
@@ -251,5 +300,10 @@ fn bend(
     if electrical.conductances_a_per_v.is_empty() {
         return Err("the current shows no charge that could bend the strip".to_owned());
     }
-    Ok(bending::identify(input.drive, electrical, sampled))
+    Ok(bending::identify(
+        input.drive,
+        electrical,
+        sampled,
+        options.search(),
+    ))
 }

@@ -4,18 +4,19 @@ use crate::domain::thinning::drawn_indices;
 use crate::domain::{ChannelNoise, Drive, Estimate, Fit, Issue, Level, Parameter, Quantity, RunCurve};
 use crate::model::FitModel;
 use crate::numerics::correlation::lag_one;
-use crate::numerics::noise::local_scatter;
+use crate::numerics::sums;
 
 use super::estimates::{bending_estimate, electrical_estimate};
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
-use super::{FitInput, Identified};
+use super::{FitInput, FitOptions, Identified};
 
 /// Stretches of time in which the drawn readings are chosen.
 const DRAWN_STRETCHES: usize = 120;
 
 /// Puts everything together.
-pub(super) fn fit(input: &FitInput, model: &'static FitModel, identified: &Identified) -> Fit {
+pub(super) fn fit(input: &FitInput, options: &FitOptions, identified: &Identified) -> Fit {
+    let model = options.model;
     let parameters = parameters(input, model, identified);
     let step_s = input
         .drive
@@ -59,7 +60,7 @@ pub(super) fn fit(input: &FitInput, model: &'static FitModel, identified: &Ident
     Fit {
         model: model.id.to_owned(),
         model_version: model.version,
-        method: "two-step variable projection".to_owned(),
+        method: format!("two-step {}", options.method.name()),
         converged: current.is_none_or(|(_, e)| e.stop.converged())
             && curvature.is_none_or(|(_, b)| b.stop.converged())
             && (current.is_some() || curvature.is_some()),
@@ -239,7 +240,7 @@ impl Response {
 
 /// Noise standard deviation without the model, and how it was found.
 fn noise(sampled: &Sampled) -> (f64, String) {
-    match local_scatter(&sampled.smooth_stretches()) {
+    match &sampled.scatter {
         Some(scatter) => (
             scatter.standard_deviation,
             format!(
@@ -267,8 +268,7 @@ fn noise(sampled: &Sampled) -> (f64, String) {
 fn r_squared(sampled: &Sampled, residuals: &[f64]) -> Option<f64> {
     let start = sampled.before_step();
     let (values, residuals) = (&sampled.values[start..], &residuals[start..]);
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let total: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let left: f64 = residuals.iter().map(|r| r * r).sum();
+    let total = sums::square_about(values, sums::sum(values) / values.len() as f64);
+    let left = sums::square(residuals);
     (total > 0.0).then(|| 1.0 - left / total)
 }

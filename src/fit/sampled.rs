@@ -1,8 +1,13 @@
 //! Readings of one channel, sorted by drive segment and cut into blocks for fast evaluation.
 
+use std::sync::Arc;
+
 use crate::domain::{Channel, Drive, Level};
 use crate::numerics::correlation::Autoregression;
-use crate::numerics::decay::{BLOCK, Block, Column, blocks};
+use crate::numerics::decay::{BLOCK, Block, Column, blocks, even_step};
+use crate::numerics::discrete_gauss::{FEWEST, compress};
+use crate::numerics::noise::{LocalScatter, local_scatter};
+use crate::numerics::sums;
 
 /// Consecutive readings within one segment of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,72 +23,116 @@ pub(super) struct Span {
 /// Readings that a fit uses.
 #[derive(Debug, Clone)]
 pub(super) struct Sampled {
-    /// Time of each reading, s; of a group its mean.
-    pub(super) time_s: Vec<f64>,
+    /// Time of each reading, s.
+    pub(super) time_s: Arc<[f64]>,
     /// Time since the start of the reading's segment, s.
-    pub(super) elapsed_s: Vec<f64>,
+    pub(super) elapsed_s: Arc<[f64]>,
     /// Measured values.
-    pub(super) values: Vec<f64>,
-    /// Square root of the number of readings behind each value, where they are groups.
+    pub(super) values: Arc<[f64]>,
+    /// Square root of the number of readings behind each value, where they are compressed.
     root_weights: Option<Vec<f64>>,
+    /// Sum of the squared values of all readings, also where they are compressed.
+    pub(super) square: f64,
     /// Readings by segment.
     pub(super) spans: Vec<Span>,
     /// Blocks with their segments.
     pub(super) blocks: Vec<(Option<usize>, Block)>,
+    /// Noise without the model; none where the readings are too few or compressed.
+    pub(super) scatter: Option<LocalScatter>,
 }
 
 /// The mean before the step is off zero where it is this many standard errors from zero.
 const OFFSET_EVIDENCE: f64 = 4.0;
 /// Readings at or beyond this size are none: their squares would not be numbers.
 const LARGEST: f64 = 1e100;
-/// Width of a group of readings in parts of the time since the start of its segment.
-const GROUP_WIDTH: f64 = 0.1;
+/// A stretch that is compressed at once ends at this multiple of the elapsed time at which it begins.
+const STRETCH: f64 = 2.0;
+
+/// Times, values and weights.
+type Standing = (Vec<f64>, Vec<f64>, Vec<f64>);
 
 impl Sampled {
     /// Readings of `channel` that are finite and not excluded; those taken while the circuit was open only
     /// where `with_open_circuit`.
     pub(super) fn new(channel: &Channel, drive: &Drive, with_open_circuit: bool) -> Sampled {
-        let mut sampled = Sampled {
-            time_s: Vec::with_capacity(channel.len()),
-            elapsed_s: Vec::with_capacity(channel.len()),
-            values: Vec::with_capacity(channel.len()),
-            root_weights: None,
-            spans: Vec::new(),
-            blocks: Vec::new(),
-        };
         let (time_s, values) = channel.included();
+        let segments = std::iter::once(None).chain((0..drive.segments.len()).map(Some));
         let mut next = 0;
-        for segment in std::iter::once(None).chain((0..drive.segments.len()).map(Some)) {
+        let mut taken: Vec<Span> = Vec::with_capacity(drive.segments.len() + 1);
+        for segment in segments {
             let until = segment.map_or(0, |index| index + 1);
             let end_s = drive
                 .segments
                 .get(until)
                 .map_or(f64::INFINITY, |segment| segment.start_s);
-            let end = next + time_s[next..].partition_point(|&t| t < end_s);
+            let first = next;
+            next += time_s[next..].partition_point(|&t| t < end_s);
             let open = segment.is_some_and(|index| drive.segments[index].level == Level::OpenCircuit);
-            if !open || with_open_circuit {
-                let start_s = segment.map_or(0.0, |index| drive.segments[index].start_s);
-                sampled.take(segment, start_s, &time_s[next..end], &values[next..end]);
+            if next > first && (!open || with_open_circuit) {
+                let end = next;
+                taken.push(Span { segment, first, end });
             }
-            next = end;
         }
+        let start_s = |span: &Span| span.segment.map_or(0.0, |index| drive.segments[index].start_s);
+        let whole = taken.iter().map(|span| span.end - span.first).sum::<usize>() == values.len();
+        let usable = sums::peak(&values) < LARGEST && values.iter().chain(&*time_s).all(|v| v.is_finite());
+        let mut sampled = if whole && usable {
+            // Nothing is left out: the channel's own columns serve.
+            let elapsed_s = if taken.iter().all(|span| start_s(span) == 0.0) {
+                time_s.clone()
+            } else {
+                let each = taken.iter().flat_map(|span| {
+                    let start_s = start_s(span);
+                    time_s[span.first..span.end].iter().map(move |t| t - start_s)
+                });
+                each.collect()
+            };
+            Sampled::of(time_s, elapsed_s, values, taken)
+        } else {
+            Sampled::picked(&time_s, &values, &taken, start_s)
+        };
+        sampled.square = sums::square(&sampled.values);
+        sampled.scatter = local_scatter(&sampled.smooth_stretches());
+        sampled
+    }
+
+    fn of(time_s: Arc<[f64]>, elapsed_s: Arc<[f64]>, values: Arc<[f64]>, spans: Vec<Span>) -> Sampled {
+        let mut sampled = Sampled {
+            time_s,
+            elapsed_s,
+            values,
+            root_weights: None,
+            square: 0.0,
+            spans,
+            blocks: Vec::new(),
+            scatter: None,
+        };
         sampled.cut();
         sampled
     }
 
-    fn take(&mut self, segment: Option<usize>, start_s: f64, time_s: &[f64], values: &[f64]) {
-        let first = self.values.len();
-        for (&t, &value) in time_s.iter().zip(values) {
-            if t.is_finite() && value.abs() < LARGEST {
-                self.time_s.push(t);
-                self.elapsed_s.push(t - start_s);
-                self.values.push(value);
+    /// The usable readings of the spans `taken`, copied one after the other.
+    fn picked(time_s: &[f64], values: &[f64], taken: &[Span], start_s: impl Fn(&Span) -> f64) -> Sampled {
+        let (mut times, mut elapsed, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spans = Vec::with_capacity(taken.len());
+        for span in taken {
+            let first = kept.len();
+            for (&t, &value) in time_s[span.first..span.end]
+                .iter()
+                .zip(&values[span.first..span.end])
+            {
+                if t.is_finite() && value.abs() < LARGEST {
+                    times.push(t);
+                    elapsed.push(t - start_s(span));
+                    kept.push(value);
+                }
+            }
+            let end = kept.len();
+            if end > first {
+                spans.push(Span { first, end, ..*span });
             }
         }
-        let end = self.values.len();
-        if end > first {
-            self.spans.push(Span { segment, first, end });
-        }
+        Sampled::of(times.into(), elapsed.into(), kept.into(), spans)
     }
 
     fn cut(&mut self) {
@@ -137,52 +186,75 @@ impl Sampled {
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
         for span in self.spans.iter().filter(|span| span.segment.is_some()) {
             let elapsed_s = &self.elapsed_s[span.first..span.end];
-            let spacings = elapsed_s.windows(3).map(|three| (three[2] - three[0]) / 2.0);
-            shortest = spacings.fold(shortest, f64::min);
+            if let Some(later) = elapsed_s.get(2..) {
+                shortest = shortest.min(0.5 * sums::least_difference(later, elapsed_s));
+            }
             longest = longest.max(elapsed_s[elapsed_s.len() - 1]);
         }
         (shortest, longest)
     }
 
-    /// The same readings in groups whose width grows with the time since the segment's start: enough to find
-    /// where the minimum lies, not to tell its exact place.
-    pub(super) fn grouped(&self) -> Sampled {
-        let mut grouped = Sampled {
-            time_s: Vec::new(),
-            elapsed_s: Vec::new(),
-            values: Vec::new(),
-            root_weights: None,
-            spans: Vec::new(),
-            blocks: Vec::new(),
-        };
-        let mut root_weights = Vec::new();
+    /// A few nodes that stand for all readings: inner products with every response of the circuit and of the strip
+    /// stay what they are (see `discrete_gauss`). Readings that are too few or too uneven stay themselves.
+    pub(super) fn compressed(&self) -> Sampled {
+        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut root_weights, mut spans) = (Vec::new(), Vec::with_capacity(self.spans.len()));
         for span in &self.spans {
-            let first = grouped.len();
+            let first = values.len();
             let mut start = span.first;
             while start < span.end {
-                let limit = match span.segment {
-                    Some(_) => self.elapsed_s[start] * (1.0 + GROUP_WIDTH),
-                    None => f64::INFINITY,
-                };
-                let beyond = self.elapsed_s[start..span.end].iter().position(|&t| t > limit);
-                let end = beyond.map_or(span.end, |count| start + count.max(1));
-                let count = (end - start) as f64;
-                let mean = |column: &[f64]| column[start..end].iter().sum::<f64>() / count;
-                grouped.time_s.push(mean(&self.time_s));
-                grouped.elapsed_s.push(mean(&self.elapsed_s));
-                grouped.values.push(mean(&self.values));
-                root_weights.push(count.sqrt());
+                let end = self.stretch_end(span, start);
+                match self.stands_for(span, start, end) {
+                    Some((at, node_values, weights)) => {
+                        elapsed_s.extend(at);
+                        values.extend(node_values);
+                        root_weights.extend(weights.into_iter().map(f64::sqrt));
+                    }
+                    None => {
+                        elapsed_s.extend(&self.elapsed_s[start..end]);
+                        values.extend(&self.values[start..end]);
+                        root_weights.resize(values.len(), 1.0);
+                    }
+                }
                 start = end;
             }
-            grouped.spans.push(Span {
-                segment: span.segment,
-                first,
-                end: grouped.len(),
-            });
+            let start_s = self.time_s[span.first] - self.elapsed_s[span.first];
+            time_s.extend(elapsed_s[first..].iter().map(|t| start_s + t));
+            let end = values.len();
+            spans.push(Span { first, end, ..*span });
         }
-        grouped.root_weights = Some(root_weights);
-        grouped.cut();
-        grouped
+        let mut compressed = Sampled::of(time_s.into(), elapsed_s.into(), values.into(), spans);
+        compressed.root_weights = Some(root_weights);
+        compressed.square = self.square;
+        compressed
+    }
+
+    /// End of the stretch from `start` on over which a response is smooth: to twice the elapsed time. Before the
+    /// first segment nothing changes.
+    fn stretch_end(&self, span: &Span, start: usize) -> usize {
+        if span.segment.is_none() {
+            return span.end;
+        }
+        let limit = self.elapsed_s[start] * STRETCH;
+        start
+            + self.elapsed_s[start..span.end]
+                .partition_point(|&t| t <= limit)
+                .max(1)
+    }
+
+    /// Times, values and weights that stand for the readings `start..end`.
+    fn stands_for(&self, span: &Span, start: usize, end: usize) -> Option<Standing> {
+        if span.segment.is_none() {
+            let count = (end - start) as f64;
+            let mean = sums::sum(&self.values[start..end]) / count;
+            return Some((vec![self.elapsed_s[start]], vec![mean], vec![count]));
+        }
+        if end - start < FEWEST {
+            return None;
+        }
+        let elapsed_s = &self.elapsed_s[start..end];
+        let found = compress(elapsed_s, &self.values[start..end], even_step(elapsed_s))?;
+        Some((found.at.to_vec(), found.values.to_vec(), found.weights.to_vec()))
     }
 
     /// Measured values of a block, weighted like the columns.
@@ -204,19 +276,6 @@ impl Sampled {
         }
     }
 
-    /// Sum of the squared values, each as often as it stands for readings.
-    pub(super) fn weighted_square(&self) -> f64 {
-        match &self.root_weights {
-            None => self.values.iter().map(|v| v * v).sum(),
-            Some(weights) => self
-                .values
-                .iter()
-                .zip(weights)
-                .map(|(v, w)| (v * w).powi(2))
-                .sum(),
-        }
-    }
-
     /// 1 at every reading of the block.
     pub(super) fn ones(block: &Block) -> Column {
         std::array::from_fn(|k| if k < block.len { 1.0 } else { 0.0 })
@@ -232,8 +291,33 @@ impl Sampled {
     }
 }
 
+/// Sum of squared residuals over what stands for the readings.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Remainder {
+    left: f64,
+    values: f64,
+}
+
+impl Remainder {
+    /// Adds a block of weighted values and the fitted value at each.
+    pub(super) fn add(&mut self, values: &[f64], fitted: impl Fn(usize) -> f64) {
+        for (k, value) in values.iter().enumerate() {
+            let residual = value - fitted(k);
+            self.left += residual * residual;
+            self.values += value * value;
+        }
+    }
+
+    /// The sum over all readings of `sampled`: what no smooth response reaches is the same for every one.
+    pub(super) fn square(&self, sampled: &Sampled) -> f64 {
+        self.left + (sampled.square - self.values).max(0.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::domain::{Quantity, Segment};
 
@@ -264,12 +348,28 @@ mod tests {
     }
 
     #[test]
-    fn groups_keep_the_sum_of_the_readings() {
-        let sampled = Sampled::new(&channel(1000), &Drive::step(1.0), false);
-        let grouped = sampled.grouped();
-        assert!(grouped.len() < 150, "{}", grouped.len());
-        let weights = grouped.root_weights.as_ref().unwrap();
-        let sum: f64 = grouped.values.iter().zip(weights).map(|(v, w)| v * w * w).sum();
-        assert!((sum / sampled.values.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    fn compressed_readings_keep_inner_products_with_every_decay() {
+        for (n, most) in [(1000, 120), (36_000, 190)] {
+            let time_s: Arc<[f64]> = (0..n).map(|k| k as f64 * 0.1 - 10.0).collect();
+            let values: Arc<[f64]> = (0..n).map(|k| 1.0 + ((k * k) as f64).sin()).collect();
+            let channel = Channel::new(Quantity::Current, time_s, values);
+            let sampled = Sampled::new(&channel, &Drive::step(1.0), false);
+            let compressed = sampled.compressed();
+            assert!(compressed.len() < most, "{}", compressed.len());
+            assert_eq!((compressed.before_step(), compressed.square), (1, sampled.square));
+            let weights = compressed.root_weights.as_ref().unwrap();
+            let after = sampled.before_step();
+            let norm = sampled.square.sqrt() * (n as f64).sqrt();
+            for power in -40..30 {
+                let rate = 10.0_f64.powf(power as f64 / 10.0);
+                let all = sampled.elapsed_s[after..].iter().zip(&sampled.values[after..]);
+                let direct: f64 = all.map(|(t, y)| y * (-rate * t).exp()).sum();
+                let nodes = (1..compressed.len()).map(|k| (k, weights[k] * weights[k]));
+                let short: f64 = nodes
+                    .map(|(k, w)| w * compressed.values[k] * (-rate * compressed.elapsed_s[k]).exp())
+                    .sum();
+                assert!((short - direct).abs() < 1e-9 * norm, "{rate}: {short} {direct}");
+            }
+        }
     }
 }

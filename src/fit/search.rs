@@ -1,21 +1,18 @@
 //! Where the time constants lie: a coarse look at every pair, then descent from the best few places.
 
-use crate::numerics::gram::Gram;
-use crate::numerics::levenberg::Stop;
-use crate::numerics::nonnegative::nonnegative_least_squares;
-use crate::numerics::symmetric::Symmetric;
+use crate::numerics::global::{Effort, Landscape, Method, methods};
+use crate::numerics::levenberg::{Local, Minimum, Stop};
+use crate::numerics::sums;
 
 use super::circuit::{Circuit, Solution};
 use super::sampled::Sampled;
 
 /// Time constants in the coarse look.
 const GRID: usize = 16;
+/// Pivot, relative to the diagonal, below which columns count as alike.
+const ALIKE: f64 = 1e-11;
 /// Places from which the search descends.
 const DESCENTS: usize = 2;
-/// Part of the sum of squares at which a descent over groups settles: the last one goes over all readings.
-const SETTLE_COARSE: f64 = 1e-3;
-/// Evaluations allowed to one descent.
-const LIMIT: u64 = 80;
 
 /// Limits of the time constants, logarithms of s: a third of the sampling interval, and a hundred records.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,83 +38,150 @@ pub(super) struct Found {
     pub(super) evaluations: u64,
 }
 
+/// The sum of squares over the time constants, the conductances eliminated.
+struct TimeConstants<'a> {
+    circuit: &'a Circuit<'a>,
+    branches: usize,
+    look: &'a CoarseLook,
+}
+
+impl Landscape for TimeConstants<'_> {
+    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+        (
+            vec![self.look.limits.low; self.branches],
+            vec![self.look.limits.high; self.branches],
+        )
+    }
+
+    fn square(&self, at: &[f64]) -> f64 {
+        self.circuit.projected_square(at)
+    }
+
+    fn local(&self, at: &[f64]) -> Local {
+        self.circuit.projected(at)
+    }
+
+    fn starts(&self) -> Vec<Vec<f64>> {
+        self.look.starts(self.branches)
+    }
+
+    fn size(&self) -> f64 {
+        self.circuit.sampled.square
+    }
+}
+
+/// How a minimum is searched.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Search {
+    /// The method.
+    pub(super) method: &'static dyn Method,
+    /// Seed of a method that is random.
+    pub(super) seed: u64,
+}
+
+impl Default for Search {
+    fn default() -> Search {
+        Search {
+            method: methods()[0],
+            seed: 1,
+        }
+    }
+}
+
+impl Search {
+    /// The least place of `landscape`.
+    pub(super) fn minimise(&self, landscape: &dyn Landscape, settle: f64) -> Minimum {
+        let seed = self.seed;
+        self.method.minimise(landscape, Effort { settle, seed })
+    }
+}
+
 /// Fits `branches` (0, 1 or 2) R-C branches to the current.
 pub(super) fn search(
-    full: &Circuit,
-    grouped: &Sampled,
+    circuit: &Circuit,
     branches: usize,
-    limits: Limits,
+    look: &CoarseLook,
+    how: Search,
     settle: f64,
 ) -> Found {
     if branches == 0 {
         return Found {
-            solution: full.solve(&[]),
+            solution: circuit.solve(&[]),
             stop: Stop::Converged,
             evaluations: 1,
         };
     }
-    let coarse = Circuit {
-        sampled: grouped,
-        ..*full
+    let landscape = TimeConstants {
+        circuit,
+        branches,
+        look,
     };
-    let mut evaluations = 0;
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for start in starts(&coarse, branches, limits) {
-        let found = coarse.minimise(&start, limits.low, limits.high, LIMIT, SETTLE_COARSE);
-        evaluations += found.evaluations;
-        let square = found.local.square;
-        if best.as_ref().is_none_or(|(least, _)| square < *least) {
-            best = Some((square, found.at[..branches].to_vec()));
-        }
-    }
-    let start = best.map_or_else(|| vec![(limits.low + limits.high) / 2.0; branches], |(_, at)| at);
-    let found = full.minimise(&start, limits.low, limits.high, LIMIT, settle);
+    let found = how.minimise(&landscape, settle);
     Found {
-        solution: full.solve(&found.at[..branches]),
+        solution: circuit.solve(&found.at[..branches]),
         stop: found.stop,
-        evaluations: evaluations + found.evaluations,
+        evaluations: found.evaluations,
     }
 }
 
-/// The most promising places of the coarse look, no two of them neighbours.
-fn starts(coarse: &Circuit, branches: usize, limits: Limits) -> Vec<Vec<f64>> {
-    // Above ten records the look tells nothing that it does not tell at ten.
-    let high = limits.high - 10.0_f64.ln();
-    let at = |k: usize| limits.low + (high - limits.low) * (k as f64 + 0.5) / GRID as f64;
-    let table = products(coarse, &(0..GRID).map(at).collect::<Vec<f64>>());
-    let mut places: Vec<(f64, usize, usize)> = Vec::new();
-    for slow in 0..GRID {
-        for fast in if branches == 1 { slow..slow + 1 } else { 0..slow } {
-            let own = if branches == 1 {
-                vec![slow, GRID]
-            } else {
-                vec![fast, slow, GRID]
-            };
-            places.push((table.square_of(&own), fast, slow));
+/// A look at time constants spread over the limits, alone and in pairs.
+pub(super) struct CoarseLook {
+    limits: Limits,
+    /// Logarithms of the time constants.
+    at: [f64; GRID],
+    table: Products,
+}
+
+impl CoarseLook {
+    /// Computes every branch's column once.
+    pub(super) fn new(circuit: &Circuit, limits: Limits) -> CoarseLook {
+        // Above ten records the look tells nothing that it does not tell at ten.
+        let high = limits.high - 10.0_f64.ln();
+        let at = std::array::from_fn(|k| limits.low + (high - limits.low) * (k as f64 + 0.5) / GRID as f64);
+        CoarseLook {
+            limits,
+            at,
+            table: products(circuit, &at),
         }
     }
-    places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut chosen: Vec<(usize, usize)> = Vec::new();
-    for (_, fast, slow) in places {
-        if chosen
-            .iter()
-            .all(|&(f, s)| f.abs_diff(fast).max(s.abs_diff(slow)) > 1)
-        {
-            chosen.push((fast, slow));
-        }
-        if chosen.len() == DESCENTS {
-            break;
-        }
-    }
-    (chosen.into_iter())
-        .map(|(fast, slow)| {
-            if branches == 1 {
-                vec![at(slow)]
-            } else {
-                vec![at(fast), at(slow)]
+
+    /// The most promising places, no two of them neighbours.
+    fn starts(&self, branches: usize) -> Vec<Vec<f64>> {
+        let table = &self.table;
+        let mut places: Vec<(f64, usize, usize)> = Vec::new();
+        for slow in 0..GRID {
+            for fast in if branches == 1 { slow..slow + 1 } else { 0..slow } {
+                let own = if branches == 1 {
+                    vec![slow, GRID]
+                } else {
+                    vec![fast, slow, GRID]
+                };
+                places.push((table.square_of(&own), fast, slow));
             }
-        })
-        .collect()
+        }
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut chosen: Vec<(usize, usize)> = Vec::new();
+        for (_, fast, slow) in places {
+            if chosen
+                .iter()
+                .all(|&(f, s)| f.abs_diff(fast).max(s.abs_diff(slow)) > 1)
+            {
+                chosen.push((fast, slow));
+            }
+            if chosen.len() == DESCENTS {
+                break;
+            }
+        }
+        (chosen.into_iter())
+            .map(|(fast, slow)| {
+                if branches == 1 {
+                    vec![self.at[slow]]
+                } else {
+                    vec![self.at[fast], self.at[slow]]
+                }
+            })
+            .collect()
+    }
 }
 
 /// Inner products of the columns of every time constant of the coarse look; the steady column stands last.
@@ -128,15 +192,52 @@ struct Products {
 }
 
 impl Products {
-    /// Least sum of squares that the columns `own` leave.
+    /// Least sum of squares that the columns `own` (three at most) leave with coefficients none of which is
+    /// negative: the plain solution where it is admissible, else the best with a column fewer.
     fn square_of(&self, own: &[usize]) -> f64 {
-        let mut gram = Gram::new(own.len());
-        gram.matrix = Symmetric::from_fn(own.len(), |row, column| self.matrix[own[row]][own[column]]);
-        for (k, &column) in own.iter().enumerate() {
-            gram.right[k] = self.right[column];
+        if let Some(explained) = self.explained(own) {
+            return self.square - explained;
         }
-        gram.square = self.square;
-        gram.residual_square(&nonnegative_least_squares(&gram, own.len()))
+        let without = |left_out: usize| {
+            let mut fewer = [0; 2];
+            let others = own.iter().enumerate().filter(|(k, _)| *k != left_out);
+            for (slot, (_, &column)) in fewer.iter_mut().zip(others) {
+                *slot = column;
+            }
+            self.square_of(&fewer[..own.len() - 1])
+        };
+        (0..own.len()).map(without).fold(self.square, f64::min)
+    }
+
+    /// What the plain least-squares solution explains; none where a coefficient is negative or columns are alike.
+    fn explained(&self, own: &[usize]) -> Option<f64> {
+        let n = own.len();
+        let mut factor = [[0.0; 3]; 3];
+        let (mut x, mut explained) = ([0.0; 3], 0.0);
+        for row in 0..n {
+            for column in 0..=row {
+                let earlier = factor[row][..column].iter().zip(&factor[column]);
+                let rest = self.matrix[own[row]][own[column]] - earlier.map(|(a, b)| a * b).sum::<f64>();
+                if row > column {
+                    factor[row][column] = rest / factor[column][column];
+                } else if rest > ALIKE * self.matrix[own[row]][own[row]] {
+                    factor[row][row] = rest.sqrt();
+                } else {
+                    return None;
+                }
+            }
+            let earlier = factor[row][..row].iter().zip(&x);
+            let rest = self.right[own[row]] - earlier.map(|(a, b)| a * b).sum::<f64>();
+            x[row] = rest / factor[row][row];
+            explained += x[row] * x[row];
+        }
+        for row in (0..n).rev() {
+            for k in row + 1..n {
+                x[row] -= factor[k][row] * x[k];
+            }
+            x[row] /= factor[row][row];
+        }
+        x[..n].iter().all(|&value| value >= 0.0).then_some(explained)
     }
 }
 
@@ -157,34 +258,18 @@ fn products(coarse: &Circuit, log_time_constants: &[f64]) -> Products {
             columns.push(steady);
         }
     }
-    let dot = |a: &[f64], b: &[f64]| {
-        let mut sums = [0.0; 4];
-        let (left, right) = (a.chunks_exact(4), b.chunks_exact(4));
-        let rest: f64 = left
-            .remainder()
-            .iter()
-            .zip(right.remainder())
-            .map(|(a, b)| a * b)
-            .sum();
-        for (left, right) in left.zip(right) {
-            for lane in 0..4 {
-                sums[lane] += left[lane] * right[lane];
-            }
-        }
-        sums.iter().sum::<f64>() + rest
-    };
     let mut table = Products {
         matrix: vec![[0.0; GRID + 1]; GRID + 1],
         right: [0.0; GRID + 1],
-        square: dot(&y, &y),
+        square: coarse.sampled.square,
     };
     for row in 0..=GRID {
         for column in 0..=row {
-            let product = dot(&columns[row], &columns[column]);
+            let product = sums::dot(&columns[row], &columns[column]);
             table.matrix[row][column] = product;
             table.matrix[column][row] = product;
         }
-        table.right[row] = dot(&columns[row], &y);
+        table.right[row] = sums::dot(&columns[row], &y);
     }
     table
 }

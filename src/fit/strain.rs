@@ -8,17 +8,44 @@ use crate::numerics::gram::Gram;
 use crate::numerics::levenberg::Local;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
-use super::sampled::Sampled;
+use super::sampled::{Remainder, Sampled};
 
 /// Relative distance of lambda from a charging rate below which h is evaluated reading by reading.
 const NEAR: f64 = 1e-3;
 
 /// The strain response per unit coupling and its derivative, block by block.
+#[derive(Clone, Copy)]
 pub(super) struct Strain<'a> {
     pub(super) responses: &'a [SegmentResponse],
     pub(super) area_cm2: f64,
     pub(super) sampled: &'a Sampled,
     pub(super) with_offset: bool,
+    /// What the modes leave at every reading, where it was computed for many uses.
+    pub(super) charged: Option<&'a Charged>,
+}
+
+/// e^(-rate t) of every mode, block after block.
+pub(super) struct Charged {
+    columns: Vec<Column>,
+    /// Where each block's columns start.
+    starts: Vec<usize>,
+}
+
+impl Charged {
+    /// Of the modes `responses` at the readings.
+    pub(super) fn new(responses: &[SegmentResponse], sampled: &Sampled) -> Charged {
+        let (mut columns, mut starts) = (Vec::new(), Vec::with_capacity(sampled.blocks.len()));
+        for (segment, block) in &sampled.blocks {
+            starts.push(columns.len());
+            let rates = segment.map_or(&[][..], |index| &responses[index].rates_per_s);
+            for &rate in rates {
+                let mut column = [0.0; BLOCK];
+                Decay::new(rate).fill(block, &sampled.elapsed_s, &mut column);
+                columns.push(column);
+            }
+        }
+        Charged { columns, starts }
+    }
 }
 
 /// Strain at one moment and its derivative with respect to lambda.
@@ -53,7 +80,7 @@ impl Strain<'_> {
         let mut current = None;
         let mut columns = vec![[0.0; BLOCK]; if self.with_offset { 3 } else { 2 }];
         let mut y = [0.0; BLOCK];
-        for (segment, block) in &self.sampled.blocks {
+        for (number, (segment, block)) in self.sampled.blocks.iter().enumerate() {
             columns[0].fill(0.0);
             columns[1].fill(0.0);
             if let Some(index) = *segment {
@@ -71,6 +98,8 @@ impl Strain<'_> {
                     response,
                     starts[index],
                     rate_per_s,
+                    self.charged
+                        .map(|charged| &charged.columns[charged.starts[number]..]),
                     &mut relaxing,
                     &mut charging,
                     &mut columns,
@@ -94,6 +123,7 @@ impl Strain<'_> {
         response: &SegmentResponse,
         start: At,
         rate_per_s: f64,
+        known: Option<&[Column]>,
         relaxing: &mut Decay,
         charging: &mut [Decay],
         columns: &mut [Column],
@@ -112,7 +142,7 @@ impl Strain<'_> {
             .rates_per_s
             .iter()
             .zip(&response.charge_amplitudes_c_per_cm2);
-        for ((&mode_rate, amplitude), decay) in modes.zip(charging) {
+        for (mode, ((&mode_rate, amplitude), decay)) in modes.zip(charging).enumerate() {
             let scale = -self.area_cm2 * amplitude;
             let apart = rate_per_s - mode_rate;
             if apart.abs() <= NEAR * mode_rate {
@@ -126,7 +156,13 @@ impl Strain<'_> {
             if mode_rate == 0.0 {
                 continue;
             }
-            decay.fill(block, &self.sampled.elapsed_s, &mut charged);
+            let charged = match known {
+                Some(columns) => &columns[mode],
+                None => {
+                    decay.fill(block, &self.sampled.elapsed_s, &mut charged);
+                    &charged
+                }
+            };
             let per_apart = apart.recip();
             for (k, &t) in elapsed_s.iter().enumerate() {
                 let value = mode_rate * (charged[k] - relaxed[k]) * per_apart;
@@ -138,8 +174,24 @@ impl Strain<'_> {
 
     pub(super) fn gram(&self, rate_per_s: f64) -> Gram {
         let mut gram = Gram::new(if self.with_offset { 3 } else { 2 });
-        self.each_block(rate_per_s, |_, columns, y| gram.add(columns, y));
+        self.each_block(rate_per_s, |block, columns, y| {
+            gram.add_first(block.len, columns, y)
+        });
+        gram.square = self.sampled.square;
         gram
+    }
+
+    /// Sum of squares with the coupling (and offset) eliminated, from the residuals themselves.
+    pub(super) fn projected_square(&self, rate_per_s: f64) -> f64 {
+        let (x, _) = self.solve(&self.gram(rate_per_s));
+        let mut left = Remainder::default();
+        self.each_block(rate_per_s, |block, columns, y| {
+            left.add(&y[..block.len], |k| {
+                let offset = columns.get(2).map_or(0.0, |ones| x[2] * ones[k]);
+                x[0] * columns[0][k] + offset
+            });
+        });
+        left.square(self.sampled)
     }
 
     /// Coefficients of strain and offset, and the sum of squares they leave.

@@ -4,6 +4,7 @@ use crate::numerics::correlation::{Autoregression, slow_excess};
 use crate::numerics::decay::{BLOCK, Column};
 use crate::numerics::gram::{Gram, dot};
 use crate::numerics::student::quantile_95;
+use crate::numerics::sums;
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::sampled::Sampled;
@@ -32,12 +33,7 @@ impl Residuals {
     /// From fitted values at all readings of `sampled`, of a fit with `parameters` parameters.
     pub(super) fn new(sampled: &Sampled, fitted: Vec<f64>, parameters: usize) -> Residuals {
         let residuals: Vec<f64> = sampled.values.iter().zip(&fitted).map(|(y, f)| y - f).collect();
-        let (mut square, mut product, mut last) = (0.0, 0.0, 0.0);
-        for &r in &residuals {
-            square += r * r;
-            product += r * last;
-            last = r;
-        }
+        let (square, product) = (sums::square(&residuals), sums::lagged(&residuals));
         let readings = residuals.len() as f64;
         let noise = Autoregression::from_sums(square, product, readings, parameters as f64);
         let excess = slow_excess(&residuals, noise.long_run_variance(), parameters);
@@ -64,7 +60,10 @@ impl Residuals {
 pub(super) struct CovarianceSums {
     /// J'J.
     pub(super) gram: Gram,
-    middle: Symmetric,
+    /// Whether J'J was given and need not be summed.
+    is_known: bool,
+    /// Z'Z, where z_t = rho z_(t-1) + J_t.
+    remembering: Symmetric,
     correlation: f64,
     remembered: [f64; CAPACITY],
 }
@@ -73,32 +72,43 @@ impl CovarianceSums {
     pub(super) fn new(columns: usize, correlation: f64) -> CovarianceSums {
         CovarianceSums {
             gram: Gram::new(columns),
-            middle: Symmetric::zero(columns),
+            is_known: false,
+            remembering: Symmetric::zero(columns),
             correlation,
             remembered: [0.0; CAPACITY],
         }
     }
 
+    /// The same where J'J is known already.
+    pub(super) fn with_normal(normal: Symmetric, correlation: f64) -> CovarianceSums {
+        let mut sums = CovarianceSums::new(normal.order(), correlation);
+        sums.gram.matrix = normal;
+        sums.is_known = true;
+        sums
+    }
+
     /// Adds a block of `len` readings whose design columns, times `scales`, are the Jacobian's.
     pub(super) fn add(&mut self, len: usize, columns: &[Column], scales: &[f64; CAPACITY]) {
-        let mut scaled = [[0.0; BLOCK]; CAPACITY];
         let mut memory = [[0.0; BLOCK]; CAPACITY];
         for (k, column) in columns.iter().enumerate() {
-            let mut z = self.remembered[k];
-            for t in 0..len {
-                let value = scales[k] * column[t];
-                scaled[k][t] = value;
-                z = self.correlation * z + value;
-                memory[k][t] = z;
+            let out = &mut memory[k];
+            for (value, entry) in out[..len].iter_mut().zip(column) {
+                *value = scales[k] * entry;
             }
-            self.remembered[k] = z;
+            out[0] += self.correlation * self.remembered[k];
+            remember(self.correlation, out);
+            self.remembered[k] = out[len - 1];
+            out[len..].fill(0.0);
         }
-        let n = columns.len();
-        self.gram.add(&scaled[..n], &[0.0; BLOCK]);
-        for row in 0..n {
+        for row in 0..columns.len() {
             for column in 0..=row {
-                let both = dot(&scaled[row], &memory[column]) + dot(&memory[row], &scaled[column]);
-                self.middle.set(row, column, self.middle.get(row, column) + both);
+                let sum = self.remembering.get(row, column) + dot(&memory[row], &memory[column]);
+                self.remembering.set(row, column, sum);
+                if !self.is_known {
+                    let product = scales[row] * scales[column] * dot(&columns[row], &columns[column]);
+                    let sum = self.gram.matrix.get(row, column) + product;
+                    self.gram.matrix.set(row, column, sum);
+                }
             }
         }
     }
@@ -130,10 +140,79 @@ impl CovarianceSums {
             let memory = if memory.is_finite() { memory } else { 1.0 };
             return Symmetric::from_fn(n, |row, column| variance * memory * inverse.get(row, column));
         }
+        // With J_t = z_t - rho z_(t-1) the double sum telescopes to (1 - rho^2) Z'Z + rho^2 z_n z_n'.
+        let rho_square = self.correlation * self.correlation;
         let middle = Symmetric::from_fn(n, |row, column| {
-            self.middle.get(row, column) - self.gram.matrix.get(row, column)
+            (1.0 - rho_square) * self.remembering.get(row, column)
+                + rho_square * self.remembered[row] * self.remembered[column]
         });
         let sandwich = inverse.sandwich(&middle);
         Symmetric::from_fn(n, |row, column| variance * sandwich.get(row, column))
+    }
+}
+
+/// Replaces v by z with z_t = rho z_(t-1) + v_t, in steps that double: eight values depend on the eight before.
+fn remember(correlation: f64, values: &mut Column) {
+    const LEAD: usize = 8;
+    let mut padded = [0.0; BLOCK + LEAD];
+    padded[LEAD..].copy_from_slice(values);
+    let mut power = correlation;
+    for reach in [1, 2, 4] {
+        let before = padded;
+        for t in LEAD..BLOCK + LEAD {
+            padded[t] = before[t] + power * before[t - reach];
+        }
+        power *= power;
+    }
+    for start in (LEAD..BLOCK + LEAD).step_by(LEAD) {
+        for lane in 0..LEAD {
+            padded[start + lane] += power * padded[start + lane - LEAD];
+        }
+    }
+    values.copy_from_slice(&padded[LEAD..]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_telescoped_sum_is_the_double_sum() {
+        let columns: [Column; 2] = [
+            std::array::from_fn(|k| (-0.1 * k as f64).exp()),
+            std::array::from_fn(|k| (k as f64 * 0.7).sin()),
+        ];
+        let scales = [2.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        for rho in [-0.5_f64, 0.0, 0.3, 0.97] {
+            let mut sums = CovarianceSums::new(2, rho);
+            sums.add(BLOCK, &columns, &scales);
+            let jacobian = |row: usize, t: usize| scales[row] * columns[row][t];
+            let direct = Symmetric::from_fn(2, |a, b| {
+                let pairs = (0..BLOCK).flat_map(|s| (0..BLOCK).map(move |t| (s, t)));
+                pairs
+                    .map(|(s, t)| jacobian(a, s) * rho.powi(s.abs_diff(t) as i32) * jacobian(b, t))
+                    .sum()
+            });
+            let residuals = Residuals {
+                fitted: Vec::new(),
+                residuals: Vec::new(),
+                square: 1.0,
+                noise: Autoregression {
+                    variance: 1.0,
+                    correlation: rho,
+                },
+                excess: 1.0,
+                quantile: 2.0,
+            };
+            let expected = sums.gram.matrix.floored_inverse(LOST).sandwich(&direct);
+            let found = sums.covariance(&residuals);
+            for (a, b) in [(0, 0), (1, 0), (1, 1)] {
+                let near = (found.get(a, b) - expected.get(a, b)).abs();
+                assert!(
+                    near < 1e-12 * expected.get(a, a).abs().max(expected.get(b, b).abs()),
+                    "{rho}"
+                );
+            }
+        }
     }
 }

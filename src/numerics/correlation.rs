@@ -1,5 +1,7 @@
 //! Noise that remembers: first-order autocorrelation and the long-run variance.
 
+use super::sums;
+
 /// Variance and lag-1 autocorrelation of noise, taken as a first-order autoregression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Autoregression {
@@ -50,8 +52,7 @@ fn memory(correlation: f64) -> f64 {
 
 /// Lag-1 autocorrelation of values whose mean is zero; 0 where there are no values but zeros.
 pub fn lag_one(values: &[f64]) -> f64 {
-    let square: f64 = values.iter().map(|v| v * v).sum();
-    let product: f64 = values.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let (square, product) = (sums::square(values), sums::lagged(values));
     if square > 0.0 { product / square } else { 0.0 }
 }
 
@@ -65,9 +66,7 @@ pub fn slow_excess(residuals: &[f64], long_run_variance: f64, parameters: usize)
     if length < 4 || long_run_variance <= 0.0 {
         return 1.0;
     }
-    let sums = residuals
-        .chunks_exact(length)
-        .map(|stretch| stretch.iter().sum::<f64>());
+    let sums = residuals.chunks_exact(length).map(sums::sum);
     let (square, count) = sums.fold((0.0, 0.0), |(square, count), s| (square + s * s, count + 1.0));
     let freedom = (count - parameters as f64).max(1.0);
     let excess = square / (freedom * length as f64) / long_run_variance;

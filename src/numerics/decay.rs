@@ -45,9 +45,17 @@ pub fn blocks(elapsed_s: &[f64], first: usize, end: usize) -> Vec<Block> {
     found
 }
 
+/// Spacing of the readings where it is even, s.
+pub fn even_step(readings: &[f64]) -> Option<f64> {
+    let (first, last) = (*readings.first()?, *readings.last()?);
+    let step_s = (last - first) / (readings.len().max(2) - 1) as f64;
+    is_even(readings, step_s).then_some(step_s)
+}
+
 fn is_even(readings: &[f64], step_s: f64) -> bool {
     let near = |(k, &t): (usize, &f64)| (t - readings[0] - k as f64 * step_s).abs() <= EVENNESS * step_s;
-    readings.len() > 2 && step_s > 0.0 && readings.iter().enumerate().all(near)
+    // No early end: the whole is then one vector loop.
+    readings.len() > 2 && step_s > 0.0 && readings.iter().enumerate().fold(true, |even, at| even & near(at))
 }
 
 /// e^(-rate t) of one rate, block after block; keeps the powers of one step between blocks.

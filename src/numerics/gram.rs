@@ -1,6 +1,7 @@
 //! Inner products of design columns with each other and with the measured values, block by block.
 
 use super::decay::{BLOCK, Column};
+use super::sums;
 use super::symmetric::{CAPACITY, Symmetric};
 
 /// X'X, X'y and y'y of least squares. Summing block by block also keeps rounding small.
@@ -26,6 +27,13 @@ impl Gram {
 
     /// Adds one block; unused ends of the columns and of `y` must be zero.
     pub fn add(&mut self, columns: &[Column], y: &Column) {
+        self.add_first(BLOCK, columns, y);
+    }
+
+    /// Adds the first `len` entries of a block; those up to the next multiple of eight must be zero.
+    pub fn add_first(&mut self, len: usize, columns: &[Column], y: &Column) {
+        let len = len.next_multiple_of(8).min(BLOCK);
+        let dot = |a: &Column, b: &Column| sums::dot(&a[..len], &b[..len]);
         for (row, left) in columns.iter().enumerate() {
             for (column, right) in columns[..=row].iter().enumerate() {
                 let sum = self.matrix.get(row, column) + dot(left, right);
@@ -59,16 +67,10 @@ impl Gram {
     }
 }
 
-/// Inner product in eight running sums, which the compiler turns into vector instructions.
+/// Inner product of two columns.
 #[inline]
 pub fn dot(a: &Column, b: &Column) -> f64 {
-    let mut sums = [0.0; 8];
-    for start in (0..BLOCK).step_by(8) {
-        for (lane, sum) in sums.iter_mut().enumerate() {
-            *sum += a[start + lane] * b[start + lane];
-        }
-    }
-    (sums[0] + sums[4]) + (sums[1] + sums[5]) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+    sums::dot(a, b)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Least squares in a box by damped Gauss-Newton steps (Levenberg and Marquardt).
+//! Least squares in a box by damped Gauss-Newton steps within a region of trust (Levenberg, Marquardt, More).
 
 use super::symmetric::{CAPACITY, Symmetric};
 
@@ -56,10 +56,26 @@ pub struct Minimum {
     pub stop: Stop,
 }
 
+/// When a search stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stopping {
+    /// Evaluations allowed.
+    pub limit: u64,
+    /// It settles where a further step would lower the sum of squares by less than this part of it.
+    pub settle: f64,
+    /// Rounding error of the sum of squares: a rise below it counts as none.
+    pub resolution: f64,
+    /// It settles where no coordinate would move by more.
+    pub smallest_move: f64,
+    /// Longest first step, in parts of the start's distance from zero; infinite where the first step is trusted.
+    pub first_radius: f64,
+}
+
 /// Lowers the sum of squares from `start` inside the box `low..=high`, within `limit` evaluations.
 ///
-/// It settles where a further step would lower the sum by less than the part `settle` of it. `resolution` is the rounding error of the sum of squares: a rise below it counts as none. Coordinates
-/// should be scaled so that a step of 1 is large (logarithms of positive parameters are).
+/// It settles where a further step would lower the sum by less than the part `settle` of it, or move by less
+/// than 10^-9. `resolution` is the rounding error of the sum of squares. Coordinates should be scaled so that a
+/// step of 1 is large (logarithms of positive parameters are).
 pub fn minimise(
     start: &[f64],
     low: &[f64],
@@ -67,16 +83,36 @@ pub fn minimise(
     limit: u64,
     settle: f64,
     resolution: f64,
+    evaluate: impl FnMut(&[f64]) -> Local,
+) -> Minimum {
+    let stopping = Stopping {
+        limit,
+        settle,
+        resolution,
+        smallest_move: 1e-9,
+        first_radius: f64::INFINITY,
+    };
+    search(start, low, high, stopping, evaluate)
+}
+
+/// The same with every condition of stopping stated.
+pub fn search(
+    start: &[f64],
+    low: &[f64],
+    high: &[f64],
+    stopping: Stopping,
     mut evaluate: impl FnMut(&[f64]) -> Local,
 ) -> Minimum {
     let n = start.len();
+    let resolution = stopping.resolution;
     let mut at = [0.0; CAPACITY];
     for k in 0..n {
         at[k] = start[k].clamp(low[k], high[k]);
     }
     let mut local = evaluate(&at[..n]);
     let mut evaluations = 1;
-    let mut damping = 1e-4;
+    let mut region = Region::new(&at[..n], &local, stopping.first_radius);
+    let mut promised = f64::INFINITY;
     let ended = |at, local, evaluations, stop| Minimum {
         at,
         local,
@@ -87,45 +123,135 @@ pub fn minimise(
         if !local.square.is_finite() {
             return ended(at, local, evaluations, Stop::NotFinite);
         }
-        let Some((trial, moved, expected)) = step(&at, &local, low, high, damping) else {
+        region.see(&local);
+        let Some(step) = region.step(&at, &local, low, high) else {
             return ended(at, local, evaluations, Stop::Converged);
         };
-        if moved < 1e-9 || expected <= settle * local.square {
+        if step.moved < stopping.smallest_move || step.expected <= stopping.settle * local.square {
             return ended(at, local, evaluations, Stop::Converged);
         }
-        if evaluations >= limit {
+        if evaluations >= stopping.limit {
             return ended(at, local, evaluations, Stop::EvaluationLimit);
         }
-        let there = evaluate(&trial[..n]);
+        let there = evaluate(&step.to[..n]);
         evaluations += 1;
-        if there.square <= local.square + resolution {
-            // A step within rounding is taken once; after it nothing more can be told.
-            let settled = there.square >= local.square - resolution && expected < resolution;
-            (at, local) = (trial, there);
-            damping = (damping * 0.1).max(1e-12);
+        let fall = local.square - there.square;
+        if step.expected < resolution && fall.abs() <= resolution {
+            // The sum is too coarse to judge the step, but the slopes still tell: go on while they die away.
+            let settled = step.expected > 0.9 * promised;
+            promised = step.expected;
+            (at, local) = (step.to, there);
             if settled {
                 return ended(at, local, evaluations, Stop::NoDescent);
             }
-        } else {
-            damping = damping.max(1e-6) * 10.0;
-            if damping > 1e12 {
-                return ended(at, local, evaluations, Stop::NoDescent);
-            }
+            continue;
+        }
+        region.learn(&step, fall);
+        if fall >= -resolution {
+            (at, local) = (step.to, there);
+        } else if region.radius == 0.0 || step.moved < f64::MIN_POSITIVE {
+            return ended(at, local, evaluations, Stop::NoDescent);
         }
     }
 }
 
-/// The damped step within the box: place, largest move, expected fall of the sum of squares; none where
-/// every coordinate is held by its bound.
+/// A step within the box and the region of trust.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    to: [f64; CAPACITY],
+    /// Largest move of a coordinate.
+    moved: f64,
+    /// Length of the step in scaled coordinates.
+    length: f64,
+    /// Fall of the sum of squares that the local model promises.
+    expected: f64,
+}
+
+/// Where the local model is trusted: steps no longer than `radius` in coordinates scaled by the largest slope
+/// that each has had so far (More 1978), so that a coordinate whose slope dies away cannot run off.
+struct Region {
+    radius: f64,
+    /// Largest diagonal of J'J so far.
+    scales: [f64; CAPACITY],
+    order: usize,
+}
+
+/// Damping of a step that nothing holds back, relative to the scales.
+const LEAST_DAMPING: f64 = 1e-12;
+
+impl Region {
+    fn new(at: &[f64], local: &Local, first_radius: f64) -> Region {
+        let mut region = Region {
+            radius: f64::INFINITY,
+            scales: [0.0; CAPACITY],
+            order: at.len(),
+        };
+        region.see(local);
+        if first_radius.is_finite() {
+            let square: f64 = at
+                .iter()
+                .zip(&region.scales)
+                .map(|(x, scale)| scale * x * x)
+                .sum();
+            region.radius = first_radius * if square > 0.0 { square.sqrt() } else { 1.0 };
+        }
+        region
+    }
+
+    fn see(&mut self, local: &Local) {
+        for k in 0..self.order {
+            let own = local.normal.get(k, k);
+            if own > self.scales[k] {
+                self.scales[k] = own;
+            }
+        }
+    }
+
+    /// Widens the region after a good step and narrows it after a bad one.
+    fn learn(&mut self, step: &Step, fall: f64) {
+        let share = fall / step.expected;
+        if share.is_nan() || share < 0.25 {
+            self.radius = 0.25 * step.length;
+        } else if share > 0.75 {
+            self.radius = self.radius.max(2.0 * step.length);
+        }
+    }
+
+    /// The longest damped step that stays in the region; none where every coordinate is held by its bound.
+    fn step(&self, at: &[f64; CAPACITY], local: &Local, low: &[f64], high: &[f64]) -> Option<Step> {
+        let free = damped(at, local, low, high, LEAST_DAMPING, &self.scales)?;
+        if free.length <= self.radius {
+            return Some(free);
+        }
+        // The length falls as the damping rises: bisection of its logarithm to a tenth of the radius.
+        let (mut short, mut long) = (40.0, LEAST_DAMPING.log10());
+        let mut found = free;
+        for _ in 0..60 {
+            let middle = 0.5 * (short + long);
+            found = damped(at, local, low, high, 10.0_f64.powf(middle), &self.scales)?;
+            if found.length > self.radius {
+                long = middle;
+            } else if found.length < 0.9 * self.radius && short - long > 1e-3 {
+                short = middle;
+            } else {
+                break;
+            }
+        }
+        Some(found)
+    }
+}
+
+/// The damped step within the box; none where every coordinate is held by its bound.
 ///
 /// A coordinate that would leave the box goes to its bound, and the others are solved anew with it there.
-fn step(
+fn damped(
     at: &[f64; CAPACITY],
     local: &Local,
     low: &[f64],
     high: &[f64],
     damping: f64,
-) -> Option<([f64; CAPACITY], f64, f64)> {
+    scales: &[f64; CAPACITY],
+) -> Option<Step> {
     let n = low.len();
     let held = |k: usize| {
         (at[k] <= low[k] && local.descent[k] <= 0.0) || (at[k] >= high[k] && local.descent[k] >= 0.0)
@@ -137,13 +263,9 @@ fn step(
     let mut movable = false;
     while !free.is_empty() {
         movable = true;
-        let mut damped = local.normal.part(&free);
-        for k in 0..free.len() {
-            damped.set(k, k, damped.get(k, k) * (1.0 + damping));
-        }
         let bound_part = local.normal.times(&taken);
         let descent: Vec<f64> = free.iter().map(|&k| local.descent[k] - bound_part[k]).collect();
-        let wanted = damped.cholesky(0.0)?.solve(&descent);
+        let wanted = solve_damped(local, &free, damping, scales, &descent)?;
         let outside = |&(j, k): &(usize, usize)| !(low[k]..=high[k]).contains(&(at[k] + wanted[j]));
         let leaving = free.iter().copied().enumerate().find(outside);
         match leaving {
@@ -162,15 +284,44 @@ fn step(
     if !movable {
         return None;
     }
-    let mut trial = *at;
-    let mut moved: f64 = 0.0;
+    let mut step = Step {
+        to: *at,
+        moved: 0.0,
+        length: 0.0,
+        expected: 0.0,
+    };
     for k in 0..n {
-        trial[k] = (at[k] + taken[k]).clamp(low[k], high[k]);
-        moved = moved.max(taken[k].abs());
+        step.to[k] = (at[k] + taken[k]).clamp(low[k], high[k]);
+        step.moved = step.moved.max(taken[k].abs());
+        step.length += scales[k] * taken[k] * taken[k];
     }
+    step.length = step.length.sqrt();
     let linear: f64 = (0..n).map(|k| local.descent[k] * taken[k]).sum();
-    let expected = 2.0 * linear - local.normal.form(&taken, &taken);
-    Some((trial, moved, expected.max(0.0)))
+    step.expected = (2.0 * linear - local.normal.form(&taken, &taken)).max(0.0);
+    Some(step)
+}
+
+/// Solution with `damping` times the scales on the diagonal; more of it where rounding makes that necessary.
+fn solve_damped(
+    local: &Local,
+    free: &[usize],
+    damping: f64,
+    scales: &[f64; CAPACITY],
+    descent: &[f64],
+) -> Option<[f64; CAPACITY]> {
+    let part = local.normal.part(free);
+    let mut damping = damping;
+    for _ in 0..8 {
+        let mut damped = part;
+        for (j, &k) in free.iter().enumerate() {
+            damped.set(j, j, damped.get(j, j) + damping * scales[k]);
+        }
+        if let Some(factor) = damped.cholesky(0.0) {
+            return Some(factor.solve(descent));
+        }
+        damping *= 100.0;
+    }
+    None
 }
 
 #[cfg(test)]

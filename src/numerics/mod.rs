@@ -2,11 +2,16 @@
 
 pub mod correlation;
 pub mod decay;
+pub mod discrete_gauss;
+pub mod global;
 pub mod gram;
 pub mod jacobi;
 pub mod levenberg;
 pub mod noise;
 pub mod nonnegative;
 pub mod ode;
+#[cfg(test)]
+mod problems;
 pub mod student;
+pub mod sums;
 pub mod symmetric;

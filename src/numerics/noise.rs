@@ -1,6 +1,7 @@
 //! Noise of a channel without any model of its signal.
 
 use super::correlation::Autoregression;
+use super::sums;
 
 /// Noise found in a series.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,15 +80,13 @@ impl Parabola {
         for (out, value) in rest.iter_mut().zip(values) {
             *out = value - values[0];
         }
-        for term in &self.terms {
-            let part: f64 = term.iter().zip(rest.iter()).map(|(a, b)| a * b).sum();
-            for (out, shape) in rest.iter_mut().zip(term) {
-                *out -= part * shape;
-            }
+        // The terms are orthonormal, so that each part can be told from the whole.
+        let [constant, line, bend] = &self.terms;
+        let parts = self.terms.each_ref().map(|term| sums::dot(term, rest));
+        for (((out, a), b), c) in rest.iter_mut().zip(constant).zip(line).zip(bend) {
+            *out -= parts[0] * a + parts[1] * b + parts[2] * c;
         }
-        let square = rest.iter().map(|v| v * v).sum();
-        let product = rest.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        (square, product)
+        (sums::square(rest), sums::lagged(rest))
     }
 }
 

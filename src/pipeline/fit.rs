@@ -17,6 +17,10 @@ const BATCH: usize = 32;
 pub struct FitRuns {
     /// Model to fit with; none takes the campaign's.
     pub model: Option<String>,
+    /// Id of the method that searches minima; none takes the default.
+    pub method: Option<String>,
+    /// Seed of a random method; none takes the default.
+    pub seed: Option<u64>,
     /// Fit again even where nothing changed.
     pub again: bool,
 }
@@ -41,12 +45,13 @@ impl FitRuns {
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
         let model_id = self.model.as_deref().unwrap_or(&context.campaign.model);
-        let options = FitOptions::for_model(model_id)?;
-        let model = options.model;
+        let mut options = FitOptions::for_model(model_id)?;
+        if let Some(method) = &self.method {
+            options = options.with_method(method)?;
+        }
+        options.seed = self.seed.unwrap_or(options.seed);
         let tasks = context.store.fit_tasks()?;
-        let hashed = tasks
-            .into_iter()
-            .map(|task| (input_hash(&task, model.id, model.version), task));
+        let hashed = tasks.into_iter().map(|task| (input_hash(&task, &options), task));
         let (done, due): (Vec<_>, Vec<_>) =
             hashed.partition(|(hash, task)| !self.again && task.done_input_hash.as_ref() == Some(hash));
         let mut summary = FitSummary {
@@ -164,13 +169,13 @@ fn save_batch(
 }
 
 /// Hash of everything that a fit depends on.
-fn input_hash(task: &FitTask, model_id: &str, model_version: u32) -> String {
+fn input_hash(task: &FitTask, options: &FitOptions) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(task.data_hash.as_bytes());
     hasher.update(format!("{:?}", task.drive).as_bytes());
     hasher.update(&task.area_cm2.to_le_bytes());
     hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
-    if model_id == distributed::MODEL_ID {
+    if options.model.id == distributed::MODEL_ID {
         hasher.update(
             &task
                 .electrode_resistance_ohm_per_sq
@@ -178,6 +183,10 @@ fn input_hash(task: &FitTask, model_id: &str, model_version: u32) -> String {
                 .to_le_bytes(),
         );
     }
-    hasher.update(format!("{model_id}/{model_version}").as_bytes());
+    let (model, method) = (options.model, options.method);
+    hasher.update(format!("{}/{}/{}", model.id, model.version, method.id()).as_bytes());
+    if method.is_random() {
+        hasher.update(&options.seed.to_le_bytes());
+    }
     hasher.finalize().to_hex().to_string()
 }

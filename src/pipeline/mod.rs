@@ -17,6 +17,7 @@ mod swap;
 mod tag;
 mod watch;
 
+pub use crate::numerics::global::methods;
 pub use context::{CODE_VERSION, Context};
 pub use error::PipelineError;
 pub use fit::{FitRuns, FitSummary};

@@ -12,6 +12,10 @@ use crate::ingest::scan::SeenFile;
 pub struct Run {
     /// Model to fit with; none takes the campaign's.
     pub model: Option<String>,
+    /// Id of the method that searches minima; none takes the default.
+    pub method: Option<String>,
+    /// Seed of a random method; none takes the default.
+    pub seed: Option<u64>,
 }
 
 /// What `run` did.
@@ -48,6 +52,8 @@ impl Run {
         let ingest = Ingest { ready }.run(context, observer)?;
         let fit = FitRuns {
             model: self.model.clone(),
+            method: self.method.clone(),
+            seed: self.seed,
             again: false,
         }
         .run(context, observer)?;

@@ -11,6 +11,7 @@ mod formats_real_files;
 mod kill_loop;
 mod lumped_reference;
 mod main_job;
+mod methods;
 mod models_reference;
 mod real_campaigns;
 mod report_fixture;

@@ -1,0 +1,129 @@
+//! Methods that search minima: the thesis's own and the fast one end in the same place, and can be chosen.
+
+use std::path::Path;
+
+use ieap::domain::{Channel, Fit, Quantity};
+use ieap::fit::{FitInput, FitOptions, fit_run};
+use ieap::pipeline::simulate::{Spec, run_table};
+
+use super::campaign::{CampaignFolder, ieap};
+
+/// Current and curvature of a run table.
+fn channels(table: &str) -> Vec<Channel> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(table.as_bytes());
+    let headers = reader.headers().unwrap().clone();
+    let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.unwrap()).collect();
+    let channel = |quantity: Quantity| {
+        let own = column(quantity.column());
+        let readings = rows.iter().filter_map(|row| {
+            let value = row[own].parse::<f64>().ok()?;
+            Some((row[column("time_s")].parse::<f64>().unwrap(), value))
+        });
+        let (time_s, values): (Vec<f64>, Vec<f64>) = readings.unzip();
+        Channel::new(quantity, time_s.into(), values.into())
+    };
+    vec![channel(Quantity::Current), channel(Quantity::Curvature)]
+}
+
+#[track_caller]
+fn assert_same_minimum(one: &Fit, other: &Fit, name: &str) {
+    for (a, b) in one.noise.iter().zip(&other.noise) {
+        let relative = (a.residual_rms / b.residual_rms).powi(2) - 1.0;
+        assert!(
+            relative.abs() < 1e-6,
+            "{name} {:?}: cost apart by {relative}",
+            a.quantity
+        );
+    }
+    for (a, b) in one.parameters.iter().zip(&other.parameters) {
+        match (a.estimate.value, b.estimate.value) {
+            (Some(x), Some(y)) => {
+                let error = a.estimate.standard_error.unwrap();
+                assert!(
+                    (x - y).abs() < 1e-3 * error,
+                    "{name} {}: {x} {y} +- {error}",
+                    a.key
+                );
+            }
+            (x, y) => assert_eq!(x.is_some(), y.is_some(), "{name} {}", a.key),
+        }
+    }
+}
+
+#[test]
+fn differential_evolution_finds_the_minima_of_the_thesis_campaign() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("campaigns/thesis/simulation.toml");
+    let spec = Spec::read(&path).unwrap();
+    assert_eq!(spec.run.len(), 18);
+    let fast = FitOptions::default();
+    let evolution = fast.with_method("differential-evolution").unwrap();
+    for (number, run) in spec.run.iter().enumerate() {
+        let channels = channels(&run_table(&spec, run, number));
+        let input = FitInput {
+            channels: &channels,
+            drive: &run.drive(),
+            area_cm2: run.area_cm2,
+        };
+        let name = run.file.display().to_string();
+        let (one, other) = (
+            fit_run(&input, &fast).unwrap(),
+            fit_run(&input, &evolution).unwrap(),
+        );
+        assert!(one.converged && other.converged, "{name}: {}", other.why_stopped);
+        assert_eq!(one.method, "two-step variable projection");
+        assert_eq!(other.method, "two-step differential evolution");
+        assert_same_minimum(&one, &other, &name);
+        let another = FitOptions { seed: 7, ..evolution };
+        assert_same_minimum(&other, &fit_run(&input, &another).unwrap(), &name);
+        assert_eq!(
+            other,
+            fit_run(&input, &evolution).unwrap(),
+            "{name}: the same seed repeats itself"
+        );
+    }
+}
+
+#[test]
+fn the_method_is_chosen_on_the_command_line_and_part_of_what_is_up_to_date() {
+    let folder = CampaignFolder::new();
+    let mut table = "time_s,current_a,curvature_per_cm\n".to_owned();
+    for k in 0..400 {
+        let t = k as f64;
+        let left = (-t / 50.0).exp();
+        let ripple = 1e-6 * ((k * k) as f64).sin();
+        let row = format!(
+            "{t},{:e},{:e}\n",
+            1e-3 * left + 1e-5 + ripple,
+            0.2 * (1.0 - left) + 100.0 * ripple
+        );
+        table.push_str(&row);
+    }
+    folder.write("runs/S1_2.0V.csv", &table);
+    folder.write(
+        "runs/tags.toml",
+        "sample = \"S1\"\nenvironment = \"air\"\nvoltage_v = 2.0\n",
+    );
+    let fit = |arguments: &[&str]| {
+        let mut all = vec!["run", "--json"];
+        all.extend(arguments);
+        let document = ieap(folder.path(), &all).expect(0).json();
+        document["run"]["fit"]["fitted"].as_u64().unwrap()
+    };
+    assert_eq!((fit(&[]), fit(&[])), (1, 0));
+    let evolution = ["--method", "differential-evolution"];
+    assert_eq!((fit(&evolution), fit(&evolution)), (1, 0));
+    let seeded = ["--method", "differential-evolution", "--seed", "5"];
+    assert_eq!((fit(&seeded), fit(&seeded)), (1, 0));
+    let refused = ieap(folder.path(), &["fit", "--method", "guessing"]).expect(2);
+    assert!(
+        refused
+            .stderr
+            .contains("variable-projection, differential-evolution"),
+        "{refused:?}"
+    );
+    let models = ieap(folder.path(), &["models", "--json"]).expect(0).json();
+    assert_eq!(models["methods"][1]["id"], "differential-evolution");
+}
