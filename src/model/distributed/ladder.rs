@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::DistributedModel;
 use super::field::StripField;
 use crate::domain::{Drive, Level};
-use crate::numerics::ode::integrate;
+use crate::numerics::ode::integrate_on;
 
 /// Why a strip cannot be cut into cells.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -105,51 +105,60 @@ impl<'a> Ladder<'a> {
     /// value so far. `time_s` must increase. Before the first segment the strip rests in the steady state at the
     /// baseline voltage.
     pub fn respond(&self, drive: &Drive, time_s: &[f64], relative: f64) -> LadderResponse {
-        let model = self.model;
         let (held, open) = (self.with_branches(true), self.with_branches(false));
         let solver = |level: Level| match level {
             Level::Voltage(level_v) => (&held, level_v),
             Level::OpenCircuit => (&open, 0.0),
         };
-        let n = self.cells;
         let mut state = self.resting(drive.baseline_v);
         let mut level = Level::Voltage(drive.baseline_v);
         let first = drive.segments.first().map_or(0.0, |segment| segment.start_s);
         let mut now_s = time_s.first().map_or(first, |&t| t.min(first));
         let mut upcoming = drive.segments.iter().peekable();
         let mut response = self.empty(time_s.len());
-        let advance = |state: &mut [f64], now_s: &mut f64, to_s: f64, level: Level| {
+        let first_step_s = 1e-3 / self.model.charging_rate_per_s();
+        let mut step_s = first_step_s;
+        let advance = |state: &mut [f64], now_s: &mut f64, to_s: f64, level: Level, step_s: &mut f64| {
             let (eliminated, terminal_v) = solver(level);
-            let rate = |_: f64, y: &[f64], out: &mut [f64]| {
-                let (charging, straining) = out.split_at_mut(n);
-                self.voltages(eliminated, terminal_v, &y[..n], charging);
-                for k in 0..n {
-                    charging[k] =
-                        (charging[k] - y[k] / model.capacitance_f_per_cm) / model.branch_resistance_ohm_cm;
-                    straining[k] = charging[k] - model.relaxation_rate_per_s * y[n + k];
-                }
-            };
-            integrate(rate, *now_s, to_s, state, relative, 1e-18);
+            let rate = |_: f64, y: &[f64], out: &mut [f64]| self.change(eliminated, terminal_v, y, out);
+            integrate_on(rate, *now_s, to_s, state, relative, 1e-18, step_s);
             *now_s = to_s;
         };
         for &t in time_s {
             while let Some(segment) = upcoming.next_if(|segment| segment.start_s <= t) {
-                advance(&mut state, &mut now_s, segment.start_s, level);
-                level = segment.level;
+                advance(&mut state, &mut now_s, segment.start_s, level, &mut step_s);
+                (level, step_s) = (segment.level, first_step_s);
             }
-            advance(&mut state, &mut now_s, t, level);
+            advance(&mut state, &mut now_s, t, level, &mut step_s);
             let (eliminated, terminal_v) = solver(level);
-            let mut voltage_v = vec![0.0; n];
-            self.voltages(eliminated, terminal_v, &state[..n], &mut voltage_v);
-            response
-                .clamp_current_a
-                .push(eliminated.into_first * (terminal_v - voltage_v[0]));
-            response.voltage_v.values.extend(voltage_v);
-            response.charge_c_per_cm.values.extend(&state[..n]);
-            let curvature = state[n..].iter().map(|strain| model.coupling.0 * strain);
-            response.curvature_per_cm.values.extend(curvature);
+            self.record(eliminated, terminal_v, &state, &mut response);
         }
         response
+    }
+
+    /// Rates of the cells' charges (25) and strains (26), from both.
+    fn change(&self, eliminated: &Eliminated, terminal_v: f64, state: &[f64], out: &mut [f64]) {
+        let model = self.model;
+        let (charge, strain) = state.split_at(self.cells);
+        let (charging, straining) = out.split_at_mut(self.cells);
+        self.voltages(eliminated, terminal_v, charge, charging);
+        for k in 0..self.cells {
+            charging[k] =
+                (charging[k] - charge[k] / model.capacitance_f_per_cm) / model.branch_resistance_ohm_cm;
+            straining[k] = charging[k] - model.relaxation_rate_per_s * strain[k];
+        }
+    }
+
+    fn record(&self, eliminated: &Eliminated, terminal_v: f64, state: &[f64], into: &mut LadderResponse) {
+        let (charge, strain) = state.split_at(self.cells);
+        let mut voltage_v = vec![0.0; self.cells];
+        self.voltages(eliminated, terminal_v, charge, &mut voltage_v);
+        let current_a = eliminated.into_first * (terminal_v - voltage_v[0]);
+        into.clamp_current_a.push(current_a);
+        into.voltage_v.values.extend(voltage_v);
+        into.charge_c_per_cm.values.extend(charge);
+        let curvature = strain.iter().map(|strain| self.model.coupling.0 * strain);
+        into.curvature_per_cm.values.extend(curvature);
     }
 
     /// Charges of the steady state at `baseline_v`, no strain.

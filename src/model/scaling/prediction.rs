@@ -76,25 +76,19 @@ pub fn predict(
         .size
         .relative_area_error()
         .hypot(to.relative_area_error());
-    let deviation = |slope: &dyn Fn(usize) -> f64| {
-        let mut variance = 0.0;
-        for row in 0..n {
-            for column in 0..n {
-                variance += slope(row) * identified.covariance[row * n + column] * slope(column);
-            }
-        }
-        variance.max(0.0).sqrt()
-    };
-    let times = 0..time_s.len();
-    let current_error = |k: usize| deviation(&|p| slopes[p].0[k]).hypot(current_a[k] * areas);
-    let curvature_standard_error_per_cm: Vec<f64> =
-        times.clone().map(|k| deviation(&|p| slopes[p].1[k])).collect();
-    let tips: Vec<(f64, f64)> = times
-        .clone()
-        .map(|k| tip_mm(curvature_per_cm[k], curvature_standard_error_per_cm[k], to))
+    let (current_slopes, curvature_slopes): (Vec<Vec<f64>>, Vec<Vec<f64>>) = slopes.into_iter().unzip();
+    let of_parameters = deviations(identified.covariance, &current_slopes, time_s.len());
+    let current_errors = of_parameters.iter().zip(&current_a);
+    let curvature_standard_error_per_cm = deviations(identified.covariance, &curvature_slopes, time_s.len());
+    let tips: Vec<(f64, f64)> = curvature_per_cm
+        .iter()
+        .zip(&curvature_standard_error_per_cm)
+        .map(|(curvature, error)| tip_mm(*curvature, *error, to))
         .collect();
     Ok(Prediction {
-        current_standard_error_a: times.map(current_error).collect(),
+        current_standard_error_a: current_errors
+            .map(|(error, current)| error.hypot(current * areas))
+            .collect(),
         lumped_error: identified
             .electrode_resistance_ohm_per_sq
             .map(|resistance| lumped_error(identified.model, resistance, to)),
@@ -105,6 +99,16 @@ pub fn predict(
         tip_displacement_mm: tips.iter().map(|tip| tip.0).collect(),
         tip_displacement_standard_error_mm: tips.iter().map(|tip| tip.1).collect(),
     })
+}
+
+/// Standard deviation at each time of what has these derivatives by the parameters (one row of times each).
+fn deviations(covariance: &[f64], slopes: &[Vec<f64>], times: usize) -> Vec<f64> {
+    let n = slopes.len();
+    let variance = |time: usize| -> f64 {
+        let entry = |k: usize| slopes[k / n][time] * covariance[k] * slopes[k % n][time];
+        (0..n * n).map(entry).sum()
+    };
+    (0..times).map(|time| variance(time).max(0.0).sqrt()).collect()
 }
 
 /// The parameters in the covariance's order.
