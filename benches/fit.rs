@@ -1,4 +1,5 @@
-//! Time of one fit with uncertainties: 3,600 and 36,000 samples of current and curvature.
+//! Time of one fit with uncertainties: 3,600 and 36,000 samples of current and curvature, by each method, and of
+//! merely reading them.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -7,6 +8,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ieap::domain::{Channel, Drive, Quantity};
 use ieap::fit::{FitInput, FitOptions, fit_run};
 use ieap::model::{Branch, LumpedModel};
+use ieap::numerics::sums;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -55,5 +57,40 @@ fn fits(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, fits);
+/// The thesis's method on the same run.
+fn evolution(criterion: &mut Criterion) {
+    let drive = Drive::step(2.0);
+    let channels = run(3_600);
+    let input = FitInput {
+        channels: &channels,
+        drive: &drive,
+        area_cm2: 0.1,
+    };
+    let Ok(options) = FitOptions::default().with_method("differential-evolution") else {
+        return;
+    };
+    criterion.bench_function(
+        "fit 3600 samples x 2 channels, differential evolution",
+        |bencher| {
+            bencher.iter(|| fit_run(black_box(&input), &options));
+        },
+    );
+}
+
+/// What no fit can be faster than: every time and value is read once and added up.
+fn reading_once(criterion: &mut Criterion) {
+    for samples in [3_600, 36_000] {
+        let channels = run(samples);
+        criterion.bench_function(&format!("read {samples} samples x 2 channels once"), |bencher| {
+            bencher.iter(|| {
+                let columns = black_box(&channels)
+                    .iter()
+                    .flat_map(|channel| [&channel.time_s, &channel.values]);
+                columns.map(|column| sums::sum(column)).sum::<f64>()
+            });
+        });
+    }
+}
+
+criterion_group!(benches, fits, evolution, reading_once);
 criterion_main!(benches);

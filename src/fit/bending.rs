@@ -4,6 +4,7 @@
 //! linear. An offset is fitted beside it only where the readings before the step show one.
 
 use crate::domain::Drive;
+use crate::numerics::column_memory::LongColumn;
 use crate::numerics::global::Landscape;
 use crate::numerics::levenberg::{Local, Stop};
 use crate::numerics::sums;
@@ -126,7 +127,7 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
 }
 
 fn residuals(full: &Strain, rate_per_s: f64, x: &[f64; CAPACITY]) -> Residuals {
-    let mut fitted = Vec::with_capacity(full.sampled.len());
+    let mut fitted = LongColumn::with_capacity(full.sampled.len());
     full.each_block(rate_per_s, |block, columns, _| {
         let offset = x[2];
         fitted.extend(columns[0][..block.len].iter().map(|h| x[0] * h + offset));

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use crate::domain::{Drive, Level};
 use crate::model::{Branch, LumpedModel};
+use crate::numerics::column_memory::LongColumn;
 use crate::numerics::correlation::Autoregression;
 use crate::numerics::levenberg::Stop;
 use crate::numerics::sums;
@@ -279,7 +280,7 @@ impl Choosing<'_> {
     /// Residuals of a solution over all readings.
     fn residuals(&self, solution: &Solution, with_offset: bool) -> Residuals {
         let circuit = self.circuit(with_offset);
-        let mut fitted = Vec::with_capacity(self.sampled.len());
+        let mut fitted = LongColumn::with_capacity(self.sampled.len());
         circuit.each_block(&solution.log_time_constants, |block, columns, _| {
             let start = fitted.len();
             fitted.resize(start + block.len, solution.offset_a);

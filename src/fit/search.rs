@@ -273,3 +273,92 @@ fn products(coarse: &Circuit, log_time_constants: &[f64]) -> Products {
     }
     table
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::domain::{Channel, Drive, Level, Quantity, Segment};
+    use crate::model::{Branch, LumpedModel};
+    use crate::numerics::levenberg::{Stopping, search as descend};
+
+    /// A drive of three levels with a break in the sampling, noise included.
+    fn measured(drive: &Drive, uneven: bool) -> Channel {
+        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
+            resistance_ohm_cm2,
+            capacitance_f_per_cm2,
+        };
+        let model = LumpedModel {
+            branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
+            steady_state_resistance_ohm_cm2: 5660.0,
+            charge_to_curvature_per_c_cm: 1.0,
+            relaxation_rate_per_s: 0.0,
+        };
+        let at = |k: usize| {
+            let jitter = if uneven { 0.3 * ((k * k) as f64).sin() } else { 0.0 };
+            if k < 2000 {
+                0.1 * (k as f64 + jitter) - 5.0
+            } else {
+                195.0 + (k - 2000) as f64 + jitter
+            }
+        };
+        let time_s: Arc<[f64]> = (0..6000).map(at).collect();
+        let exact = model.current_a(drive, 0.1, &time_s);
+        let noisy = exact
+            .iter()
+            .enumerate()
+            .map(|(k, i)| i + 3e-6 * ((k * k) as f64 * 1.7).sin());
+        Channel::new(Quantity::Current, time_s.clone(), noisy.collect())
+    }
+
+    /// What compressing costs: the minimum moves by less than 10^-7 of a standard error.
+    #[test]
+    fn the_minimum_over_nodes_is_the_minimum_over_all_readings() {
+        let segment = |start_s, level_v| Segment {
+            start_s,
+            level: Level::Voltage(level_v),
+        };
+        let drive = Drive {
+            baseline_v: 0.0,
+            segments: vec![segment(0.0, 2.0), segment(900.0, -1.0), segment(2300.0, 0.0)],
+        };
+        for uneven in [false, true] {
+            let sampled = Sampled::new(&measured(&drive, uneven), &drive, false);
+            let compressed = sampled.compressed();
+            assert!(compressed.len() < 700, "{}", compressed.len());
+            let circuit = |sampled| Circuit {
+                drive: &drive,
+                sampled,
+                with_offset: false,
+            };
+            let stopping = Stopping {
+                limit: 200,
+                settle: 0.0,
+                resolution: 4.0 * f64::EPSILON * sampled.square,
+                smallest_move: 0.0,
+                first_radius: f64::INFINITY,
+            };
+            let bottom = |circuit: Circuit| {
+                let start = [30.0_f64.ln(), 500.0_f64.ln()];
+                descend(&start, &[-5.0; 2], &[12.0; 2], stopping, |at| {
+                    circuit.projected(at)
+                })
+            };
+            let (all, nodes) = (bottom(circuit(&sampled)), bottom(circuit(&compressed)));
+            // Only noise times what a polynomial leaves of a response is lost: Cauchy and Schwarz bound it.
+            let apart = (nodes.local.square - all.local.square).abs();
+            let bound = 4e-8 * (all.local.square * sampled.square).sqrt();
+            assert!(
+                apart < bound,
+                "{uneven}: sum of squares apart by {apart:e}, bound {bound:e}"
+            );
+            let variance = all.local.square / sampled.len() as f64;
+            let covariance = all.local.normal.floored_inverse(1e-14);
+            for k in 0..2 {
+                let moved = (nodes.at[k] - all.at[k]).abs() / (variance * covariance.get(k, k)).sqrt();
+                assert!(moved < 1e-7, "{uneven}: ln tau moved by {moved} standard errors");
+            }
+        }
+    }
+}

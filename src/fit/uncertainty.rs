@@ -1,5 +1,6 @@
 //! What the residuals of a fit say of its noise, and the covariance of its parameters under that noise.
 
+use crate::numerics::column_memory::LongColumn;
 use crate::numerics::correlation::{Autoregression, slow_excess};
 use crate::numerics::decay::{BLOCK, Column};
 use crate::numerics::gram::{Gram, dot};
@@ -16,9 +17,9 @@ const LOST: f64 = 1e-13;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Residuals {
     /// Fitted values at the readings used.
-    pub(super) fitted: Vec<f64>,
+    pub(super) fitted: LongColumn,
     /// Measured minus fitted.
-    pub(super) residuals: Vec<f64>,
+    pub(super) residuals: LongColumn,
     /// Sum of their squares.
     pub(super) square: f64,
     /// Variance and lag-1 correlation.
@@ -31,8 +32,10 @@ pub(super) struct Residuals {
 
 impl Residuals {
     /// From fitted values at all readings of `sampled`, of a fit with `parameters` parameters.
-    pub(super) fn new(sampled: &Sampled, fitted: Vec<f64>, parameters: usize) -> Residuals {
-        let residuals: Vec<f64> = sampled.values.iter().zip(&fitted).map(|(y, f)| y - f).collect();
+    pub(super) fn new(sampled: &Sampled, fitted: impl Into<LongColumn>, parameters: usize) -> Residuals {
+        let fitted = fitted.into();
+        let mut residuals = LongColumn::with_capacity(fitted.len());
+        residuals.extend(sampled.values.iter().zip(&*fitted).map(|(y, f)| y - f));
         let (square, product) = (sums::square(&residuals), sums::lagged(&residuals));
         let readings = residuals.len() as f64;
         let noise = Autoregression::from_sums(square, product, readings, parameters as f64);
@@ -151,25 +154,31 @@ impl CovarianceSums {
     }
 }
 
+/// What comes before a block while its values are summed up.
+const LEAD: usize = 8;
+
 /// Replaces v by z with z_t = rho z_(t-1) + v_t, in steps that double: eight values depend on the eight before.
 fn remember(correlation: f64, values: &mut Column) {
-    const LEAD: usize = 8;
-    let mut padded = [0.0; BLOCK + LEAD];
-    padded[LEAD..].copy_from_slice(values);
-    let mut power = correlation;
-    for reach in [1, 2, 4] {
-        let before = padded;
-        for t in LEAD..BLOCK + LEAD {
-            padded[t] = before[t] + power * before[t - reach];
-        }
-        power *= power;
-    }
+    let (mut one, mut two) = ([0.0; BLOCK + LEAD], [0.0; BLOCK + LEAD]);
+    one[LEAD..].copy_from_slice(values);
+    let square = correlation * correlation;
+    double::<1>(correlation, &one, &mut two);
+    double::<2>(square, &two, &mut one);
+    double::<4>(square * square, &one, &mut two);
+    let power = square * square * square * square;
     for start in (LEAD..BLOCK + LEAD).step_by(LEAD) {
         for lane in 0..LEAD {
-            padded[start + lane] += power * padded[start + lane - LEAD];
+            two[start + lane] += power * two[start + lane - LEAD];
         }
     }
-    values.copy_from_slice(&padded[LEAD..]);
+    values.copy_from_slice(&two[LEAD..]);
+}
+
+/// Adds to each value `power` times the one `REACH` before it.
+fn double<const REACH: usize>(power: f64, from: &[f64; BLOCK + LEAD], to: &mut [f64; BLOCK + LEAD]) {
+    for t in LEAD..BLOCK + LEAD {
+        to[t] = from[t] + power * from[t - REACH];
+    }
 }
 
 #[cfg(test)]
@@ -194,8 +203,8 @@ mod tests {
                     .sum()
             });
             let residuals = Residuals {
-                fitted: Vec::new(),
-                residuals: Vec::new(),
+                fitted: LongColumn::default(),
+                residuals: LongColumn::default(),
                 square: 1.0,
                 noise: Autoregression {
                     variance: 1.0,
