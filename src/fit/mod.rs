@@ -9,6 +9,9 @@ mod coupled;
 mod electrical;
 mod error;
 mod estimates;
+mod group;
+mod joint;
+mod joint_estimates;
 mod outcome;
 mod sampled;
 mod search;
@@ -19,9 +22,12 @@ use crate::domain::{Channel, Drive, Fit, Level, Quantity};
 use crate::model::{FitModel, fit_model, fit_models};
 
 pub use error::FitError;
+pub use group::{Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, fit_group, shareable};
 
 use bending::Bending;
 use electrical::Electrical;
+use joint::readings::{Response, RunReadings};
+use joint::single::Judged;
 use sampled::Sampled;
 
 #[cfg(test)]
@@ -45,6 +51,18 @@ pub struct FitInput<'a> {
 pub struct FitOptions {
     /// The model.
     pub model: &'static FitModel,
+    /// How current and curvature are brought together.
+    pub method: Method,
+}
+
+/// How current and curvature are brought together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// The electrical parameters from the current; then, with those fixed, the rest from the curvature.
+    #[default]
+    TwoStep,
+    /// All parameters from both, each weighted by its noise.
+    Simultaneous,
 }
 
 impl Default for FitOptions {
@@ -52,6 +70,7 @@ impl Default for FitOptions {
     fn default() -> FitOptions {
         FitOptions {
             model: fit_models().last().unwrap_or(&fit_models()[0]),
+            method: Method::TwoStep,
         }
     }
 }
@@ -70,7 +89,10 @@ impl FitOptions {
                 .join(", ")
         };
         fit_model(id)
-            .map(|model| FitOptions { model })
+            .map(|model| FitOptions {
+                model,
+                ..FitOptions::default()
+            })
             .ok_or_else(|| FitError::UnknownModel {
                 found: id.to_owned(),
                 known: known(),
@@ -97,7 +119,40 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
     let identified = identify(input, options, readings);
-    Ok(outcome::fit(input, options.model, &identified))
+    if options.method == Method::Simultaneous && identified.current.is_ok() {
+        let group = fit_group(&[*input], &GroupOptions::sharing_all(options.model))?;
+        if let Some(fit) = group.runs.into_iter().next() {
+            return Ok(fit);
+        }
+    }
+    let judged = judge(input, options, &identified);
+    Ok(outcome::fit(input, options.model, &identified, judged.as_ref()))
+}
+
+/// Looks at the run by profile likelihood where the covariance of the two steps would mislead.
+fn judge(input: &FitInput, options: &FitOptions, identified: &Identified) -> Option<Judged> {
+    let (current, electrical) = identified.current.as_ref().ok()?;
+    let bending = identified.curvature.as_ref().ok();
+    let branches = options.model.branches;
+    if electrical.conductances_a_per_v.is_empty()
+        || estimates::is_parabolic(electrical, bending.map(|(_, bending)| bending), branches)
+            && is_even(current)
+            && bending.is_none_or(|(curvature, _)| is_even(curvature))
+    {
+        return None;
+    }
+    let readings = RunReadings {
+        drive: input.drive,
+        area_cm2: input.area_cm2,
+        current: Some(Response::new(current.clone())),
+        curvature: bending.map(|(curvature, _)| Response::new(curvature.clone())),
+    };
+    joint::single::judge(&readings, electrical, bending.map(|(_, bending)| bending), branches)
+}
+
+/// Whether the readings follow each other evenly, so that noise by reading order is noise by time.
+fn is_even(sampled: &Sampled) -> bool {
+    sampled.blocks.iter().all(|(_, block)| block.step_s.is_some())
 }
 
 /// Readings after the step that the electrical step needs: two more than parameters, and never below five.
