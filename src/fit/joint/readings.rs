@@ -166,11 +166,6 @@ impl<'a> RunReadings<'a> {
             }
         }
     }
-
-    /// Sum of squares that lies outside what any sum of exponentials could explain.
-    pub(in crate::fit) fn rest(&self) -> f64 {
-        [&self.current, &self.curvature].into_iter().flatten().map(|response| response.compressed.rest).sum()
-    }
 }
 
 /// The strain of a segment as modes: every charging rate, and the rate of relaxation.
@@ -246,8 +241,8 @@ mod tests {
             run.condensed(&model, Offsets::default(), &mut condensed);
             run.whole(&model, Offsets::default(), &mut whole);
             let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
-            let (a, b) = (square(&condensed) + run.rest(), square(&whole));
-            assert!((a - b).abs() < 2e-3 * b + 0.01, "{stretch} {rate}: {a} {b}");
+            let (a, b) = (square(&condensed), square(&whole));
+            assert!((a - b).abs() < 2e-3 * b + 1e-4, "{stretch} {rate}: {a} {b}");
         }
     }
 }
