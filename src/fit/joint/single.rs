@@ -219,7 +219,8 @@ fn evidence(
 }
 
 /// How far the sum of squares must rise above that of one branch to make room for a second one that would
-/// matter: a twentieth of the conductance at least, and a time constant three times apart within the record.
+/// matter: a twentieth of the conductance at least, and a time constant three times apart, from a tenth of the
+/// sampling interval to the length of the record.
 fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
     let local = one.local(0, &bottom.at);
     let layout = Layout { branches: 2 };
@@ -230,7 +231,7 @@ fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
     let steady = local[one.layout.steady()] / unit;
     let offset = local[one.layout.current_offset()];
     // ln conductance, share of the fast branch, ln of the fast and ratio of the time constants, steady, offset.
-    let low = [-local[0] - 5.0, 0.05, shortest_s.ln(), 3.0_f64.ln(), 0.0];
+    let low = [-local[0] - 5.0, 0.05, (shortest_s / 10.0).ln(), 3.0_f64.ln(), 0.0];
     let high = [-local[0] + 5.0, 0.95, longest_s.ln() - 3.0_f64.ln(), 1e3_f64.ln(), 1e4];
     if low[2] >= high[2] {
         return 0.0;
@@ -265,6 +266,7 @@ fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
         [-local[0], 0.5, tau - third / 2.0, third],
         [-local[0], 0.95, tau, 3.0 * third],
         [-local[0], 0.05, tau - 2.0 * third, 2.0 * third],
+        [-local[0], 0.3, low[2], tau - low[2]],
     ];
     let found = starts.iter().map(|start| {
         let at = [start[0], start[1], start[2], start[3], steady];
