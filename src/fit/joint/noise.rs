@@ -3,15 +3,17 @@
 //! The smooth part is a free sum of exponentials (of either sign, spread over the record), which follows any
 //! relaxation; what it leaves is judged by restricted likelihood, so that the smooth part costs no bias.
 
-use crate::fit::sampled::Sampled;
+use crate::fit::sampled::{Sampled, Span};
 
 use super::dense::Dense;
 use super::whitening::{Memory, Whitener, innovation_share};
 
-/// Correlations tried, and their spacing.
-const CORRELATIONS: usize = 22;
-/// Exponentials of the smooth part per segment, at most.
-const SHAPES: usize = 7;
+/// Correlations tried by reading order, and correlation times.
+const CORRELATIONS: usize = 60;
+const TIMES: usize = 12;
+/// Exponentials of the smooth part per segment, at most, and the closest they lie in the logarithm of time.
+const SHAPES: usize = 14;
+const CLOSEST: f64 = 0.8;
 /// Twice the gain in log likelihood that a further property of the noise must bring, beside BIC.
 const EVIDENCE: f64 = 6.0;
 /// Readings from which orders above one are looked at.
@@ -170,16 +172,19 @@ impl Smooth {
         if freedom < 4.0 || unit <= 0.0 {
             return (best.1, best.0.1.sqrt(), self.terms());
         }
-        let by_order = |rho: f64| Memory::Order(vec![rho]);
+        let by_order = |x: f64| Memory::Order(vec![x.tanh()]);
         let (shortest_s, longest_s) = sampled.time_scales_s();
         let is_even = sampled.blocks.iter().all(|(_, block)| block.step_s.is_some());
-        best = self.search(sampled, scale, best, (-0.6, 0.985), by_order);
+        let lagged = self.lagged(sampled, scale);
+        let of_order = |x: f64| self.deviance_of(&lagged, x.tanh());
+        best = search(best, (-0.7, 3.4, CORRELATIONS), by_order, of_order);
         if !is_even && shortest_s > 0.0 && shortest_s < longest_s {
             let span = (longest_s / shortest_s / 4.0).max(2.0).ln();
             let by_time = |x: f64| Memory::Time {
                 correlation_time_s: shortest_s * (span * x).exp() / 2.0,
             };
-            best = self.search(sampled, scale, best, (0.0, 1.0), by_time);
+            let of_time = |x: f64| self.deviance(sampled, scale, &by_time(x));
+            best = search(best, (0.0, 1.0, TIMES), by_time, of_time);
         }
         if sampled.len() >= ENOUGH_FOR_ORDER && matches!(best.1, Memory::Order(_)) {
             best = self.higher_orders(sampled, scale, best);
@@ -187,38 +192,63 @@ impl Smooth {
         (best.1, best.0.1.sqrt(), self.terms())
     }
 
-    /// The best memory along a line of them: a coarse look, then a parabola through the best three.
-    fn search(
-        &self,
-        sampled: &Sampled,
-        scale: &[f64],
-        best: ((f64, f64), Memory),
-        (low, high): (f64, f64),
-        memory: impl Fn(f64) -> Memory,
-    ) -> ((f64, f64), Memory) {
-        let step = (high - low) / CORRELATIONS as f64;
-        let deviance = |x: f64| self.deviance(sampled, scale, &memory(x));
-        let looked: Vec<(f64, (f64, f64))> = (0..=CORRELATIONS)
-            .map(|k| low + step * k as f64)
-            .map(|x| (x, deviance(x)))
-            .collect();
-        let least = (0..looked.len()).min_by(|&a, &b| looked[a].1.0.total_cmp(&looked[b].1.0)).unwrap_or(0);
-        let mut x = looked[least].0;
-        if least > 0 && least < CORRELATIONS {
-            let [a, b, c] = [looked[least - 1].1.0, looked[least].1.0, looked[least + 1].1.0];
-            let bend = a - 2.0 * b + c;
-            if bend > 0.0 {
-                x += step * 0.5 * (a - c) / bend;
+    /// Products of the scaled shapes and rest with each other, at the same reading and at neighbours.
+    fn lagged(&self, sampled: &Sampled, scale: &[f64]) -> Lagged {
+        let scaled = |column: &[f64], span: &Span| -> Vec<f64> {
+            column.iter().zip(&scale[span.first..span.end]).map(|(v, s)| v / s).collect()
+        };
+        let mut lagged = Lagged {
+            spans: Vec::new(),
+            readings: sampled.len() as f64,
+            determinant: scale.iter().map(|s| 2.0 * s.ln()).sum(),
+        };
+        for (span, shapes) in sampled.spans.iter().zip(&self.shapes) {
+            let mut columns: Vec<Vec<f64>> = shapes.iter().map(|shape| scaled(shape, span)).collect();
+            columns.push(scaled(&self.rest[span.first..span.end], span));
+            let last = span.end - span.first - 1;
+            let mut products = [(); 4].map(|()| Dense::zero(columns.len()));
+            for (a, x) in columns.iter().enumerate() {
+                for (b, y) in columns.iter().enumerate() {
+                    products[0].add(a, b, x[0] * y[0]);
+                    products[1].add(a, b, inner(&x[1..], &y[1..]));
+                    products[2].add(a, b, inner(&x[..last], &y[..last]));
+                    products[3].add(a, b, inner(&x[1..], &y[..last]) + inner(&x[..last], &y[1..]));
+                }
             }
+            lagged.spans.push((products, last as f64));
         }
-        let found = deviance(x);
-        // Memory costs one parameter: it is taken even on weak evidence, since leaving it out makes intervals
-        // too short while taking it in vain costs next to nothing.
-        if found.0 < best.0.0 { (found, memory(x)) } else { best }
+        lagged
+    }
+
+    /// As [`Smooth::deviance`] for a first-order autoregression by reading order, from sums made before.
+    fn deviance_of(&self, lagged: &Lagged, rho: f64) -> (f64, f64) {
+        let new = 1.0 - rho * rho;
+        let mut square = 0.0;
+        let mut determinant = lagged.determinant;
+        for ([first, later, earlier, both], pairs) in &lagged.spans {
+            let white = |a: usize, b: usize| {
+                let after = later.get(a, b) + rho * rho * earlier.get(a, b) - rho * both.get(a, b);
+                first.get(a, b) + after / new
+            };
+            let count = first.order() - 1;
+            let mut normal = Dense::zero(count);
+            for a in 0..count {
+                for b in 0..count {
+                    normal.add(a, b, white(a, b));
+                }
+            }
+            let right: Vec<f64> = (0..count).map(|a| white(a, count)).collect();
+            let solved = normal.solve(&right, 1e-14);
+            square += white(count, count) - inner(&right, &solved);
+            determinant += normal.log_determinant() + pairs * new.ln();
+        }
+        let freedom = (lagged.readings - self.terms()).max(1.0);
+        let variance = (square / freedom).max(f64::MIN_POSITIVE);
+        (freedom * variance.ln() + determinant, variance)
     }
 
     /// Orders two and three where BIC asks for them.
-    fn higher_orders(&self, sampled: &Sampled, scale: &[f64], first: ((f64, f64), Memory)) -> ((f64, f64), Memory) {
+    fn higher_orders(&self, sampled: &Sampled, scale: &[f64], first: Candidate) -> Candidate {
         let mut best = first;
         let penalty = (sampled.len() as f64).ln().max(EVIDENCE);
         let lags = self.autocovariances(sampled, scale, &best.1);
@@ -238,7 +268,7 @@ impl Smooth {
         let n = sampled.len() as f64;
         let rest: Vec<f64> = self.rest.iter().zip(scale).map(|(r, s)| r / s).collect();
         let lag = |lag: usize| {
-            let of_span = |span: &crate::fit::sampled::Span| {
+            let of_span = |span: &Span| {
                 let values = &rest[span.first..span.end];
                 values.iter().zip(values.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()
             };
@@ -248,6 +278,43 @@ impl Smooth {
         let variance = lag(0) / (1.0 - removed.min(0.5));
         std::array::from_fn(|k| lag(k) + removed.min(0.5) * variance)
     }
+}
+
+/// Sums from which the likelihood of any first-order autoregression follows.
+struct Lagged {
+    /// Per span the products at the first reading, at later ones, at those before them, and across; and the
+    /// number of pairs of neighbours.
+    spans: Vec<([Dense; 4], f64)>,
+    readings: f64,
+    determinant: f64,
+}
+
+/// A deviance with the variance of the noise, and the memory they belong to.
+type Candidate = ((f64, f64), Memory);
+
+/// The best memory along a line of them: a look at evenly spaced ones, then a parabola through the best three.
+///
+/// Memory costs one parameter and is taken even on weak evidence: leaving it out makes intervals too short,
+/// while taking it in vain costs next to nothing.
+fn search(
+    best: Candidate,
+    (low, high, count): (f64, f64, usize),
+    memory: impl Fn(f64) -> Memory,
+    deviance: impl Fn(f64) -> (f64, f64),
+) -> Candidate {
+    let step = (high - low) / count as f64;
+    let looked: Vec<f64> = (0..=count).map(|k| deviance(low + step * k as f64).0).collect();
+    let least = (0..looked.len()).min_by(|&a, &b| looked[a].total_cmp(&looked[b])).unwrap_or(0);
+    let mut x = low + step * least as f64;
+    if least > 0 && least < count {
+        let [a, b, c] = [looked[least - 1], looked[least], looked[least + 1]];
+        let bend = a - 2.0 * b + c;
+        if bend > 0.0 {
+            x += step * 0.5 * (a - c) / bend;
+        }
+    }
+    let found = deviance(x);
+    if found.0 < best.0.0 { (found, memory(x)) } else { best }
 }
 
 /// Coefficients of the autoregression with those autocovariances; none where it would not be stationary.
@@ -330,8 +397,9 @@ fn shapes(elapsed_s: &[f64]) -> Vec<Vec<f64>> {
         .fold(f64::INFINITY, f64::min);
     let mut columns = vec![vec![1.0; n]];
     if n >= 6 && longest_s > 0.0 && step_s > 0.0 {
-        let count = (n / 8).clamp(2, SHAPES);
         let (fast, slow) = ((step_s * 2.0).ln(), (longest_s / 1.5).ln());
+        let room = ((slow - fast) / CLOSEST).max(0.0) as usize + 1;
+        let count = (n / 8).min(room).clamp(2, SHAPES);
         for k in 0..count {
             let tau_s = (slow + (fast - slow) * k as f64 / (count - 1) as f64).exp();
             columns.push(elapsed_s.iter().map(|t| (-t / tau_s).exp()).collect());

@@ -19,6 +19,11 @@ pub(in crate::fit) const BRANCH_EVIDENCE: f64 = 12.0;
 const BRANCH_DOUBT: f64 = 4.0;
 /// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
 const RULED_OUT: f64 = 3.84;
+/// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
+const CLEAR: f64 = 30.0;
+/// How much wider the intervals of a branch are that was only just taken: runs in which chance made it look
+/// larger are taken more often than those in which it made it look smaller.
+const CHOSEN_WIDER: f64 = 0.5;
 /// How far an interval of a logarithm is followed.
 pub(in crate::fit) const REACH: f64 = 1.7;
 /// Restarts from deeper minima met on the way.
@@ -219,7 +224,7 @@ fn evidence(
 }
 
 /// How far the sum of squares must rise above that of one branch to make room for a second one that would
-/// matter: a twentieth of the conductance at least, and a time constant three times apart, from a tenth of the
+/// matter: a tenth of the conductance where it is the fast one, a twentieth where it is the slow one, and a time constant three times apart, from a tenth of the
 /// sampling interval to the length of the record.
 fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
     let local = one.local(0, &bottom.at);
@@ -231,7 +236,7 @@ fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
     let steady = local[one.layout.steady()] / unit;
     let offset = local[one.layout.current_offset()];
     // ln conductance, share of the fast branch, ln of the fast and ratio of the time constants, steady, offset.
-    let low = [-local[0] - 5.0, 0.05, (shortest_s / 10.0).ln(), 3.0_f64.ln(), 0.0];
+    let low = [-local[0] - 5.0, 0.1, (shortest_s / 10.0).ln(), 3.0_f64.ln(), 0.0];
     let high = [-local[0] + 5.0, 0.95, longest_s.ln() - 3.0_f64.ln(), 1e3_f64.ln(), 1e4];
     if low[2] >= high[2] {
         return 0.0;
@@ -262,10 +267,10 @@ fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
     let third = 3.0_f64.ln();
     let starts = [
         [-local[0], 0.95, tau, third],
-        [-local[0], 0.05, tau - third, third],
+        [-local[0], 0.1, tau - third, third],
         [-local[0], 0.5, tau - third / 2.0, third],
         [-local[0], 0.95, tau, 3.0 * third],
-        [-local[0], 0.05, tau - 2.0 * third, 2.0 * third],
+        [-local[0], 0.1, tau - 2.0 * third, 2.0 * third],
         [-local[0], 0.3, low[2], tau - low[2]],
     ];
     let found = starts.iter().map(|start| {
@@ -340,7 +345,11 @@ fn intervals(
         let factor = excess(&problem, &bottom);
         let quantile = quantile_95(freedom) * factor;
         let mut solved = Solved::new(&problem, bottom.clone());
-        match all(&mut solved, features, quantile) {
+        let wider = match judged.evidence.branches {
+            Branches::All => chosen_wider(&judged.evidence),
+            _ => 1.0,
+        };
+        match all(&mut solved, features, quantile, wider) {
             Err(Deeper(at)) if restarts < RESTARTS => {
                 restarts += 1;
                 judged.evaluations += solved.evaluations;
@@ -364,13 +373,21 @@ fn intervals(
     }
 }
 
+/// Factor on the quantile for the parts of a branch that was taken on that evidence.
+fn chosen_wider(evidence: &Evidence) -> f64 {
+    let short = ((CLEAR - evidence.gain) / (CLEAR - BRANCH_EVIDENCE)).clamp(0.0, 1.0);
+    1.0 + CHOSEN_WIDER * short
+}
+
 fn all(
     solved: &mut Solved,
     features: &[Feature],
     quantile: f64,
+    wider: f64,
 ) -> Result<Vec<(Feature, Option<Interval>)>, Deeper> {
     let mut found = Vec::with_capacity(features.len());
     for &feature in features {
+        let quantile = if feature.branch().is_some() { wider * quantile } else { quantile };
         let reach = reach(solved, feature, quantile);
         found.push((feature, Some(solved.profile(feature, 0, quantile, reach)?)));
     }
