@@ -97,7 +97,19 @@ fn truth(row: &[f64; 8]) -> [f64; 11] {
     }
     let parallel = 1.0 / (1.0 / r1 + 1.0 / r2);
     let [r1, c1, r2, c2] = fast;
-    [r1, c1, r2, c2, rss, alpha, lambda, c1 + c2, parallel, r1 * c1, r2 * c2]
+    [
+        r1,
+        c1,
+        r2,
+        c2,
+        rss,
+        alpha,
+        lambda,
+        c1 + c2,
+        parallel,
+        r1 * c1,
+        r2 * c2,
+    ]
 }
 
 /// Exact values plus noise with that lag-1 correlation; the signal's mean square is `noise_db` above it.
@@ -127,7 +139,10 @@ fn fit(case: &Case, method: Method) -> Option<Fit> {
     };
     let channels = [
         channel(Quantity::Current, model.current_a(&drive, AREA_CM2, &time_s)),
-        channel(Quantity::Curvature, model.curvature_per_cm(&drive, AREA_CM2, &time_s)),
+        channel(
+            Quantity::Curvature,
+            model.curvature_per_cm(&drive, AREA_CM2, &time_s),
+        ),
     ];
     let input = FitInput {
         channels: &channels,
@@ -156,7 +171,9 @@ struct Count {
 impl Count {
     fn add(&mut self, fit: &Fit, key: &str, expected: f64) {
         self.runs += 1;
-        let Some(estimate) = fit.parameter(key) else { return };
+        let Some(estimate) = fit.parameter(key) else {
+            return;
+        };
         let low = estimate.low_95.unwrap_or(f64::NEG_INFINITY);
         let high = estimate.high_95.unwrap_or(f64::INFINITY);
         let holds = low <= expected && expected <= high;
@@ -183,7 +200,13 @@ impl Count {
     }
 
     fn line(&self, key: &str) -> String {
-        let share = |part: usize, of: usize| if of == 0 { "-".to_owned() } else { format!("{:.1}", 100.0 * part as f64 / of as f64) };
+        let share = |part: usize, of: usize| {
+            if of == 0 {
+                "-".to_owned()
+            } else {
+                format!("{:.1}", 100.0 * part as f64 / of as f64)
+            }
+        };
         let n = self.determined.max(1) as f64;
         let bias = self.deviation / n;
         format!(
@@ -199,7 +222,9 @@ impl Count {
 
 fn table(title: &str, fits: &[(Case, Option<Fit>)], keep: impl Fn(&Case) -> bool) {
     println!("\n{title}\n");
-    println!("| parameter | determined % | covered % | bounded % | bound holds % | open % | bias, standard errors |");
+    println!(
+        "| parameter | determined % | covered % | bounded % | bound holds % | open % | bias, standard errors |"
+    );
     println!("|---|---|---|---|---|---|---|");
     let kept: Vec<&(Case, Option<Fit>)> = fits.iter().filter(|(case, _)| keep(case)).collect();
     for (k, key) in KEYS.iter().enumerate() {
@@ -231,8 +256,14 @@ fn main() {
         })
         .collect();
     let failed = fits.iter().filter(|(_, fit)| fit.is_none()).count();
-    let unsettled = fits.iter().filter(|(_, fit)| fit.as_ref().is_some_and(|fit| !fit.converged)).count();
-    println!("{runs} runs, {failed} failed, {unsettled} not converged, {:.1} s", start.elapsed().as_secs_f64());
+    let unsettled = fits
+        .iter()
+        .filter(|(_, fit)| fit.as_ref().is_some_and(|fit| !fit.converged))
+        .count();
+    println!(
+        "{runs} runs, {failed} failed, {unsettled} not converged, {:.1} s",
+        start.elapsed().as_secs_f64()
+    );
     table("All runs", &fits, |_| true);
     if let Some(key) = words.iter().find_map(|word| word.strip_prefix("miss=")) {
         let k = KEYS.iter().position(|own| *own == key).unwrap();
@@ -240,15 +271,32 @@ fn main() {
             let Some(fit) = fit else { continue };
             let e = fit.parameter(key).unwrap();
             let t = truth(&ROWS[case.row])[k];
-            if let Some(v) = e.value && !(e.low_95.unwrap() <= t && t <= e.high_95.unwrap()) {
-                let choice = fit.issues.iter().find(|i| i.code == "model-choice").map_or("tight", |i| i.message.as_str());
-                println!("row {} n {} rho {} db {:.1}: true {t:.4e} value {v:.4e} se {:.2e} [{:.4e}, {:.4e}] {choice}", case.row, case.points, case.correlation, case.noise_db, e.standard_error.unwrap(), e.low_95.unwrap(), e.high_95.unwrap());
+            if let Some(v) = e.value
+                && !(e.low_95.unwrap() <= t && t <= e.high_95.unwrap())
+            {
+                let choice = fit
+                    .issues
+                    .iter()
+                    .find(|i| i.code == "model-choice")
+                    .map_or("tight", |i| i.message.as_str());
+                println!(
+                    "row {} n {} rho {} db {:.1}: true {t:.4e} value {v:.4e} se {:.2e} [{:.4e}, {:.4e}] {choice}",
+                    case.row,
+                    case.points,
+                    case.correlation,
+                    case.noise_db,
+                    e.standard_error.unwrap(),
+                    e.low_95.unwrap(),
+                    e.high_95.unwrap()
+                );
             }
         }
     }
     if words.iter().any(|word| word == "parts") {
         for rho in CORRELATIONS {
-            table(&format!("Correlation {rho}"), &fits, |case| case.correlation == rho);
+            table(&format!("Correlation {rho}"), &fits, |case| {
+                case.correlation == rho
+            });
         }
         for low in [10.0, 20.0, 30.0] {
             table(&format!("{low} to {} dB", low + 10.0), &fits, |case| {
@@ -256,7 +304,9 @@ fn main() {
             });
         }
         for (low, high) in [(60, 300), (300, 2000), (2000, 36_001)] {
-            table(&format!("{low} to {high} points"), &fits, |case| (low..high).contains(&case.points));
+            table(&format!("{low} to {high} points"), &fits, |case| {
+                (low..high).contains(&case.points)
+            });
         }
     }
 }

@@ -146,7 +146,10 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
 fn shared_places(layout: Layout, options: &GroupOptions) -> Result<Vec<usize>, FitError> {
     let known = shareable(options.model);
     let place = |key: &String| {
-        let feature = known.contains(&key.as_str()).then(|| Feature::of_key(key, layout.branches)).flatten();
+        let feature = known
+            .contains(&key.as_str())
+            .then(|| Feature::of_key(key, layout.branches))
+            .flatten();
         let local = match feature {
             Some(Feature::Resistance(k)) => Some(layout.resistance(k)),
             Some(Feature::Capacitance(k)) => Some(layout.capacitance(k)),
@@ -197,7 +200,10 @@ fn search<'a>(runs: Vec<RunReadings<'a>>, starts: &[Start], shared: &[usize]) ->
     for at in start_places(&problem, starts, first).iter().take(STARTS) {
         let found = problem.descend(at, LIMIT, 1e-4);
         evaluations += found.evaluations;
-        if best.as_ref().is_none_or(|best| found.slope.square < best.slope.square) {
+        if best
+            .as_ref()
+            .is_none_or(|best| found.slope.square < best.slope.square)
+        {
             best = Some(found);
         }
     }
@@ -242,7 +248,10 @@ fn start_places(problem: &Problem, starts: &[Start], first: Vec<f64>) -> Vec<Vec
             }
         }
     }
-    let mean = sums.iter().zip(&first).map(|((sum, count), v)| if *count > 0.0 { sum / count } else { *v });
+    let mean = sums
+        .iter()
+        .zip(&first)
+        .map(|((sum, count), v)| if *count > 0.0 { sum / count } else { *v });
     let mut all = vec![mean.collect::<Vec<f64>>()];
     all.extend(places);
     all.dedup();
@@ -260,9 +269,17 @@ struct JudgedGroup {
 fn features(layout: Layout, problem: &Problem, run: usize) -> Vec<Feature> {
     let mut found = Vec::new();
     for k in 0..layout.branches {
-        found.extend([Feature::Resistance(k), Feature::Capacitance(k), Feature::TimeConstant(k)]);
+        found.extend([
+            Feature::Resistance(k),
+            Feature::Capacitance(k),
+            Feature::TimeConstant(k),
+        ]);
     }
-    found.extend([Feature::Steady, Feature::TotalCapacitance, Feature::ParallelResistance]);
+    found.extend([
+        Feature::Steady,
+        Feature::TotalCapacitance,
+        Feature::ParallelResistance,
+    ]);
     if problem.runs[run].curvature.is_some() {
         found.extend([Feature::Coupling, Feature::Rate]);
     }
@@ -281,7 +298,9 @@ fn judge(problem: &Problem, mut bottom: Bottom, options: &GroupOptions, mut eval
             Err(_) => break Vec::new(),
         }
     };
-    let resampled = options.bootstrap.map_or_else(Vec::new, |bootstrap| resample(problem, &bottom, bootstrap));
+    let resampled = options
+        .bootstrap
+        .map_or_else(Vec::new, |bootstrap| resample(problem, &bottom, bootstrap));
     JudgedGroup {
         bottom,
         features: features_of,
@@ -315,14 +334,23 @@ fn try_intervals(
         let mut own = Vec::new();
         for feature in features(problem.layout, problem, run) {
             let linear = whole.linear(feature, run, quantile);
-            let scale = if feature.is_logarithm() { 1.0 } else { linear.value.abs() };
+            let scale = if feature.is_logarithm() {
+                1.0
+            } else {
+                linear.value.abs()
+            };
             let narrow = quantile * linear.standard_error <= NARROW * scale;
             if narrow && options.intervals == Intervals::Automatic {
                 own.push((feature, linear));
                 continue;
             }
-            let solved = along.get_or_insert_with(|| Solved::new(problem, problem.descend(&bottom.at, LIMIT, 1e-5)));
-            let reach = if feature.is_logarithm() { REACH } else { reach(solved, feature, quantile) };
+            let solved =
+                along.get_or_insert_with(|| Solved::new(problem, problem.descend(&bottom.at, LIMIT, 1e-5)));
+            let reach = if feature.is_logarithm() {
+                REACH
+            } else {
+                reach(solved, feature, quantile)
+            };
             own.push((feature, solved.profile(feature, run, quantile, reach)?));
         }
         found.push(own);
@@ -332,7 +360,11 @@ fn try_intervals(
 }
 
 fn resample(problem: &Problem, bottom: &Bottom, bootstrap: Bootstrap) -> Vec<Vec<Resampled>> {
-    let own = |run: usize| features(problem.layout, problem, run).into_iter().map(move |feature| (run, feature));
+    let own = |run: usize| {
+        features(problem.layout, problem, run)
+            .into_iter()
+            .map(move |feature| (run, feature))
+    };
     let wanted: Vec<(usize, Feature)> = (0..problem.runs.len()).flat_map(own).collect();
     let refits = replicate(problem, &bottom.at, &wanted, bootstrap.seed, bootstrap.replicates);
     let mut found: Vec<Vec<Resampled>> = vec![Vec::new(); problem.runs.len()];
@@ -393,7 +425,10 @@ impl GroupFit {
     /// The shared parameters, as every run has them.
     pub fn shared_parameters(&self) -> Vec<&Parameter> {
         let first = self.runs.first().map_or(&[][..], |fit| fit.parameters.as_slice());
-        first.iter().filter(|parameter| self.shared.contains(&parameter.key)).collect()
+        first
+            .iter()
+            .filter(|parameter| self.shared.contains(&parameter.key))
+            .collect()
     }
 
     /// Issues of all runs, each with the position of its run.
@@ -402,6 +437,8 @@ impl GroupFit {
             (0..fit.issues.len()).map(|issue| (run, issue)).collect()
         };
         let places = self.runs.iter().enumerate().flat_map(of_run);
-        places.map(|(run, issue)| (run, &self.runs[run].issues[issue])).collect()
+        places
+            .map(|(run, issue)| (run, &self.runs[run].issues[issue]))
+            .collect()
     }
 }

@@ -28,7 +28,11 @@ fn trade_off(partner: Option<(Feature, f64)>) -> String {
     let named = partner.and_then(|(feature, correlation)| Some((feature.key()?, correlation)));
     match named {
         Some((key, correlation)) if correlation.abs() > 0.5 => {
-            let how = if correlation < 0.0 { "one can rise while the other falls" } else { "both can rise together" };
+            let how = if correlation < 0.0 {
+                "one can rise while the other falls"
+            } else {
+                "both can rise together"
+            };
             format!("; it trades off against {key}: {how} (correlation {correlation:.2})")
         }
         _ => String::new(),
@@ -43,14 +47,21 @@ fn logarithm(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
         (Some(low), Some(high)) => {
             // Half of the interval in 95 % units: what a table may print as the standard error.
             let relative = (interval.standard_error).min((high - low) / 3.92);
-            Estimate::determined(value, value * relative, low.exp().min(value), high.exp().max(value))
+            Estimate::determined(
+                value,
+                value * relative,
+                low.exp().min(value),
+                high.exp().max(value),
+            )
         }
-        (Some(low), None) => {
-            Estimate::above(low.exp(), format!("the data set it no upper limit{}", trade_off(partner)))
-        }
-        (None, Some(high)) => {
-            Estimate::below(high.exp(), format!("the data set it no lower limit{}", trade_off(partner)))
-        }
+        (Some(low), None) => Estimate::above(
+            low.exp(),
+            format!("the data set it no upper limit{}", trade_off(partner)),
+        ),
+        (None, Some(high)) => Estimate::below(
+            high.exp(),
+            format!("the data set it no lower limit{}", trade_off(partner)),
+        ),
         (None, None) => Estimate::not_determined(format!(
             "its 95 % interval would span more than a factor of five to either side{}",
             trade_off(partner)
@@ -61,14 +72,22 @@ fn logarithm(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
 fn steady(interval: &Interval, drive: &Drive, partner: Option<(Feature, f64)>) -> Estimate {
     let held = |level: Level| matches!(level, Level::Voltage(v) if v != 0.0);
     if drive.baseline_v == 0.0 && !drive.segments.iter().any(|segment| held(segment.level)) {
-        return Estimate::not_determined("no voltage other than zero was held, so no steady current could flow");
+        return Estimate::not_determined(
+            "no voltage other than zero was held, so no steady current could flow",
+        );
     }
     let Some(high) = interval.high.filter(|high| *high > 0.0) else {
-        return Estimate::not_determined(format!("the current leaves the steady part open{}", trade_off(partner)));
+        return Estimate::not_determined(format!(
+            "the current leaves the steady part open{}",
+            trade_off(partner)
+        ));
     };
     let low = interval.low.unwrap_or(0.0);
     if low <= interval.value / 10.0 {
-        let reason = format!("the steady current cannot be told from zero{}", trade_off(partner));
+        let reason = format!(
+            "the steady current cannot be told from zero{}",
+            trade_off(partner)
+        );
         let mut estimate = Estimate::above(high.recip(), reason);
         estimate.at_bound = interval.value <= 0.0;
         return estimate;
@@ -85,12 +104,14 @@ fn coupling(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
             let error = interval.standard_error.min((high - low) / 3.92);
             Estimate::determined(interval.value, error, low, high)
         }
-        (Some(low), None) if low > 0.0 => {
-            Estimate::above(low, format!("the data set it no upper limit{}", trade_off(partner)))
-        }
-        (None, Some(high)) if high < 0.0 => {
-            Estimate::below(high, format!("the data set it no lower limit{}", trade_off(partner)))
-        }
+        (Some(low), None) if low > 0.0 => Estimate::above(
+            low,
+            format!("the data set it no upper limit{}", trade_off(partner)),
+        ),
+        (None, Some(high)) if high < 0.0 => Estimate::below(
+            high,
+            format!("the data set it no lower limit{}", trade_off(partner)),
+        ),
         _ => Estimate::not_determined(format!(
             "the 95 % interval of the coupling would contain zero or have no end{}",
             trade_off(partner)
@@ -103,7 +124,12 @@ fn rate(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     match (low, interval.high) {
         (Some(low), Some(high)) => {
             let error = interval.standard_error.min((high - low) / 3.92);
-            Estimate::determined(interval.value, error, low.min(interval.value), high.max(interval.value))
+            Estimate::determined(
+                interval.value,
+                error,
+                low.min(interval.value),
+                high.max(interval.value),
+            )
         }
         (None, Some(high)) => {
             let reason = format!(
@@ -115,7 +141,9 @@ fn rate(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
             estimate
         }
         (Some(low), None) => Estimate::above(low, "relaxation is faster than the readings tell".to_owned()),
-        (None, None) => Estimate::not_determined(format!("the data leave the rate open{}", trade_off(partner))),
+        (None, None) => {
+            Estimate::not_determined(format!("the data leave the rate open{}", trade_off(partner)))
+        }
     }
 }
 
@@ -146,9 +174,16 @@ pub(super) fn judged_estimate(key: &str, judged: &Judged, drive: &Drive) -> Opti
     let (_, interval) = judged.features.iter().find(|(own, _)| *own == feature)?;
     let partner = judged.partners.iter().find(|(own, ..)| *own == feature);
     let Some(interval) = interval else {
-        return Some(Estimate::not_determined("the search met ever deeper minima: no interval can be stated"));
+        return Some(Estimate::not_determined(
+            "the search met ever deeper minima: no interval can be stated",
+        ));
     };
-    Some(estimate(feature, interval, drive, partner.map(|(_, other, correlation)| (*other, *correlation))))
+    Some(estimate(
+        feature,
+        interval,
+        drive,
+        partner.map(|(_, other, correlation)| (*other, *correlation)),
+    ))
 }
 
 /// Why so many branches, in words.

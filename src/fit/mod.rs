@@ -134,11 +134,9 @@ fn judge(input: &FitInput, options: &FitOptions, identified: &Identified) -> Opt
     let (current, electrical) = identified.current.as_ref().ok()?;
     let bending = identified.curvature.as_ref().ok();
     let branches = options.model.branches;
-    if electrical.conductances_a_per_v.is_empty()
-        || estimates::is_parabolic(electrical, bending.map(|(_, bending)| bending), branches)
-            && is_even(current)
-            && bending.is_none_or(|(curvature, _)| is_even(curvature))
-    {
+    let parabolic = estimates::is_parabolic(electrical, bending.map(|(_, bending)| bending), branches);
+    let even = is_even(current) && bending.is_none_or(|(curvature, _)| is_even(curvature));
+    if electrical.conductances_a_per_v.is_empty() || parabolic && even {
         return None;
     }
     let readings = RunReadings {
@@ -147,7 +145,13 @@ fn judge(input: &FitInput, options: &FitOptions, identified: &Identified) -> Opt
         current: Some(Response::new(current.clone())),
         curvature: bending.map(|(curvature, _)| Response::new(curvature.clone())),
     };
-    joint::single::judge(&readings, electrical, bending.map(|(_, bending)| bending), branches)
+    joint::single::judge(
+        &readings,
+        electrical,
+        bending.map(|(_, bending)| bending),
+        branches,
+        parabolic,
+    )
 }
 
 /// Whether the readings follow each other evenly, so that noise by reading order is noise by time.

@@ -1,7 +1,9 @@
 //! The identified parameters as a `Fit`: estimates, noise, curves and issues.
 
 use crate::domain::thinning::drawn_indices;
-use crate::domain::{ChannelNoise, Drive, Estimate, Fit, Issue, Level, Parameter, Quantity, RunCurve};
+use crate::domain::{
+    ChannelNoise, Drive, Estimate, Fit, Issue, Level, NoiseCharacter, Parameter, Quantity, RunCurve,
+};
 use crate::model::FitModel;
 use crate::numerics::correlation::lag_one;
 use crate::numerics::levenberg::Stop;
@@ -9,9 +11,11 @@ use crate::numerics::noise::local_scatter;
 
 use super::estimates::{bending_estimate, electrical_estimate};
 use super::joint::feature::Feature;
+use super::joint::noise::Noise;
 use super::joint::profile::Interval;
 use super::joint::readings::RunReadings;
 use super::joint::single::Judged;
+use super::joint::whitening::Memory;
 use super::joint_estimates::{self, choice_in_words, judged_estimate};
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
@@ -80,7 +84,8 @@ pub(super) fn fit(
         r_squared_curvature: r_squared(Quantity::Curvature),
         issues: issues(input.drive, identified, &parameters, judged),
         evaluations: judged.map_or(0, |judged| judged.evaluations)
-            + current.map_or(0, |(_, e)| e.evaluations) + curvature.map_or(0, |(_, b)| b.evaluations),
+            + current.map_or(0, |(_, e)| e.evaluations)
+            + curvature.map_or(0, |(_, b)| b.evaluations),
         parameters,
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),
@@ -138,7 +143,11 @@ pub(super) fn joint_parameters(
             }),
         })
     };
-    model.parameters.iter().filter_map(|description| of(description.key)).collect()
+    model
+        .parameters
+        .iter()
+        .filter_map(|description| of(description.key))
+        .collect()
 }
 
 /// One run of a joint fit.
@@ -150,7 +159,11 @@ pub(super) fn joint_fit(
     parameters: Vec<Parameter>,
     (stop, evaluations): (Stop, u64),
 ) -> Fit {
-    let step_s = input.drive.segments.first().map_or(0.0, |segment| segment.start_s);
+    let step_s = input
+        .drive
+        .segments
+        .first()
+        .map_or(0.0, |segment| segment.start_s);
     let count = 2 * model.branches + 1;
     let quantities = [(Quantity::Current, count), (Quantity::Curvature, 2)];
     let responses: Vec<Response> = [&run.current, &run.curvature]
@@ -164,7 +177,11 @@ pub(super) fn joint_fit(
         })
         .collect();
     let r_squared = |quantity: Quantity| {
-        responses.iter().find(|response| response.noise.quantity == quantity)?.noise.r_squared
+        responses
+            .iter()
+            .find(|response| response.noise.quantity == quantity)?
+            .noise
+            .r_squared
     };
     let mut issues = parameter_issues(&parameters);
     if !stop.converged() {
@@ -188,7 +205,10 @@ pub(super) fn joint_fit(
 }
 
 fn not_converged(stop: Stop) -> Issue {
-    Issue::warning("not-converged", format!("the search did not settle: {}", stop.words()))
+    Issue::warning(
+        "not-converged",
+        format!("the search did not settle: {}", stop.words()),
+    )
 }
 
 fn why_stopped(identified: &Identified) -> String {
@@ -321,6 +341,7 @@ impl Response {
                 quantity,
                 standard_deviation,
                 basis,
+                character: character(sampled),
                 residual_autocorrelation: lag_one(left),
                 residual_rms: rms,
                 readings: if residuals.is_some() { sampled.len() } else { 0 },
@@ -335,6 +356,22 @@ impl Response {
                 readings: sampled.len(),
             },
         }
+    }
+}
+
+/// Memory, growth and steps of the noise.
+fn character(sampled: &Sampled) -> NoiseCharacter {
+    let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let noise = Noise::of(sampled, 1e-9 * peak);
+    let (autoregression, correlation_time_s) = match noise.memory {
+        Memory::Order(coefficients) => (coefficients, None),
+        Memory::Time { correlation_time_s } => (Vec::new(), Some(correlation_time_s)),
+    };
+    NoiseCharacter {
+        autoregression,
+        correlation_time_s,
+        proportional: noise.proportional,
+        quantum: noise.quantum,
     }
 }
 

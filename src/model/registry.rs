@@ -106,7 +106,9 @@ static MODELS: [FitModel; 2] = [
         version: 2,
         branches: 2,
         description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
-        parameters: &[R1, C1, R2, C2, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1, TAU2],
+        parameters: &[
+            R1, C1, R2, C2, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1, TAU2,
+        ],
     },
 ];
 

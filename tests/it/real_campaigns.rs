@@ -58,7 +58,10 @@ fn tantalum_capacitor_is_described_down_to_its_noise() {
         // Where a slow second branch may be there (charging) the leak is known from below only.
         let low = steady.low_95.unwrap();
         assert!((2e5..8e5).contains(&low), "{steady:?}");
-        assert!(steady.value.is_none_or(|value| (4.5e5..8e5).contains(&value)), "{steady:?}");
+        assert!(
+            steady.value.is_none_or(|value| (4.5e5..8e5).contains(&value)),
+            "{steady:?}"
+        );
         assert!(name == "C3_charge" || steady.value.is_some(), "{steady:?}");
         let total = fit.parameter("c_total_f_per_cm2").unwrap();
         assert!((95e-6..103e-6).contains(&total.value.unwrap()), "{total:?}");

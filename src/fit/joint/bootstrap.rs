@@ -34,7 +34,8 @@ pub(in crate::fit) fn replicate(
             redraw(run, fitted, &mut rng);
         }
         let found = again.descend(at, 60, 1e-3);
-        let of = |&(run, feature): &(usize, Feature)| feature.of(problem.layout, &problem.local(run, &found.at));
+        let of =
+            |&(run, feature): &(usize, Feature)| feature.of(problem.layout, &problem.local(run, &found.at));
         let values: Vec<f64> = features.iter().map(of).collect();
         (found.slope.square.is_finite() && values.iter().all(|v| v.is_finite())).then_some(values)
     };
@@ -52,8 +53,9 @@ fn redraw(run: &mut RunReadings, fitted: &[Option<Vec<f64>>; 2], rng: &mut ChaCh
 
 fn redrawn(response: &Response, fitted: &[f64], rng: &mut ChaCha8Rng) -> Response {
     let sd = &response.noise.sd;
-    let unit: Vec<f64> =
-        (response.sampled.values.iter().zip(fitted).zip(sd)).map(|((y, f), sd)| (y - f) / sd).collect();
+    let unit: Vec<f64> = (response.sampled.values.iter().zip(fitted).zip(sd))
+        .map(|((y, f), sd)| (y - f) / sd)
+        .collect();
     let n = unit.len();
     let block = block_length(n, n as f64 / response.effective_readings());
     let mut values = Vec::with_capacity(n);

@@ -118,7 +118,9 @@ impl CompressedSpan {
             return mode.amplitude * (1.0 - share);
         }
         let place = place.min((self.nodes - 1) as f64);
-        let first = (place as usize).saturating_sub(STENCIL / 2 - 1).min(self.nodes - STENCIL);
+        let first = (place as usize)
+            .saturating_sub(STENCIL / 2 - 1)
+            .min(self.nodes - STENCIL);
         for (k, weight) in lagrange(place - first as f64).into_iter().enumerate() {
             take(self.node(first + k), mode.amplitude * weight, out);
         }
@@ -191,7 +193,9 @@ fn reduced(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> (Vec<f64>, Vec<f
     let mut largest: Option<f64> = None;
     while rows.len() < target.len() {
         let norms = columns.iter().map(|column| inner(column, column).sqrt());
-        let Some((pivot, norm)) = norms.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let Some((pivot, norm)) = norms.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            break;
+        };
         let most = *largest.get_or_insert(norm);
         if !(norm > DEPENDENT * most) || !norm.is_finite() {
             break;
@@ -209,7 +213,9 @@ fn reduced(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> (Vec<f64>, Vec<f
         rows.push(row);
     }
     let count = columns.len();
-    let design = (0..count).flat_map(|column| rows.iter().map(move |row| row[column])).collect();
+    let design = (0..count)
+        .flat_map(|column| rows.iter().map(move |row| row[column]))
+        .collect();
     (design, kept)
 }
 
@@ -222,13 +228,17 @@ mod tests {
     #[test]
     fn condensed_residuals_are_those_of_all_readings() {
         let time_s: std::sync::Arc<[f64]> = (0..3000).map(|k| 0.5 * f64::from(k)).collect();
-        let value = |t: f64| 0.2 + 1.3 * (-t / 7.7).exp() - 0.4 * (-t / 333.0).exp() + 0.1 * (-t * 1e-6).exp();
+        let value =
+            |t: f64| 0.2 + 1.3 * (-t / 7.7).exp() - 0.4 * (-t / 333.0).exp() + 0.1 * (-t * 1e-6).exp();
         let values: Vec<f64> = time_s.iter().map(|&t| value(t)).collect();
         let channel = Channel::new(Quantity::Current, time_s, values.into());
         let sampled = Sampled::new(&channel, &Drive::step(1.0), false);
         let whitener = Whitener::new(&sampled, &vec![1e-3; 3000], &Memory::Order(vec![0.6]));
         let span = &Compressed::new(&sampled, &whitener).spans[0];
-        let mode = |rate_per_s: f64, amplitude| Mode { rate_per_s, amplitude };
+        let mode = |rate_per_s: f64, amplitude| Mode {
+            rate_per_s,
+            amplitude,
+        };
         let mut left = Vec::new();
         let exact = [mode(1.0 / 7.7, 1.3), mode(1.0 / 333.0, -0.4), mode(1e-6, 0.1)];
         span.residuals(0.2, &exact, &mut left);
@@ -246,6 +256,11 @@ mod tests {
             .map(|&t| 1.3 * ((-t / 7.7).exp() - (-t / 8.7).exp()))
             .collect();
         whitener.whiten(&sampled.spans[0], &mut whole);
-        assert!((square(&left) / square(&whole) - 1.0).abs() < 1e-3, "{} {}", square(&left), square(&whole));
+        assert!(
+            (square(&left) / square(&whole) - 1.0).abs() < 1e-3,
+            "{} {}",
+            square(&left),
+            square(&whole)
+        );
     }
 }

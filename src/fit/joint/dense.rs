@@ -43,7 +43,9 @@ impl Dense {
         let mut factor = Dense::zero(n);
         for row in 0..n {
             for column in 0..=row {
-                let known: f64 = (0..column).map(|k| factor.get(row, k) * factor.get(column, k)).sum();
+                let known: f64 = (0..column)
+                    .map(|k| factor.get(row, k) * factor.get(column, k))
+                    .sum();
                 let rest = self.get(row, column) * scale[row] * scale[column] - known;
                 let value = if row == column {
                     rest.max(floor).sqrt()
@@ -242,7 +244,9 @@ mod tests {
         // det H_3 = 1/2160; the inverse of a Hilbert matrix has whole numbers.
         assert!((hilbert(3).log_determinant() + 2160.0_f64.ln()).abs() < 1e-10);
         let inverse = hilbert(4).inverse(1e-14);
-        assert!((inverse.get(0, 0) / 16.0 - 1.0).abs() < 1e-9 && (inverse.get(2, 3) / -4200.0 - 1.0).abs() < 1e-9);
+        assert!(
+            (inverse.get(0, 0) / 16.0 - 1.0).abs() < 1e-9 && (inverse.get(2, 3) / -4200.0 - 1.0).abs() < 1e-9
+        );
     }
 
     #[test]
@@ -263,8 +267,14 @@ mod tests {
             slope
         };
         let free = descend(&[-1.2, 1.0], &[-5.0; 2], &[5.0; 2], 200, 1e-14, valley);
-        assert!((free.at[0] - 1.0).abs() < 1e-5 && (free.at[1] - 1.0).abs() < 1e-5, "{free:?}");
+        assert!(
+            (free.at[0] - 1.0).abs() < 1e-5 && (free.at[1] - 1.0).abs() < 1e-5,
+            "{free:?}"
+        );
         let walled = descend(&[-1.2, 1.0], &[-5.0; 2], &[0.5, 5.0], 200, 1e-14, valley);
-        assert!((walled.at[0] - 0.5).abs() < 1e-9 && (walled.at[1] - 0.25).abs() < 1e-5, "{walled:?}");
+        assert!(
+            (walled.at[0] - 0.5).abs() < 1e-9 && (walled.at[1] - 0.25).abs() < 1e-5,
+            "{walled:?}"
+        );
     }
 }

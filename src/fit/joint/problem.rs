@@ -152,7 +152,11 @@ impl Problem<'_> {
                 moved[index] = local[index] - STEP * self.units[index];
                 self.residuals(run, &moved, over, &mut below);
             }
-            let (from, width) = if one_sided { (&here, STEP) } else { (&below, 2.0 * STEP) };
+            let (from, width) = if one_sided {
+                (&here, STEP)
+            } else {
+                (&below, 2.0 * STEP)
+            };
             // Residual is measured minus model: the model's derivative has the other sign.
             columns.push((k, from.iter().zip(&above).map(|(b, a)| (b - a) / width).collect()));
         }
@@ -172,6 +176,8 @@ impl Problem<'_> {
 
     /// Searches from `start` over the condensed readings.
     pub(in crate::fit) fn descend(&self, start: &[f64], limit: u64, settle: f64) -> Bottom {
-        descend(start, &self.low, &self.high, limit, settle, |at| self.slope(at, Over::Condensed))
+        descend(start, &self.low, &self.high, limit, settle, |at| {
+            self.slope(at, Over::Condensed)
+        })
     }
 }

@@ -66,7 +66,10 @@ impl<'p, 'a> Solved<'p, 'a> {
 
     /// Correlation of two features under the covariance.
     pub(in crate::fit) fn correlation(&self, run: usize, a: Feature, b: Feature) -> f64 {
-        let (a, b) = (self.gradient(a, run, &self.bottom.at), self.gradient(b, run, &self.bottom.at));
+        let (a, b) = (
+            self.gradient(a, run, &self.bottom.at),
+            self.gradient(b, run, &self.bottom.at),
+        );
         let form = |x: &[f64], y: &[f64]| self.inverse.form(x, y);
         form(&a, &b) / (form(&a, &a) * form(&b, &b)).max(f64::MIN_POSITIVE).sqrt()
     }
@@ -129,7 +132,9 @@ impl<'p, 'a> Solved<'p, 'a> {
                 return Ok(Some(centre.value + sign * end));
             }
             if rise < quantile {
-                if distance >= 0.999 * reach || distance < inner.0 + 1e-9 * reach && outer.is_none() && inner.0 > 0.0 {
+                if distance >= 0.999 * reach
+                    || distance < inner.0 + 1e-9 * reach && outer.is_none() && inner.0 > 0.0
+                {
                     // The end of what is looked at, or a limit of the search, without a rise.
                     return Ok(None);
                 }
@@ -165,11 +170,20 @@ impl<'p, 'a> Solved<'p, 'a> {
             for (row, left) in gradient.iter().enumerate() {
                 slope.descent[row] += stiffness * left * gap;
                 for (column, right) in gradient.iter().enumerate() {
-                    slope.normal.add(row, column, stiffness * stiffness * left * right);
+                    slope
+                        .normal
+                        .add(row, column, stiffness * stiffness * left * right);
                 }
             }
             slope
         };
-        descend(from, &self.problem.low, &self.problem.high, LIMIT, SETTLE, evaluate)
+        descend(
+            from,
+            &self.problem.low,
+            &self.problem.high,
+            LIMIT,
+            SETTLE,
+            evaluate,
+        )
     }
 }

@@ -65,7 +65,8 @@ impl Response {
         let first = out.len();
         out.extend(self.sampled.values.iter().zip(fitted).map(|(y, f)| y - f));
         for span in &self.sampled.spans {
-            self.whitener.whiten(span, &mut out[first + span.first..first + span.end]);
+            self.whitener
+                .whiten(span, &mut out[first + span.first..first + span.end]);
         }
     }
 }
@@ -88,7 +89,12 @@ pub(in crate::fit) struct Offsets {
 
 impl<'a> RunReadings<'a> {
     /// Readings of the first channel of each quantity that has at least `needed` of them after the step.
-    pub(in crate::fit) fn new(channels: &[Channel], drive: &'a Drive, area_cm2: f64, needed: usize) -> RunReadings<'a> {
+    pub(in crate::fit) fn new(
+        channels: &[Channel],
+        drive: &'a Drive,
+        area_cm2: f64,
+        needed: usize,
+    ) -> RunReadings<'a> {
         let response = |quantity: Quantity| {
             let channel = channels.iter().find(|channel| channel.quantity == quantity)?;
             let sampled = Sampled::new(channel, drive, quantity == Quantity::Curvature);
@@ -104,7 +110,11 @@ impl<'a> RunReadings<'a> {
 
     /// Number of readings.
     pub(in crate::fit) fn len(&self) -> usize {
-        [&self.current, &self.curvature].into_iter().flatten().map(|response| response.sampled.len()).sum()
+        [&self.current, &self.curvature]
+            .into_iter()
+            .flatten()
+            .map(|response| response.sampled.len())
+            .sum()
     }
 
     /// Weighted residuals over the condensed readings, appended to `out`.
@@ -118,7 +128,10 @@ impl<'a> RunReadings<'a> {
                     None => self.drive.baseline_v / model.steady_state_resistance_ohm_cm2,
                     Some(index) => {
                         let response = &responses[index];
-                        let pairs = response.rates_per_s.iter().zip(&response.current_amplitudes_a_per_cm2);
+                        let pairs = response
+                            .rates_per_s
+                            .iter()
+                            .zip(&response.current_amplitudes_a_per_cm2);
                         modes.extend(pairs.map(|(&rate_per_s, amplitude)| Mode {
                             rate_per_s,
                             amplitude: self.area_cm2 * amplitude,
@@ -149,10 +162,16 @@ impl<'a> RunReadings<'a> {
         };
         let (drive, area) = (self.drive, self.area_cm2);
         let current = self.current.as_ref().map(|current| {
-            shifted(model.current_a(drive, area, &current.sampled.time_s), offsets.current_a)
+            shifted(
+                model.current_a(drive, area, &current.sampled.time_s),
+                offsets.current_a,
+            )
         });
         let curvature = self.curvature.as_ref().map(|curvature| {
-            shifted(model.curvature_per_cm(drive, area, &curvature.sampled.time_s), offsets.curvature_per_cm)
+            shifted(
+                model.curvature_per_cm(drive, area, &curvature.sampled.time_s),
+                offsets.curvature_per_cm,
+            )
         });
         [current, curvature]
     }
@@ -170,9 +189,17 @@ impl<'a> RunReadings<'a> {
 
 /// The strain of a segment as modes: every charging rate, and the rate of relaxation.
 fn strain_modes(response: &SegmentResponse, rate_per_s: f64, scale: f64, modes: &mut Vec<Mode>) {
-    let mut relaxing = |rate_per_s: f64, amplitude: f64| modes.push(Mode { rate_per_s, amplitude });
+    let mut relaxing = |rate_per_s: f64, amplitude: f64| {
+        modes.push(Mode {
+            rate_per_s,
+            amplitude,
+        })
+    };
     relaxing(rate_per_s, scale * response.strain_start_c_per_cm2);
-    let pairs = response.rates_per_s.iter().zip(&response.charge_amplitudes_c_per_cm2);
+    let pairs = response
+        .rates_per_s
+        .iter()
+        .zip(&response.charge_amplitudes_c_per_cm2);
     for (&rate, amplitude) in pairs {
         if rate == 0.0 {
             continue;
@@ -222,8 +249,16 @@ mod tests {
         };
         let time_s: Arc<[f64]> = (0..1300).map(|k| f64::from(k) - 50.0).collect();
         let channels = [
-            Channel::new(Quantity::Current, time_s.clone(), model.current_a(&drive, 0.1, &time_s).into()),
-            Channel::new(Quantity::Curvature, time_s.clone(), model.curvature_per_cm(&drive, 0.1, &time_s).into()),
+            Channel::new(
+                Quantity::Current,
+                time_s.clone(),
+                model.current_a(&drive, 0.1, &time_s).into(),
+            ),
+            Channel::new(
+                Quantity::Curvature,
+                time_s.clone(),
+                model.curvature_per_cm(&drive, 0.1, &time_s).into(),
+            ),
         ];
         let mut run = RunReadings::new(&channels, &drive, 0.1, 5);
         for (response, sd) in [(&mut run.current, 1e-5), (&mut run.curvature, 1e-3)] {
@@ -234,7 +269,12 @@ mod tests {
             };
             *response = Some(Response::with_noise(old.sampled, noise));
         }
-        for (stretch, rate) in [(1.0, 3.8e-4), (1.2, 0.0), (0.9, 0.02), (1.1, 1.0 / (521.4 * 0.098))] {
+        for (stretch, rate) in [
+            (1.0, 3.8e-4),
+            (1.2, 0.0),
+            (0.9, 0.02),
+            (1.1, 1.0 / (521.4 * 0.098)),
+        ] {
             model.branches[0].resistance_ohm_cm2 = 521.4 * stretch;
             model.relaxation_rate_per_s = rate;
             let (mut condensed, mut whole) = (Vec::new(), Vec::new());

@@ -31,6 +31,8 @@ const RESTARTS: usize = 4;
 /// Evaluations of one search.
 const LIMIT: u64 = 100;
 const SETTLE: f64 = 1e-4;
+/// Evaluations over all readings.
+const POLISH_LIMIT: u64 = 12;
 
 /// What the current says of the number of branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,10 +66,9 @@ pub(in crate::fit) struct Judged {
     pub(in crate::fit) features: Vec<(Feature, Option<Interval>)>,
     /// For a feature that is open: what it trades off against, and their correlation.
     pub(in crate::fit) partners: Vec<(Feature, Feature, f64)>,
-    /// Factor on standard errors for misfit beyond the noise.
-    pub(in crate::fit) excess: f64,
     /// Evaluations.
     pub(in crate::fit) evaluations: u64,
+    parabolic: bool,
 }
 
 const ELECTRICAL: [Feature; 9] = [
@@ -82,12 +83,14 @@ const ELECTRICAL: [Feature; 9] = [
     Feature::Steady,
 ];
 
-/// Intervals of every feature of a run, whose two-step solution is the start.
+/// Intervals of every feature of a run, whose two-step solution is the start; where the sum of squares is known
+/// to be `parabolic` from its covariance over all readings, else by profile.
 pub(in crate::fit) fn judge(
     readings: &RunReadings,
     electrical: &Electrical,
     bending: Option<&Bending>,
     branches: usize,
+    parabolic: bool,
 ) -> Option<Judged> {
     let current = RunReadings {
         curvature: None,
@@ -103,20 +106,19 @@ pub(in crate::fit) fn judge(
         evidence,
         features: Vec::new(),
         partners: Vec::new(),
-        excess: 1.0,
         evaluations: 0,
+        parabolic,
     };
     let count = full.0.layout.branches;
     let wanted: Vec<Feature> = ELECTRICAL
         .into_iter()
         .filter(|feature| feature.branch().is_none_or(|k| k < count))
         .collect();
-    let (settled, excess) = intervals(full, &wanted, freedom, &mut judged);
-    judged.excess = excess;
+    let settled = intervals(full, &wanted, freedom, &mut judged);
     if let (Some(bending), Some(curvature)) = (bending, &readings.curvature) {
         let freedom = freedom.min(curvature.noise.freedom);
         let mut start = Start::of(electrical, count).with_bending(bending);
-        for (local, value) in settled.local.iter().enumerate().take(2 * count + 1) {
+        for (local, value) in settled.iter().enumerate().take(2 * count + 1) {
             start.local[local] = *value;
         }
         if let Some(both) = minimum(readings, &[start]) {
@@ -135,7 +137,9 @@ pub(in crate::fit) fn judge(
 /// Where a search may start: what step one found, and the best pair of time constants whatever the evidence.
 fn electrical_starts(current: &RunReadings, electrical: &Electrical, branches: usize) -> Vec<Start> {
     let mut starts = vec![Start::of(electrical, branches)];
-    let Some(response) = &current.current else { return starts };
+    let Some(response) = &current.current else {
+        return starts;
+    };
     if let Some(limits) = Limits::of(&response.sampled) {
         let circuit = Circuit {
             drive: current.drive,
@@ -148,7 +152,10 @@ fn electrical_starts(current: &RunReadings, electrical: &Electrical, branches: u
             let area = current.area_cm2;
             let pair = |k: usize| {
                 let conductance = found.conductances_a_per_v[k].max(0.02 * total);
-                (area / conductance, conductance * found.log_time_constants[k].exp() / area)
+                (
+                    area / conductance,
+                    conductance * found.log_time_constants[k].exp() / area,
+                )
             };
             let pairs: Vec<(f64, f64)> = (0..branches).map(pair).collect();
             let mut start = Start::new(&pairs, found.conductances_a_per_v[branches] / area);
@@ -168,7 +175,10 @@ fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(Problem<'a>, 
     for start in starts {
         let at = coordinates(&problem, start);
         let found = problem.descend(&at, LIMIT, SETTLE);
-        if best.as_ref().is_none_or(|best| found.slope.square < best.slope.square) {
+        if best
+            .as_ref()
+            .is_none_or(|best| found.slope.square < best.slope.square)
+        {
             best = Some(found);
         }
     }
@@ -195,7 +205,10 @@ fn evidence(
     full: &(Problem, Bottom),
     branches: usize,
 ) -> Evidence {
-    let effective_readings = current.current.as_ref().map_or(1.0, |response| response.effective_readings());
+    let effective_readings = current
+        .current
+        .as_ref()
+        .map_or(1.0, |response| response.effective_readings());
     let penalty = 2.0 * effective_readings.max(2.0).ln();
     let mut evidence = Evidence {
         branches: Branches::All,
@@ -229,7 +242,9 @@ fn evidence(
 fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
     let local = one.local(0, &bottom.at);
     let layout = Layout { branches: 2 };
-    let Some(response) = &one.runs[0].current else { return 0.0 };
+    let Some(response) = &one.runs[0].current else {
+        return 0.0;
+    };
     let (shortest_s, longest_s) = response.sampled.time_scales_s();
     let tau = local[0] + local[1];
     let unit = one.units[one.layout.steady()];
@@ -237,7 +252,13 @@ fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
     let offset = local[one.layout.current_offset()];
     // ln conductance, share of the fast branch, ln of the fast and ratio of the time constants, steady, offset.
     let low = [-local[0] - 5.0, 0.1, (shortest_s / 10.0).ln(), 3.0_f64.ln(), 0.0];
-    let high = [-local[0] + 5.0, 0.95, longest_s.ln() - 3.0_f64.ln(), 1e3_f64.ln(), 1e4];
+    let high = [
+        -local[0] + 5.0,
+        0.95,
+        longest_s.ln() - 3.0_f64.ln(),
+        1e3_f64.ln(),
+        1e4,
+    ];
     if low[2] >= high[2] {
         return 0.0;
     }
@@ -287,7 +308,10 @@ fn numeric_slope(at: &[f64], residuals: &impl Fn(&[f64]) -> Vec<f64>) -> Slope {
     let column = |k: usize| -> Vec<f64> {
         let mut moved = at.to_vec();
         moved[k] += STEP;
-        here.iter().zip(residuals(&moved)).map(|(h, m)| (h - m) / STEP).collect()
+        here.iter()
+            .zip(residuals(&moved))
+            .map(|(h, m)| (h - m) / STEP)
+            .collect()
     };
     let columns: Vec<Vec<f64>> = (0..at.len()).map(column).collect();
     let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -326,19 +350,18 @@ pub(in crate::fit) fn excess(problem: &Problem, bottom: &Bottom) -> f64 {
     if ratio > limit { ratio.sqrt() } else { 1.0 }
 }
 
-/// Where the minimum lies in the end.
-struct Settled {
-    local: Vec<f64>,
-}
-
-/// Intervals of `features` around the minimum, started anew where a deeper one is met.
+/// Intervals of `features` around the minimum, started anew where a deeper one is met; gives the local
+/// parameters at the minimum.
 fn intervals(
     minimum: (Problem, Bottom),
     features: &[Feature],
     freedom: f64,
     judged: &mut Judged,
-) -> (Settled, f64) {
+) -> Vec<f64> {
     let (problem, mut bottom) = minimum;
+    if judged.parabolic {
+        return linear_intervals(&problem, bottom, features, freedom, judged);
+    }
     let mut restarts = 0;
     loop {
         sort_branches(&problem, &mut bottom);
@@ -356,9 +379,6 @@ fn intervals(
                 bottom = problem.descend(&at, LIMIT, SETTLE);
             }
             outcome => {
-                let settled = Settled {
-                    local: problem.local(0, &solved.bottom.at),
-                };
                 let found = outcome.unwrap_or_else(|_| features.iter().map(|f| (*f, None)).collect());
                 for (feature, interval) in &found {
                     if let Some(partner) = partner(&solved, *feature) {
@@ -367,10 +387,38 @@ fn intervals(
                     judged.features.push((*feature, *interval));
                 }
                 judged.evaluations += solved.evaluations;
-                return (settled, factor);
+                return problem.local(0, &solved.bottom.at);
             }
         }
     }
+}
+
+/// Intervals from the covariance over all readings, at the minimum over all readings.
+fn linear_intervals(
+    problem: &Problem,
+    mut bottom: Bottom,
+    features: &[Feature],
+    freedom: f64,
+    judged: &mut Judged,
+) -> Vec<f64> {
+    sort_branches(problem, &mut bottom);
+    let quantile = quantile_95(freedom) * excess(problem, &bottom);
+    let polished = descend(
+        &bottom.at,
+        &problem.low,
+        &problem.high,
+        POLISH_LIMIT,
+        1e-9,
+        |at| problem.slope(at, Over::Whole),
+    );
+    let solved = Solved::new(problem, polished);
+    judged.evaluations += bottom.evaluations + solved.evaluations;
+    for &feature in features {
+        judged
+            .features
+            .push((feature, Some(solved.linear(feature, 0, quantile))));
+    }
+    problem.local(0, &solved.bottom.at)
 }
 
 /// Factor on the quantile for the parts of a branch that was taken on that evidence.
@@ -387,7 +435,11 @@ fn all(
 ) -> Result<Vec<(Feature, Option<Interval>)>, Deeper> {
     let mut found = Vec::with_capacity(features.len());
     for &feature in features {
-        let quantile = if feature.branch().is_some() { wider * quantile } else { quantile };
+        let quantile = if feature.branch().is_some() {
+            wider * quantile
+        } else {
+            quantile
+        };
         let reach = reach(solved, feature, quantile);
         found.push((feature, Some(solved.profile(feature, 0, quantile, reach)?)));
     }

@@ -38,7 +38,10 @@ impl Start {
     /// From step one, with `branches` branches: where it found fewer, others are put beside them that carry little.
     pub(in crate::fit) fn of(electrical: &Electrical, branches: usize) -> Start {
         let area = electrical.area_cm2;
-        let found = electrical.conductances_a_per_v.iter().zip(&electrical.time_constants_s);
+        let found = electrical
+            .conductances_a_per_v
+            .iter()
+            .zip(&electrical.time_constants_s);
         let mut pairs: Vec<(f64, f64)> = found
             .filter(|(c, tau)| **c > 0.0 && **tau > 0.0)
             .map(|(c, tau)| (area / c, c * tau / area))
@@ -130,14 +133,27 @@ pub(in crate::fit) fn problem<'a>(
 fn units(runs: &[RunReadings], starts: &[Start], layout: Layout) -> Vec<f64> {
     let mut units = vec![1.0; layout.len()];
     let most = |value: &dyn Fn(&Start) -> f64| starts.iter().map(value).fold(0.0_f64, f64::max);
-    let or_one = |value: f64| if value > 0.0 && value.is_finite() { value } else { 1.0 };
-    units[layout.steady()] = or_one(most(&|start| (0..layout.branches).map(|k| (-start.local[k]).exp()).sum()));
+    let or_one = |value: f64| {
+        if value > 0.0 && value.is_finite() {
+            value
+        } else {
+            1.0
+        }
+    };
+    units[layout.steady()] = or_one(most(&|start| {
+        (0..layout.branches).map(|k| (-start.local[k]).exp()).sum()
+    }));
     units[layout.coupling()] = or_one(most(&|start| start.local[layout.coupling()].abs()));
     let peak = |curvature: bool| {
         let response = |run: &RunReadings| {
             let response = if curvature { &run.curvature } else { &run.current };
-            let values = response.as_ref().map(|response| response.sampled.values.as_slice());
-            values.unwrap_or_default().iter().fold(0.0_f64, |most, v| most.max(v.abs()))
+            let values = response
+                .as_ref()
+                .map(|response| response.sampled.values.as_slice());
+            values
+                .unwrap_or_default()
+                .iter()
+                .fold(0.0_f64, |most, v| most.max(v.abs()))
         };
         or_one(runs.iter().map(response).fold(0.0, f64::max))
     };
@@ -168,7 +184,14 @@ fn limits(problem: &Problem, local: usize, start: f64) -> (f64, f64) {
             .map(|response| response.sampled.time_scales_s().0)
             .fold(f64::INFINITY, f64::min);
         let fastest = 10.0 / shortest_s / problem.units[local];
-        return (0.0, if fastest.is_finite() { fastest.max(10.0) } else { 1e4 });
+        return (
+            0.0,
+            if fastest.is_finite() {
+                fastest.max(10.0)
+            } else {
+                1e4
+            },
+        );
     }
     (-1e6, 1e6)
 }

@@ -87,7 +87,10 @@ impl Whitener {
             Memory::Order(coefficients) => {
                 let rho = coefficients.first().copied().unwrap_or(0.0);
                 let mut pairs = vec![pair(rho); sampled.len()];
-                sampled.spans.iter().for_each(|span| pairs[span.first] = (0.0, 1.0));
+                sampled
+                    .spans
+                    .iter()
+                    .for_each(|span| pairs[span.first] = (0.0, 1.0));
                 Rule::Pairs(pairs)
             }
             Memory::Time { correlation_time_s } => {
@@ -179,7 +182,9 @@ mod tests {
             });
             columns.collect()
         };
-        let v = (0..n).map(|r| (0..n).map(|c| 4.0 * covariance(r, c)).collect()).collect();
+        let v = (0..n)
+            .map(|r| (0..n).map(|c| 4.0 * covariance(r, c)).collect())
+            .collect();
         let both = whitened_rows(whitened_rows(v));
         for (r, row) in both.iter().enumerate() {
             for (c, value) in row.iter().enumerate() {
@@ -193,10 +198,16 @@ mod tests {
     fn correlated_noise_becomes_white() {
         let even: Vec<f64> = (0..9).map(f64::from).collect();
         let rho = 0.7_f64;
-        assert_whitens(&even, &Memory::Order(vec![rho]), |r, c| rho.powi(r.abs_diff(c) as i32));
+        assert_whitens(&even, &Memory::Order(vec![rho]), |r, c| {
+            rho.powi(r.abs_diff(c) as i32)
+        });
         let uneven = [0.0, 0.1, 0.5, 2.0, 2.1, 7.0];
-        let time = Memory::Time { correlation_time_s: 1.5 };
-        assert_whitens(&uneven, &time, |r, c| (-(uneven[r] - uneven[c]).abs() / 1.5_f64).exp());
+        let time = Memory::Time {
+            correlation_time_s: 1.5,
+        };
+        assert_whitens(&uneven, &time, |r, c| {
+            (-(uneven[r] - uneven[c]).abs() / 1.5_f64).exp()
+        });
         // Second order: autocorrelations by Yule and Walker.
         let (a, b) = (0.5, 0.3);
         let mut lags = vec![1.0, a / (1.0 - b)];
