@@ -265,33 +265,6 @@ fn main() {
         start.elapsed().as_secs_f64()
     );
     table("All runs", &fits, |_| true);
-    if let Some(key) = words.iter().find_map(|word| word.strip_prefix("miss=")) {
-        let k = KEYS.iter().position(|own| *own == key).unwrap();
-        for (case, fit) in &fits {
-            let Some(fit) = fit else { continue };
-            let e = fit.parameter(key).unwrap();
-            let t = truth(&ROWS[case.row])[k];
-            if let Some(v) = e.value
-                && !(e.low_95.unwrap() <= t && t <= e.high_95.unwrap())
-            {
-                let choice = fit
-                    .issues
-                    .iter()
-                    .find(|i| i.code == "model-choice")
-                    .map_or("tight", |i| i.message.as_str());
-                println!(
-                    "row {} n {} rho {} db {:.1}: true {t:.4e} value {v:.4e} se {:.2e} [{:.4e}, {:.4e}] {choice}",
-                    case.row,
-                    case.points,
-                    case.correlation,
-                    case.noise_db,
-                    e.standard_error.unwrap(),
-                    e.low_95.unwrap(),
-                    e.high_95.unwrap()
-                );
-            }
-        }
-    }
     if words.iter().any(|word| word == "parts") {
         for rho in CORRELATIONS {
             table(&format!("Correlation {rho}"), &fits, |case| {

@@ -197,7 +197,7 @@ fn reduced(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> (Vec<f64>, Vec<f
             break;
         };
         let most = *largest.get_or_insert(norm);
-        if !(norm > DEPENDENT * most) || !norm.is_finite() {
+        if norm.is_nan() || norm <= DEPENDENT * most || norm.is_infinite() {
             break;
         }
         let direction: Vec<f64> = columns[pivot].iter().map(|value| value / norm).collect();

@@ -91,7 +91,7 @@ fn quantum(values: &[f64]) -> f64 {
     }
     let least = gaps.iter().copied().fold(f64::INFINITY, f64::min);
     let whole =
-        |gap: &f64| (gap / least - (gap / least).round()).abs() < 0.02 * (gap / least).max(1.0).min(20.0);
+        |gap: &f64| (gap / least - (gap / least).round()).abs() < 0.02 * (gap / least).clamp(1.0, 20.0);
     if gaps.iter().all(whole) { least } else { 0.0 }
 }
 
@@ -357,7 +357,7 @@ fn yule_walker(lags: &[f64]) -> Option<Vec<f64>> {
             .map(|(j, a)| a * lags[k - 1 - j])
             .sum();
         let partial = (lags[k] - known) / variance;
-        if !(partial.abs() < 0.98) {
+        if partial.is_nan() || partial.abs() >= 0.98 {
             return None;
         }
         let turned: Vec<f64> = coefficients.iter().rev().copied().collect();

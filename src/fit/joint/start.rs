@@ -105,14 +105,17 @@ pub(in crate::fit) fn problem<'a>(
     for start in starts {
         let mut slots = Vec::with_capacity(layout.len());
         for (local, &value) in start.local.iter().enumerate() {
-            if !start.searched[local] && !(shared.contains(&local) && common[local].is_some()) {
-                slots.push(Slot::Held(value));
-                continue;
-            }
             let is_shared = shared.contains(&local);
-            if let (true, Some(k)) = (is_shared, common[local]) {
-                slots.push(Slot::Searched(k));
-                continue;
+            match common[local] {
+                Some(k) if is_shared => {
+                    slots.push(Slot::Searched(k));
+                    continue;
+                }
+                _ if !start.searched[local] => {
+                    slots.push(Slot::Held(value));
+                    continue;
+                }
+                _ => {}
             }
             let k = at.len();
             at.push(value / problem.units[local]);

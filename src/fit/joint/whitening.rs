@@ -96,9 +96,10 @@ impl Whitener {
             Memory::Time { correlation_time_s } => {
                 let mut pairs = vec![(0.0, 1.0); sampled.len()];
                 for span in &sampled.spans {
-                    for k in span.first + 1..span.end {
-                        let apart_s = sampled.time_s[k] - sampled.time_s[k - 1];
-                        pairs[k] = pair((-apart_s / correlation_time_s).exp().min(0.9999));
+                    let times = &sampled.time_s[span.first..span.end];
+                    let later = pairs[span.first..span.end].iter_mut().skip(1);
+                    for (own, two) in later.zip(times.windows(2)) {
+                        *own = pair((-(two[1] - two[0]) / correlation_time_s).exp().min(0.9999));
                     }
                 }
                 Rule::Pairs(pairs)
