@@ -13,6 +13,20 @@ pub struct Parameter {
     pub estimate: Estimate,
 }
 
+/// What noise is like beside its size, found without the model.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct NoiseCharacter {
+    /// Coefficients of its autoregression by reading order, lag 1 first; empty for white noise and for noise whose
+    /// memory goes by time.
+    pub autoregression: Vec<f64>,
+    /// Correlation time, s, where readings are uneven and memory goes by time.
+    pub correlation_time_s: Option<f64>,
+    /// Growth of the standard deviation with the signal, per signal: the part of its square beside the even part.
+    pub proportional: f64,
+    /// Step of the converter, canonical unit of the channel; 0 where none is seen.
+    pub quantum: f64,
+}
+
 /// Noise of one channel and how the residual compares with it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChannelNoise {
@@ -22,6 +36,9 @@ pub struct ChannelNoise {
     pub standard_deviation: f64,
     /// How the noise was estimated, in words.
     pub basis: String,
+    /// Its memory, growth and steps, found without the model.
+    #[serde(default)]
+    pub character: NoiseCharacter,
     /// Lag-1 autocorrelation of the residuals.
     pub residual_autocorrelation: f64,
     /// Root mean square of the residuals, canonical unit of the channel.

@@ -18,7 +18,7 @@ pub use campaign::{Campaign, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
-pub use fit::{ChannelNoise, Fit, Parameter};
+pub use fit::{ChannelNoise, Fit, NoiseCharacter, Parameter};
 pub use issue::{Issue, Severity};
 pub use quantity::Quantity;
 pub use run::{FileState, RunFile, RunRecord, RunState, RunStatus, SourceFile};

@@ -89,4 +89,23 @@ pub enum FitError {
         /// The ids that exist, with commas.
         known: String,
     },
+    /// A group without a run.
+    #[error("the group holds no run: a fit of a group needs one at least")]
+    EmptyGroup,
+    /// A parameter that cannot be shared between runs.
+    #[error("parameter \"{found}\" cannot be shared between runs; those that can are {known}")]
+    SharedParameter {
+        /// The key asked for.
+        found: String,
+        /// The keys that may be shared, with commas.
+        known: String,
+    },
+    /// No run of a group has a current from which its electrical parameters could start.
+    #[error("run {index} of the group cannot be fitted: {reason}")]
+    GroupRun {
+        /// Position of the run in the group.
+        index: usize,
+        /// Why.
+        reason: String,
+    },
 }

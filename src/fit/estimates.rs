@@ -11,11 +11,33 @@ use super::electrical::{Bound, Electrical};
 /// linear error propagation means nothing there.
 const WIDEST_FACTOR: f64 = 5.0;
 
+/// Relative half-width of a 95 % interval up to which the covariance says enough.
+const PARABOLIC: f64 = 0.1;
+
+/// Whether the sum of squares is a parabola as far as the 95 % intervals reach: all branches are there without
+/// doubt, none lies at a limit, and every interval is narrow.
+pub(super) fn is_parabolic(electrical: &Electrical, bending: Option<&Bending>, branches: usize) -> bool {
+    let n = electrical.conductances_a_per_v.len();
+    let narrow = |k: usize| {
+        electrical.residuals.quantile * electrical.covariance.get(k, k).max(0.0).sqrt() <= PARABOLIC
+    };
+    let bends = |bending: &Bending| {
+        let error = bending.covariance.get(0, 0).max(0.0).sqrt();
+        bending.residuals.quantile * error <= PARABOLIC * bending.coupling_per_c_cm.abs()
+    };
+    n == branches
+        && !electrical.in_doubt
+        && electrical.at_bound.iter().all(Option::is_none)
+        && (0..n).all(|k| narrow(k) && narrow(n + 1 + k))
+        && bending.is_none_or(|bending| !bending.evident || bends(bending))
+}
+
 /// Which parameter of a model an estimate is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Resistance(usize),
     Capacitance(usize),
+    TimeConstant(usize),
 }
 
 /// Estimates of the electrical parameters under their keys.
@@ -25,6 +47,8 @@ pub(super) fn electrical_estimate(key: &str, electrical: &Electrical, drive: &Dr
         "c1_f_per_cm2" => Part::Capacitance(0),
         "r2_ohm_cm2" => Part::Resistance(1),
         "c2_f_per_cm2" => Part::Capacitance(1),
+        "tau1_s" => Part::TimeConstant(0),
+        "tau2_s" => Part::TimeConstant(1),
         "rss_ohm_cm2" => return Some(steady(electrical, drive)),
         "c_total_f_per_cm2" => return Some(total_capacitance(electrical)),
         "r_parallel_ohm_cm2" => return Some(parallel_resistance(electrical)),
@@ -34,7 +58,7 @@ pub(super) fn electrical_estimate(key: &str, electrical: &Electrical, drive: &Dr
 }
 
 fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
-    let (Part::Resistance(k) | Part::Capacitance(k)) = part;
+    let (Part::Resistance(k) | Part::Capacitance(k) | Part::TimeConstant(k)) = part;
     let n = electrical.conductances_a_per_v.len();
     if k >= n {
         return Estimate::not_determined(absent(k, n));
@@ -61,6 +85,10 @@ fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
             weights[n + 1 + k] = 1.0;
             let capacitance = conductance * electrical.time_constants_s[k] / electrical.area_cm2;
             logarithmic(capacitance, &weights, electrical)
+        }
+        Part::TimeConstant(_) => {
+            weights[n + 1 + k] = 1.0;
+            logarithmic(electrical.time_constants_s[k], &weights, electrical)
         }
     }
 }

@@ -11,6 +11,9 @@ pub mod distributed;
 mod electrical;
 mod error;
 mod estimates;
+mod group;
+mod joint;
+mod joint_estimates;
 mod outcome;
 mod sampled;
 mod search;
@@ -22,9 +25,12 @@ use crate::model::{FitModel, fit_model, fit_models};
 use crate::numerics::global::{Method, method, methods};
 
 pub use error::FitError;
+pub use group::{Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, fit_group, shareable};
 
 use bending::Bending;
 use electrical::Electrical;
+use joint::readings::{Response, RunReadings};
+use joint::single::Judged;
 use sampled::Sampled;
 use search::Search;
 
@@ -53,6 +59,18 @@ pub struct FitOptions {
     pub method: &'static dyn Method,
     /// Seed of a method that is random.
     pub seed: u64,
+    /// How current and curvature are brought together.
+    pub steps: Steps,
+}
+
+/// How current and curvature are brought together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Steps {
+    /// The electrical parameters from the current; then, with those fixed, the rest from the curvature.
+    #[default]
+    TwoStep,
+    /// All parameters from both, each weighted by its noise.
+    Simultaneous,
 }
 
 /// The model of a run where nothing else is asked for.
@@ -65,6 +83,7 @@ impl Default for FitOptions {
             model: fit_model(DEFAULT_MODEL).unwrap_or(&fit_models()[0]),
             method: Search::default().method,
             seed: Search::default().seed,
+            steps: Steps::TwoStep,
         }
     }
 }
@@ -143,7 +162,44 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
     let identified = identify(input, options, readings);
-    Ok(outcome::fit(input, options, &identified))
+    if options.steps == Steps::Simultaneous && identified.current.is_ok() {
+        let group = fit_group(&[*input], &GroupOptions::sharing_all(options.model))?;
+        if let Some(fit) = group.runs.into_iter().next() {
+            return Ok(fit);
+        }
+    }
+    let judged = judge(input, options, &identified);
+    Ok(outcome::fit(input, options, &identified, judged.as_ref()))
+}
+
+/// Looks at the run by profile likelihood where the covariance of the two steps would mislead.
+fn judge(input: &FitInput, options: &FitOptions, identified: &Identified) -> Option<Judged> {
+    let (current, electrical) = identified.current.as_ref().ok()?;
+    let bending = identified.curvature.as_ref().ok();
+    let branches = options.model.branches;
+    let parabolic = estimates::is_parabolic(electrical, bending.map(|(_, bending)| bending), branches);
+    let even = is_even(current) && bending.is_none_or(|(curvature, _)| is_even(curvature));
+    if electrical.conductances_a_per_v.is_empty() || parabolic && even {
+        return None;
+    }
+    let readings = RunReadings {
+        drive: input.drive,
+        area_cm2: input.area_cm2,
+        current: Some(Response::new(current.clone())),
+        curvature: bending.map(|(curvature, _)| Response::new(curvature.clone())),
+    };
+    joint::single::judge(
+        &readings,
+        electrical,
+        bending.map(|(_, bending)| bending),
+        branches,
+        parabolic,
+    )
+}
+
+/// Whether the readings follow each other evenly, so that noise by reading order is noise by time.
+fn is_even(sampled: &Sampled) -> bool {
+    sampled.blocks.iter().all(|(_, block)| block.step_s.is_some())
 }
 
 /// Readings after the step that the electrical step needs: two more than parameters, and never below five.

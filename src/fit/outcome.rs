@@ -1,12 +1,22 @@
 //! The identified parameters as a `Fit`: estimates, noise, curves and issues.
 
 use crate::domain::thinning::drawn_indices;
-use crate::domain::{ChannelNoise, Drive, Estimate, Fit, Issue, Level, Parameter, Quantity, RunCurve};
+use crate::domain::{
+    ChannelNoise, Drive, Estimate, Fit, Issue, Level, NoiseCharacter, Parameter, Quantity, RunCurve,
+};
 use crate::model::FitModel;
 use crate::numerics::correlation::lag_one;
+use crate::numerics::levenberg::Stop;
 use crate::numerics::sums;
 
 use super::estimates::{bending_estimate, electrical_estimate};
+use super::joint::feature::Feature;
+use super::joint::noise::Noise;
+use super::joint::profile::Interval;
+use super::joint::readings::RunReadings;
+use super::joint::single::Judged;
+use super::joint::whitening::Memory;
+use super::joint_estimates::{self, choice_in_words, judged_estimate};
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
 use super::{FitInput, FitOptions, Identified};
@@ -15,9 +25,14 @@ use super::{FitInput, FitOptions, Identified};
 const DRAWN_STRETCHES: usize = 120;
 
 /// Puts everything together.
-pub(super) fn fit(input: &FitInput, options: &FitOptions, identified: &Identified) -> Fit {
+pub(super) fn fit(
+    input: &FitInput,
+    options: &FitOptions,
+    identified: &Identified,
+    judged: Option<&Judged>,
+) -> Fit {
     let model = options.model;
-    let parameters = parameters(input, model, identified);
+    let parameters = parameters(input, model, identified, judged);
     let step_s = input
         .drive
         .segments
@@ -68,16 +83,26 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, identified: &Identifie
         n_samples,
         r_squared_current: r_squared(Quantity::Current),
         r_squared_curvature: r_squared(Quantity::Curvature),
-        issues: issues(input.drive, identified, &parameters),
-        evaluations: current.map_or(0, |(_, e)| e.evaluations) + curvature.map_or(0, |(_, b)| b.evaluations),
+        issues: issues(input.drive, identified, &parameters, judged),
+        evaluations: judged.map_or(0, |judged| judged.evaluations)
+            + current.map_or(0, |(_, e)| e.evaluations)
+            + curvature.map_or(0, |(_, b)| b.evaluations),
         parameters,
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),
     }
 }
 
-fn parameters(input: &FitInput, model: &FitModel, identified: &Identified) -> Vec<Parameter> {
+fn parameters(
+    input: &FitInput,
+    model: &FitModel,
+    identified: &Identified,
+    judged: Option<&Judged>,
+) -> Vec<Parameter> {
     let estimate = |key: &str| {
+        if let Some(estimate) = judged.and_then(|judged| judged_estimate(key, judged, input.drive)) {
+            return Some(estimate);
+        }
         let bending = identified
             .curvature
             .as_ref()
@@ -102,6 +127,91 @@ fn parameters(input: &FitInput, model: &FitModel, identified: &Identified) -> Ve
         .collect()
 }
 
+/// Parameters of a joint fit in the model's order.
+pub(super) fn joint_parameters(
+    model: &FitModel,
+    features: &[(Feature, Interval)],
+    drive: &Drive,
+) -> Vec<Parameter> {
+    let of = |key: &str| {
+        let feature = Feature::of_key(key, model.branches)?;
+        let found = features.iter().find(|(own, _)| *own == feature);
+        let missing = || Estimate::not_determined("nothing in the run tells of it");
+        Some(Parameter {
+            key: key.to_owned(),
+            estimate: found.map_or_else(missing, |(_, interval)| {
+                joint_estimates::estimate(feature, interval, drive, None)
+            }),
+        })
+    };
+    model
+        .parameters
+        .iter()
+        .filter_map(|description| of(description.key))
+        .collect()
+}
+
+/// One run of a joint fit.
+pub(super) fn joint_fit(
+    input: &FitInput,
+    model: &'static FitModel,
+    run: &RunReadings,
+    fitted: [Option<Vec<f64>>; 2],
+    parameters: Vec<Parameter>,
+    (stop, evaluations): (Stop, u64),
+) -> Fit {
+    let step_s = input
+        .drive
+        .segments
+        .first()
+        .map_or(0.0, |segment| segment.start_s);
+    let count = 2 * model.branches + 1;
+    let quantities = [(Quantity::Current, count), (Quantity::Curvature, 2)];
+    let responses: Vec<Response> = [&run.current, &run.curvature]
+        .into_iter()
+        .zip(fitted)
+        .zip(quantities)
+        .filter_map(|((response, fitted), (quantity, count))| {
+            let sampled = &response.as_ref()?.sampled;
+            let residuals = Residuals::new(sampled, fitted?, count);
+            Some(Response::new(quantity, sampled, Some(&residuals), step_s))
+        })
+        .collect();
+    let r_squared = |quantity: Quantity| {
+        responses
+            .iter()
+            .find(|response| response.noise.quantity == quantity)?
+            .noise
+            .r_squared
+    };
+    let mut issues = parameter_issues(&parameters);
+    if !stop.converged() {
+        issues.push(not_converged(stop));
+    }
+    Fit {
+        model: model.id.to_owned(),
+        model_version: model.version,
+        method: "simultaneous least squares, weighted by the noise".to_owned(),
+        converged: stop.converged(),
+        why_stopped: stop.words().to_owned(),
+        n_samples: run.len(),
+        r_squared_current: r_squared(Quantity::Current),
+        r_squared_curvature: r_squared(Quantity::Curvature),
+        issues,
+        evaluations,
+        parameters,
+        noise: responses.iter().map(|response| response.noise.clone()).collect(),
+        curves: responses.into_iter().map(|response| response.curve).collect(),
+    }
+}
+
+fn not_converged(stop: Stop) -> Issue {
+    Issue::warning(
+        "not-converged",
+        format!("the search did not settle: {}", stop.words()),
+    )
+}
+
 fn why_stopped(identified: &Identified) -> String {
     let current = match &identified.current {
         Ok((_, electrical)) => format!("current: {}", electrical.stop.words()),
@@ -114,7 +224,8 @@ fn why_stopped(identified: &Identified) -> String {
     format!("{current}; {curvature}")
 }
 
-fn issues(drive: &Drive, identified: &Identified, parameters: &[Parameter]) -> Vec<Issue> {
+/// Notes on parameters without a value.
+fn parameter_issues(parameters: &[Parameter]) -> Vec<Issue> {
     let mut issues = Vec::new();
     for parameter in parameters {
         let estimate = &parameter.estimate;
@@ -132,6 +243,19 @@ fn issues(drive: &Drive, identified: &Identified, parameters: &[Parameter]) -> V
             (None, None, None) => ("parameter-not-determined", "not determined".to_owned()),
         };
         issues.push(Issue::note(code, format!("{what}: {reason}")).at(parameter.key.as_str()));
+    }
+    issues
+}
+
+fn issues(
+    drive: &Drive,
+    identified: &Identified,
+    parameters: &[Parameter],
+    judged: Option<&Judged>,
+) -> Vec<Issue> {
+    let mut issues = parameter_issues(parameters);
+    if let Some(judged) = judged.filter(|judged| judged.evidence.gain.is_finite()) {
+        issues.push(Issue::note("model-choice", choice_in_words(&judged.evidence)));
     }
     if let Ok((sampled, electrical)) = &identified.current
         && electrical.conductances_a_per_v.is_empty()
@@ -173,10 +297,7 @@ fn issues(drive: &Drive, identified: &Identified, parameters: &[Parameter]) -> V
             .map(|(_, bending)| bending.stop),
     ];
     for stop in unfinished.into_iter().flatten().filter(|stop| !stop.converged()) {
-        issues.push(Issue::warning(
-            "not-converged",
-            format!("the search did not settle: {}", stop.words()),
-        ));
+        issues.push(not_converged(stop));
     }
     issues
 }
@@ -221,6 +342,7 @@ impl Response {
                 quantity,
                 standard_deviation,
                 basis,
+                character: character(sampled),
                 residual_autocorrelation: lag_one(left),
                 residual_rms: rms,
                 readings: if residuals.is_some() { sampled.len() } else { 0 },
@@ -235,6 +357,22 @@ impl Response {
                 readings: sampled.len(),
             },
         }
+    }
+}
+
+/// Memory, growth and steps of the noise.
+fn character(sampled: &Sampled) -> NoiseCharacter {
+    let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let noise = Noise::of(sampled, 1e-9 * peak);
+    let (autoregression, correlation_time_s) = match noise.memory {
+        Memory::Order(coefficients) => (coefficients, None),
+        Memory::Time { correlation_time_s } => (Vec::new(), Some(correlation_time_s)),
+    };
+    NoiseCharacter {
+        autoregression,
+        correlation_time_s,
+        proportional: noise.proportional,
+        quantum: noise.quantum,
     }
 }
 

@@ -106,20 +106,35 @@ const MU: ParameterDescription = fitted(
 );
 const ALPHA_OF_MU: ParameterDescription = derived(ALPHA);
 
+const TAU1: ParameterDescription = derived(fitted(
+    "tau1_s",
+    "tau1",
+    "s",
+    "time constant R1 C1 of the fastest branch",
+));
+const TAU2: ParameterDescription = derived(fitted(
+    "tau2_s",
+    "tau2",
+    "s",
+    "time constant R2 C2 of the slower branch",
+));
+
 static MODELS: [FitModel; 3] = [
     FitModel {
         id: "lumped-1",
-        version: 1,
+        version: 2,
         branches: 1,
         description: "one R-C branch beside the steady-state resistor, with back-relaxation (thin electrodes)",
-        parameters: &[R1, C1, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL],
+        parameters: &[R1, C1, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1],
     },
     FitModel {
         id: "lumped-2",
-        version: 1,
+        version: 2,
         branches: 2,
         description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
-        parameters: &[R1, C1, R2, C2, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL],
+        parameters: &[
+            R1, C1, R2, C2, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1, TAU2,
+        ],
     },
     FitModel {
         id: "distributed",

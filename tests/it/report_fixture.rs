@@ -228,6 +228,7 @@ fn channel_noise(quantity: Quantity, standard_deviation: f64, ratio: f64, correl
         quantity,
         standard_deviation,
         basis: "second differences".to_owned(),
+        character: Default::default(),
         residual_autocorrelation: correlation,
         residual_rms: ratio * standard_deviation,
         readings: 3607,

@@ -1,7 +1,7 @@
 //! The fit as it is stored: parameters per area and per square, noise, curves, what a reader must know.
 
 use crate::domain::thinning::{DRAWN_BUCKETS, drawn_indices};
-use crate::domain::{ChannelNoise, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
+use crate::domain::{ChannelNoise, Estimate, Fit, Issue, NoiseCharacter, Parameter, Quantity, RunCurve};
 use crate::numerics::correlation::lag_one;
 use crate::numerics::student::quantile_95;
 
@@ -229,6 +229,7 @@ fn noise(fitted: &[(&Group, Vec<f64>)], kind: Kind) -> Option<ChannelNoise> {
         quantity,
         standard_deviation: f64::sqrt(noise_square / series),
         basis: format!("scatter about parabolas, root mean square over {series} series"),
+        character: NoiseCharacter::default(),
         residual_autocorrelation: correlation / series,
         residual_rms: f64::sqrt(square / readings as f64),
         readings,

@@ -1,5 +1,7 @@
 //! Fits of simulated runs whose parameters are known.
 
+mod calibration;
+mod groups;
 mod limits;
 mod recovery;
 

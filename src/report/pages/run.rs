@@ -327,6 +327,7 @@ mod tests {
             quantity: Quantity::Current,
             standard_deviation: 1e-6,
             basis: "differences of neighbours".to_owned(),
+            character: Default::default(),
             residual_autocorrelation,
             residual_rms,
             readings: 1200,

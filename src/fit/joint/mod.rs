@@ -1,0 +1,14 @@
+//! Both responses of one run or many at once, weighted by their noise: simultaneous fits, groups of runs with
+//! shared parameters, intervals by profile likelihood.
+
+pub(super) mod bootstrap;
+mod compressed;
+pub(super) mod dense;
+pub(super) mod feature;
+pub(super) mod noise;
+pub(super) mod problem;
+pub(super) mod profile;
+pub(super) mod readings;
+pub(super) mod single;
+pub(super) mod start;
+pub(super) mod whitening;
