@@ -90,7 +90,7 @@ impl Landscape for Rate<'_> {
     }
 
     fn size(&self) -> f64 {
-        self.strain.sampled.square
+        self.strain.sampled.square()
     }
 }
 
