@@ -47,12 +47,19 @@ pub(super) struct Bending {
     pub(super) evaluations: u64,
 }
 
-/// The sum of squares over the relaxation rate (the coordinate is the rate times `unit_s`), coupling and offset
-/// eliminated.
+/// The sum of squares over the relaxation rate, coupling and offset eliminated. The coordinate is
+/// `ln(1 + lambda unit)`: a logarithm for fast relaxation that still holds none at all.
 struct Rate<'a> {
     strain: &'a Strain<'a>,
     unit_s: f64,
+    /// Upper limit of the coordinate.
     high: f64,
+}
+
+impl Rate<'_> {
+    fn rate_per_s(&self, at: f64) -> f64 {
+        at.exp_m1() / self.unit_s
+    }
 }
 
 impl Landscape for Rate<'_> {
@@ -61,25 +68,29 @@ impl Landscape for Rate<'_> {
     }
 
     fn square(&self, at: &[f64]) -> f64 {
-        self.strain.projected_square(at[0] / self.unit_s)
+        self.strain.projected_square(self.rate_per_s(at[0]))
     }
 
     fn local(&self, at: &[f64]) -> Local {
-        self.strain.projected(at[0] / self.unit_s, self.unit_s)
+        let mut local = self.strain.projected(self.rate_per_s(at[0]), self.unit_s);
+        let stretch = at[0].exp();
+        local.descent[0] *= stretch;
+        local.normal.set(0, 0, local.normal.get(0, 0) * stretch * stretch);
+        local
     }
 
     /// The best of no relaxation and rates spread over the record.
     fn starts(&self) -> Vec<Vec<f64>> {
-        let (low, top) = (0.02_f64.ln(), self.high.max(0.1).ln());
+        let (low, top) = (0.02_f64.ln(), self.high.exp_m1().max(0.1).ln());
         let rates = (0..GRID).map(|k| (low + (top - low) * k as f64 / GRID as f64).exp());
         let rough = |rate: f64| self.strain.solve(&self.strain.gram(rate / self.unit_s)).1;
         let squares = std::iter::once(0.0).chain(rates).map(|rate| (rate, rough(rate)));
         let best = squares.min_by(|a, b| a.1.total_cmp(&b.1));
-        vec![vec![best.map_or(0.0, |(rate, _)| rate)]]
+        vec![vec![best.map_or(0.0, |(rate, _)| rate.ln_1p())]]
     }
 
     fn size(&self) -> f64 {
-        self.strain.sampled.square
+        self.strain.sampled.square()
     }
 }
 
@@ -102,14 +113,14 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
     };
     let (shortest_s, longest_s) = sampled.time_scales_s();
     let unit_s = if longest_s > 0.0 { longest_s } else { 1.0 };
-    let high = 10.0 * unit_s / shortest_s.min(unit_s);
+    let high = (10.0 * unit_s / shortest_s.min(unit_s)).ln_1p();
     let landscape = Rate {
         strain: &short,
         unit_s,
         high,
     };
     let found = how.minimise(&landscape, SETTLE);
-    let rate_per_s = found.at[0] / unit_s;
+    let rate_per_s = landscape.rate_per_s(found.at[0]);
     let (x, _) = short.solve(&short.gram(rate_per_s));
     let residuals = residuals(&full, rate_per_s, &x);
     let evident = response_is_evident(&full, &residuals);

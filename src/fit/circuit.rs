@@ -92,7 +92,7 @@ impl Circuit<'_> {
         self.each_block(log_time_constants, |block, columns, y| {
             gram.add_first(block.len, columns, y)
         });
-        gram.square = self.sampled.square;
+        gram.square = self.sampled.square();
         gram
     }
 

@@ -124,7 +124,7 @@ pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64
     let mut highest = vec![unit_a_per_v.ln() + 10.0; n];
     highest.push(1e3);
     highest.extend(vec![high; n]);
-    let rounding = 4.0 * f64::EPSILON * sampled.square;
+    let rounding = 4.0 * f64::EPSILON * sampled.square();
     let found = minimise(&start, &lowest, &highest, LIMIT, 1e-10, rounding, |place| {
         current.local(place)
     });

@@ -31,8 +31,8 @@ pub(super) struct Sampled {
     pub(super) values: Arc<[f64]>,
     /// Square root of the number of readings behind each value, where they are compressed.
     root_weights: Option<Vec<f64>>,
-    /// Sum of the squared values of all readings, also where they are compressed.
-    pub(super) square: f64,
+    /// Sum of the squared values of the readings that these stand for, where they are compressed.
+    square_of_all: Option<f64>,
     /// Readings by segment.
     pub(super) spans: Vec<Span>,
     /// Blocks with their segments.
@@ -91,7 +91,6 @@ impl Sampled {
         } else {
             Sampled::picked(&time_s, &values, &taken, start_s)
         };
-        sampled.square = sums::square(&sampled.values);
         sampled.scatter = local_scatter(&sampled.smooth_stretches());
         sampled
     }
@@ -102,7 +101,7 @@ impl Sampled {
             elapsed_s,
             values,
             root_weights: None,
-            square: 0.0,
+            square_of_all: None,
             spans,
             blocks: Vec::new(),
             scatter: None,
@@ -146,6 +145,11 @@ impl Sampled {
     /// Number of readings.
     pub(super) fn len(&self) -> usize {
         self.values.len()
+    }
+
+    /// Sum of the squared values of all readings, also where these are compressed.
+    pub(super) fn square(&self) -> f64 {
+        self.square_of_all.unwrap_or_else(|| sums::square(&self.values))
     }
 
     /// Number of readings from the first segment on.
@@ -225,7 +229,7 @@ impl Sampled {
         }
         let mut compressed = Sampled::of(time_s.into(), elapsed_s.into(), values.into(), spans);
         compressed.root_weights = Some(root_weights);
-        compressed.square = self.square;
+        compressed.square_of_all = Some(self.square());
         compressed
     }
 
@@ -310,7 +314,7 @@ impl Remainder {
 
     /// The sum over all readings of `sampled`: what no smooth response reaches is the same for every one.
     pub(super) fn square(&self, sampled: &Sampled) -> f64 {
-        self.left + (sampled.square - self.values).max(0.0)
+        self.left + (sampled.square() - self.values).max(0.0)
     }
 }
 
@@ -356,10 +360,13 @@ mod tests {
             let sampled = Sampled::new(&channel, &Drive::step(1.0), false);
             let compressed = sampled.compressed();
             assert!(compressed.len() < most, "{}", compressed.len());
-            assert_eq!((compressed.before_step(), compressed.square), (1, sampled.square));
+            assert_eq!(
+                (compressed.before_step(), compressed.square()),
+                (1, sampled.square())
+            );
             let weights = compressed.root_weights.as_ref().unwrap();
             let after = sampled.before_step();
-            let norm = sampled.square.sqrt() * (n as f64).sqrt();
+            let norm = sampled.square().sqrt() * (n as f64).sqrt();
             for power in -40..30 {
                 let rate = 10.0_f64.powf(power as f64 / 10.0);
                 let all = sampled.elapsed_s[after..].iter().zip(&sampled.values[after..]);

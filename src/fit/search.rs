@@ -66,7 +66,7 @@ impl Landscape for TimeConstants<'_> {
     }
 
     fn size(&self) -> f64 {
-        self.circuit.sampled.square
+        self.circuit.sampled.square()
     }
 }
 
@@ -261,7 +261,7 @@ fn products(coarse: &Circuit, log_time_constants: &[f64]) -> Products {
     let mut table = Products {
         matrix: vec![[0.0; GRID + 1]; GRID + 1],
         right: [0.0; GRID + 1],
-        square: coarse.sampled.square,
+        square: coarse.sampled.square(),
     };
     for row in 0..=GRID {
         for column in 0..=row {
@@ -335,7 +335,7 @@ mod tests {
             let stopping = Stopping {
                 limit: 200,
                 settle: 0.0,
-                resolution: 4.0 * f64::EPSILON * sampled.square,
+                resolution: 4.0 * f64::EPSILON * sampled.square(),
                 smallest_move: 0.0,
                 first_radius: f64::INFINITY,
             };
@@ -348,7 +348,7 @@ mod tests {
             let (all, nodes) = (bottom(circuit(&sampled)), bottom(circuit(&compressed)));
             // Only noise times what a polynomial leaves of a response is lost: Cauchy and Schwarz bound it.
             let apart = (nodes.local.square - all.local.square).abs();
-            let bound = 4e-8 * (all.local.square * sampled.square).sqrt();
+            let bound = 4e-8 * (all.local.square * sampled.square()).sqrt();
             assert!(
                 apart < bound,
                 "{uneven}: sum of squares apart by {apart:e}, bound {bound:e}"

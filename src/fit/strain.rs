@@ -177,7 +177,7 @@ impl Strain<'_> {
         self.each_block(rate_per_s, |block, columns, y| {
             gram.add_first(block.len, columns, y)
         });
-        gram.square = self.sampled.square;
+        gram.square = self.sampled.square();
         gram
     }
 
