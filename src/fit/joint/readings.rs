@@ -4,6 +4,7 @@ use crate::domain::{Channel, Drive, Quantity};
 use crate::fit::sampled::Sampled;
 use crate::model::LumpedModel;
 use crate::model::lumped::SegmentResponse;
+use crate::numerics::noise::local_scatter;
 
 use super::compressed::{Compressed, Mode};
 use super::noise::Noise;
@@ -45,8 +46,8 @@ impl Response {
     /// The same readings and noise with other values.
     pub(in crate::fit) fn with_values(&self, values: Vec<f64>) -> Response {
         let mut sampled = self.sampled.clone();
-        sampled.square = values.iter().map(|value| value * value).sum();
         sampled.values = values.into();
+        sampled.scatter = local_scatter(&sampled.smooth_stretches());
         let compressed = Compressed::new(&sampled, &self.whitener);
         Response {
             sampled,

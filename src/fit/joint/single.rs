@@ -146,6 +146,11 @@ fn electrical_starts(current: &RunReadings, electrical: &Electrical, branches: u
             sampled: &response.sampled,
             with_offset: electrical.offset_a.is_some(),
         };
+        let compressed = response.sampled.compressed();
+        let circuit = Circuit {
+            sampled: &compressed,
+            ..circuit
+        };
         let look = CoarseLook::new(&circuit, limits);
         let found = search(&circuit, branches, &look, Search::default(), 1e-3).solution;
         let total: f64 = found.conductances_a_per_v.iter().sum();
