@@ -11,7 +11,7 @@ use super::joint::feature::Feature;
 use super::joint::problem::{Layout, Over, Problem};
 use super::joint::profile::{Deeper, Interval, Solved};
 use super::joint::readings::RunReadings;
-use super::joint::single::{REACH, excess, reach};
+use super::joint::single::{REACH, excess, partner, reach};
 use super::joint::start::{Start, problem};
 use super::outcome;
 use super::{FitError, FitInput, FitOptions, Readings, identify, needed};
@@ -258,10 +258,13 @@ fn start_places(problem: &Problem, starts: &[Start], first: Vec<f64>) -> Vec<Vec
     all
 }
 
+/// A feature with its interval and, where it was profiled, what it trades off against.
+pub(super) type Found = (Feature, Interval, Option<(Feature, f64)>);
+
 /// Intervals of every parameter of every run.
 struct JudgedGroup {
     bottom: Bottom,
-    features: Vec<Vec<(Feature, Interval)>>,
+    features: Vec<Vec<Found>>,
     resampled: Vec<Vec<Resampled>>,
     evaluations: u64,
 }
@@ -314,7 +317,7 @@ fn try_intervals(
     bottom: &Bottom,
     options: &GroupOptions,
     evaluations: &mut u64,
-) -> Result<Vec<Vec<(Feature, Interval)>>, Deeper> {
+) -> Result<Vec<Vec<Found>>, Deeper> {
     let freedom: f64 = problem
         .runs
         .iter()
@@ -341,7 +344,7 @@ fn try_intervals(
             };
             let narrow = quantile * linear.standard_error <= NARROW * scale;
             if narrow && options.intervals == Intervals::Automatic {
-                own.push((feature, linear));
+                own.push((feature, linear, None));
                 continue;
             }
             let solved =
@@ -349,9 +352,10 @@ fn try_intervals(
             let reach = if feature.is_logarithm() {
                 REACH
             } else {
-                reach(solved, feature, quantile)
+                reach(solved, feature, run, quantile)
             };
-            own.push((feature, solved.profile(feature, run, quantile, reach)?));
+            let interval = solved.profile(feature, run, quantile, reach)?;
+            own.push((feature, interval, partner(solved, feature, run)));
         }
         found.push(own);
     }

@@ -191,7 +191,7 @@ pub(super) fn choice_in_words(evidence: &Evidence) -> String {
     let how = match evidence.branches {
         Branches::All => "two branches",
         Branches::Doubtful => "open whether one branch or two",
-        Branches::One => "one branch",
+        Branches::One => "one branch (a second one slower than the record would look like steady current)",
         Branches::OneOrHidden => "one branch is enough, a second one could hide",
     };
     format!(

@@ -10,9 +10,9 @@ use crate::numerics::levenberg::Stop;
 use crate::numerics::sums;
 
 use super::estimates::{bending_estimate, electrical_estimate};
+use super::group::Found;
 use super::joint::feature::Feature;
 use super::joint::noise::Noise;
-use super::joint::profile::Interval;
 use super::joint::readings::RunReadings;
 use super::joint::single::Judged;
 use super::joint::whitening::Memory;
@@ -21,6 +21,8 @@ use super::sampled::Sampled;
 use super::uncertainty::Residuals;
 use super::{FitInput, FitOptions, Identified};
 
+/// Readings that tell memory, growth and steps of noise to a few percent.
+const ENOUGH: usize = 3000;
 /// Stretches of time in which the drawn readings are chosen.
 const DRAWN_STRETCHES: usize = 120;
 
@@ -128,19 +130,15 @@ fn parameters(
 }
 
 /// Parameters of a joint fit in the model's order.
-pub(super) fn joint_parameters(
-    model: &FitModel,
-    features: &[(Feature, Interval)],
-    drive: &Drive,
-) -> Vec<Parameter> {
+pub(super) fn joint_parameters(model: &FitModel, features: &[Found], drive: &Drive) -> Vec<Parameter> {
     let of = |key: &str| {
         let feature = Feature::of_key(key, model.branches)?;
-        let found = features.iter().find(|(own, _)| *own == feature);
+        let found = features.iter().find(|(own, ..)| *own == feature);
         let missing = || Estimate::not_determined("nothing in the run tells of it");
         Some(Parameter {
             key: key.to_owned(),
-            estimate: found.map_or_else(missing, |(_, interval)| {
-                joint_estimates::estimate(feature, interval, drive, None)
+            estimate: found.map_or_else(missing, |(_, interval, partner)| {
+                joint_estimates::estimate(feature, interval, drive, *partner)
             }),
         })
     };
@@ -363,7 +361,8 @@ impl Response {
 /// Memory, growth and steps of the noise.
 fn character(sampled: &Sampled) -> NoiseCharacter {
     let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let noise = Noise::of(sampled, 1e-9 * peak);
+    let ends = (sampled.len() > 2 * ENOUGH).then(|| sampled.ends(ENOUGH));
+    let noise = Noise::of(ends.as_ref().unwrap_or(sampled), 1e-9 * peak);
     let (autoregression, correlation_time_s) = match noise.memory {
         Memory::Order(coefficients) => (coefficients, None),
         Memory::Time { correlation_time_s } => (Vec::new(), Some(correlation_time_s)),

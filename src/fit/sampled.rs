@@ -261,6 +261,39 @@ impl Sampled {
         Some((found.at.to_vec(), found.values.to_vec(), found.weights.to_vec()))
     }
 
+    /// At most about `most` readings: of every longer span its beginning and its end, as spans of their own.
+    pub(super) fn ends(&self, most: usize) -> Sampled {
+        let mut kept = Sampled {
+            time_s: Vec::new(),
+            elapsed_s: Vec::new(),
+            values: Vec::new(),
+            root_weights: None,
+            spans: Vec::new(),
+            blocks: Vec::new(),
+        };
+        for span in &self.spans {
+            let half = ((span.end - span.first) * most / self.len().max(1) / 2).max(32);
+            let parts = if span.end - span.first <= 2 * half {
+                vec![(span.first, span.end)]
+            } else {
+                vec![(span.first, span.first + half), (span.end - half, span.end)]
+            };
+            for (from, to) in parts {
+                let first = kept.len();
+                kept.time_s.extend_from_slice(&self.time_s[from..to]);
+                kept.elapsed_s.extend_from_slice(&self.elapsed_s[from..to]);
+                kept.values.extend_from_slice(&self.values[from..to]);
+                kept.spans.push(Span {
+                    segment: span.segment,
+                    first,
+                    end: kept.len(),
+                });
+            }
+        }
+        kept.cut();
+        kept
+    }
+
     /// Measured values of a block, weighted like the columns.
     pub(super) fn fill_values(&self, block: &Block, out: &mut Column) {
         out[..block.len].copy_from_slice(&self.values[block.first..block.first + block.len]);

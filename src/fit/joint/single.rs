@@ -387,7 +387,7 @@ fn intervals(
             outcome => {
                 let found = outcome.unwrap_or_else(|_| features.iter().map(|f| (*f, None)).collect());
                 for (feature, interval) in &found {
-                    if let Some(partner) = partner(&solved, *feature) {
+                    if let Some(partner) = partner(&solved, *feature, 0) {
                         judged.partners.push((*feature, partner.0, partner.1));
                     }
                     judged.features.push((*feature, *interval));
@@ -446,7 +446,7 @@ fn all(
         } else {
             quantile
         };
-        let reach = reach(solved, feature, quantile);
+        let reach = reach(solved, feature, 0, quantile);
         found.push((feature, Some(solved.profile(feature, 0, quantile, reach)?)));
     }
     Ok(found)
@@ -454,8 +454,8 @@ fn all(
 
 /// How far a feature is followed: a logarithm by its factor, the coupling to zero and as far up, steady
 /// conductance and rate by many times what they are.
-pub(in crate::fit) fn reach(solved: &Solved, feature: Feature, quantile: f64) -> f64 {
-    let linear = solved.linear(feature, 0, quantile);
+pub(in crate::fit) fn reach(solved: &Solved, feature: Feature, run: usize, quantile: f64) -> f64 {
+    let linear = solved.linear(feature, run, quantile);
     match feature {
         Feature::Coupling => 4.0 * linear.value.abs(),
         Feature::Steady | Feature::Rate => 10.0 * (linear.value + quantile * linear.standard_error),
@@ -478,7 +478,7 @@ fn sort_branches(problem: &Problem, bottom: &mut Bottom) {
 }
 
 /// The feature of another kind with which `feature` is most strongly correlated.
-fn partner(solved: &Solved, feature: Feature) -> Option<(Feature, f64)> {
+pub(in crate::fit) fn partner(solved: &Solved, feature: Feature, run: usize) -> Option<(Feature, f64)> {
     let layout = solved.problem.layout;
     let candidates = [
         Feature::Resistance(0),
@@ -489,11 +489,11 @@ fn partner(solved: &Solved, feature: Feature) -> Option<(Feature, f64)> {
         Feature::Coupling,
         Feature::Rate,
     ];
-    let has_bending = solved.problem.runs[0].curvature.is_some();
+    let has_bending = solved.problem.runs[run].curvature.is_some();
     (candidates.into_iter())
         .filter(|other| *other != feature && other.branch().is_none_or(|k| k < layout.branches))
         .filter(|other| other.is_electrical() || has_bending)
-        .map(|other| (other, solved.correlation(0, feature, other)))
+        .map(|other| (other, solved.correlation(run, feature, other)))
         .filter(|(_, correlation)| correlation.is_finite())
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }

@@ -226,3 +226,32 @@ fn what_cannot_be_shared_or_started_is_named() {
     let error = fit_group(&inputs(&curvature_only, &drives), &GroupOptions::default()).unwrap_err();
     assert!(matches!(error, FitError::GroupRun { index: 0, .. }), "{error}");
 }
+
+#[test]
+fn what_is_open_names_what_it_trades_off_against() {
+    // Half a minute of a sample whose time constants are 51 and 342 s: their first resistance shows, the rest does not.
+    let (model, drive) = (model(&AIR_2V), Drive::step(2.0));
+    let channels = channels(&model, &drive, &times(0.0, 30.0, 600), 0.01, 0.0, 4);
+    let input = FitInput {
+        channels: &channels,
+        drive: &drive,
+        area_cm2: AREA_CM2,
+    };
+    let options = FitOptions {
+        method: Method::Simultaneous,
+        ..FitOptions::default()
+    };
+    let fit = fit_run(&input, &options).unwrap();
+    let steady = fit.parameter("rss_ohm_cm2").unwrap();
+    assert_eq!((steady.value, steady.high_95), (None, None), "{steady:?}");
+    let reason = steady.reason.as_deref().unwrap();
+    assert!(
+        reason.contains("trades off against") && reason.contains("correlation"),
+        "{reason}"
+    );
+    assert!(steady.low_95.is_none_or(|low| low < 5660.0), "{steady:?}");
+    let parallel = fit.parameter("r_parallel_ohm_cm2").unwrap();
+    // From below a branch faster than the sampling may add to it.
+    let low_holds = parallel.low_95.is_none_or(|low| low < 435.1);
+    assert!(low_holds && 435.1 < parallel.high_95.unwrap(), "{parallel:?}");
+}
