@@ -263,14 +263,8 @@ impl Sampled {
 
     /// At most about `most` readings: of every longer span its beginning and its end, as spans of their own.
     pub(super) fn ends(&self, most: usize) -> Sampled {
-        let mut kept = Sampled {
-            time_s: Vec::new(),
-            elapsed_s: Vec::new(),
-            values: Vec::new(),
-            root_weights: None,
-            spans: Vec::new(),
-            blocks: Vec::new(),
-        };
+        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spans = Vec::new();
         for span in &self.spans {
             let half = ((span.end - span.first) * most / self.len().max(1) / 2).max(32);
             let parts = if span.end - span.first <= 2 * half {
@@ -279,17 +273,27 @@ impl Sampled {
                 vec![(span.first, span.first + half), (span.end - half, span.end)]
             };
             for (from, to) in parts {
-                let first = kept.len();
-                kept.time_s.extend_from_slice(&self.time_s[from..to]);
-                kept.elapsed_s.extend_from_slice(&self.elapsed_s[from..to]);
-                kept.values.extend_from_slice(&self.values[from..to]);
-                kept.spans.push(Span {
+                let first = values.len();
+                time_s.extend_from_slice(&self.time_s[from..to]);
+                elapsed_s.extend_from_slice(&self.elapsed_s[from..to]);
+                values.extend_from_slice(&self.values[from..to]);
+                spans.push(Span {
                     segment: span.segment,
                     first,
-                    end: kept.len(),
+                    end: values.len(),
                 });
             }
         }
+        let mut kept = Sampled {
+            time_s: time_s.into(),
+            elapsed_s: elapsed_s.into(),
+            values: values.into(),
+            root_weights: None,
+            square_of_all: None,
+            spans,
+            blocks: Vec::new(),
+            scatter: self.scatter.clone(),
+        };
         kept.cut();
         kept
     }

@@ -238,7 +238,7 @@ fn what_is_open_names_what_it_trades_off_against() {
         area_cm2: AREA_CM2,
     };
     let options = FitOptions {
-        method: Method::Simultaneous,
+        steps: Steps::Simultaneous,
         ..FitOptions::default()
     };
     let fit = fit_run(&input, &options).unwrap();
