@@ -59,6 +59,9 @@ pub struct FitOptions {
     pub method: &'static dyn Method,
     /// Seed of a method that is random.
     pub seed: u64,
+    /// Whether to describe the noise beside its size (memory of higher order, growth with the signal, steps of the
+    /// converter), which costs several times the fit itself and changes no estimate.
+    pub describes_noise: bool,
     /// How current and curvature are brought together.
     pub steps: Steps,
 }
@@ -84,6 +87,7 @@ impl Default for FitOptions {
             method: Search::default().method,
             seed: Search::default().seed,
             steps: Steps::TwoStep,
+            describes_noise: false,
         }
     }
 }

@@ -42,6 +42,7 @@ pub(super) fn fit(
         .map_or(0.0, |segment| segment.start_s);
     let current = identified.current.as_ref().ok();
     let curvature = identified.curvature.as_ref().ok();
+    let describes_noise = options.describes_noise;
     let mut responses: Vec<Response> = Vec::new();
     if let Some((sampled, electrical)) = current {
         responses.push(Response::new(
@@ -49,6 +50,7 @@ pub(super) fn fit(
             sampled,
             Some(&electrical.residuals),
             step_s,
+            describes_noise,
         ));
     }
     if let Some((sampled, bending)) = curvature {
@@ -57,6 +59,7 @@ pub(super) fn fit(
             sampled,
             Some(&bending.residuals),
             step_s,
+            describes_noise,
         ));
     }
     let n_samples = responses.iter().map(|response| response.noise.readings).sum();
@@ -65,7 +68,13 @@ pub(super) fn fit(
         .as_ref()
         .filter(|sampled| sampled.len() > 0)
     {
-        responses.push(Response::new(Quantity::Curvature, sampled, None, step_s));
+        responses.push(Response::new(
+            Quantity::Curvature,
+            sampled,
+            None,
+            step_s,
+            describes_noise,
+        ));
     }
     let r_squared = |quantity: Quantity| {
         responses
@@ -172,7 +181,7 @@ pub(super) fn joint_fit(
         .filter_map(|((response, fitted), (quantity, count))| {
             let sampled = &response.as_ref()?.sampled;
             let residuals = Residuals::new(sampled, fitted?, count);
-            Some(Response::new(quantity, sampled, Some(&residuals), step_s))
+            Some(Response::new(quantity, sampled, Some(&residuals), step_s, true))
         })
         .collect();
     let r_squared = |quantity: Quantity| {
@@ -317,7 +326,13 @@ struct Response {
 }
 
 impl Response {
-    fn new(quantity: Quantity, sampled: &Sampled, residuals: Option<&Residuals>, step_s: f64) -> Response {
+    fn new(
+        quantity: Quantity,
+        sampled: &Sampled,
+        residuals: Option<&Residuals>,
+        step_s: f64,
+        describes_noise: bool,
+    ) -> Response {
         let (standard_deviation, basis) = noise(sampled);
         let rms = residuals.map_or(0.0, |r| (r.square / sampled.len().max(1) as f64).sqrt());
         // Noise of exactly zero (a channel that was computed) cannot be a unit; the residual then is its own.
@@ -340,7 +355,11 @@ impl Response {
                 quantity,
                 standard_deviation,
                 basis,
-                character: character(sampled),
+                character: if describes_noise {
+                    character(sampled)
+                } else {
+                    NoiseCharacter::default()
+                },
                 residual_autocorrelation: lag_one(left),
                 residual_rms: rms,
                 readings: if residuals.is_some() { sampled.len() } else { 0 },

@@ -46,6 +46,7 @@ impl FitRuns {
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
         let model_id = self.model.as_deref().unwrap_or(&context.campaign.model);
         let mut options = FitOptions::for_model(model_id)?;
+        options.describes_noise = true;
         if let Some(method) = &self.method {
             options = options.with_method(method)?;
         }
