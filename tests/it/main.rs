@@ -4,6 +4,7 @@ mod architecture;
 mod bad_input;
 mod campaign;
 mod folder;
+mod formats_expected;
 mod formats_fixtures;
 mod formats_properties;
 mod formats_real_files;
