@@ -16,4 +16,5 @@ mod report_fixture;
 mod report_goldens;
 mod report_site;
 mod report_thesis;
+mod sidecars;
 mod watch;
