@@ -24,7 +24,7 @@ pub struct Inspection {
     pub candidates: Vec<CandidateScore>,
     /// Technique as the file names it.
     pub technique: Option<String>,
-    /// How the measurement ended; `refused` or `pending` where it could not be read.
+    /// How the measurement ended; `refused`, `pending` or `sidecar` where it was not read.
     pub status: String,
     /// The evidence for it.
     pub status_evidence: String,
@@ -104,7 +104,14 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     let read = recognised.and_then(|(format, _)| format.read(&bytes, &ReadContext::default()));
     Ok(match read {
         Ok(reading) => of_reading(shown, &candidates, &reading),
-        Err(error) => refused(shown, &candidates, error.issue(), error.is_pending()),
+        Err(error) => {
+            let status = match &error {
+                error if error.is_pending() => "pending",
+                error if error.is_sidecar() => "sidecar",
+                _ => "refused",
+            };
+            refused(shown, &candidates, error.issue(), status)
+        }
     })
 }
 
@@ -119,7 +126,7 @@ fn scores(candidates: &[Candidate]) -> Vec<CandidateScore> {
         .collect()
 }
 
-fn refused(file: String, candidates: &[Candidate], issue: Issue, pending: bool) -> Inspection {
+fn refused(file: String, candidates: &[Candidate], issue: Issue, status: &str) -> Inspection {
     Inspection {
         schema: "ieap/inspect/1",
         file,
@@ -127,7 +134,7 @@ fn refused(file: String, candidates: &[Candidate], issue: Issue, pending: bool) 
         reader_version: None,
         candidates: scores(candidates),
         technique: None,
-        status: if pending { "pending" } else { "refused" }.to_owned(),
+        status: status.to_owned(),
         status_evidence: issue.message.clone(),
         encoding: None,
         started_at: None,

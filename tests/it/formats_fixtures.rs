@@ -119,8 +119,19 @@ fn twins_read_the_same_numbers() {
     ] {
         assert_eq!(numbers(twin), from_zero, "{twin}");
     }
-    assert_eq!(
-        numbers("chronoa.complete.DTA"),
-        numbers("chronoa.decimal_comma.DTA")
-    );
+    for (file, twin) in [
+        ("chronoa.complete.DTA", "chronoa.decimal_comma.DTA"),
+        ("ca.complete_crlf.mpt", "ca.comma_lf.mpt"),
+        ("ca.complete_crlf.mpt", "ca.utf8.mpt"),
+        ("ca.complete_crlf.mpt", "ca.three_header_lines.mpt"),
+        ("ca.complete_crlf.mpt", "ca.no_last_line_end.mpt"),
+        ("ca.complete.mpr", "ca.long_headers.mpr"),
+        ("it.complete.txt", "it.tab_lf.txt"),
+        ("ca.utf16.csv", "ca.utf8_lf.csv"),
+        ("ca.utf16.csv", "ca.windows_1252.csv"),
+        ("step.no_x_column.lvm", "step.decimal_comma.lvm"),
+        ("step.big_endian.tdms", "step.interleaved.tdms"),
+    ] {
+        assert_eq!(numbers(file), numbers(twin), "{twin}");
+    }
 }

@@ -25,7 +25,7 @@ fn is_prefix(cut: &RunTable, whole: &RunTable) -> bool {
         let same = whole
             .channels
             .iter()
-            .find(|other| other.raw_name == channel.raw_name);
+            .find(|other| other.raw_name == channel.raw_name && other.raw_unit == channel.raw_unit);
         same.is_some_and(|other| {
             other.time_s.starts_with(&channel.time_s) && other.values.starts_with(&channel.values)
         })
@@ -34,7 +34,8 @@ fn is_prefix(cut: &RunTable, whole: &RunTable) -> bool {
 
 /// Rows that a cut text still holds whole, at most.
 fn whole_lines(bytes: &[u8]) -> usize {
-    bytes.iter().filter(|&&byte| byte == b'\n').count()
+    let count = |end: u8| bytes.iter().filter(|&&byte| byte == end).count();
+    count(b'\n').max(count(b'\r'))
 }
 
 /// Cuts a file at every byte, holds what is left against the whole, and counts the cuts that could be read.
@@ -49,8 +50,12 @@ pub fn cuts(name: &str, bytes: &[u8]) -> usize {
             survived += 1;
             assert_prefix(name, end, &cut, &whole);
             let rows: usize = cut.tables.iter().map(|table| table.rows).sum();
+            // EC-Lab ends its files without a line end, and the fixed width of its numbers shows the last one whole.
+            let may_lack_end = usize::from(cut.format == "biologic-mpt");
+            // Binary files and JSON have no lines.
+            let has_lines = cut.encoding.is_some() && cut.format != "palmsens-session";
             assert!(
-                rows < whole_lines(&bytes[..end]),
+                !has_lines || rows < whole_lines(&bytes[..end]) + may_lack_end,
                 "{name} cut at {end} holds {rows} rows"
             );
         }
@@ -69,7 +74,9 @@ fn a_cut_at_any_byte_never_changes_a_number() {
 
 fn assert_prefix(name: &str, end: usize, cut: &Reading, whole: &Reading) {
     for table in &cut.tables {
-        let same = whole.tables.iter().find(|other| other.name == table.name);
+        // The only table of a file has no name; it may be the first of several in the whole file.
+        let is_first = |other: &&RunTable| other.name == table.name || table.name.is_empty();
+        let same = whole.tables.iter().find(is_first);
         assert!(
             same.is_some_and(|same| is_prefix(table, same)),
             "{name} cut at {end}: {:?}",

@@ -32,6 +32,20 @@ pub struct Raw {
     pub must_be_run: bool,
 }
 
+impl Raw {
+    /// A table with an instrument's own clock, which may be no run at all.
+    pub fn of_instrument(name: String, headers: Vec<Header>, cells: CellTable) -> Raw {
+        Raw {
+            name,
+            headers,
+            cells,
+            excluded_rows: Vec::new(),
+            time_zero_is_step: false,
+            must_be_run: false,
+        }
+    }
+}
+
 /// Makes the channels of a table and notes what a reader must know.
 ///
 /// Where the table has no time column and need not be a run, channels are numbered by row.
@@ -87,6 +101,28 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
         time_first_last_s: time_index.and_then(|_| Some((*axis.time_s.first()?, *axis.time_s.last()?))),
         time_zero_is_step: raw.time_zero_is_step,
     })
+}
+
+/// As [`assemble`], for tables that need not be a run: where the time does not increase, the channels are
+/// numbered by row and the time is kept as a column of its own.
+///
+/// # Errors
+/// No row, or too many ragged rows.
+pub fn assemble_untimed(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+    let mut found = Vec::new();
+    let first = assemble(raw.clone(), &mut found);
+    let Err(error @ ReadError::TimeOrder { .. }) = first else {
+        issues.extend(found);
+        return first;
+    };
+    let message = format!("{error}; its readings are numbered by row");
+    issues.push(Issue::note("time-not-used", message).at(error.place()));
+    for header in &mut raw.headers {
+        if header.meaning.quantity() == Some(Quantity::Time) {
+            header.meaning = Meaning::Other;
+        }
+    }
+    assemble(raw, issues)
 }
 
 fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {

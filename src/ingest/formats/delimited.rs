@@ -3,10 +3,10 @@
 use super::cells::CellTable;
 use super::error::{ReadError, quoted};
 use crate::domain::{Issue, RunStatus};
-use crate::ingest::text::grid::{is_blank_or_comment, push_line};
+use crate::ingest::text::grid::{Dialect, is_blank_or_comment, push_line};
 use crate::ingest::text::header::Header;
 use crate::ingest::text::layout::{self, Layout};
-use crate::ingest::text::{Decoded, Line, Lines, decode};
+use crate::ingest::text::{Cell, Decimal, Decoded, Delimiter, Line, Lines, decode, number};
 
 /// What was read before columns get their meaning.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +68,57 @@ pub fn read(
         status,
         status_evidence,
     })
+}
+
+/// The cells of lines under a header on line `header_line`; blank lines hold none.
+pub fn cells_of(header_line: usize, columns: usize, lines: &[Line<'_>], dialect: Dialect) -> CellTable {
+    let mut cells = CellTable::new(header_line, &vec![false; columns], lines.len());
+    for line in lines.iter().filter(|line| !line.text.trim().is_empty()) {
+        push_line(&mut cells, *line, dialect);
+    }
+    cells
+}
+
+/// Decimal sign of rows whose delimiter is known: the one under which their cells are numbers.
+///
+/// # Errors
+/// Some cells are numbers with a point only, others with a comma only.
+pub fn decimal_of<'a>(
+    rows: impl IntoIterator<Item = &'a Line<'a>>,
+    delimiter: Delimiter,
+) -> Result<Decimal, ReadError> {
+    let (mut point, mut comma) = (None, None);
+    for row in rows {
+        delimiter.split(row.text, |_, text| {
+            let reads = |decimal| matches!(number::parse(text, decimal), Cell::Number(_));
+            match (reads(Decimal::Point), reads(Decimal::Comma)) {
+                (true, false) => point = point.or(Some((row.number, text))),
+                (false, true) => comma = comma.or(Some((row.number, text))),
+                _ => {}
+            }
+        });
+        if point.is_some() && comma.is_some() {
+            break;
+        }
+    }
+    match (point, comma) {
+        (Some((_, with_point)), Some((line, with_comma))) => Err(ReadError::AmbiguousNumbers {
+            line,
+            found: format!("{} stands beside {}", quoted(with_comma), quoted(with_point)),
+        }),
+        (None, Some(_)) => Ok(Decimal::Comma),
+        _ => Ok(Decimal::Point),
+    }
+}
+
+/// A number of a header, whose decimal sign may differ from that of the tables.
+pub fn header_number(text: &str) -> Option<f64> {
+    [Decimal::Point, Decimal::Comma]
+        .into_iter()
+        .find_map(|decimal| match number::parse(text, decimal) {
+            Cell::Number(number) => Some(number),
+            _ => None,
+        })
 }
 
 /// Drops a last line without an end: its last number may lack digits and nothing shows it.

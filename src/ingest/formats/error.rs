@@ -18,6 +18,32 @@ pub enum ReadError {
         /// What is there.
         found: String,
     },
+    /// The file belongs to a run of the instrument's software, but holds no measurement of its own.
+    #[error("{kind}: it belongs to a run and holds no readings ({sign})")]
+    Sidecar {
+        /// What it is, `EC-Lab log`.
+        kind: &'static str,
+        /// What shows it.
+        sign: &'static str,
+    },
+    /// The format is known, but no file with this content was ever seen, so nothing is guessed.
+    #[error("{what} is not read, for no such file was ever seen: found {found}")]
+    NeverSeen {
+        /// The part of the format.
+        what: &'static str,
+        /// What stands in the file, escaped.
+        found: String,
+    },
+    /// The structure of a binary file breaks off or contradicts itself.
+    #[error("at byte {offset}: {found}; needed {needed}")]
+    Structure {
+        /// Where, bytes from the start.
+        offset: u64,
+        /// What is there.
+        found: String,
+        /// What must be there.
+        needed: &'static str,
+    },
     /// No reader knows the file.
     #[error("no known format fits: the file begins with {found}; tried {tried}")]
     UnknownFormat {
@@ -37,6 +63,16 @@ pub enum ReadError {
     AmbiguousNumbers {
         /// Line that shows it.
         line: usize,
+        /// The readings.
+        found: String,
+    },
+    /// Dates can be read in two orders, or in none.
+    #[error("the dates of column {column} cannot be decided: {found}")]
+    AmbiguousDates {
+        /// Line of the first date.
+        line: usize,
+        /// Name of the column.
+        column: String,
         /// The readings.
         found: String,
     },
@@ -132,9 +168,13 @@ impl ReadError {
         match self {
             ReadError::Empty => "empty-file",
             ReadError::HeaderOnly { .. } => "header-only",
+            ReadError::Sidecar { .. } => "sidecar",
+            ReadError::NeverSeen { .. } => "never-seen",
+            ReadError::Structure { .. } => "broken-structure",
             ReadError::UnknownFormat { .. } => "unknown-format",
             ReadError::AmbiguousFormat { .. } => "ambiguous-format",
             ReadError::AmbiguousNumbers { .. } => "ambiguous-numbers",
+            ReadError::AmbiguousDates { .. } => "ambiguous-dates",
             ReadError::NoHeader { .. } => "no-header",
             ReadError::Column { .. } => "column-unusable",
             ReadError::NoResponse { .. } => "no-response",
@@ -150,13 +190,20 @@ impl ReadError {
         matches!(self, ReadError::Empty | ReadError::HeaderOnly { .. })
     }
 
+    /// Whether the file belongs to a run without holding one: it is no refusal.
+    pub fn is_sidecar(&self) -> bool {
+        matches!(self, ReadError::Sidecar { .. })
+    }
+
     /// Line and column; empty where the whole file is meant.
     pub fn place(&self) -> String {
         match self {
+            ReadError::Structure { offset, .. } => format!("byte {offset}"),
             ReadError::Column { line: 0, index, .. } => format!("column {index}"),
             ReadError::Column { line, index, .. } => format!("line {line}, column {index}"),
             ReadError::HeaderOnly { line, .. }
             | ReadError::AmbiguousNumbers { line, .. }
+            | ReadError::AmbiguousDates { line, .. }
             | ReadError::NoHeader { line, .. }
             | ReadError::NoResponse { line, .. }
             | ReadError::TimeOrder { line, .. }
@@ -175,6 +222,11 @@ impl ReadError {
             ReadError::Empty | ReadError::HeaderOnly { .. } => {
                 "wait until the instrument has written the file; it is looked at again when it changes"
             }
+            ReadError::Sidecar { .. } => "nothing; keep it beside the run's file",
+            ReadError::NeverSeen { .. } => {
+                "export the run as text from the instrument's software, or as a plain table with units in its header"
+            }
+            ReadError::Structure { .. } => "copy the file again from the instrument's computer",
             ReadError::UnknownFormat { .. } => {
                 "export the run as one of the formats of `ieap formats`, for instance a plain table with the header \
                  time_s,voltage_v,current_a,curvature_per_cm"
@@ -183,6 +235,7 @@ impl ReadError {
             ReadError::AmbiguousNumbers { .. } => {
                 "export with a point as decimal sign, or with semicolons or tabs between the columns"
             }
+            ReadError::AmbiguousDates { .. } => "export with dates written year first, in four digits",
             ReadError::NoHeader { .. } => {
                 "let the first line that is no # comment name the columns with their units: Time (s), Current (mA)"
             }
@@ -205,8 +258,11 @@ impl ReadError {
         }
     }
 
-    /// The refusal as an issue of the file.
+    /// The refusal as an issue of the file; a sidecar is only noted.
     pub fn issue(&self) -> Issue {
+        if self.is_sidecar() {
+            return Issue::note(self.code(), self.to_string());
+        }
         Issue::error(self.code(), self.to_string())
             .at(self.place())
             .mend(self.mend())

@@ -13,7 +13,6 @@ use crate::domain::tag::keys;
 use crate::domain::{Issue, Quantity, RunStatus};
 use crate::ingest::text::grid::{Dialect, push_line};
 use crate::ingest::text::header::{Header, Meaning};
-use crate::ingest::text::number::{self, Cell};
 use crate::ingest::text::{Decimal, Delimiter, Line, Lines, decode};
 use crate::ingest::{Reading, RunTable, StartedAt, Timestamp};
 
@@ -89,7 +88,8 @@ fn is_step_response(technique: &str) -> bool {
 }
 
 fn tables(explain: &Explain<'_>, issues: &mut Vec<Issue>) -> Result<Vec<RunTable>, ReadError> {
-    let decimal = decimal(&explain.tables)?;
+    let rows = explain.tables.iter().flat_map(|table| &table.rows);
+    let decimal = delimited::decimal_of(rows, Delimiter::Tab)?;
     let mut tables = Vec::new();
     for table in &explain.tables {
         let mut found = Vec::new();
@@ -156,32 +156,6 @@ fn touches_current(flags: &str) -> bool {
         .chars()
         .enumerate()
         .any(|(position, flag)| flag != '.' && position != AUXILIARY_INPUT)
-}
-
-/// Decimal sign of the whole file, from the numbers of its tables.
-fn decimal(tables: &[Table<'_>]) -> Result<Decimal, ReadError> {
-    let (mut point, mut comma) = (None, None);
-    for row in tables.iter().flat_map(|table| &table.rows) {
-        Delimiter::Tab.split(row.text, |_, text| {
-            let reads = |decimal| matches!(number::parse(text, decimal), Cell::Number(_));
-            match (reads(Decimal::Point), reads(Decimal::Comma)) {
-                (true, false) => point = point.or(Some((row.number, text))),
-                (false, true) => comma = comma.or(Some((row.number, text))),
-                _ => {}
-            }
-        });
-        if point.is_some() && comma.is_some() {
-            break;
-        }
-    }
-    match (point, comma) {
-        (Some((_, with_point)), Some((line, with_comma))) => Err(ReadError::AmbiguousNumbers {
-            line,
-            found: format!("{} stands beside {}", quoted(with_comma), quoted(with_point)),
-        }),
-        (None, Some(_)) => Ok(Decimal::Comma),
-        _ => Ok(Decimal::Point),
-    }
 }
 
 /// Empties the readings of a thermometer that is not there, and takes the column out where none is left.
@@ -291,7 +265,7 @@ fn header_tags(
     }
     let mut farthest: Option<(f64, &str)> = None;
     for object in levels {
-        if let Some(volts) = number_of(object.value)
+        if let Some(volts) = delimited::header_number(object.value)
             && farthest.is_none_or(|(far, _)| volts.abs() > far.abs())
         {
             farthest = Some((volts, object.key));
@@ -313,14 +287,4 @@ fn is_level(key: &str) -> bool {
         .strip_prefix("VSTEP")
         .is_some_and(|k| !k.is_empty() && k.bytes().all(|b| b.is_ascii_digit()));
     key == "VPRESTEP" || key == "VOLTAGE" || numbered
-}
-
-/// A number of the header, whose decimal sign may differ from that of the tables.
-fn number_of(text: &str) -> Option<f64> {
-    [Decimal::Point, Decimal::Comma]
-        .into_iter()
-        .find_map(|decimal| match number::parse(text, decimal) {
-            Cell::Number(number) => Some(number),
-            _ => None,
-        })
 }

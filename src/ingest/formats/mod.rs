@@ -4,23 +4,36 @@ use crate::ingest::Reading;
 
 pub mod assemble;
 pub mod autolab_nova;
+pub mod biologic;
 pub mod cells;
+pub mod chi;
+pub mod climate;
 pub mod columns;
 pub mod date;
 pub mod delimited;
 pub mod error;
 pub mod gamry_dta;
 pub mod gamry_objects;
+pub mod ivium;
+pub mod labview_lvm;
+pub mod labview_tdms;
+pub mod netzsch;
 pub mod overload;
+pub mod palmsens;
 pub mod plain_table;
 pub mod plausible;
 pub mod recognition;
+pub mod sample_clock;
 pub mod sheet_cells;
 #[cfg(test)]
 mod sheet_tests;
+pub mod sidecar;
 pub mod spreadsheet;
+pub mod stamp;
+pub mod ta_trios;
 pub mod time_axis;
 pub mod unpacking;
+pub mod versastat_par;
 
 pub use error::ReadError;
 pub use recognition::{Candidate, FileHead, Match, recognise};
@@ -63,6 +76,21 @@ pub trait Format: Sync {
 pub static ALL: &[&dyn Format] = &[
     &gamry_dta::GamryDta,
     &autolab_nova::AutolabNova,
+    &ivium::IviumIdf,
+    &ivium::IviumText,
+    &biologic::BiologicMpt,
+    &biologic::BiologicMpr,
+    &chi::Chi,
+    &palmsens::PstraceCsv,
+    &palmsens::PalmsensSession,
+    &labview_lvm::LabviewLvm,
+    &labview_tdms::LabviewTdms,
+    &versastat_par::VersastatPar,
+    &netzsch::Netzsch,
+    &ta_trios::TaTrios,
+    &climate::Hobo,
+    &climate::Toa5,
+    &climate::Picolog,
     &spreadsheet::Spreadsheet,
     &plain_table::PlainTable,
 ];
@@ -75,7 +103,7 @@ pub fn by_id(id: &str) -> Option<&'static dyn Format> {
 /// Recognises and reads a file; `name` is its file name.
 ///
 /// # Errors
-/// The file is empty or ends after its header (both wait: see [`ReadError::is_pending`]), no format or more than
+/// The file is a sidecar of a run (see [`ReadError::is_sidecar`]), is empty or ends after its header (both wait: see [`ReadError::is_pending`]), no format or more than
 /// one fits, or the one that fits cannot read it.
 pub fn read(name: &str, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
     let (format, _) = recognise(&FileHead::of(name, bytes))?;

@@ -1,7 +1,7 @@
 //! Which format a file has: by its content; the extension only breaks a tie.
 
 use super::error::{ReadError, quoted};
-use super::{ALL, Format};
+use super::{ALL, Format, sidecar};
 use crate::ingest::text::decode;
 
 /// Bytes of a file that recognition looks at.
@@ -85,11 +85,12 @@ impl std::fmt::Debug for Candidate {
 /// The format of a file, with everything that fits, the best first.
 ///
 /// # Errors
-/// The file is empty, nothing fits, or the best does not lead clearly.
+/// The file is empty, a sidecar of a run, nothing fits, or the best does not lead clearly.
 pub fn recognise(head: &FileHead<'_>) -> Result<(&'static dyn Format, Vec<Candidate>), ReadError> {
     if head.size == 0 {
         return Err(ReadError::Empty);
     }
+    sidecar::check(head)?;
     let extension = head.extension();
     let with_extension = |candidate: &Candidate| {
         let bonus = candidate.format.extensions().contains(&extension.as_str());
@@ -171,6 +172,6 @@ mod tests {
             message.contains(r#""\u{1b}[31mhello""#) && message.contains("gamry-dta, autolab-nova"),
             "{message}"
         );
-        assert!(id("a.tdms", b"TDSm\0\0\0").is_err());
+        assert!(id("a.parquet", b"PAR1\x15\0\x15").is_err());
     }
 }

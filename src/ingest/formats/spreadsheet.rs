@@ -37,7 +37,16 @@ impl Format for Spreadsheet {
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let holds = |mark: &[u8]| head.bytes.windows(mark.len()).any(|window| window == mark);
+        /// Bytes before the name of the first member of a zip archive.
+        const NAME_AT: usize = 30;
+        let begins_with = |name: &[u8]| {
+            head.bytes
+                .get(NAME_AT..)
+                .is_some_and(|rest| rest.starts_with(name))
+        };
         match head.bytes {
+            // A binary file of NETZSCH Proteus (.ngb-*), which may hold "xl/" by chance.
+            [b'P', b'K', 3, 4, ..] if begins_with(b"Streams/") => Match::No,
             [b'P', b'K', 3, 4, ..] if holds(b"[Content_Types].xml") || holds(b"xl/") => {
                 Match::Certain("a zip archive with the parts of an Excel workbook")
             }

@@ -152,7 +152,7 @@ fn known(stored: &[FileRow]) -> Vec<Known> {
 }
 
 /// Files that this version of the readers would read anew: of runs, where their format's reader changed; of
-/// refused and waiting files, where any reader changed.
+/// refused and waiting files and of sidecars, where any reader changed.
 fn outdated(stored: &[FileRow]) -> BTreeSet<&str> {
     let current: BTreeSet<String> = formats::ALL
         .iter()
@@ -161,8 +161,8 @@ fn outdated(stored: &[FileRow]) -> BTreeSet<&str> {
     let all = all_readers_stamp();
     let is_outdated = |file: &&FileRow| match file.state {
         FileState::Run => !current.contains(&file.reader),
-        FileState::Refused | FileState::Pending => file.reader != all,
-        FileState::Alias | FileState::Sidecar => false,
+        FileState::Refused | FileState::Pending | FileState::Sidecar => file.reader != all,
+        FileState::Alias => false,
     };
     stored
         .iter()

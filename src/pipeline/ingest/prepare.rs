@@ -39,6 +39,8 @@ pub enum Outcome {
     Refused(Issue),
     /// It has nothing to read yet.
     Pending(Issue),
+    /// It belongs to a run and holds none.
+    Sidecar(Issue),
 }
 
 /// A group with its files read.
@@ -97,6 +99,7 @@ fn read(file: &SeenFile, bytes: &[u8]) -> Outcome {
     match std::panic::catch_unwind(|| formats::read(name, bytes, &ReadContext::default())) {
         Ok(Ok(reading)) => Outcome::Read(Box::new(reading)),
         Ok(Err(error)) if error.is_pending() => Outcome::Pending(error.issue()),
+        Ok(Err(error)) if error.is_sidecar() => Outcome::Sidecar(error.issue()),
         Ok(Err(error)) => Outcome::Refused(error.issue()),
         Err(_) => Outcome::Refused(
             Issue::error("reader-fault", "the reader stopped on an internal fault")

@@ -25,6 +25,7 @@ pub fn settle(
             Outcome::Read(_) => readable.push(file),
             Outcome::Refused(issue) => set_aside(context, &file, FileState::Refused, issue, observer)?,
             Outcome::Pending(issue) => set_aside(context, &file, FileState::Pending, issue, observer)?,
+            Outcome::Sidecar(issue) => set_aside(context, &file, FileState::Sidecar, issue, observer)?,
         }
     }
     match readable.as_slice() {

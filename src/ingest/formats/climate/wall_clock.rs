@@ -1,0 +1,196 @@
+//! Rows with a date and time each: cells, the order of day and month, and seconds from the first row.
+
+use jiff::civil::DateTime;
+
+use crate::domain::{Issue, RunStatus};
+use crate::ingest::formats::assemble::{Raw, assemble};
+use crate::ingest::formats::cells::CellTable;
+use crate::ingest::formats::error::{ReadError, quoted};
+use crate::ingest::formats::stamp::{self, DateOrder};
+use crate::ingest::text::header::{Header, Meaning};
+use crate::ingest::text::{Decimal, Delimiter, Line, Lines, decode, number};
+use crate::ingest::{Reading, StartedAt, Timestamp};
+
+/// What a logger's file says, before its rows are read.
+pub struct Log<'a> {
+    /// Format id and version of its reader.
+    pub reader: (&'static str, u32),
+    /// The columns; the time is the one at `time_at`.
+    pub headers: Vec<Header>,
+    /// Columns that hold words, such as events.
+    pub is_text: Vec<bool>,
+    /// Index of the column of dates.
+    pub time_at: usize,
+    /// Orders that its dates may have.
+    pub orders: &'static [DateOrder],
+    /// Offset from UTC, where the file states one.
+    pub offset: Option<String>,
+    /// Line of the header.
+    pub header_line: usize,
+    /// The rows.
+    pub rows: &'a [Line<'a>],
+}
+
+/// A text of lines, of which an unfinished last one is left out.
+pub struct LogText {
+    /// The text.
+    pub text: String,
+    /// Its encoding.
+    pub encoding: &'static str,
+}
+
+impl LogText {
+    /// Decodes the bytes.
+    ///
+    /// # Errors
+    /// There are no bytes.
+    pub fn of(bytes: &[u8]) -> Result<LogText, ReadError> {
+        if bytes.is_empty() {
+            return Err(ReadError::Empty);
+        }
+        let decoded = decode(bytes);
+        Ok(LogText {
+            encoding: decoded.encoding,
+            text: decoded.text.into_owned(),
+        })
+    }
+
+    /// Lines of the text.
+    pub fn lines(&self) -> Vec<Line<'_>> {
+        Lines::new(&self.text).collect()
+    }
+}
+
+/// Cells of a line between commas, without their quotes.
+pub fn cells(text: &str) -> Vec<&str> {
+    let mut cells = Vec::new();
+    Delimiter::Comma.split(text, |_, cell| cells.push(number::unquote(cell)));
+    cells
+}
+
+/// A column that measures what its name's last word says, such as `H08 Temp.`; other columns keep their names.
+pub fn measured(raw_name: &str, name: &str, unit: &str) -> Header {
+    let word = name.split_whitespace().next_back().unwrap_or("");
+    let header = Header::with_unit(word, unit);
+    let is_known = matches!(word, "Temp" | "Temp." | "Temperature" | "RH");
+    Header {
+        raw_name: raw_name.to_owned(),
+        meaning: if is_known { header.meaning } else { Meaning::Other },
+        ..header
+    }
+}
+
+impl Log<'_> {
+    /// Reads the rows and makes the reading; its status is that of the text.
+    ///
+    /// # Errors
+    /// No row, dates that cannot be read, or dates that can be read in two orders.
+    pub fn read(
+        self,
+        encoding: &'static str,
+        (status, status_evidence): (RunStatus, String),
+        original_metadata: Vec<(String, String)>,
+        mut issues: Vec<Issue>,
+    ) -> Result<Reading, ReadError> {
+        let rows: Vec<&Line<'_>> = self
+            .rows
+            .iter()
+            .filter(|row| !row.text.trim().is_empty())
+            .collect();
+        let Some(first_row) = rows.first() else {
+            return Err(ReadError::HeaderOnly {
+                line: self.header_line,
+                found: "no row".to_owned(),
+            });
+        };
+        let texts: Vec<&str> = rows
+            .iter()
+            .map(|row| cells(row.text).get(self.time_at).copied().unwrap_or(""))
+            .collect();
+        let (order, moments) = self.moments(&texts, first_row.number)?;
+        let mut table = CellTable::new(self.header_line, &self.is_text, rows.len());
+        for row in &rows {
+            let found = cells(row.text);
+            for (column, text) in table.columns.iter_mut().zip(&found) {
+                column.push(row.number, number::parse(text, Decimal::Point), || {
+                    (*text).to_owned()
+                });
+            }
+            table.end_row(row.number, found.len());
+        }
+        let column = &mut table.columns[self.time_at];
+        column.text = Default::default();
+        let first = moments[0];
+        column.numbers = moments
+            .iter()
+            .map(|moment| moment.duration_since(first).as_secs_f64())
+            .collect();
+        let mut headers = self.headers;
+        let time = &mut headers[self.time_at];
+        time.raw_unit = String::new();
+        time.meaning = Header::with_unit("time", "s").meaning;
+        Ok(Reading {
+            format: self.reader.0,
+            reader_version: self.reader.1,
+            technique: None,
+            is_step_response: false,
+            encoding: Some(encoding),
+            status,
+            status_evidence,
+            started_at: Some(StartedAt {
+                raw: texts[0].to_owned(),
+                kind: Timestamp::Start,
+                local: Some(first.to_string()),
+                offset: self.offset,
+                basis: format!("the first row, {}", order_in_words(order)),
+            }),
+            header_tags: Vec::new(),
+            tables: vec![assemble(
+                Raw::of_instrument(String::new(), headers, table),
+                &mut issues,
+            )?],
+            original_metadata,
+            issues,
+        })
+    }
+
+    /// The moments of all rows under the one order in which all are dates and none goes back.
+    fn moments(&self, texts: &[&str], line: usize) -> Result<(DateOrder, Vec<DateTime>), ReadError> {
+        let read = |order: DateOrder| -> Option<(DateOrder, Vec<DateTime>)> {
+            let moments: Option<Vec<DateTime>> = texts.iter().map(|text| stamp::civil(text, order)).collect();
+            let moments = moments?;
+            let forward = moments.windows(2).all(|pair| pair[1] >= pair[0]);
+            forward.then_some((order, moments))
+        };
+        let mut fitting: Vec<_> = self.orders.iter().copied().filter_map(read).collect();
+        let reason = match fitting.len() {
+            1 => return Ok(fitting.remove(0)),
+            0 => "no order of day, month and year makes all rows dates that follow each other".to_owned(),
+            _ => {
+                let orders: Vec<&str> = fitting.iter().map(|(order, _)| order_in_words(*order)).collect();
+                format!("{} fit all rows alike", orders.join(" and "))
+            }
+        };
+        Err(ReadError::AmbiguousDates {
+            line,
+            column: quoted(&self.headers[self.time_at].raw_name),
+            found: format!("{reason}, first {}", quoted(texts[0])),
+        })
+    }
+}
+
+fn order_in_words(order: DateOrder) -> &'static str {
+    match order {
+        DateOrder::YearFirst => "year first",
+        DateOrder::MonthFirst => "month first",
+        DateOrder::DayFirst => "day first",
+    }
+}
+
+/// `GMT-07:00`, `GMT +05:00` behind a column's name.
+pub fn offset(name: &str) -> Option<String> {
+    let (_, zone) = name.split_once("GMT")?;
+    let zone = zone.trim();
+    let is_offset = zone.len() == 6 && zone.starts_with(['+', '-']) && zone.as_bytes()[3] == b':';
+    is_offset.then(|| zone.to_owned())
+}
