@@ -5,7 +5,6 @@ mod bad_input;
 mod campaign;
 mod distributed;
 mod folder;
-mod formats_expected;
 mod formats_fixtures;
 mod formats_properties;
 mod formats_real_files;

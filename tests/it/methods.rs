@@ -76,6 +76,10 @@ fn differential_evolution_finds_the_minima_of_the_thesis_campaign() {
         assert_eq!(one.method, "two-step variable projection");
         assert_eq!(other.method, "two-step differential evolution");
         assert_same_minimum(&one, &other, &name);
+        // Every run has its minimum from one seed; another seed, and the same again, for the first of each material.
+        if number % 9 != 0 {
+            continue;
+        }
         let another = FitOptions { seed: 7, ..evolution };
         assert_same_minimum(&other, &fit_run(&input, &another).unwrap(), &name);
         assert_eq!(

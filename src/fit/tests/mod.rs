@@ -116,3 +116,12 @@ fn assert_recovers(fit: &Fit, model: &LumpedModel, within: f64) {
         );
     }
 }
+
+/// How many simulated runs a proof takes: few, so that an edit is tested within seconds, or as many as the
+/// statement deserves where `IEAP_LONG` is set (`IEAP_LONG=1 cargo test --release --lib fit::tests`).
+fn counted(few: u64, many: u64) -> u64 {
+    match std::env::var_os("IEAP_LONG") {
+        Some(_) => many,
+        None => few,
+    }
+}
