@@ -102,7 +102,12 @@ fn coupling(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     match (interval.low, interval.high) {
         (Some(low), Some(high)) if away(low) && away(high) => {
             let error = interval.standard_error.min((high - low) / 3.92);
-            Estimate::determined(interval.value, error, low, high)
+            Estimate::determined(
+                interval.value,
+                error,
+                low.min(interval.value),
+                high.max(interval.value),
+            )
         }
         (Some(low), None) if low > 0.0 => Estimate::above(
             low,

@@ -91,6 +91,15 @@ pub fn run_table(seed: u32) -> String {
     text
 }
 
+/// How much a proof takes: little, so that an edit is tested within seconds, or as much as the statement deserves
+/// where `IEAP_LONG` is set, as CI does.
+pub fn counted(few: usize, many: usize) -> usize {
+    match std::env::var_os("IEAP_LONG") {
+        Some(_) => many,
+        None => few,
+    }
+}
+
 impl CampaignFolder {
     /// A campaign with [`CAMPAIGN_TOML`] and [`TAGS_TOML`] and no runs.
     pub fn new() -> CampaignFolder {
