@@ -240,14 +240,16 @@ fn table(title: &str, fits: &[(Case, Option<Fit>)], keep: impl Fn(&Case) -> bool
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let runs = words.first().and_then(|text| text.parse().ok()).unwrap_or(1000);
+    let numbers: Vec<usize> = words.iter().filter_map(|text| text.parse().ok()).collect();
+    let runs = numbers.first().copied().unwrap_or(1000);
+    let from = numbers.get(1).copied().unwrap_or(0);
     let method = if words.iter().any(|word| word == "simultaneous") {
         Steps::Simultaneous
     } else {
         Steps::TwoStep
     };
     let start = std::time::Instant::now();
-    let fits: Vec<(Case, Option<Fit>)> = (0..runs)
+    let fits: Vec<(Case, Option<Fit>)> = (from..from + runs)
         .into_par_iter()
         .map(|index| {
             let case = Case::of(index);
@@ -261,7 +263,7 @@ fn main() {
         .filter(|(_, fit)| fit.as_ref().is_some_and(|fit| !fit.converged))
         .count();
     println!(
-        "{runs} runs, {failed} failed, {unsettled} not converged, {:.1} s",
+        "{runs} runs from seed {from}, {failed} failed, {unsettled} not converged, {:.1} s",
         start.elapsed().as_secs_f64()
     );
     table("All runs", &fits, |_| true);

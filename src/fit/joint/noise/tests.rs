@@ -101,10 +101,7 @@ fn growth_and_converter_are_seen_and_not_invented() {
         assert_eq!((plain.proportional, plain.quantum), (0.0, 0.0));
     }
     let mut coarse = decaying(&even(2000), 2, |fresh, _, _| 0.2 * fresh);
-    coarse
-        .values
-        .iter_mut()
-        .for_each(|v| *v = (*v / 5.0).round() * 5.0);
+    coarse.values = coarse.values.iter().map(|v| (v / 5.0).round() * 5.0).collect();
     let found = Noise::of(&coarse, 0.0);
     assert!(
         (found.quantum - 5.0).abs() < 1e-9 && found.floor >= 5.0 / 12.0_f64.sqrt(),
