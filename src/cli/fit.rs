@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::fits_document::{FitEntry, fits_document};
@@ -13,12 +14,8 @@ use crate::pipeline::{Context, FitRuns, Ingest};
 pub struct FitArgs {
     #[command(flatten)]
     campaign: CampaignArg,
-    /// Model to fit with [default: the campaign's; `ieap models` lists them]
-    #[arg(long, value_name = "MODEL")]
-    model: Option<String>,
-    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
-    #[arg(long, value_name = "METHOD")]
-    method: Option<String>,
+    #[command(flatten)]
+    fit: FitChoiceArgs,
     /// Fit again even where nothing changed
     #[arg(long)]
     again: bool,
@@ -32,9 +29,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
     let summary = FitRuns {
-        model: args.model.clone(),
-        method: args.method.clone(),
-        seed: global.seed,
+        choice: args.fit.choice(global),
         again: args.again,
     }
     .run(&mut context, output)?;

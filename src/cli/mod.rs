@@ -4,6 +4,7 @@ mod completions;
 mod exit;
 mod export;
 mod fit;
+mod fit_choice;
 mod formats;
 mod ingest;
 mod init;

@@ -4,6 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
 use super::{CampaignArg, Global, ingest};
 use crate::pipeline::{Context, Run, RunSummary};
@@ -13,12 +14,8 @@ use crate::pipeline::{Context, Run, RunSummary};
 pub struct RunArgs {
     #[command(flatten)]
     campaign: CampaignArg,
-    /// Model to fit with [default: the campaign's; `ieap models` lists them]
-    #[arg(long, value_name = "MODEL")]
-    model: Option<String>,
-    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
-    #[arg(long, value_name = "METHOD")]
-    method: Option<String>,
+    #[command(flatten)]
+    fit: FitChoiceArgs,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -28,9 +25,7 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .iter()
         .for_each(|issue| output.issue("campaign.toml", issue));
     let summary = Run {
-        model: args.model.clone(),
-        method: args.method.clone(),
-        seed: global.seed,
+        fit: args.fit.choice(global),
     }
     .run(&mut context, output)?;
     print(&summary, output);

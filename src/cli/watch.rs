@@ -7,6 +7,7 @@ use std::time::Duration;
 use clap::Args;
 
 use super::exit::{CliError, DONE};
+use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
 use super::{CampaignArg, Global, run};
 use crate::pipeline::{Context, Run, Watch, WatchSettings};
@@ -22,12 +23,8 @@ pub struct WatchArgs {
     /// Look every so many seconds instead of waiting for events, as on network shares
     #[arg(long, value_name = "SECONDS")]
     poll_s: Option<f64>,
-    /// Model to fit with [default: the campaign's; `ieap models` lists them]
-    #[arg(long, value_name = "MODEL")]
-    model: Option<String>,
-    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
-    #[arg(long, value_name = "METHOD")]
-    method: Option<String>,
+    #[command(flatten)]
+    fit: FitChoiceArgs,
 }
 
 pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -54,9 +51,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
     let watch = Watch {
         settings,
         job: Run {
-            model: args.model.clone(),
-            method: args.method.clone(),
-            seed: global.seed,
+            fit: args.fit.choice(global),
         },
     };
     watch.run(&mut context, output, &stop, &mut |summary| {

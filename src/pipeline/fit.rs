@@ -4,23 +4,48 @@ use rayon::prelude::*;
 
 use super::context::{CODE_VERSION, now};
 use super::{Context, Observer, PipelineError};
-use crate::domain::{Channel, Fit, Issue};
-use crate::fit::{FitError, FitInput, FitOptions, distributed, fit_run};
+use crate::domain::{Campaign, Channel, Fit, Issue};
+use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
 use crate::store::{FitStamp, FitTask};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 32;
 
-/// The verb `fit`.
+/// How runs are fitted.
 #[derive(Debug, Clone, Default)]
-pub struct FitRuns {
+pub struct FitChoice {
     /// Model to fit with; none takes the campaign's.
     pub model: Option<String>,
     /// Id of the method that searches minima; none takes the default.
     pub method: Option<String>,
+    /// Whether current and curvature are fitted together instead of one after the other.
+    pub simultaneous: bool,
     /// Seed of a random method; none takes the default.
     pub seed: Option<u64>,
+}
+
+impl FitChoice {
+    /// As options of a fit; what is left open is the campaign's.
+    fn options(&self, campaign: &Campaign) -> Result<FitOptions, FitError> {
+        let mut options = FitOptions::for_model(self.model.as_deref().unwrap_or(&campaign.model))?;
+        if let Some(method) = &self.method {
+            options = options.with_method(method)?;
+        }
+        if self.simultaneous {
+            options.steps = Steps::Simultaneous;
+        }
+        options.describes_noise = true;
+        options.seed = self.seed.unwrap_or(options.seed);
+        Ok(options)
+    }
+}
+
+/// The verb `fit`.
+#[derive(Debug, Clone, Default)]
+pub struct FitRuns {
+    /// How to fit.
+    pub choice: FitChoice,
     /// Fit again even where nothing changed.
     pub again: bool,
 }
@@ -44,13 +69,7 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
-        let model_id = self.model.as_deref().unwrap_or(&context.campaign.model);
-        let mut options = FitOptions::for_model(model_id)?;
-        options.describes_noise = true;
-        if let Some(method) = &self.method {
-            options = options.with_method(method)?;
-        }
-        options.seed = self.seed.unwrap_or(options.seed);
+        let options = self.choice.options(&context.campaign)?;
         let tasks = context.store.fit_tasks()?;
         let hashed = tasks.into_iter().map(|task| (input_hash(&task, &options), task));
         let (done, due): (Vec<_>, Vec<_>) =
@@ -186,6 +205,9 @@ fn input_hash(task: &FitTask, options: &FitOptions) -> String {
     }
     let (model, method) = (options.model, options.method);
     hasher.update(format!("{}/{}/{}", model.id, model.version, method.id()).as_bytes());
+    if options.steps == Steps::Simultaneous {
+        hasher.update(b"simultaneous");
+    }
     if method.is_random() {
         hasher.update(&options.seed.to_le_bytes());
     }

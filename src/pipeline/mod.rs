@@ -20,7 +20,7 @@ mod watch;
 pub use crate::numerics::global::methods;
 pub use context::{CODE_VERSION, Context};
 pub use error::PipelineError;
-pub use fit::{FitRuns, FitSummary};
+pub use fit::{FitChoice, FitRuns, FitSummary};
 pub use ingest::{Ingest, IngestSummary};
 pub use init::init;
 pub use observer::{Observer, Silent};

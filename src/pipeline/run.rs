@@ -3,19 +3,16 @@
 use serde::Serialize;
 
 use super::{
-    Context, FitRuns, FitSummary, Ingest, IngestSummary, Observer, PipelineError, RenderReport, ReportSummary,
+    Context, FitChoice, FitRuns, FitSummary, Ingest, IngestSummary, Observer, PipelineError, RenderReport,
+    ReportSummary,
 };
 use crate::ingest::scan::SeenFile;
 
 /// The verb `run`.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
-    /// Model to fit with; none takes the campaign's.
-    pub model: Option<String>,
-    /// Id of the method that searches minima; none takes the default.
-    pub method: Option<String>,
-    /// Seed of a random method; none takes the default.
-    pub seed: Option<u64>,
+    /// How runs are fitted.
+    pub fit: FitChoice,
 }
 
 /// What `run` did.
@@ -51,9 +48,7 @@ impl Run {
     ) -> Result<RunSummary, PipelineError> {
         let ingest = Ingest { ready }.run(context, observer)?;
         let fit = FitRuns {
-            model: self.model.clone(),
-            method: self.method.clone(),
-            seed: self.seed,
+            choice: self.fit.clone(),
             again: false,
         }
         .run(context, observer)?;

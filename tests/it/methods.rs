@@ -131,3 +131,27 @@ fn the_method_is_chosen_on_the_command_line_and_part_of_what_is_up_to_date() {
     let models = ieap(folder.path(), &["models", "--json"]).expect(0).json();
     assert_eq!(models["methods"][1]["id"], "differential-evolution");
 }
+
+#[test]
+fn both_responses_can_be_fitted_together() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", super::campaign::run_table(1));
+    let steps = folder
+        .ieap(&["fit", "--json", "--model", "lumped-1"])
+        .expect(0)
+        .json();
+    let together = folder
+        .ieap(&["fit", "--json", "--model", "lumped-1", "--simultaneous"])
+        .expect(0)
+        .json();
+    let of = |document: &serde_json::Value| document["fits"][0]["parameters"]["c_total_f_per_cm2"].clone();
+    let (one, other) = (of(&steps), of(&together));
+    assert_ne!(one, other);
+    let (low, high) = (one["low_95"].as_f64().unwrap(), one["high_95"].as_f64().unwrap());
+    let value = other["value"].as_f64().unwrap();
+    assert!(low < value && value < high, "{one} {other}");
+    let again = folder
+        .ieap(&["fit", "--model", "lumped-1", "--simultaneous"])
+        .expect(0);
+    assert!(again.stderr.contains("0 fitted, 1 up to date"), "{again:?}");
+}

@@ -1,0 +1,32 @@
+//! How runs are fitted: options that `run`, `watch` and `fit` share.
+
+use clap::Args;
+
+use super::Global;
+use crate::pipeline::FitChoice;
+
+/// How runs are fitted.
+#[derive(Debug, Args)]
+pub struct FitChoiceArgs {
+    /// Model to fit with [default: the campaign's; `ieap models` lists them]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// Method that searches minima [default: variable-projection; `ieap models` lists them]
+    #[arg(long, value_name = "METHOD")]
+    method: Option<String>,
+    /// Fit current and curvature together, each weighted by its noise, instead of one after the other
+    #[arg(long)]
+    simultaneous: bool,
+}
+
+impl FitChoiceArgs {
+    /// The choice, with the seed of the global options.
+    pub fn choice(&self, global: &Global) -> FitChoice {
+        FitChoice {
+            model: self.model.clone(),
+            method: self.method.clone(),
+            simultaneous: self.simultaneous,
+            seed: global.seed,
+        }
+    }
+}
