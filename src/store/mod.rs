@@ -10,6 +10,7 @@ mod files;
 mod fits;
 mod lock;
 mod migration;
+mod new_run;
 mod runs;
 mod tags;
 
@@ -22,7 +23,7 @@ pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};
 pub use lock::InstanceLock;
-pub use runs::{NewRun, RunContent, Tagging};
+pub use new_run::{NewRun, RunContent, Tagging};
 pub use tags::HandTag;
 
 /// Name of the database inside a campaign.
