@@ -183,7 +183,9 @@ fn judge(input: &FitInput, options: &FitOptions, identified: &Identified) -> Opt
     let branches = options.model.branches;
     let parabolic = estimates::is_parabolic(electrical, bending.map(|(_, bending)| bending), branches);
     let even = is_even(current) && bending.is_none_or(|(curvature, _)| is_even(curvature));
-    if electrical.conductances_a_per_v.is_empty() || parabolic && even {
+    let misfit = misfits(current, electrical.residuals.square)
+        || bending.is_some_and(|(curvature, bending)| misfits(curvature, bending.residuals.square));
+    if electrical.conductances_a_per_v.is_empty() || parabolic && even || misfit {
         return None;
     }
     let readings = RunReadings {
@@ -199,6 +201,21 @@ fn judge(input: &FitInput, options: &FitOptions, identified: &Identified) -> Opt
         branches,
         parabolic,
     )
+}
+
+/// A root mean square of the residuals beyond this multiple of the noise is no chance: the noise is taken from the
+/// scatter of neighbours, which finds slow noise (correlation 0.8) up to three times too small.
+const MISFIT: f64 = 4.0;
+
+/// Whether the model plainly does not describe the readings. A likelihood that knows noise only would then state
+/// intervals far too narrow, about another place than the curve that is drawn; those of the two steps are
+/// widened by what the model leaves.
+fn misfits(sampled: &Sampled, square: f64) -> bool {
+    let rms = (square / sampled.len().max(1) as f64).sqrt();
+    sampled
+        .scatter
+        .as_ref()
+        .is_some_and(|noise| rms > MISFIT * noise.standard_deviation)
 }
 
 /// Whether the readings follow each other evenly, so that noise by reading order is noise by time.

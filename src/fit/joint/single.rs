@@ -98,6 +98,10 @@ pub(in crate::fit) fn judge(
     };
     let freedom = current.current.as_ref()?.noise.freedom;
     let mut full = minimum(&current, &electrical_starts(&current, electrical, branches))?;
+    if excess(&full.0, &full.1) > 1.0 {
+        // The circuit leaves more than chance of what sums of exponentials could explain: see `misfits`.
+        return None;
+    }
     let evidence = evidence(&current, electrical, &full, branches);
     if evidence.branches == Branches::One {
         full = minimum(&current, &electrical_starts(&current, electrical, 1))?;
