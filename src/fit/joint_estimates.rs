@@ -2,9 +2,10 @@
 
 use crate::domain::{Drive, Estimate, Level};
 
+use super::joint::branch_evidence::{Branches, Evidence};
 use super::joint::feature::Feature;
 use super::joint::profile::Interval;
-use super::joint::single::{Branches, Evidence, Judged};
+use super::joint::single::Judged;
 
 /// A positive parameter whose 95 % interval spans more than this factor to either side has no value.
 const WIDEST_FACTOR: f64 = 5.0;

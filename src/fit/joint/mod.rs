@@ -2,9 +2,11 @@
 //! shared parameters, intervals by profile likelihood.
 
 pub(super) mod bootstrap;
+pub(super) mod branch_evidence;
 mod compressed;
 pub(super) mod dense;
 pub(super) mod feature;
+pub(super) mod minimum;
 pub(super) mod noise;
 pub(super) mod problem;
 pub(super) mod profile;

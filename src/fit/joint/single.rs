@@ -1,24 +1,18 @@
-//! One run whose noise is too large for a parabola: number of branches, intervals by profile likelihood.
+//! Intervals of one run: from the covariance where the sum of squares is a parabola, else by profile likelihood.
 
 use crate::fit::bending::Bending;
-use crate::fit::circuit::Circuit;
 use crate::fit::electrical::Electrical;
-use crate::fit::search::{CoarseLook, Limits, Search, search};
 use crate::numerics::student::quantile_95;
 
-use super::dense::{Bottom, Dense, Slope, descend};
+use super::branch_evidence::{BRANCH_EVIDENCE, Branches, Evidence, evidence};
+use super::dense::{Bottom, descend};
 use super::feature::Feature;
-use super::problem::{Layout, Over, Problem};
+use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
+use super::problem::{Over, Problem};
 use super::profile::{Deeper, Interval, Solved};
 use super::readings::RunReadings;
-use super::start::{Start, problem};
+use super::start::Start;
 
-/// A further branch is taken where it lowers the weighted sum of squares by more than this.
-pub(in crate::fit) const BRANCH_EVIDENCE: f64 = 12.0;
-/// Below this a second branch, if there is one, must be shown to be too small to matter.
-const BRANCH_DOUBT: f64 = 4.0;
-/// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
-const RULED_OUT: f64 = 3.84;
 /// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
 const CLEAR: f64 = 30.0;
 /// How much wider the intervals of a branch are that was only just taken: runs in which chance made it look
@@ -28,36 +22,8 @@ const CHOSEN_WIDER: f64 = 0.5;
 pub(in crate::fit) const REACH: f64 = 1.7;
 /// Restarts from deeper minima met on the way.
 const RESTARTS: usize = 4;
-/// Evaluations of one search.
-const LIMIT: u64 = 100;
-const SETTLE: f64 = 1e-4;
 /// Evaluations over all readings.
 const POLISH_LIMIT: u64 = 12;
-
-/// What the current says of the number of branches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::fit) enum Branches {
-    /// One is enough, and no second one of a noticeable size could hide.
-    One,
-    /// One is enough, but a second one could hide in the noise.
-    OneOrHidden,
-    /// A second one may be there or may be chance.
-    Doubtful,
-    /// As many as the model has.
-    All,
-}
-
-/// The choice with its evidence.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::fit) struct Evidence {
-    pub(in crate::fit) branches: Branches,
-    /// Fall of the weighted sum of squares (twice the log likelihood ratio) by the last branch.
-    pub(in crate::fit) gain: f64,
-    /// What BIC asks of two further parameters.
-    pub(in crate::fit) penalty: f64,
-    /// Readings that carry as much as independent ones.
-    pub(in crate::fit) effective_readings: f64,
-}
 
 /// Intervals of one run.
 pub(in crate::fit) struct Judged {
@@ -136,228 +102,6 @@ pub(in crate::fit) fn judge(
         }
     }
     Some(judged)
-}
-
-/// Where a search may start: what step one found, and the best pair of time constants whatever the evidence.
-fn electrical_starts(current: &RunReadings, electrical: &Electrical, branches: usize) -> Vec<Start> {
-    let mut starts = vec![Start::of(electrical, branches)];
-    let Some(response) = &current.current else {
-        return starts;
-    };
-    if let Some(limits) = Limits::of(&response.sampled) {
-        let circuit = Circuit {
-            drive: current.drive,
-            sampled: &response.sampled,
-            with_offset: electrical.offset_a.is_some(),
-        };
-        let compressed = response.sampled.compressed();
-        let circuit = Circuit {
-            sampled: &compressed,
-            ..circuit
-        };
-        let look = CoarseLook::new(&circuit, limits);
-        let found = search(&circuit, branches, &look, Search::default(), 1e-3).solution;
-        let total: f64 = found.conductances_a_per_v.iter().sum();
-        if total > 0.0 {
-            let area = current.area_cm2;
-            let pair = |k: usize| {
-                let conductance = found.conductances_a_per_v[k].max(0.02 * total);
-                (
-                    area / conductance,
-                    conductance * found.log_time_constants[k].exp() / area,
-                )
-            };
-            let pairs: Vec<(f64, f64)> = (0..branches).map(pair).collect();
-            let mut start = Start::new(&pairs, found.conductances_a_per_v[branches] / area);
-            start.searched = starts[0].searched.clone();
-            let offset = start.layout().current_offset();
-            start.local[offset] = found.offset_a;
-            starts.push(start);
-        }
-    }
-    starts
-}
-
-/// The deepest minimum from any of the starts, branches in order of their time constants.
-fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(Problem<'a>, Bottom)> {
-    let (problem, _) = problem(vec![run.clone()], &starts[..1], &[]);
-    let mut best: Option<Bottom> = None;
-    for start in starts {
-        let at = coordinates(&problem, start);
-        let found = problem.descend(&at, LIMIT, SETTLE);
-        if best
-            .as_ref()
-            .is_none_or(|best| found.slope.square < best.slope.square)
-        {
-            best = Some(found);
-        }
-    }
-    let best = best.filter(|best| best.slope.square.is_finite())?;
-    Some((problem, best))
-}
-
-/// Coordinates of a start within an existing problem of one run.
-fn coordinates(problem: &Problem, start: &Start) -> Vec<f64> {
-    use super::problem::Slot;
-    let mut at = vec![0.0; problem.low.len()];
-    for (local, slot) in problem.slots[0].iter().enumerate() {
-        if let Slot::Searched(k) = *slot {
-            at[k] = start.local[local] / problem.units[local];
-        }
-    }
-    at
-}
-
-/// Number of branches.
-fn evidence(
-    current: &RunReadings,
-    electrical: &Electrical,
-    full: &(Problem, Bottom),
-    branches: usize,
-) -> Evidence {
-    let effective_readings = current
-        .current
-        .as_ref()
-        .map_or(1.0, |response| response.effective_readings());
-    let penalty = 2.0 * effective_readings.max(2.0).ln();
-    let mut evidence = Evidence {
-        branches: Branches::All,
-        gain: f64::INFINITY,
-        penalty,
-        effective_readings,
-    };
-    if branches < 2 {
-        return evidence;
-    }
-    let Some((one, bottom)) = minimum(current, &electrical_starts(current, electrical, branches - 1)) else {
-        return evidence;
-    };
-    let scale = excess(&full.0, &full.1).powi(2);
-    evidence.gain = ((bottom.slope.square - full.1.slope.square) / scale).max(0.0);
-    evidence.branches = if evidence.gain > BRANCH_EVIDENCE {
-        Branches::All
-    } else if evidence.gain > BRANCH_DOUBT {
-        Branches::Doubtful
-    } else if branches == 2 && hidden_rise(&one, &bottom) / scale > RULED_OUT {
-        Branches::One
-    } else {
-        Branches::OneOrHidden
-    };
-    evidence
-}
-
-/// How far the sum of squares must rise above that of one branch to make room for a second one that would
-/// matter: a tenth of the conductance where it is the fast one, a twentieth where it is the slow one, and a time constant three times apart, from a tenth of the
-/// sampling interval to the length of the record.
-fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
-    let local = one.local(0, &bottom.at);
-    let layout = Layout { branches: 2 };
-    let Some(response) = &one.runs[0].current else {
-        return 0.0;
-    };
-    let (shortest_s, longest_s) = response.sampled.time_scales_s();
-    let tau = local[0] + local[1];
-    let unit = one.units[one.layout.steady()];
-    let steady = local[one.layout.steady()] / unit;
-    let offset = local[one.layout.current_offset()];
-    // ln conductance, share of the fast branch, ln of the fast and ratio of the time constants, steady, offset.
-    let low = [-local[0] - 5.0, 0.1, (shortest_s / 10.0).ln(), 3.0_f64.ln(), 0.0];
-    let high = [
-        -local[0] + 5.0,
-        0.95,
-        longest_s.ln() - 3.0_f64.ln(),
-        1e3_f64.ln(),
-        1e4,
-    ];
-    if low[2] >= high[2] {
-        return 0.0;
-    }
-    let model_at = |at: &[f64]| {
-        let mut full = vec![0.0; layout.len()];
-        let shares = [at[1], 1.0 - at[1]];
-        let log_tau = [at[2], (at[2] + at[3]).min(longest_s.ln())];
-        for k in 0..2 {
-            full[layout.resistance(k)] = -(at[0] + shares[k].ln());
-            full[layout.capacitance(k)] = log_tau[k] - full[layout.resistance(k)];
-        }
-        full[layout.steady()] = at[4].max(0.0) * unit;
-        full[layout.current_offset()] = offset;
-        full
-    };
-    let two = Problem {
-        layout,
-        ..one.clone()
-    };
-    let residuals = |at: &[f64]| {
-        let local = model_at(at);
-        let mut out = Vec::new();
-        two.runs[0].condensed(&two.model(&local), two.offsets(&local), &mut out);
-        out
-    };
-    let slope = |at: &[f64]| numeric_slope(at, &residuals);
-    let third = 3.0_f64.ln();
-    let starts = [
-        [-local[0], 0.95, tau, third],
-        [-local[0], 0.1, tau - third, third],
-        [-local[0], 0.5, tau - third / 2.0, third],
-        [-local[0], 0.95, tau, 3.0 * third],
-        [-local[0], 0.1, tau - 2.0 * third, 2.0 * third],
-        [-local[0], 0.3, low[2], tau - low[2]],
-    ];
-    let found = starts.iter().map(|start| {
-        let at = [start[0], start[1], start[2], start[3], steady];
-        descend(&at, &low, &high, 60, 1e-3, slope).slope.square
-    });
-    found.fold(f64::INFINITY, f64::min) - bottom.slope.square
-}
-
-/// Sum of squares and slope of any residuals, by differences.
-fn numeric_slope(at: &[f64], residuals: &impl Fn(&[f64]) -> Vec<f64>) -> Slope {
-    const STEP: f64 = 1e-4;
-    let here = residuals(at);
-    let column = |k: usize| -> Vec<f64> {
-        let mut moved = at.to_vec();
-        moved[k] += STEP;
-        here.iter()
-            .zip(residuals(&moved))
-            .map(|(h, m)| (h - m) / STEP)
-            .collect()
-    };
-    let columns: Vec<Vec<f64>> = (0..at.len()).map(column).collect();
-    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut normal = Dense::zero(at.len());
-    for (row, left) in columns.iter().enumerate() {
-        for (column, right) in columns.iter().enumerate() {
-            normal.add(row, column, inner(left, right));
-        }
-    }
-    Slope {
-        square: inner(&here, &here),
-        descent: columns.iter().map(|column| inner(column, &here)).collect(),
-        normal,
-    }
-}
-
-/// Factor (1 at least) on standard errors: root of the sum of squares that the circuit leaves of what sums of
-/// exponentials could explain, per degree of freedom, where it is beyond chance.
-pub(in crate::fit) fn excess(problem: &Problem, bottom: &Bottom) -> f64 {
-    let mut out = Vec::new();
-    let mut rows = 0;
-    for run in 0..problem.runs.len() {
-        let local = problem.local(run, &bottom.at);
-        out.clear();
-        problem.runs[run].condensed(&problem.model(&local), problem.offsets(&local), &mut out);
-        rows += out.len();
-    }
-    let freedom = rows as f64 - bottom.at.len() as f64;
-    if freedom < 1.0 {
-        return 1.0;
-    }
-    let ratio = bottom.slope.square / freedom;
-    // Wilson and Hilferty's approximation of the chi-square quantile, 99 %.
-    let part = 2.0 / (9.0 * freedom);
-    let limit = (1.0 - part + 2.326 * part.sqrt()).powi(3);
-    if ratio > limit { ratio.sqrt() } else { 1.0 }
 }
 
 /// Intervals of `features` around the minimum, started anew where a deeper one is met; gives the local
