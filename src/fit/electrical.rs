@@ -19,10 +19,11 @@ use super::uncertainty::{CovarianceSums, Residuals};
 /// A further branch must lower the sum of squares by this many long-run variances: noise alone, with two
 /// parameters fitted to it of which one is a time constant anywhere on the record, does so in less than one of
 /// a hundred runs (see the test of a resistor with one capacitor).
-const BRANCH_EVIDENCE: f64 = 12.0;
+pub(super) const BRANCH_EVIDENCE: f64 = 12.0;
 /// From here on a second branch may be there: leaving it out would bias what one branch says, so two are kept
-/// for the sums over branches, and their parts are not reported.
-const BRANCH_DOUBT: f64 = 4.0;
+/// for the sums over branches, and their parts are not reported. Below it, a second branch that hides in the noise
+/// must be shown to be too small to matter.
+pub(super) const BRANCH_DOUBT: f64 = 4.0;
 /// An offset must explain this share of the misfit.
 const OFFSET_SHARE: f64 = 0.3;
 

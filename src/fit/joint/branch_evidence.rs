@@ -1,16 +1,12 @@
 //! How many branches the current of one run shows.
 
-use crate::fit::electrical::Electrical;
+use crate::fit::electrical::{BRANCH_DOUBT, BRANCH_EVIDENCE, Electrical};
 
 use super::dense::{Bottom, Dense, Slope, descend};
 use super::minimum::{electrical_starts, excess, minimum};
 use super::problem::{Layout, Problem};
 use super::readings::RunReadings;
 
-/// A further branch is taken where it lowers the weighted sum of squares by more than this.
-pub(in crate::fit) const BRANCH_EVIDENCE: f64 = 12.0;
-/// Below this a second branch, if there is one, must be shown to be too small to matter.
-const BRANCH_DOUBT: f64 = 4.0;
 /// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
 const RULED_OUT: f64 = 3.84;
 

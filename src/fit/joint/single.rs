@@ -1,10 +1,10 @@
 //! Intervals of one run: from the covariance where the sum of squares is a parabola, else by profile likelihood.
 
 use crate::fit::bending::Bending;
-use crate::fit::electrical::Electrical;
+use crate::fit::electrical::{BRANCH_EVIDENCE, Electrical};
 use crate::numerics::student::quantile_95;
 
-use super::branch_evidence::{BRANCH_EVIDENCE, Branches, Evidence, evidence};
+use super::branch_evidence::{Branches, Evidence, evidence};
 use super::dense::{Bottom, descend};
 use super::feature::Feature;
 use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
