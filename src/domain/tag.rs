@@ -28,6 +28,23 @@ pub mod keys {
     pub const OPERATOR: &str = "operator";
     /// Free text.
     pub const NOTE: &str = "note";
+    /// Stretches of open circuit, s: `600-1200, 1800-2400`; the only tag whose value may be a list.
+    pub const OPEN_CIRCUIT: &str = "open_circuit";
+    /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, and [`OPEN_CIRCUIT`],
+    /// which may be a list.
+    pub const CONDITIONS: [&str; 11] = [
+        SAMPLE,
+        ENVIRONMENT,
+        VOLTAGE_V,
+        RELATIVE_HUMIDITY_PERCENT,
+        TEMPERATURE_C,
+        PRESSURE_PA,
+        STARTED_AT,
+        REST_BEFORE_S,
+        CYCLE,
+        INSTRUMENT,
+        OPERATOR,
+    ];
     /// Keys whose value must be a number.
     pub const NUMERIC: [&str; 6] = [
         VOLTAGE_V,

@@ -14,22 +14,6 @@ use crate::ingest::text::{Delimiter, Lines, layout};
 /// Reader of the plain run table, in every spelling: delimiter, decimal sign, encoding and units are found.
 pub struct PlainTable;
 
-/// Keys of `#` comments that are tags: `# sample: CNaf-01`.
-const COMMENT_TAGS: [&str; 12] = [
-    keys::SAMPLE,
-    keys::ENVIRONMENT,
-    keys::VOLTAGE_V,
-    keys::RELATIVE_HUMIDITY_PERCENT,
-    keys::TEMPERATURE_C,
-    keys::PRESSURE_PA,
-    keys::STARTED_AT,
-    keys::REST_BEFORE_S,
-    keys::CYCLE,
-    keys::INSTRUMENT,
-    keys::OPERATOR,
-    keys::NOTE,
-];
-
 impl Format for PlainTable {
     fn id(&self) -> &'static str {
         "plain-table"
@@ -86,8 +70,7 @@ impl Format for PlainTable {
             must_be_run: true,
         };
         let table = assemble(raw, &mut issues)?;
-        let is_tag =
-            |(key, value): &&(String, String)| COMMENT_TAGS.contains(&key.as_str()) && !value.is_empty();
+        let is_tag = |(key, value): &&(String, String)| is_comment_tag(key) && !value.is_empty();
         let header_tags = text.metadata.iter().filter(is_tag);
         Ok(Reading {
             format: self.id(),
@@ -114,4 +97,9 @@ impl Format for PlainTable {
 /// Whether a column may hold `true` and `false`.
 pub fn is_flag(header: &Header) -> bool {
     header.meaning.quantity() == Some(Quantity::OpenCircuit)
+}
+
+/// Whether a `#` comment with that key is a tag, as in `# sample: CNaf-01`.
+fn is_comment_tag(key: &str) -> bool {
+    key == keys::NOTE || keys::CONDITIONS.contains(&key)
 }

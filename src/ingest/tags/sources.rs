@@ -19,25 +19,6 @@ const FOLDER_TAGS: &str = "tags.toml";
 /// Largest file that is read for tags: a page of tags has some hundred bytes.
 const LARGEST_BYTES: u64 = 1 << 20;
 
-/// Tag of times without a closed circuit: the only one whose value may be a list.
-const OPEN_CIRCUIT: &str = "open_circuit";
-
-/// Keys that have a meaning, to recognise misspelt ones by.
-const MEANT: [&str; 12] = [
-    keys::SAMPLE,
-    keys::ENVIRONMENT,
-    keys::VOLTAGE_V,
-    keys::RELATIVE_HUMIDITY_PERCENT,
-    keys::TEMPERATURE_C,
-    keys::PRESSURE_PA,
-    keys::STARTED_AT,
-    keys::REST_BEFORE_S,
-    keys::CYCLE,
-    keys::INSTRUMENT,
-    keys::OPERATOR,
-    OPEN_CIRCUIT,
-];
-
 /// The files that state tags of a data file (relative to the campaign), nearest first, whether they are
 /// there or not: the sidecar, then tags.toml of its folder and of each folder above inside the campaign.
 pub fn tag_files_for(campaign: &Path, data_file: &Path) -> Vec<PathBuf> {
@@ -196,7 +177,7 @@ fn flat(key: &str, value: &toml::Value) -> Option<String> {
         toml::Value::Float(number) => Some(shortest(*number)),
         toml::Value::Boolean(truth) => Some(truth.to_string()),
         toml::Value::Datetime(moment) => Some(moment.to_string()),
-        toml::Value::Array(_) if key == OPEN_CIRCUIT => Some(value.to_string()),
+        toml::Value::Array(_) if key == keys::OPEN_CIRCUIT => Some(value.to_string()),
         toml::Value::Array(_) | toml::Value::Table(_) => None,
     }
 }
@@ -222,10 +203,11 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
 
 /// A note on a free tag that looks like a misspelt key with a meaning.
 fn misspelt(key: &str, shown: &str) -> Option<Issue> {
-    if MEANT.contains(&key) || key == keys::NOTE {
+    let known = keys::CONDITIONS.into_iter().chain([keys::OPEN_CIRCUIT]);
+    if key == keys::NOTE || known.clone().any(|with_meaning| with_meaning == key) {
         return None;
     }
-    let meant = nearest(key, MEANT)?;
+    let meant = nearest(key, known)?;
     let message = format!("`{key}` has no meaning of its own and is kept as a free tag");
     let issue = Issue::note("tag-key-misspelt", message).at(format!("{shown}, {key}"));
     Some(issue.mend(format!("write `{meant}` if that is meant")))

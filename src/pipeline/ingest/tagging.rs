@@ -10,9 +10,6 @@ use crate::ingest::{StartedAt, Timestamp, drive};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
 
-/// Tag that lists stretches of open circuit, s: `600-1200, 1800-2400`.
-const OPEN_CIRCUIT: &str = "open_circuit";
-
 /// What the tags of a run are made from, beside campaign.toml and the tag files.
 #[derive(Debug)]
 pub struct TaggingInput<'a> {
@@ -123,7 +120,7 @@ fn rounded_level(level_v: f64) -> f64 {
 fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, digest: String) -> Tagging {
     let mut issues = resolved.issues.clone();
     let tag_v = resolved.value(keys::VOLTAGE_V).and_then(|text| text.parse().ok());
-    let open = open_stretches(resolved.value(OPEN_CIRCUIT), &mut issues);
+    let open = open_stretches(resolved.value(keys::OPEN_CIRCUIT), &mut issues);
     let found = drive::find(input.channels, input.time_zero_is_step, tag_v, &open);
     issues.extend(found.issues);
     let sample = resolved
@@ -223,11 +220,14 @@ fn open_stretches(text: Option<&str>, issues: &mut Vec<Issue>) -> Vec<(f64, f64)
     };
     let stretches: Option<Vec<_>> = text.split(',').map(stretch).collect();
     stretches.unwrap_or_else(|| {
-        let message = format!("`{OPEN_CIRCUIT}` is {text:?}, which is no list of stretches in seconds");
+        let message = format!(
+            "`{}` is {text:?}, which is no list of stretches in seconds",
+            keys::OPEN_CIRCUIT
+        );
         let mend = "write open_circuit = \"600-1200, 1800-2400\"";
         issues.push(
             Issue::warning("tag-unusable", message)
-                .at(OPEN_CIRCUIT)
+                .at(keys::OPEN_CIRCUIT)
                 .mend(mend),
         );
         Vec::new()
