@@ -1,8 +1,8 @@
 //! Numbers as compressed BLOBs.
 //!
-//! Layout: one byte of layout version (1), the number of readings (u32, little-endian), then zstd of the little-endian bytes, transposed so that all first
-//! bytes come first, then all second bytes, ...: neighbouring readings share their high bytes, which
-//! compresses two to four times better than the plain order.
+//! Layout: one byte of layout version (1), the number of readings (u32, little-endian), then zstd of the
+//! little-endian bytes, transposed so that all first bytes come first, then all second bytes, ...: neighbouring
+//! readings share their high bytes, which compresses two to four times better than the plain order.
 
 use super::StoreError;
 

@@ -103,8 +103,8 @@ pub fn by_id(id: &str) -> Option<&'static dyn Format> {
 /// Recognises and reads a file; `name` is its file name.
 ///
 /// # Errors
-/// The file is a sidecar of a run (see [`ReadError::is_sidecar`]), is empty or ends after its header (both wait: see [`ReadError::is_pending`]), no format or more than
-/// one fits, or the one that fits cannot read it.
+/// The file is a sidecar of a run (see [`ReadError::is_sidecar`]), is empty or ends after its header (both wait:
+/// see [`ReadError::is_pending`]), no format or more than one fits, or the one that fits cannot read it.
 pub fn read(name: &str, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
     let (format, _) = recognise(&FileHead::of(name, bytes))?;
     format.read(bytes, context)
