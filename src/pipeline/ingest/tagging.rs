@@ -1,5 +1,6 @@
 //! Tags of a run and what follows from them: whether it can be fitted, its drive, its dimensions.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use crate::domain::tag::keys;
@@ -153,7 +154,7 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         (true, true) => RunState::Ready,
         (true, false) => RunState::NotFitted,
     };
-    let mut keys_seen = std::collections::BTreeSet::new();
+    let mut keys_seen = BTreeSet::new();
     let chosen = resolved
         .tags
         .iter()
@@ -210,16 +211,15 @@ fn lengthless(channels: &[Channel], length_cm: Option<f64>) -> Option<Issue> {
     })
 }
 
-/// Reads `600-1200, 1800-2400`.
+/// Reads `600-1200, 1800-2400` or a list of pairs.
 fn open_stretches(text: Option<&str>, issues: &mut Vec<Issue>) -> Vec<(f64, f64)> {
     let Some(text) = text else { return Vec::new() };
-    let stretch = |piece: &str| {
-        let (from, to) = piece.trim().split_once('-')?;
-        let (from, to) = (from.trim().parse::<f64>().ok()?, to.trim().parse::<f64>().ok()?);
-        (from < to).then_some((from, to))
+    let stretches = match text.trim_start().starts_with('[') {
+        true => listed_stretches(text),
+        false => text.split(',').map(stretch).collect(),
     };
-    let stretches: Option<Vec<_>> = text.split(',').map(stretch).collect();
-    stretches.unwrap_or_else(|| {
+    let in_order = stretches.filter(|all| all.iter().all(|(from, to)| from < to));
+    in_order.unwrap_or_else(|| {
         let message = format!(
             "`{}` is {text:?}, which is no list of stretches in seconds",
             keys::OPEN_CIRCUIT
@@ -234,6 +234,18 @@ fn open_stretches(text: Option<&str>, issues: &mut Vec<Issue>) -> Vec<(f64, f64)
     })
 }
 
+/// `600-1200`.
+fn stretch(piece: &str) -> Option<(f64, f64)> {
+    let (from, to) = piece.split_once('-')?;
+    Some((from.trim().parse().ok()?, to.trim().parse().ok()?))
+}
+
+/// `[[600, 1200], [1800, 2400]]`, as a list in a tag file is kept.
+fn listed_stretches(text: &str) -> Option<Vec<(f64, f64)>> {
+    let mut table: BTreeMap<String, Vec<(f64, f64)>> = toml::from_str(&format!("list = {text}")).ok()?;
+    table.remove("list")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,8 +257,15 @@ mod tests {
             open_stretches(Some("600-1200, 1800-2400.5"), &mut issues),
             vec![(600.0, 1200.0), (1800.0, 2400.5)]
         );
+        assert_eq!(
+            open_stretches(Some("[[600, 1200], [1800.0, 2400.5]]"), &mut issues),
+            vec![(600.0, 1200.0), (1800.0, 2400.5)]
+        );
         assert!(issues.is_empty());
         assert!(open_stretches(Some("from noon"), &mut issues).is_empty());
-        assert_eq!(issues[0].code, "tag-unusable");
+        assert!(open_stretches(Some("[[20.0, 10.0]]"), &mut issues).is_empty());
+        assert!(open_stretches(Some("[10.0, 20.0]"), &mut issues).is_empty());
+        assert_eq!(issues.len(), 3);
+        assert!(issues.iter().all(|issue| issue.code == "tag-unusable"));
     }
 }
