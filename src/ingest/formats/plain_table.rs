@@ -28,7 +28,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -101,5 +101,5 @@ pub fn is_flag(header: &Header) -> bool {
 
 /// Whether a `#` comment with that key is a tag, as in `# sample: CNaf-01`.
 fn is_comment_tag(key: &str) -> bool {
-    key == keys::NOTE || keys::CONDITIONS.contains(&key)
+    key == keys::NOTE || key == keys::OPEN_CIRCUIT || keys::CONDITIONS.contains(&key)
 }
