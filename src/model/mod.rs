@@ -5,6 +5,8 @@ pub mod circuit;
 pub mod classical;
 pub mod coupling;
 pub mod distributed;
+pub mod effects;
+pub mod extended;
 pub mod geometry;
 pub mod lumped;
 pub mod lumped_state;

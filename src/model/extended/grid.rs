@@ -1,0 +1,123 @@
+//! The times at which a run is stepped: the readings, the edges of the drive, and what lies between where a step
+//! would be too long.
+
+use crate::domain::Level;
+
+use super::system::{RunContext, System};
+
+/// Steps after an edge begin at this part of the shortest time constant and may grow by this part of the time that
+/// has passed since: the error of a step that holds coefficients at its middle stays below 1e-4 of the effect.
+const FIRST: f64 = 0.2;
+const GROWTH: f64 = 0.3;
+/// The same where a circuit is opened: there the base itself is stepped, not only what an effect adds.
+const OPENED: (f64, f64) = (0.05, 0.1);
+/// Points of an exposure's mean (the trapezoidal rule over this many intervals).
+const EXPOSURE_POINTS: usize = 4;
+
+/// Times with what is read at them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Grid {
+    /// Increasing times, s.
+    pub(super) time_s: Vec<f64>,
+    /// Place in `time_s` of every current reading.
+    pub(super) current: Vec<usize>,
+    /// Places whose mean is every curvature reading, `shares` each.
+    pub(super) curvature: Vec<usize>,
+    /// Places per curvature reading.
+    pub(super) shares: usize,
+}
+
+impl Grid {
+    pub(super) fn new(run: &RunContext, system: &System, current_s: &[f64], curvature_s: &[f64]) -> Grid {
+        let camera = system.camera;
+        let start_s = run.start_s();
+        let shares = if camera.exposure_s > 0.0 {
+            EXPOSURE_POINTS
+        } else {
+            1
+        };
+        let seen = |&t: &f64| {
+            let shown_s = start_s + (t - start_s) * (1.0 + camera.rate_error) - camera.delay_s;
+            let back = move |k: usize| shown_s - camera.exposure_s * (k as f64 + 0.5) / shares as f64;
+            (0..shares)
+                .rev()
+                .map(move |k| if shares == 1 { shown_s } else { back(k) })
+        };
+        let seen_s: Vec<f64> = curvature_s.iter().flat_map(seen).collect();
+        let edges = run.drive.segments.iter().map(|segment| segment.start_s);
+        let last_s = current_s.iter().chain(&seen_s).copied().fold(start_s, f64::max);
+        let mut time_s: Vec<f64> = current_s
+            .iter()
+            .chain(&seen_s)
+            .copied()
+            .chain(edges.filter(|&t| t <= last_s))
+            .collect();
+        time_s.sort_unstable_by(f64::total_cmp);
+        time_s.dedup();
+        let opens = (run.drive.segments.iter()).any(|segment| segment.level == Level::OpenCircuit);
+        if let Some(shortest_s) = resolved_s(system, opens) {
+            time_s = refined(&time_s, run, shortest_s, opens);
+        }
+        let place = |t: &f64| time_s.partition_point(|x| x < t);
+        Grid {
+            current: current_s.iter().map(place).collect(),
+            curvature: seen_s.iter().map(place).collect(),
+            shares,
+            time_s,
+        }
+    }
+}
+
+/// Shortest time that steps must resolve; none where every step is exact.
+fn resolved_s(system: &System, opens: bool) -> Option<f64> {
+    let observed_s = system
+        .observations
+        .iter()
+        .map(|observation| observation.resolves_s());
+    let observed_s = observed_s.fold(f64::INFINITY, f64::min);
+    let branches = system.branches.iter();
+    let of_branches = branches.map(|b| b.resistance_ohm_cm2 * b.capacitance_f_per_cm2);
+    let shortest_s = match (system.is_linear() && !opens, system.source_rise_s) {
+        (true, _) => observed_s,
+        (false, 0.0) => of_branches.fold(observed_s, f64::min),
+        (false, rise_s) => of_branches.fold(observed_s.min(rise_s), f64::min),
+    };
+    (shortest_s.is_finite() && shortest_s > 0.0).then_some(shortest_s)
+}
+
+fn refined(time_s: &[f64], run: &RunContext, shortest_s: f64, opens: bool) -> Vec<f64> {
+    let (first, growth) = if opens { OPENED } else { (FIRST, GROWTH) };
+    let mut edges = run
+        .drive
+        .segments
+        .iter()
+        .map(|segment| segment.start_s)
+        .peekable();
+    let mut edge_s = f64::NEG_INFINITY;
+    let mut out = Vec::with_capacity(2 * time_s.len());
+    for pair in time_s.windows(2) {
+        let [mut t, next] = [pair[0], pair[1]];
+        while let Some(start_s) = edges.next_if(|&start_s| start_s <= t) {
+            edge_s = start_s;
+        }
+        out.push(t);
+        if edge_s == f64::NEG_INFINITY {
+            continue;
+        }
+        loop {
+            let longest_s = first * shortest_s + growth * (t - edge_s);
+            let left_s = next - t;
+            if left_s <= 1.25 * longest_s {
+                break;
+            }
+            t += if left_s < 2.0 * longest_s {
+                left_s / 2.0
+            } else {
+                longest_s
+            };
+            out.push(t);
+        }
+    }
+    out.extend(time_s.last());
+    out
+}

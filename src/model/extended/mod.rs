@@ -1,0 +1,17 @@
+//! The lumped model with effects added: simulated under any piecewise-constant drive by exact steps of its linear
+//! parts, the rest held at the middle of each step.
+//!
+//! Without effects every step is exact, so the result is the closed form; with them the error falls with the square
+//! of the step and with the strength of the effect.
+
+mod grid;
+mod node;
+mod stepper;
+mod system;
+#[cfg(test)]
+mod tests;
+
+pub use system::{
+    BranchLaw, CameraClock, Coefficients, ExtendedModel, Law, Now, Observation, RelaxationMode, Responses,
+    RunContext, System,
+};

@@ -1,0 +1,249 @@
+//! What an extended model is made of: the places where an effect may act.
+
+use crate::domain::Drive;
+use crate::model::LumpedModel;
+use crate::model::effects::Applied;
+
+use super::grid::Grid;
+use super::stepper::Stepper;
+
+/// What an effect knows of the run it acts in.
+#[derive(Debug, Clone, Copy)]
+pub struct RunContext<'a> {
+    /// Place of the run in its group, from 0.
+    pub index: usize,
+    /// What drives it.
+    pub drive: &'a Drive,
+    /// Active area, cm2.
+    pub area_cm2: f64,
+    /// Free length, cm; none where it is not known.
+    pub length_cm: Option<f64>,
+    /// Time of the last reading, s.
+    pub duration_s: f64,
+}
+
+impl RunContext<'_> {
+    /// Start of the first segment: the origin of the run's clock, s.
+    pub fn start_s(&self) -> f64 {
+        self.drive.segments.first().map_or(0.0, |segment| segment.start_s)
+    }
+
+    /// Voltage of the first segment, V; 0 for an open circuit.
+    pub fn first_voltage_v(&self) -> f64 {
+        match self.drive.segments.first().map(|segment| segment.level) {
+            Some(crate::domain::Level::Voltage(voltage_v)) => voltage_v,
+            _ => 0.0,
+        }
+    }
+}
+
+/// One R-C branch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BranchLaw {
+    /// Areal resistance, Ohm cm2.
+    pub resistance_ohm_cm2: f64,
+    /// Areal capacitance, F/cm2.
+    pub capacitance_f_per_cm2: f64,
+    /// Part of the coupling with which its charge bends the strip; 1 for the thesis's model.
+    pub bends: f64,
+    /// Conductance across its capacitor, S/cm2.
+    pub internal_conductance_s_per_cm2: f64,
+    /// Voltage of its capacitor before the drive beside the baseline's, V.
+    pub residual_v: f64,
+}
+
+/// One rate of back-relaxation: the strain of charge x passes through s/(s + rate).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelaxationMode {
+    /// Rate, 1/s; 0 for strain that stays.
+    pub rate_per_s: f64,
+    /// Share of the strain.
+    pub weight: f64,
+}
+
+/// How curvature readings are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CameraClock {
+    /// A reading shows what was this long ago, s.
+    pub delay_s: f64,
+    /// Relative error of the clock's rate.
+    pub rate_error: f64,
+    /// Time over which a reading is the mean, s.
+    pub exposure_s: f64,
+}
+
+/// The state that a law sees.
+#[derive(Debug, Clone, Copy)]
+pub struct Now<'a> {
+    /// Time since the start of the drive, s; negative before it.
+    pub clock_s: f64,
+    /// Time since the last change of the drive, s.
+    pub since_edge_s: f64,
+    /// Voltage of the source, V.
+    pub source_v: f64,
+    /// Voltage across the strip, V.
+    pub terminal_v: f64,
+    /// Current through the strip, A/cm2.
+    pub current_a_per_cm2: f64,
+    /// Current through R_ss, A/cm2.
+    pub steady_a_per_cm2: f64,
+    /// Voltages of the capacitors, V.
+    pub capacitor_v: &'a [f64],
+    /// Charge that bends the strip, C/cm2.
+    pub charge_c_per_cm2: f64,
+    /// Curvature, 1/cm.
+    pub curvature_per_cm: f64,
+    /// Rate of the curvature, 1/(cm s).
+    pub curvature_rate_per_cm_s: f64,
+}
+
+/// What a law may change at an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coefficients {
+    /// Resistance of every branch, Ohm cm2.
+    pub resistance_ohm_cm2: Vec<f64>,
+    /// Differential capacitance of every branch, F/cm2.
+    pub capacitance_f_per_cm2: Vec<f64>,
+    /// Conductance 1/R_ss, S/cm2.
+    pub steady_s_per_cm2: f64,
+    /// Further current between the terminals that does not bend, A/cm2.
+    pub leak_a_per_cm2: f64,
+    /// Factor on every rate of relaxation.
+    pub relaxation_factor: f64,
+    /// Factor on the coupling.
+    pub coupling_factor: f64,
+    /// Voltage in series with the source, V.
+    pub emf_v: f64,
+}
+
+/// Something that changes coefficients while the run goes on.
+pub trait Law {
+    /// Decay time of a quantity that the law remembers, s (infinite: an integral); none where it remembers nothing.
+    fn memory_time_s(&self) -> Option<f64> {
+        None
+    }
+    /// Rate at which the remembered quantity grows.
+    fn memory_input(&self, _now: &Now) -> f64 {
+        0.0
+    }
+    /// Changes the coefficients; `memory` is the remembered quantity.
+    fn act(&self, now: &Now, memory: f64, coefficients: &mut Coefficients);
+}
+
+/// Something between the curvature of the model and the one that is read.
+pub trait Observation {
+    /// Changes curvatures at clock times (s since the start of the drive, increasing) in place.
+    fn observe(&self, clock_s: &[f64], curvature_per_cm: &mut [f64]);
+    /// Time scale that the times must resolve, s; infinite where each reading stands for itself.
+    fn resolves_s(&self) -> f64 {
+        f64::INFINITY
+    }
+}
+
+/// The model of one run with every place where an effect may act.
+pub struct System {
+    /// Branches in parallel with R_ss; the base's first, in its order.
+    pub branches: Vec<BranchLaw>,
+    /// Conductance 1/R_ss, S/cm2.
+    pub steady_s_per_cm2: f64,
+    /// Part of the current through R_ss that bends the strip.
+    pub steady_bends: f64,
+    /// Resistance in series with the strip, Ohm cm2.
+    pub series_resistance_ohm_cm2: f64,
+    /// Resistance of both electrodes along the strip, Ohm per square; 0 for the lumped model.
+    pub electrode_resistance_ohm_per_sq: f64,
+    /// Coupling alpha, 1/(C cm).
+    pub charge_to_curvature_per_c_cm: f64,
+    /// Modes of relaxation, the base's first.
+    pub relaxation: Vec<RelaxationMode>,
+    /// Charge (C, of the whole sample) to the charge that strains; identity where none.
+    pub bending_charge: Option<Box<dyn Fn(f64) -> f64>>,
+    /// Curvature added straight from the charge (C) of the whole sample, 1/cm.
+    pub direct_bending: Option<Box<dyn Fn(f64) -> f64>>,
+    /// Time constant of the source, s.
+    pub source_rise_s: f64,
+    /// Largest current that the source gives, A.
+    pub current_limit_a: f64,
+    /// Constant in the measured current, A.
+    pub current_offset_a: f64,
+    /// Laws, in order.
+    pub laws: Vec<Box<dyn Law>>,
+    /// Observations, in order.
+    pub observations: Vec<Box<dyn Observation>>,
+    /// How curvature readings are taken.
+    pub camera: CameraClock,
+}
+
+impl System {
+    /// The base model without effects.
+    pub fn of(base: &LumpedModel) -> System {
+        let branch = |branch: &crate::model::Branch| BranchLaw {
+            resistance_ohm_cm2: branch.resistance_ohm_cm2,
+            capacitance_f_per_cm2: branch.capacitance_f_per_cm2,
+            bends: 1.0,
+            internal_conductance_s_per_cm2: 0.0,
+            residual_v: 0.0,
+        };
+        System {
+            branches: base.branches.iter().map(branch).collect(),
+            steady_s_per_cm2: base.steady_state_resistance_ohm_cm2.recip(),
+            steady_bends: 0.0,
+            series_resistance_ohm_cm2: 0.0,
+            electrode_resistance_ohm_per_sq: 0.0,
+            charge_to_curvature_per_c_cm: base.charge_to_curvature_per_c_cm,
+            relaxation: vec![RelaxationMode {
+                rate_per_s: base.relaxation_rate_per_s,
+                weight: 1.0,
+            }],
+            bending_charge: None,
+            direct_bending: None,
+            source_rise_s: 0.0,
+            current_limit_a: f64::INFINITY,
+            current_offset_a: 0.0,
+            laws: Vec::new(),
+            observations: Vec::new(),
+            camera: CameraClock::default(),
+        }
+    }
+
+    /// Whether every step can be exact: nothing depends on the state or on time.
+    pub(super) fn is_linear(&self) -> bool {
+        self.laws.is_empty()
+            && self.bending_charge.is_none()
+            && self.series_resistance_ohm_cm2 == 0.0
+            && self.electrode_resistance_ohm_per_sq == 0.0
+            && self.source_rise_s == 0.0
+            && self.current_limit_a.is_infinite()
+    }
+}
+
+/// A base model with effects.
+pub struct ExtendedModel {
+    /// The base.
+    pub base: LumpedModel,
+    /// Effects with their parameters, in order.
+    pub effects: Vec<Applied>,
+}
+
+/// What the model gives at the times asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Responses {
+    /// Measured current, A.
+    pub current_a: Vec<f64>,
+    /// Measured curvature, 1/cm.
+    pub curvature_per_cm: Vec<f64>,
+}
+
+impl ExtendedModel {
+    /// Current and curvature at increasing times, s.
+    pub fn responses(&self, run: &RunContext, current_time_s: &[f64], curvature_time_s: &[f64]) -> Responses {
+        let mut system = System::of(&self.base);
+        for applied in &self.effects {
+            applied
+                .effect
+                .apply(applied.variant, &applied.parameters, run, &mut system);
+        }
+        let grid = Grid::new(run, &system, current_time_s, curvature_time_s);
+        Stepper::new(&system, run).responses(&grid)
+    }
+}
