@@ -3,6 +3,7 @@
 pub mod column_memory;
 pub mod correlation;
 pub mod decay;
+pub mod dense;
 pub mod discrete_gauss;
 pub mod global;
 pub mod gram;

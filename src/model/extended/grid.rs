@@ -56,7 +56,7 @@ impl Grid {
         time_s.dedup();
         let opens = (run.drive.segments.iter()).any(|segment| segment.level == Level::OpenCircuit);
         if let Some(shortest_s) = resolved_s(system, opens) {
-            time_s = refined(&time_s, run, shortest_s, opens);
+            time_s = refined(&time_s, run, run.resolved_s.unwrap_or(shortest_s), opens);
         }
         let place = |t: &f64| time_s.partition_point(|x| x < t);
         Grid {
