@@ -3,6 +3,7 @@
 mod base;
 mod electrical;
 mod listed;
+mod mechanical;
 mod refusals;
 
 use super::*;
