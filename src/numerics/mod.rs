@@ -14,6 +14,7 @@ pub mod nonnegative;
 pub mod ode;
 #[cfg(test)]
 mod problems;
+pub mod rosenbrock;
 pub mod student;
 pub mod sums;
 pub mod symmetric;
