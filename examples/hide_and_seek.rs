@@ -9,6 +9,7 @@ use ieap::domain::{Channel, Drive, Level, Quantity, Segment, Verdict};
 use ieap::fit::FitInput;
 use ieap::model::effects::{ALL, Applied, Effect, Scale};
 use ieap::model::extended::{ExtendedModel, Responses, RunContext};
+use ieap::model::truth::{HiddenEffect, Truth, simulate};
 use ieap::model::{Branch, LumpedModel};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -118,6 +119,35 @@ fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
             resolved_s: None,
         };
         model.responses(&context, &run.current_time_s, &run.curvature_time_s)
+    });
+    each.collect()
+}
+
+/// The same by the truth simulator, which shares no code with the library.
+fn true_responses(case: &Case, applied: &Applied) -> Option<Vec<Responses>> {
+    let about = applied.effect.about();
+    let parameters = about.parameters.iter().map(|p| p.key.to_owned()).zip(applied.parameters.iter().copied());
+    let truth = Truth {
+        branches: case.base.branches.clone(),
+        steady_state_resistance_ohm_cm2: case.base.steady_state_resistance_ohm_cm2,
+        charge_to_curvature_per_c_cm: case.base.charge_to_curvature_per_c_cm,
+        relaxation_rate_per_s: case.base.relaxation_rate_per_s,
+        area_cm2: AREA,
+        length_cm: Some(LENGTH),
+        width_cm: None,
+        effects: vec![HiddenEffect {
+            id: about.id.to_owned(),
+            variant: about.variants.get(applied.variant).map(|v| (*v).to_owned()),
+            parameters: parameters.collect(),
+        }],
+    };
+    let each = case.design.iter().enumerate().map(|(index, run)| {
+        let found = simulate(&truth, &run.drive, &run.current_time_s, &run.curvature_time_s, index);
+        let found = found.map_err(|error| eprintln!("{}: {error}", about.id)).ok()?;
+        Some(Responses {
+            current_a: found.current_a,
+            curvature_per_cm: found.curvature_per_cm,
+        })
     });
     each.collect()
 }
@@ -280,6 +310,19 @@ fn scale(case: &Case) -> Scale {
     scale
 }
 
+/// How far the two simulators are apart, in sigmas after refit.
+fn apart(case: &Case, truth: &[Responses], library: &[Responses]) -> f64 {
+    let plain = responses(case, &[]);
+    let difference = |plain: &[f64], a: &[f64], b: &[f64]| -> Vec<f64> {
+        plain.iter().zip(a).zip(b).map(|((p, a), b)| p + a - b).collect()
+    };
+    let each = plain.iter().zip(truth).zip(library).map(|((plain, truth), library)| Responses {
+        current_a: difference(&plain.current_a, &truth.current_a, &library.current_a),
+        curvature_per_cm: difference(&plain.curvature_per_cm, &truth.curvature_per_cm, &library.curvature_per_cm),
+    });
+    sigmas_after_refit(&case.base, &case.design, &each.collect::<Vec<_>>(), case.noise)
+}
+
 fn effects(count: u64, strengths: &[f64], only: &[String]) {
     println!(
         "{:30} {:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5}",
@@ -297,12 +340,14 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                 .filter_map(|seed| {
                     let mut case = case(1000 + seed);
                     let (applied, _) = hidden(&mut case, effect, d)?;
-                    let with = responses(&case, std::slice::from_ref(&applied));
-                    Some((diagnose(&mut case, &with), applied))
+                    let with = true_responses(&case, &applied)?;
+                    let library = responses(&case, std::slice::from_ref(&applied));
+                    let apart = apart(&case, &with, &library);
+                    Some((diagnose(&mut case, &with), applied, apart))
                 })
                 .collect();
             let mut row = [0usize; 6];
-            for (found, applied) in &found {
+            for (found, applied, apart) in &found {
                 row[0] += 1;
                 row[1] += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
                 let inset = found.set.iter().any(|s| s == id);
