@@ -39,7 +39,7 @@ impl Charging {
 
 /// Current of a node at the end of a step as `conductance * u + offset`, A/cm2, where `u_from` holds at its start.
 pub(super) fn draw(c: &Coefficients, charging: &[Charging], capacitor_v: &[f64], u_from: f64) -> (f64, f64) {
-    let mut conductance = c.steady_s_per_cm2;
+    let mut conductance = c.steady_s_per_cm2 + c.leak_s_per_cm2;
     let mut offset = c.leak_a_per_cm2;
     for ((charging, &e), &r) in charging.iter().zip(capacitor_v).zip(&c.resistance_ohm_cm2) {
         conductance += (1.0 - charging.to) / r;
@@ -50,7 +50,7 @@ pub(super) fn draw(c: &Coefficients, charging: &[Charging], capacitor_v: &[f64],
 
 /// The same at this instant.
 pub(super) fn draw_now(c: &Coefficients, capacitor_v: &[f64]) -> (f64, f64) {
-    let mut conductance = c.steady_s_per_cm2;
+    let mut conductance = c.steady_s_per_cm2 + c.leak_s_per_cm2;
     let mut offset = c.leak_a_per_cm2;
     for (&e, &r) in capacitor_v.iter().zip(&c.resistance_ohm_cm2) {
         conductance += r.recip();
