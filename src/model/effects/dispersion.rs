@@ -36,9 +36,9 @@ static ABOUT: About = About {
 const NODES: [(f64, f64); 5] = [
     (0.0000000000000000e+00, 0.4063492063492063),
     (1.0232556637891326, 0.2440975028949394),
-    (2.0768479786778302, 0.0499164067652179),
+    (2.076_847_978_677_83, 0.0499164067652179),
     (3.2054290028564703, 0.0027891413212318),
-    (4.5127458633997826, 2.2345844007746569e-05),
+    (4.512_745_863_399_783, 2.234_584_400_774_657e-5),
 ];
 
 impl Effect for Dispersion {
@@ -55,10 +55,11 @@ impl Effect for Dispersion {
 
     fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         let spread = parameters[0];
-        let chosen = |branch: &BranchLaw| match (variant, branch.of_base) {
-            (0, Some(0)) | (1, Some(1)) => true,
-            (2, Some(_)) => true,
-            _ => false,
+        let chosen = |branch: &BranchLaw| {
+            matches!(
+                (variant, branch.of_base),
+                (0, Some(0)) | (1, Some(1)) | (2, Some(_))
+            )
         };
         let nodes: Vec<(f64, f64)> = NODES
             .iter()

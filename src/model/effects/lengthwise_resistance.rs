@@ -72,4 +72,19 @@ mod tests {
             "{found:?} {expected}"
         );
     }
+
+    /// With a resistance before the clamp the line is one resistance more, and the source's limit holds for all.
+    #[test]
+    fn contact_and_limit_act_before_the_line() {
+        let levels = [(0.0, Some(2.0))];
+        let line = ("lengthwise-resistance", 0, &[4.0][..]);
+        let alone = respond(&[line], &levels, &[0.0], &[]).current_a[0];
+        let with = respond(&[line, ("series-resistance", 0, &[2.0])], &levels, &[0.0], &[]);
+        assert!((with.current_a[0] - 2.0 / (2.0 / alone + 2.0 / 0.1)).abs() < 1e-12);
+        let limited = respond(&[line, ("current-limit", 0, &[0.02])], &levels, &[0.0, 0.1], &[]);
+        assert!(
+            limited.current_a.iter().all(|i| (i - 0.02).abs() < 1e-12),
+            "{limited:?}"
+        );
+    }
 }

@@ -151,15 +151,9 @@ impl<'a> Stepper<'a> {
     }
 
     fn solve(&self, source: Option<f64>, work: &mut Work) {
-        let length_cm = self.run.length_cm.unwrap_or(0.0);
-        voltages(
-            self.system,
-            self.run.area_cm2,
-            length_cm,
-            source,
-            &work.draws,
-            &mut work.nodes_v,
-        );
+        let (run, out) = (self.run, &mut work.nodes_v);
+        let length_cm = run.length_cm.unwrap_or(0.0);
+        voltages(self.system, run.area_cm2, length_cm, source, &work.draws, out);
     }
 
     fn source(&self, source_v: f64, level: Level, emf_v: f64) -> Option<f64> {
