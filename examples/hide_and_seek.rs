@@ -126,7 +126,11 @@ fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
 /// The same by the truth simulator, which shares no code with the library.
 fn true_responses(case: &Case, applied: &Applied) -> Option<Vec<Responses>> {
     let about = applied.effect.about();
-    let parameters = about.parameters.iter().map(|p| p.key.to_owned()).zip(applied.parameters.iter().copied());
+    let parameters = about
+        .parameters
+        .iter()
+        .map(|p| p.key.to_owned())
+        .zip(applied.parameters.iter().copied());
     let truth = Truth {
         branches: case.base.branches.clone(),
         steady_state_resistance_ohm_cm2: case.base.steady_state_resistance_ohm_cm2,
@@ -142,7 +146,13 @@ fn true_responses(case: &Case, applied: &Applied) -> Option<Vec<Responses>> {
         }],
     };
     let each = case.design.iter().enumerate().map(|(index, run)| {
-        let found = simulate(&truth, &run.drive, &run.current_time_s, &run.curvature_time_s, index);
+        let found = simulate(
+            &truth,
+            &run.drive,
+            &run.current_time_s,
+            &run.curvature_time_s,
+            index,
+        );
         let found = found.map_err(|error| eprintln!("{}: {error}", about.id)).ok()?;
         Some(Responses {
             current_a: found.current_a,
@@ -316,10 +326,18 @@ fn apart(case: &Case, truth: &[Responses], library: &[Responses]) -> f64 {
     let difference = |plain: &[f64], a: &[f64], b: &[f64]| -> Vec<f64> {
         plain.iter().zip(a).zip(b).map(|((p, a), b)| p + a - b).collect()
     };
-    let each = plain.iter().zip(truth).zip(library).map(|((plain, truth), library)| Responses {
-        current_a: difference(&plain.current_a, &truth.current_a, &library.current_a),
-        curvature_per_cm: difference(&plain.curvature_per_cm, &truth.curvature_per_cm, &library.curvature_per_cm),
-    });
+    let each = plain
+        .iter()
+        .zip(truth)
+        .zip(library)
+        .map(|((plain, truth), library)| Responses {
+            current_a: difference(&plain.current_a, &truth.current_a, &library.current_a),
+            curvature_per_cm: difference(
+                &plain.curvature_per_cm,
+                &truth.curvature_per_cm,
+                &library.curvature_per_cm,
+            ),
+        });
     sigmas_after_refit(&case.base, &case.design, &each.collect::<Vec<_>>(), case.noise)
 }
 

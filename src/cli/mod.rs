@@ -1,6 +1,7 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
 mod completions;
+mod effects;
 mod exit;
 mod export;
 mod fit;
@@ -88,6 +89,7 @@ enum Verb {
     Export(export::ExportArgs),
     Formats(formats::FormatsArgs),
     Models(models::ModelsArgs),
+    Effects(effects::EffectsArgs),
     Completions(completions::CompletionsArgs),
 }
 
@@ -159,6 +161,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Export(args) => export::run(args, output),
         Verb::Formats(args) => formats::run(args, output),
         Verb::Models(args) => models::run(args, output),
+        Verb::Effects(args) => effects::run(args, output),
         Verb::Completions(args) => completions::run(args, &mut Cli::command()),
     }
 }

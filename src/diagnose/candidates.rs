@@ -164,7 +164,7 @@ fn extended<'g>(current: &Fitted<'g>, signature: &Signature, strength: f64) -> O
     let problem = Problem::new(current.problem.group, &base, effects);
     let mut first = signature.probe.clone();
     let limits = signature.limits[0];
-    if !limits.held {
+    if !limits.held && signature.absent == 0.0 {
         let wanted = strength * signature.probe[0];
         let inside = |value: f64| {
             value.clamp(

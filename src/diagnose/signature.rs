@@ -23,6 +23,8 @@ pub(super) struct Signature {
     pub(super) variant: usize,
     pub(super) limits: Vec<Limits>,
     pub(super) probe: Vec<f64>,
+    /// Strength at which the effect is absent.
+    pub(super) absent: f64,
     /// Whitened readings of the model with the probe less those without.
     change: Vec<f64>,
 }
@@ -61,18 +63,27 @@ pub(super) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Si
                 search
                     .probes
                     .into_iter()
-                    .map(|probe| (effect, variant, search.limits.clone(), probe)),
+                    .map(|probe| (effect, variant, search.limits.clone(), probe, search.absent)),
             );
         }
     }
-    let of = |(effect, variant, limits, mut probe): (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>)| {
-        probe[0] *= SMALL;
+    let of = |(effect, variant, limits, mut probe, absent): (
+        &'static dyn Effect,
+        usize,
+        Vec<Limits>,
+        Vec<f64>,
+        f64,
+    )| {
+        if absent == 0.0 {
+            probe[0] *= SMALL;
+        }
         let change = change(problem, &model, &without, effect, variant, &probe)?;
         Some(Signature {
             effect,
             variant,
             limits,
             probe,
+            absent,
             change,
         })
     };
@@ -120,10 +131,11 @@ pub(super) fn directions(signatures: &[Signature], tangent: &Tangent) -> Vec<Dir
         }
         unit.iter_mut().for_each(|v| *v /= norm);
         let strength = signature.limits[0];
-        let one_sided = if signature.probe[0] > 0.0 {
-            strength.low >= 0.0
+        let reach = signature.probe[0] - signature.absent;
+        let one_sided = if reach > 0.0 {
+            strength.low >= signature.absent
         } else {
-            strength.high <= 0.0
+            strength.high <= signature.absent
         };
         Some(Direction {
             signature: place,

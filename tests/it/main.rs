@@ -4,6 +4,7 @@ mod architecture;
 mod bad_input;
 mod campaign;
 mod distributed;
+mod effects;
 mod folder;
 mod formats_fixtures;
 mod formats_properties;

@@ -86,6 +86,7 @@ impl Effect for ContactBreak {
         Search {
             limits,
             probes: scale.durations_s.iter().enumerate().flat_map(of_run).collect(),
+            absent: 0.0,
         }
     }
 

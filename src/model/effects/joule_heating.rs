@@ -47,6 +47,9 @@ impl Law for Heat {
     fn memory_time_s(&self) -> Option<f64> {
         Some(self.time_s)
     }
+    fn finer(&self) -> f64 {
+        2.0
+    }
     fn memory_input(&self, now: &Now) -> f64 {
         now.current_a_per_cm2 * now.terminal_v
     }

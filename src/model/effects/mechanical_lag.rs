@@ -51,6 +51,10 @@ impl Observation for Lag {
     fn resolves_s(&self) -> f64 {
         self.time_s
     }
+    /// What it changes is smaller than the curvature that it takes for straight.
+    fn finer(&self) -> f64 {
+        2.0
+    }
 }
 
 impl Effect for MechanicalLag {

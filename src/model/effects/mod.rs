@@ -4,18 +4,58 @@
 //! shapes its signature is looked for. At strength 0 (the first parameter) it is absent.
 
 mod about;
+mod acting;
+mod ambient_temperature;
+mod asymmetric_capacitance;
+mod camera_delay;
+mod camera_zero;
+mod clock_rate;
 mod contact_break;
+mod counter_flow;
+mod coupling_saturation;
+mod creep;
+mod current_limit;
+mod current_offset;
+mod diffusion_limited_leak;
+mod dispersion;
+mod electrolytic_drying;
+mod exposure_smoothing;
 mod faradaic_leak;
+mod fast_branch;
+mod fractional_relaxation;
+mod friction;
 mod joule_heating;
+mod leak_coupling;
+mod lengthwise_resistance;
 mod mechanical_lag;
+mod modulus_drift;
+mod moisture_bending;
+mod noncircular_shape;
 mod partial_relaxation;
+mod piezoresistive_electrode;
+mod precurvature;
+mod quadratic_coupling;
+mod redox_peak;
+mod residual_charge;
+mod resistance_drift;
+mod resonance;
 mod search;
+mod second_relaxation;
+mod self_discharge;
+mod sensing_feedback;
 mod series_resistance;
 mod slow_branch;
+mod softening;
+mod source_rise;
 #[cfg(test)]
 mod tests;
+mod threshold_relaxation;
 mod tip_formula;
+mod unequal_coupling;
 mod voltage_dependent_capacitance;
+mod warburg;
+mod water_exchange;
+mod water_redistribution;
 
 pub use about::{About, Class, EffectParameter};
 pub use search::{Limits, Scale, Search};
@@ -49,13 +89,52 @@ pub struct Applied {
 pub static ALL: &[&dyn Effect] = &[
     &series_resistance::SeriesResistance,
     &slow_branch::SlowBranch,
+    &fast_branch::FastBranch,
+    &dispersion::Dispersion,
+    &warburg::Warburg,
     &voltage_dependent_capacitance::VoltageDependentCapacitance,
+    &asymmetric_capacitance::AsymmetricCapacitance,
     &faradaic_leak::FaradaicLeak,
+    &diffusion_limited_leak::DiffusionLimitedLeak,
+    &self_discharge::SelfDischarge,
+    &resistance_drift::ResistanceDrift,
+    &piezoresistive_electrode::PiezoresistiveElectrode,
+    &current_limit::CurrentLimit,
+    &source_rise::SourceRise,
+    &current_offset::CurrentOffset,
+    &residual_charge::ResidualCharge,
+    &redox_peak::RedoxPeak,
     &contact_break::ContactBreak,
     &partial_relaxation::PartialRelaxation,
+    &second_relaxation::SecondRelaxation,
+    &fractional_relaxation::FractionalRelaxation,
+    &modulus_drift::ModulusDrift,
+    &resonance::Resonance,
     &mechanical_lag::MechanicalLag,
+    &softening::Softening,
+    &friction::Friction,
+    &creep::Creep,
+    &precurvature::Precurvature,
+    &unequal_coupling::UnequalCoupling,
+    &counter_flow::CounterFlow,
+    &quadratic_coupling::QuadraticCoupling,
+    &leak_coupling::LeakCoupling,
+    &coupling_saturation::CouplingSaturation,
+    &threshold_relaxation::ThresholdRelaxation,
+    &sensing_feedback::SensingFeedback,
+    &lengthwise_resistance::LengthwiseResistance,
     &joule_heating::JouleHeating,
+    &water_redistribution::WaterRedistribution,
+    &water_exchange::WaterExchange,
+    &moisture_bending::MoistureBending,
+    &electrolytic_drying::ElectrolyticDrying,
+    &ambient_temperature::AmbientTemperature,
+    &camera_zero::CameraZero,
+    &camera_delay::CameraDelay,
+    &clock_rate::ClockRate,
     &tip_formula::TipFormula,
+    &exposure_smoothing::ExposureSmoothing,
+    &noncircular_shape::NoncircularShape,
 ];
 
 /// The effect of that id.

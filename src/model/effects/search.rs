@@ -108,6 +108,8 @@ pub struct Search {
     /// Parameter sets at which the signature is looked for: a small strength with every shape. None: the effect
     /// cannot be sought in these data.
     pub probes: Vec<Vec<f64>>,
+    /// Strength at which the effect is absent.
+    pub absent: f64,
 }
 
 impl Search {
@@ -125,7 +127,11 @@ impl Search {
             };
             probes = probes.iter().flat_map(longer).collect();
         }
-        Search { limits, probes }
+        Search {
+            limits,
+            probes,
+            absent: 0.0,
+        }
     }
 
     /// Nothing to seek in these data.

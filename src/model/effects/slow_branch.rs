@@ -60,13 +60,9 @@ impl Effect for SlowBranch {
 
     fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         if parameters[0] > 0.0 {
-            system.branches.push(BranchLaw {
-                resistance_ohm_cm2: parameters[1] / parameters[0],
-                capacitance_f_per_cm2: parameters[0],
-                bends: 1.0,
-                internal_conductance_s_per_cm2: 0.0,
-                residual_v: 0.0,
-            });
+            system
+                .branches
+                .push(BranchLaw::added(parameters[0], parameters[1]));
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Capacitance that depends on the voltage across it, the same for both signs.
 
+use super::acting::{instant, scale_capacitances};
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
-use crate::model::extended::{Coefficients, Law, Now, RunContext, System};
+use crate::model::extended::{RunContext, System};
 
 /// See the module.
 pub(super) struct VoltageDependentCapacitance;
@@ -26,27 +27,6 @@ static ABOUT: About = About {
     sources: "Aureli and Porfiri 2008; Cottinet et al. 2011",
 };
 
-/// Capacitance never falls below this part of itself.
-pub(super) const LEAST: f64 = 0.05;
-
-struct Even {
-    per_v2: f64,
-    first: usize,
-}
-
-impl Law for Even {
-    fn act(&self, now: &Now, _memory: f64, c: &mut Coefficients) {
-        for (c, e) in c
-            .capacitance_f_per_cm2
-            .iter_mut()
-            .zip(now.capacitor_v)
-            .skip(self.first)
-        {
-            *c *= (1.0 + self.per_v2 * e * e).max(LEAST);
-        }
-    }
-}
-
 impl Effect for VoltageDependentCapacitance {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -62,9 +42,10 @@ impl Effect for VoltageDependentCapacitance {
     }
 
     fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
-        system.laws.push(Box::new(Even {
-            per_v2: parameters[0],
-            first: variant,
+        let per_v2 = parameters[0];
+        let of_base = (variant == 1).then_some(1);
+        system.laws.push(instant(move |now, c| {
+            scale_capacitances(now, c, of_base, |e| 1.0 + per_v2 * e * e);
         }));
     }
 }

@@ -6,11 +6,11 @@ use crate::domain::Level;
 use super::system::{RunContext, System};
 
 /// Steps after an edge begin at this part of the shortest time constant and may grow by this part of the time that
-/// has passed since: the error of a step that holds coefficients at its middle stays below 1e-4 of the effect.
-const FIRST: f64 = 0.2;
-const GROWTH: f64 = 0.3;
-/// The same where a circuit is opened: there the base itself is stepped, not only what an effect adds.
-const OPENED: (f64, f64) = (0.05, 0.1);
+/// has passed since: the error of steps that hold coefficients at their middle stays below 2e-3 of what an effect changes.
+const FIRST: f64 = 0.045;
+const GROWTH: f64 = 0.07;
+/// How many times longer they may be while parameters are searched: the error is six times as large, and far below noise.
+const SEARCHED: f64 = 2.5;
 /// Points of an exposure's mean (the trapezoidal rule over this many intervals).
 const EXPOSURE_POINTS: usize = 4;
 
@@ -56,7 +56,19 @@ impl Grid {
         time_s.dedup();
         let opens = (run.drive.segments.iter()).any(|segment| segment.level == Level::OpenCircuit);
         if let Some(shortest_s) = resolved_s(system, opens) {
-            time_s = refined(&time_s, run, run.resolved_s.unwrap_or(shortest_s), opens);
+            let laws = system.laws.iter().map(|law| law.finer());
+            let seen = system.observations.iter().map(|o| o.finer());
+            let finer = laws.chain(seen).fold(1.0, f64::max);
+            let (shortest_s, coarser) = run
+                .resolved_s
+                .map_or((shortest_s, 1.0), |held_s| (held_s, SEARCHED));
+            let coarser = if opens { 1.0 } else { coarser };
+            time_s = refined(
+                &time_s,
+                run,
+                FIRST * shortest_s * coarser / finer,
+                GROWTH * coarser / finer,
+            );
         }
         let place = |t: &f64| time_s.partition_point(|x| x < t);
         Grid {
@@ -78,15 +90,16 @@ fn resolved_s(system: &System, opens: bool) -> Option<f64> {
     let branches = system.branches.iter();
     let of_branches = branches.map(|b| b.resistance_ohm_cm2 * b.capacitance_f_per_cm2);
     let shortest_s = match (system.is_linear() && !opens, system.source_rise_s) {
-        (true, _) => observed_s,
+        (true, _) if observed_s.is_infinite() => observed_s,
+        (true, _) => of_branches.fold(observed_s, f64::min),
         (false, 0.0) => of_branches.fold(observed_s, f64::min),
         (false, rise_s) => of_branches.fold(observed_s.min(rise_s), f64::min),
     };
     (shortest_s.is_finite() && shortest_s > 0.0).then_some(shortest_s)
 }
 
-fn refined(time_s: &[f64], run: &RunContext, shortest_s: f64, opens: bool) -> Vec<f64> {
-    let (first, growth) = if opens { OPENED } else { (FIRST, GROWTH) };
+/// With steps of `first_s` after every edge that grow by `growth` of the time since.
+fn refined(time_s: &[f64], run: &RunContext, first_s: f64, growth: f64) -> Vec<f64> {
     let mut edges = run
         .drive
         .segments
@@ -105,7 +118,7 @@ fn refined(time_s: &[f64], run: &RunContext, shortest_s: f64, opens: bool) -> Ve
             continue;
         }
         loop {
-            let longest_s = first * shortest_s + growth * (t - edge_s);
+            let longest_s = first_s + growth * (t - edge_s);
             let left_s = next - t;
             if left_s <= 1.25 * longest_s {
                 break;

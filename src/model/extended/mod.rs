@@ -9,7 +9,7 @@ mod node;
 mod stepper;
 mod system;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use system::{
     BranchLaw, CameraClock, Coefficients, ExtendedModel, Law, Now, Observation, RelaxationMode, Responses,

@@ -39,7 +39,7 @@ impl Charging {
 
 /// Current of a node at the end of a step as `conductance * u + offset`, A/cm2, where `u_from` holds at its start.
 pub(super) fn draw(c: &Coefficients, charging: &[Charging], capacitor_v: &[f64], u_from: f64) -> (f64, f64) {
-    let mut conductance = c.steady_s_per_cm2;
+    let mut conductance = c.steady_s_per_cm2 + c.leak_s_per_cm2;
     let mut offset = c.leak_a_per_cm2;
     for ((charging, &e), &r) in charging.iter().zip(capacitor_v).zip(&c.resistance_ohm_cm2) {
         conductance += (1.0 - charging.to) / r;
@@ -50,7 +50,7 @@ pub(super) fn draw(c: &Coefficients, charging: &[Charging], capacitor_v: &[f64],
 
 /// The same at this instant.
 pub(super) fn draw_now(c: &Coefficients, capacitor_v: &[f64]) -> (f64, f64) {
-    let mut conductance = c.steady_s_per_cm2;
+    let mut conductance = c.steady_s_per_cm2 + c.leak_s_per_cm2;
     let mut offset = c.leak_a_per_cm2;
     for (&e, &r) in capacitor_v.iter().zip(&c.resistance_ohm_cm2) {
         conductance += r.recip();
@@ -71,7 +71,7 @@ pub(super) fn voltages(
     out: &mut [f64],
 ) {
     let [draw] = draws else {
-        return ladder(system, length_cm, source_v, draws, out);
+        return along(system, area_cm2, length_cm, source_v, draws, out);
     };
     let (conductance, offset) = *draw;
     let held = match source_v {
@@ -89,6 +89,33 @@ pub(super) fn voltages(
     } else {
         held
     };
+}
+
+/// The same along a ladder, whose current grows with the voltage at the clamp on a straight line.
+fn along(
+    system: &System,
+    area_cm2: f64,
+    length_cm: f64,
+    source_v: Option<f64>,
+    draws: &[(f64, f64)],
+    out: &mut [f64],
+) {
+    let limit = system.current_limit_a / area_cm2;
+    let rs = system.series_resistance_ohm_cm2;
+    let mut current = |clamp_v: Option<f64>| {
+        ladder(system, length_cm, clamp_v, draws, out);
+        let drawn = draws.iter().zip(out.iter()).map(|((g, i), u)| g * u + i);
+        drawn.sum::<f64>() / draws.len() as f64
+    };
+    let at_source = current(source_v);
+    let Some(v) = source_v.filter(|_| rs > 0.0 || at_source.abs() > limit) else {
+        return;
+    };
+    let per_volt = current(Some(v + 1.0)) - at_source;
+    let held = v - rs * at_source / (1.0 + rs * per_volt);
+    let drawn = at_source + per_volt * (held - v);
+    let most = drawn.clamp(-limit, limit);
+    current(Some(held + (most - drawn) / per_volt));
 }
 
 /// Kirchhoff's laws along the strip, cell-centred: no current leaves the free end.

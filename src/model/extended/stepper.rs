@@ -48,6 +48,7 @@ impl<'a> Stepper<'a> {
                 capacitance_f_per_cm2: system.branches.iter().map(|b| b.capacitance_f_per_cm2).collect(),
                 steady_s_per_cm2: system.steady_s_per_cm2,
                 leak_a_per_cm2: 0.0,
+                leak_s_per_cm2: 0.0,
                 relaxation_factor: 1.0,
                 coupling_factor: 1.0,
                 emf_v: 0.0,
@@ -84,7 +85,7 @@ impl<'a> Stepper<'a> {
         let mut work = Work::new(self);
         let mut segment = None;
         let mut segments = self.run.drive.segments.iter().peekable();
-        let at_rest_a = self.run.area_cm2 * self.run.drive.baseline_v * self.system.steady_s_per_cm2;
+        let at_rest_a = self.run.area_cm2 * self.run.drive.baseline_v * self.system.rest_s_per_cm2();
         for (k, &t) in times.iter().enumerate() {
             if let (Some((edge_s, level)), true) = (segment, k > 0) {
                 self.step(&mut state, &mut work, times[k - 1], t, edge_s, level);
@@ -150,15 +151,9 @@ impl<'a> Stepper<'a> {
     }
 
     fn solve(&self, source: Option<f64>, work: &mut Work) {
-        let length_cm = self.run.length_cm.unwrap_or(0.0);
-        voltages(
-            self.system,
-            self.run.area_cm2,
-            length_cm,
-            source,
-            &work.draws,
-            &mut work.nodes_v,
-        );
+        let (run, out) = (self.run, &mut work.nodes_v);
+        let length_cm = run.length_cm.unwrap_or(0.0);
+        voltages(self.system, run.area_cm2, length_cm, source, &work.draws, out);
     }
 
     fn source(&self, source_v: f64, level: Level, emf_v: f64) -> Option<f64> {
@@ -172,6 +167,7 @@ impl<'a> Stepper<'a> {
     fn act(&self, state: &State, work: &mut Work, t: f64, edge_s: f64) {
         let branches = self.system.branches.len();
         let curvature_per_cm = self.curvature(state, work.now.coupling_factor);
+        let (curvature_rate_per_cm_s, curvature_rate_per_cm_s_v) = self.curvature_rate(state, work);
         let now = Now {
             clock_s: t - self.run.start_s(),
             since_edge_s: t - edge_s,
@@ -179,10 +175,13 @@ impl<'a> Stepper<'a> {
             terminal_v: state.terminal_v,
             current_a_per_cm2: state.current,
             steady_a_per_cm2: state.terminal_v * work.now.steady_s_per_cm2,
+            branches: &self.system.branches,
             capacitor_v: &state.capacitor_v[..branches],
             charge_c_per_cm2: state.charge,
             curvature_per_cm,
-            curvature_rate_per_cm_s: self.curvature_rate(state, work),
+            curvature_rate_per_cm_s,
+            curvature_rate_per_cm_s_v,
+            emf_v: work.now.emf_v,
         };
         work.now.clone_from(&self.plain);
         for (k, law) in self.system.laws.iter().enumerate() {
@@ -203,18 +202,24 @@ impl<'a> Stepper<'a> {
             .map_or(0.0, |bend| bend(area * state.charge))
     }
 
-    fn curvature_rate(&self, state: &State, work: &Work) -> f64 {
-        let branches = self.system.branches.iter().enumerate();
-        let charging: f64 = branches
-            .map(|(k, b)| {
-                b.bends * (state.terminal_v - state.capacitor_v[k]) / work.now.resistance_ohm_cm2[k]
-            })
-            .sum();
-        let modes = self.system.relaxation.iter().zip(&state.strain);
-        let rate = |(mode, s): (&super::RelaxationMode, &f64)| {
-            mode.weight * (charging - mode.rate_per_s * work.now.relaxation_factor * s)
-        };
-        self.system.charge_to_curvature_per_c_cm * self.run.area_cm2 * modes.map(rate).sum::<f64>()
+    /// Rate of the curvature, 1/(cm s), and how it grows with the voltage across the strip, 1/(cm s V).
+    fn curvature_rate(&self, state: &State, work: &Work) -> (f64, f64) {
+        let system = self.system;
+        let (mut charging, mut per_volt) = (0.0, system.steady_bends * work.now.steady_s_per_cm2);
+        for (k, b) in system.branches.iter().enumerate() {
+            let conductance = b.bends / work.now.resistance_ohm_cm2[k];
+            per_volt += conductance;
+            let lost = b.bends * b.internal_conductance_s_per_cm2;
+            charging -= (conductance + lost) * state.capacitor_v[k];
+        }
+        charging += per_volt * state.terminal_v;
+        let scale = system.charge_to_curvature_per_c_cm * self.run.area_cm2 * work.now.coupling_factor;
+        let (mut weight, mut relaxing) = (0.0, 0.0);
+        for (mode, s) in system.relaxation.iter().zip(&state.strain) {
+            weight += mode.weight;
+            relaxing += mode.weight * mode.rate_per_s * work.now.relaxation_factor * s;
+        }
+        (scale * (weight * charging - relaxing), scale * weight * per_volt)
     }
 
     /// From `from_s` to `to_s` within one segment; the coefficients of the start stand in `work.now`.
@@ -226,7 +231,10 @@ impl<'a> Stepper<'a> {
         if !self.linear {
             let mut middle = state.clone();
             self.advance(&mut middle, work, h / 2.0, level);
+            let emf_v = work.now.emf_v;
             self.see(&mut middle, work, from_s + h / 2.0, edge_s, level);
+            // The voltage across the strip goes along a straight line: what counts is its end.
+            work.now.emf_v = 2.0 * work.now.emf_v - emf_v;
         }
         self.advance(state, work, h, level);
     }

@@ -43,6 +43,8 @@ impl RunContext<'_> {
 /// One R-C branch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BranchLaw {
+    /// Which branch of the base it is, or is a share of, from 0; none for a branch that an effect adds.
+    pub of_base: Option<usize>,
     /// Areal resistance, Ohm cm2.
     pub resistance_ohm_cm2: f64,
     /// Areal capacitance, F/cm2.
@@ -53,6 +55,35 @@ pub struct BranchLaw {
     pub internal_conductance_s_per_cm2: f64,
     /// Voltage of its capacitor before the drive beside the baseline's, V.
     pub residual_v: f64,
+}
+
+impl BranchLaw {
+    /// A branch that the base does not have.
+    pub fn added(capacitance_f_per_cm2: f64, time_constant_s: f64) -> BranchLaw {
+        BranchLaw {
+            of_base: None,
+            resistance_ohm_cm2: time_constant_s / capacitance_f_per_cm2,
+            capacitance_f_per_cm2,
+            bends: 1.0,
+            internal_conductance_s_per_cm2: 0.0,
+            residual_v: 0.0,
+        }
+    }
+
+    /// Time constant, s.
+    pub fn time_constant_s(&self) -> f64 {
+        self.resistance_ohm_cm2 * self.capacitance_f_per_cm2
+    }
+
+    /// A share of it that charges `slower` times as slowly.
+    pub fn share(&self, part: f64, slower: f64) -> BranchLaw {
+        BranchLaw {
+            resistance_ohm_cm2: self.resistance_ohm_cm2 * slower / part,
+            capacitance_f_per_cm2: self.capacitance_f_per_cm2 * part,
+            internal_conductance_s_per_cm2: self.internal_conductance_s_per_cm2 * part,
+            ..*self
+        }
+    }
 }
 
 /// One rate of back-relaxation: the strain of charge x passes through s/(s + rate).
@@ -90,6 +121,8 @@ pub struct Now<'a> {
     pub current_a_per_cm2: f64,
     /// Current through R_ss, A/cm2.
     pub steady_a_per_cm2: f64,
+    /// Branches as they are without laws.
+    pub branches: &'a [BranchLaw],
     /// Voltages of the capacitors, V.
     pub capacitor_v: &'a [f64],
     /// Charge that bends the strip, C/cm2.
@@ -98,6 +131,10 @@ pub struct Now<'a> {
     pub curvature_per_cm: f64,
     /// Rate of the curvature, 1/(cm s).
     pub curvature_rate_per_cm_s: f64,
+    /// How the rate of the curvature grows with the voltage across the strip, 1/(cm s V).
+    pub curvature_rate_per_cm_s_v: f64,
+    /// Voltage in series with the source with which all this came about, V.
+    pub emf_v: f64,
 }
 
 /// What a law may change at an instant.
@@ -111,6 +148,8 @@ pub struct Coefficients {
     pub steady_s_per_cm2: f64,
     /// Further current between the terminals that does not bend, A/cm2.
     pub leak_a_per_cm2: f64,
+    /// Further conductance between the terminals whose current does not bend, S/cm2.
+    pub leak_s_per_cm2: f64,
     /// Factor on every rate of relaxation.
     pub relaxation_factor: f64,
     /// Factor on the coupling.
@@ -131,6 +170,10 @@ pub trait Law {
     }
     /// Changes the coefficients; `memory` is the remembered quantity.
     fn act(&self, now: &Now, memory: f64, coefficients: &mut Coefficients);
+    /// How many times finer than for other effects steps must be.
+    fn finer(&self) -> f64 {
+        1.0
+    }
 }
 
 /// Something between the curvature of the model and the one that is read.
@@ -140,6 +183,10 @@ pub trait Observation {
     /// Time scale that the times must resolve, s; infinite where each reading stands for itself.
     fn resolves_s(&self) -> f64 {
         f64::INFINITY
+    }
+    /// How many times finer than for other effects steps must be.
+    fn finer(&self) -> f64 {
+        1.0
     }
 }
 
@@ -180,7 +227,8 @@ pub struct System {
 impl System {
     /// The base model without effects.
     pub fn of(base: &LumpedModel) -> System {
-        let branch = |branch: &crate::model::Branch| BranchLaw {
+        let branch = |(place, branch): (usize, &crate::model::Branch)| BranchLaw {
+            of_base: Some(place),
             resistance_ohm_cm2: branch.resistance_ohm_cm2,
             capacitance_f_per_cm2: branch.capacitance_f_per_cm2,
             bends: 1.0,
@@ -188,7 +236,7 @@ impl System {
             residual_v: 0.0,
         };
         System {
-            branches: base.branches.iter().map(branch).collect(),
+            branches: base.branches.iter().enumerate().map(branch).collect(),
             steady_s_per_cm2: base.steady_state_resistance_ohm_cm2.recip(),
             steady_bends: 0.0,
             series_resistance_ohm_cm2: 0.0,
@@ -207,6 +255,20 @@ impl System {
             observations: Vec::new(),
             camera: CameraClock::default(),
         }
+    }
+
+    /// Place of the base's slowest branch in the base: branch 2, or the only one.
+    pub fn slowest_of_base(&self) -> Option<usize> {
+        self.branches.iter().filter_map(|branch| branch.of_base).max()
+    }
+
+    /// Current at rest under a held voltage, S/cm2: through R_ss and through leaks inside branches.
+    pub(super) fn rest_s_per_cm2(&self) -> f64 {
+        let inside = self.branches.iter().map(|b| {
+            let g = b.internal_conductance_s_per_cm2;
+            g / (1.0 + g * b.resistance_ohm_cm2)
+        });
+        self.steady_s_per_cm2 + inside.sum::<f64>()
     }
 
     /// Whether every step can be exact: nothing depends on the state or on time.

@@ -1,3 +1,5 @@
+//! The extended model against the closed form of the base.
+
 use super::*;
 use crate::domain::{Drive, Level, Segment};
 use crate::model::effects::{ALL, Applied, effect};

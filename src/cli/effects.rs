@@ -1,0 +1,108 @@
+//! `ieap effects`.
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use crate::model::effects::{ALL, About, effect};
+
+/// List the effects that a model may be missing; with an ID, everything that is known of one
+#[derive(Debug, Args)]
+pub struct EffectsArgs {
+    /// Id of one effect, as listed
+    #[arg(value_name = "ID")]
+    id: Option<String>,
+}
+
+pub fn run(args: &EffectsArgs, output: &Output) -> Result<u8, CliError> {
+    let chosen: Vec<&About> = match &args.id {
+        None => ALL.iter().map(|effect| effect.about()).collect(),
+        Some(id) => vec![one(id)?],
+    };
+    if args.id.is_some() {
+        chosen.iter().for_each(|about| everything(about, output));
+    } else {
+        list(&chosen, output);
+    }
+    let effects: Vec<Value> = chosen.iter().map(|about| document(about)).collect();
+    output.document(&json!({ "schema": "ieap/effects/1", "effects": effects }))?;
+    Ok(DONE)
+}
+
+fn one(id: &str) -> Result<&'static About, CliError> {
+    effect(id).map(|effect| effect.about()).ok_or_else(|| {
+        CliError::usage(&format!(
+            "there is no effect `{id}`. `ieap effects` lists the ids, `series-resistance` for one."
+        ))
+    })
+}
+
+fn list(effects: &[&About], output: &Output) {
+    for about in effects {
+        output.result(&format!(
+            "{:<4} {:<30} {:<11} {}",
+            about.code,
+            about.id,
+            about.class.name(),
+            about.summary
+        ));
+    }
+}
+
+fn everything(about: &About, output: &Output) {
+    let line = |name: &str, text: &str| output.result(&format!("  {name:<13} {text}"));
+    output.result(&format!(
+        "{}  ({}, {})  {}",
+        about.id,
+        about.code,
+        about.class.name(),
+        about.summary
+    ));
+    line("equation", about.equation);
+    if !about.variants.is_empty() {
+        line("variants", &about.variants.join(", "));
+    }
+    for (k, parameter) in about.parameters.iter().enumerate() {
+        let name = if k == 0 { "parameters" } else { "" };
+        let unit = if parameter.unit.is_empty() {
+            "-"
+        } else {
+            parameter.unit
+        };
+        line(
+            name,
+            &format!(
+                "{:<34} {:<6} {unit:<18} {}",
+                parameter.key, parameter.symbol, parameter.meaning
+            ),
+        );
+    }
+    line("vanishes", about.vanishes);
+    line("signature", about.signature);
+    line("twins", &about.twins.join(", "));
+    line("separated by", about.separated_by);
+    line("sources", about.sources);
+}
+
+fn document(about: &About) -> Value {
+    let parameters: Vec<Value> = about
+        .parameters
+        .iter()
+        .map(|p| json!({ "key": p.key, "symbol": p.symbol, "unit": p.unit, "meaning": p.meaning }))
+        .collect();
+    json!({
+        "id": about.id,
+        "code": about.code,
+        "class": about.class.name(),
+        "summary": about.summary,
+        "equation": about.equation,
+        "variants": about.variants,
+        "parameters": parameters,
+        "vanishes": about.vanishes,
+        "signature": about.signature,
+        "twins": about.twins,
+        "separated_by": about.separated_by,
+        "sources": about.sources,
+    })
+}
