@@ -9,6 +9,7 @@ mod folder;
 mod formats_fixtures;
 mod formats_properties;
 mod formats_real_files;
+mod hidden_effects;
 mod kill_loop;
 mod lumped_reference;
 mod main_job;

@@ -61,7 +61,7 @@ fn differential_evolution_finds_the_minima_of_the_thesis_campaign() {
     let fast = FitOptions::default();
     let evolution = fast.with_method("differential-evolution").unwrap();
     for (number, run) in spec.run.iter().enumerate().step_by(counted(3, 1)) {
-        let channels = channels(&run_table(&spec, run, number));
+        let channels = channels(&run_table(&spec, run, number).unwrap());
         let input = FitInput {
             channels: &channels,
             drive: &run.drive(),

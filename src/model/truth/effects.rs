@@ -75,6 +75,12 @@ impl HiddenEffect {
         Ok(())
     }
 
+    /// The variant, or the effect's first where none is given; none where the effect has no variants.
+    pub fn variant_or_first(&self) -> Option<&str> {
+        let first = || known(&self.id).and_then(|entry| entry.variants.first().copied());
+        self.variant.as_deref().or_else(first)
+    }
+
     /// A parameter, or what stands for it where it is not given.
     pub(super) fn value(&self, key: &str) -> f64 {
         let default = || {
@@ -88,8 +94,7 @@ impl HiddenEffect {
 
     /// Whether the variant is this one.
     pub(super) fn is(&self, variant: &str) -> bool {
-        let first = || known(&self.id).and_then(|entry| entry.variants.first().copied());
-        self.variant.as_deref().or_else(first) == Some(variant)
+        self.variant_or_first() == Some(variant)
     }
 
     fn strength(&self) -> f64 {

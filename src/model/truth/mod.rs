@@ -90,23 +90,11 @@ pub fn simulate(
     curvature_time_s: &[f64],
     run_index: usize,
 ) -> Result<TruthResponses, TruthError> {
-    check(truth, drive, current_time_s.iter().chain(curvature_time_s))?;
-    let effects = Effects::of_run(&truth.effects, run_index)?;
-    let start_s = drive.segments[0].start_s;
-    let observation = Observation::new(truth, &effects, start_s)?;
-    let last_s = current_time_s.iter().chain(curvature_time_s).copied();
-    let held = drive.segments.iter().find_map(|segment| match segment.level {
-        Level::Voltage(v) => Some(v),
-        Level::OpenCircuit => None,
-    });
-    let conditions = Conditions {
-        baseline_v: drive.baseline_v,
-        step_v: held.unwrap_or(0.0),
-        start_s,
-        run_s: last_s.fold(start_s, f64::max) - start_s,
-        integral: observation.averages(),
-    };
-    let (plant, y) = Plant::new(truth, &effects, &conditions)?;
+    let Built {
+        plant,
+        start,
+        observation,
+    } = built(truth, drive, (current_time_s, curvature_time_s), run_index)?;
     let mut instants: Vec<f64> = current_time_s
         .iter()
         .map(|&t| observation.current_time_s(t))
@@ -115,7 +103,7 @@ pub fn simulate(
         let (first, last) = observation.curvature_times_s(t);
         instants.extend([first, last]);
     }
-    let records = Records::integrated(plant, y, drive, instants)?;
+    let records = Records::integrated(plant, start, drive, instants)?;
     let current_a = current_time_s.iter().map(|&t| {
         let record = records.at(observation.current_time_s(t));
         observation.current_a(t, record.current_a)
@@ -132,6 +120,55 @@ pub fn simulate(
     Ok(TruthResponses {
         current_a: current_a.collect(),
         curvature_per_cm: curvature_per_cm.collect(),
+    })
+}
+
+impl Truth {
+    /// Checks whether it can be simulated under `drive`, but for solutions that only the integration shows to be
+    /// none.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub fn check(&self, drive: &Drive, run_index: usize) -> Result<(), TruthError> {
+        built(self, drive, (&[], &[]), run_index).map(|_| ())
+    }
+}
+
+/// A system ready to be integrated.
+struct Built {
+    plant: Plant,
+    /// States at the first edge.
+    start: Vec<f64>,
+    observation: Observation,
+}
+
+fn built(
+    truth: &Truth,
+    drive: &Drive,
+    (current_time_s, curvature_time_s): (&[f64], &[f64]),
+    run_index: usize,
+) -> Result<Built, TruthError> {
+    let times = || current_time_s.iter().chain(curvature_time_s);
+    check(truth, drive, times())?;
+    let effects = Effects::of_run(&truth.effects, run_index)?;
+    let start_s = drive.segments[0].start_s;
+    let observation = Observation::new(truth, &effects, start_s)?;
+    let held = drive.segments.iter().find_map(|segment| match segment.level {
+        Level::Voltage(v) => Some(v),
+        Level::OpenCircuit => None,
+    });
+    let conditions = Conditions {
+        baseline_v: drive.baseline_v,
+        step_v: held.unwrap_or(0.0),
+        start_s,
+        run_s: times().copied().fold(start_s, f64::max) - start_s,
+        integral: observation.averages(),
+    };
+    let (plant, start) = Plant::new(truth, &effects, &conditions)?;
+    Ok(Built {
+        plant,
+        start,
+        observation,
     })
 }
 

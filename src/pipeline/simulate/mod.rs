@@ -1,11 +1,22 @@
-//! Writes run files of a model with noise and sampling, seeded: the same spec gives the same bytes.
+//! Writes run files of a model with noise and sampling, seeded: the same spec gives the same bytes. Effects that the
+//! spec names are hidden in them by the truth simulator; truth.json says which.
 
+mod answer_key;
+mod effect_spec;
+mod noise_spec;
+mod run_spec;
 mod spec;
 mod table;
+#[cfg(test)]
+mod tests;
 
 use std::path::{Path, PathBuf};
 
-pub use spec::{Spec, SpecError};
+pub use answer_key::answer_key;
+pub use effect_spec::{EffectSpec, hidden_effects};
+pub use noise_spec::Noise;
+pub use run_spec::{Pulses, RunSpec, SegmentSpec};
+pub use spec::{FolderTags, Sampling, Simulation, Spec, SpecError};
 pub use table::run_table;
 
 use super::{Observer, PipelineError};
@@ -22,7 +33,8 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Writes the run files, their sidecars and the folders' tags.toml; gives the paths written.
+    /// Writes the run files, their sidecars, the folders' tags.toml, and the answer key truth.json beside the output
+    /// folder; gives the paths written.
     ///
     /// # Errors
     /// The spec is wrong, a file is already there, or the disk refuses.
@@ -44,7 +56,9 @@ impl Simulate {
         }
         for (number, run) in spec.run.iter().enumerate() {
             let path = root.join(&run.file);
-            written.push(self.write(&path, &run_table(&spec, run, number))?);
+            let table = run_table(&spec, run, number);
+            let table = table.map_err(|error| Spec::unsolved(&self.spec, run, &error))?;
+            written.push(self.write(&path, &table)?);
             if !run.tags.is_empty() {
                 let mut sidecar = path.into_os_string();
                 sidecar.push(".toml");
@@ -52,6 +66,8 @@ impl Simulate {
             }
             observer.advance();
         }
+        let key = root.with_file_name("truth.json");
+        written.push(self.write(&key, &answer_key(&spec, &self.spec))?);
         observer.end();
         Ok(written)
     }

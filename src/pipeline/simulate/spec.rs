@@ -1,13 +1,14 @@
 //! What is to be simulated: SPEC.toml.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::domain::{Drive, Level, Segment};
-use crate::model::{Branch, LumpedModel};
+use super::effect_spec::{EffectSpec, hidden_effects};
+use super::noise_spec::Noise;
+use super::run_spec::RunSpec;
+use crate::model::truth::TruthError;
 
 /// A file that says which runs to write.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -25,6 +26,9 @@ pub struct Spec {
     /// Folders below the output folder that get a tags.toml.
     #[serde(default)]
     pub folder: Vec<FolderTags>,
+    /// Effects hidden in all runs, or in those that an effect names.
+    #[serde(default)]
+    pub effect: Vec<EffectSpec>,
     /// The runs.
     pub run: Vec<RunSpec>,
 }
@@ -45,29 +49,13 @@ pub struct Simulation {
     /// Sampling before the step, s.
     #[serde(default = "one_second")]
     pub baseline_every_s: f64,
-    /// Candidate effects to hide in the runs; none is known to this version.
+    /// Whether a run's file says which effects are hidden in it; the answer key says it always.
     #[serde(default)]
-    pub effects: Vec<String>,
+    pub tell: bool,
 }
 
 fn one_second() -> f64 {
     1.0
-}
-
-/// Gaussian noise with a lag-1 correlation between neighbouring readings.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Noise {
-    /// Standard deviation of the current, A.
-    pub current_a: f64,
-    /// Standard deviation of the curvature, 1/cm.
-    pub curvature_per_cm: f64,
-    /// Lag-1 autocorrelation, 0 to below 1.
-    #[serde(default)]
-    pub autocorrelation: f64,
-    /// Smallest step of the printed current, A; 0: not quantised.
-    #[serde(default)]
-    pub current_step_a: f64,
 }
 
 /// Even sampling up to a time.
@@ -88,36 +76,6 @@ pub struct FolderTags {
     pub path: PathBuf,
     /// Its tags.
     pub tags: toml::Table,
-}
-
-/// One run.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RunSpec {
-    /// File to write, below the output folder.
-    pub file: PathBuf,
-    /// Active area, cm2.
-    pub area_cm2: f64,
-    /// Step at time zero, V; or `drive`.
-    pub voltage_v: Option<f64>,
-    /// Segments of the drive; or `voltage_v`.
-    #[serde(default)]
-    pub drive: Vec<SegmentSpec>,
-    /// Parameters by their stored keys; those left out are 0, or absent branches.
-    pub parameters: BTreeMap<String, f64>,
-    /// Tags of the run's sidecar.
-    #[serde(default)]
-    pub tags: toml::Table,
-}
-
-/// One segment of a drive.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SegmentSpec {
-    /// Start, s.
-    pub start_s: f64,
-    /// Voltage held, V; none: open circuit.
-    pub voltage_v: Option<f64>,
 }
 
 /// Why a spec cannot be simulated.
@@ -167,39 +125,22 @@ impl Spec {
             path: path.to_owned(),
             detail: e.to_string(),
         })?;
-        let bad = |(place, found, needed): (String, String, &str)| SpecError::BadValue {
+        let bad = |Wrong { place, found, needed }: Wrong| SpecError::BadValue {
             path: path.to_owned(),
             place,
             found,
-            needed: needed.to_owned(),
+            needed,
         };
         spec.check().map_err(bad)?;
         Ok(spec)
     }
 
-    fn check(&self) -> Result<(), (String, String, &'static str)> {
-        if let Some(effect) = self.simulation.effects.first() {
-            return Err((
-                "simulation.effects".into(),
-                effect.clone(),
-                "nothing: this version knows no effects",
-            ));
-        }
-        if !(0.0..1.0).contains(&self.noise.autocorrelation) {
-            let found = self.noise.autocorrelation.to_string();
-            return Err((
-                "noise.autocorrelation".into(),
-                found,
-                "a number from 0 to below 1",
-            ));
-        }
+    fn check(&self) -> Result<(), Wrong> {
+        self.noise.check()?;
         for sampling in self.sampling.iter().chain(&self.camera) {
             if sampling.every_s.is_nan() || sampling.every_s <= 0.0 {
-                return Err((
-                    "sampling.every_s".into(),
-                    sampling.every_s.to_string(),
-                    "a time above 0",
-                ));
+                let found = sampling.every_s.to_string();
+                return Err(Wrong::new("sampling.every_s", found, "a time above 0"));
             }
         }
         let safe = |path: &Path| {
@@ -213,95 +154,63 @@ impl Spec {
             .chain(self.folder.iter().map(|folder| &folder.path));
         for path in paths.chain([&self.simulation.folder]) {
             if !safe(path) {
-                return Err((
-                    path.display().to_string(),
+                let place = path.display().to_string();
+                return Err(Wrong::new(
+                    &place,
                     "a path out of the folder".into(),
                     "a path below it",
                 ));
             }
         }
-        self.run.iter().try_for_each(RunSpec::check)
+        self.run.iter().try_for_each(RunSpec::check)?;
+        self.check_effects()
     }
-}
 
-/// Parameter keys that a run may give.
-const PARAMETER_KEYS: [&str; 7] = [
-    "r1_ohm_cm2",
-    "c1_f_per_cm2",
-    "r2_ohm_cm2",
-    "c2_f_per_cm2",
-    "rss_ohm_cm2",
-    "alpha_per_c_cm",
-    "lambda_per_s",
-];
-
-impl RunSpec {
-    fn check(&self) -> Result<(), (String, String, &'static str)> {
-        let place = |what: &str| format!("run {}: {what}", self.file.display());
-        if let Some(key) = self
-            .parameters
-            .keys()
-            .find(|key| !PARAMETER_KEYS.contains(&key.as_str()))
-        {
-            let needed = "one of r1_ohm_cm2 c1_f_per_cm2 r2_ohm_cm2 c2_f_per_cm2 rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
-            return Err((place("parameters"), key.clone(), needed));
+    /// That every effect is known, meets a run, and can act in it.
+    fn check_effects(&self) -> Result<(), Wrong> {
+        for effect in &self.effect {
+            effect.check(&self.run)?;
         }
-        let ordered = self
-            .drive
-            .windows(2)
-            .all(|pair| pair[0].start_s < pair[1].start_s);
-        if self.voltage_v.is_some() != self.drive.is_empty() || !ordered {
-            let found = format!("voltage_v {:?} and {} segments", self.voltage_v, self.drive.len());
-            return Err((
-                place("drive"),
-                found,
-                "either voltage_v or segments with rising start_s",
-            ));
-        }
-        if self.area_cm2.is_nan() || self.area_cm2 <= 0.0 {
-            return Err((place("area_cm2"), self.area_cm2.to_string(), "an area above 0"));
+        for (number, run) in self.run.iter().enumerate() {
+            let place = format!("run {}", run.file.display());
+            let effects = hidden_effects(self, run);
+            if effects.is_empty() {
+                continue;
+            }
+            let checked = run.truth(effects).check(&run.drive(), number);
+            checked.map_err(|error| Wrong::told(&place, &error))?;
         }
         Ok(())
     }
 
-    /// The drive, from the discharged state.
-    pub fn drive(&self) -> Drive {
-        match self.voltage_v {
-            Some(voltage_v) => Drive::step(voltage_v),
-            None => Drive {
-                baseline_v: 0.0,
-                segments: self
-                    .drive
-                    .iter()
-                    .map(|segment| Segment {
-                        start_s: segment.start_s,
-                        level: segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
-                    })
-                    .collect(),
-            },
+    /// That a run could not be simulated, though its values may stand there.
+    pub(super) fn unsolved(path: &Path, run: &RunSpec, error: &TruthError) -> SpecError {
+        SpecError::Malformed {
+            path: path.to_owned(),
+            detail: format!("run {}: {error}", run.file.display()),
+        }
+    }
+}
+
+/// A value of the spec that makes no sense.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Wrong {
+    pub place: String,
+    pub found: String,
+    pub needed: String,
+}
+
+impl Wrong {
+    pub fn new(place: &str, found: String, needed: &str) -> Wrong {
+        Wrong {
+            place: place.to_owned(),
+            found,
+            needed: needed.to_owned(),
         }
     }
 
-    /// The model with the run's parameters. A branch without resistance and capacitance is absent.
-    pub fn model(&self) -> LumpedModel {
-        let parameter = |key: &str| self.parameters.get(key).copied();
-        let branch = |r: &str, c: &str| {
-            Some(Branch {
-                resistance_ohm_cm2: parameter(r)?,
-                capacitance_f_per_cm2: parameter(c)?,
-            })
-        };
-        LumpedModel {
-            branches: [
-                branch("r1_ohm_cm2", "c1_f_per_cm2"),
-                branch("r2_ohm_cm2", "c2_f_per_cm2"),
-            ]
-            .into_iter()
-            .flatten()
-            .collect(),
-            steady_state_resistance_ohm_cm2: parameter("rss_ohm_cm2").unwrap_or(f64::INFINITY),
-            charge_to_curvature_per_c_cm: parameter("alpha_per_c_cm").unwrap_or(0.0),
-            relaxation_rate_per_s: parameter("lambda_per_s").unwrap_or(0.0),
-        }
+    /// What the truth simulator refuses, in its own words.
+    pub fn told(place: &str, error: &TruthError) -> Wrong {
+        Wrong::new(place, error.to_string(), "an effect that can act in the run")
     }
 }

@@ -2,43 +2,43 @@
 
 use std::fmt::Write;
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-
-use super::spec::{RunSpec, Sampling, Spec};
+use super::answer_key::told;
+use super::effect_spec::hidden_effects;
+use super::run_spec::RunSpec;
+use super::spec::{Sampling, Spec};
 use crate::domain::{Drive, Level};
+use crate::model::truth::noise::NoisyChannel;
+use crate::model::truth::{HiddenEffect, TruthError, TruthResponses, noise, simulate};
 
 /// The text of the run table. `number` (the run's place in the spec) and the spec's seed fix the noise.
-pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> String {
-    let (drive, model) = (run.drive(), run.model());
+///
+/// # Errors
+/// The equations with the run's effects have no solution.
+pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, TruthError> {
+    let drive = run.drive();
+    let effects = hidden_effects(spec, run);
     let time_s = times(spec, &spec.sampling);
     let camera_s = if spec.camera.is_empty() {
         time_s.clone()
     } else {
         times(spec, &spec.camera)
     };
-    let noise = |stream: u64, sigma: f64, count: usize| {
-        let mut generator = ChaCha8Rng::seed_from_u64(spec.simulation.seed);
-        generator.set_stream(2 * number as u64 + stream);
-        correlated(&mut generator, sigma, spec.noise.autocorrelation, count)
-    };
-    let mut current_a = model.current_a(&drive, run.area_cm2, &time_s);
-    add(&mut current_a, &noise(0, spec.noise.current_a, time_s.len()));
-    if spec.noise.current_step_a > 0.0 {
-        current_a
-            .iter_mut()
-            .for_each(|i| *i = (*i / spec.noise.current_step_a).round() * spec.noise.current_step_a);
-    }
-    let mut curvature_per_cm = model.curvature_per_cm(&drive, run.area_cm2, &camera_s);
-    add(
-        &mut curvature_per_cm,
-        &noise(1, spec.noise.curvature_per_cm, camera_s.len()),
-    );
+    let exact = responses(run, &effects, (&time_s, &camera_s), number)?;
+    let (seed, stream) = (spec.simulation.seed, 2 * number as u64);
+    let current = spec.noise.current().with_effects(NoisyChannel::Current, &effects);
+    let current_a = noise(&exact.current_a, &current, seed, stream);
+    let curvature = spec
+        .noise
+        .curvature()
+        .with_effects(NoisyChannel::Curvature, &effects);
+    let curvature_per_cm = noise(&exact.curvature_per_cm, &curvature, seed, stream + 1);
 
     let mut text = String::new();
     for line in &spec.simulation.statement {
         let _ = writeln!(text, "# {line}");
+    }
+    for effect in effects.iter().filter(|_| spec.simulation.tell) {
+        let _ = writeln!(text, "# {}", told(effect));
     }
     let has_open_circuit = drive.segments.iter().any(|s| s.level == Level::OpenCircuit);
     let open_column = if has_open_circuit { ",open_circuit" } else { "" };
@@ -60,7 +60,25 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> String {
         };
         let _ = writeln!(text, "{},{voltage},{current},{curvature}{open}", printed(t));
     }
-    text
+    Ok(text)
+}
+
+/// What the instruments would read without noise: the closed form, or the truth simulator where effects are named.
+fn responses(
+    run: &RunSpec,
+    effects: &[HiddenEffect],
+    (time_s, camera_s): (&[f64], &[f64]),
+    number: usize,
+) -> Result<TruthResponses, TruthError> {
+    let drive = run.drive();
+    if !effects.is_empty() {
+        return simulate(&run.truth(effects.to_vec()), &drive, time_s, camera_s, number);
+    }
+    let model = run.model();
+    Ok(TruthResponses {
+        current_a: model.current_a(&drive, run.area_cm2, time_s),
+        curvature_per_cm: model.curvature_per_cm(&drive, run.area_cm2, camera_s),
+    })
 }
 
 /// Sampling times: the baseline, then each stretch.
@@ -79,27 +97,6 @@ fn times(spec: &Spec, stretches: &[Sampling]) -> Vec<f64> {
         from_s = stretch.until_s;
     }
     time_s
-}
-
-/// First-order autoregressive noise of standard deviation `sigma`.
-fn correlated(generator: &mut ChaCha8Rng, sigma: f64, autocorrelation: f64, count: usize) -> Vec<f64> {
-    let fresh = (1.0 - autocorrelation * autocorrelation).sqrt();
-    let mut last: f64 = StandardNormal.sample(generator);
-    (0..count)
-        .map(|_| {
-            let noise = sigma * last;
-            let next: f64 = StandardNormal.sample(generator);
-            last = autocorrelation * last + fresh * next;
-            noise
-        })
-        .collect()
-}
-
-fn add(values: &mut [f64], noise: &[f64]) {
-    values
-        .iter_mut()
-        .zip(noise)
-        .for_each(|(value, noise)| *value += noise);
 }
 
 /// Which reading of each instrument stands in a row.

@@ -1,0 +1,204 @@
+//! One run of a spec: its sample, its drive, its parameters.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use super::effect_spec::EffectSpec;
+use super::spec::Wrong;
+use crate::domain::{Drive, Level, Segment};
+use crate::model::truth::{HiddenEffect, Truth};
+use crate::model::{Branch, LumpedModel};
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunSpec {
+    /// File to write, below the output folder.
+    pub file: PathBuf,
+    /// Active area, cm2.
+    pub area_cm2: f64,
+    /// Free length, cm; some effects need it.
+    pub length_cm: Option<f64>,
+    /// Width, cm; none: area over length.
+    pub width_cm: Option<f64>,
+    /// Voltage held before the drive, V: a discharge starts from it.
+    #[serde(default)]
+    pub baseline_v: f64,
+    /// Step at time zero, V; or `drive`; or `pulses`.
+    pub voltage_v: Option<f64>,
+    /// Segments of the drive; or `voltage_v`; or `pulses`.
+    #[serde(default)]
+    pub drive: Vec<SegmentSpec>,
+    /// A train of pulses from time zero on; or `voltage_v`; or `drive`.
+    pub pulses: Option<Pulses>,
+    /// Parameters by their stored keys; those left out are 0, or absent branches.
+    pub parameters: BTreeMap<String, f64>,
+    /// Effects hidden in this run, beside those of the spec.
+    #[serde(default)]
+    pub effect: Vec<EffectSpec>,
+    /// Tags of the run's sidecar.
+    #[serde(default)]
+    pub tags: toml::Table,
+}
+
+/// One segment of a drive.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SegmentSpec {
+    /// Start, s.
+    pub start_s: f64,
+    /// Voltage held, V; none: open circuit.
+    pub voltage_v: Option<f64>,
+}
+
+/// Pulses of one voltage with 0 V between and after them.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pulses {
+    /// Voltage of a pulse, V.
+    pub voltage_v: f64,
+    /// Length of a pulse, s.
+    pub on_s: f64,
+    /// Length of a pause, s.
+    pub off_s: f64,
+    /// Number of pulses.
+    pub count: u32,
+}
+
+impl Pulses {
+    fn segments(&self) -> Vec<Segment> {
+        let held = |start_s: f64, voltage_v: f64| Segment {
+            start_s,
+            level: Level::Voltage(voltage_v),
+        };
+        let pulse = |k: u32| {
+            let start_s = f64::from(k) * (self.on_s + self.off_s);
+            [held(start_s, self.voltage_v), held(start_s + self.on_s, 0.0)]
+        };
+        (0..self.count).flat_map(pulse).collect()
+    }
+}
+
+/// Parameter keys that a run may give.
+const PARAMETER_KEYS: [&str; 7] = [
+    "r1_ohm_cm2",
+    "c1_f_per_cm2",
+    "r2_ohm_cm2",
+    "c2_f_per_cm2",
+    "rss_ohm_cm2",
+    "alpha_per_c_cm",
+    "lambda_per_s",
+];
+
+impl RunSpec {
+    pub(super) fn check(&self) -> Result<(), Wrong> {
+        let place = |what: &str| format!("run {}: {what}", self.file.display());
+        if let Some(key) = self
+            .parameters
+            .keys()
+            .find(|key| !PARAMETER_KEYS.contains(&key.as_str()))
+        {
+            let needed = "one of r1_ohm_cm2 c1_f_per_cm2 r2_ohm_cm2 c2_f_per_cm2 rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
+            return Err(Wrong::new(&place("parameters"), key.clone(), needed));
+        }
+        let ordered = self
+            .drive
+            .windows(2)
+            .all(|pair| pair[0].start_s < pair[1].start_s);
+        let drives = [
+            self.voltage_v.is_some(),
+            !self.drive.is_empty(),
+            self.pulses.is_some(),
+        ];
+        if drives.into_iter().filter(|given| *given).count() != 1 || !ordered {
+            let found = format!(
+                "voltage_v {:?}, {} segments and {} pulses",
+                self.voltage_v,
+                self.drive.len(),
+                self.pulses.map_or(0, |pulses| pulses.count)
+            );
+            let needed = "one of voltage_v, pulses, and a drive of segments with rising start_s";
+            return Err(Wrong::new(&place("drive"), found, needed));
+        }
+        if let Some(pulses) = self.pulses
+            && !(above_zero(pulses.on_s) && above_zero(pulses.off_s) && pulses.count > 0)
+        {
+            let needed = "on_s and off_s above 0 and a count of 1 or more";
+            return Err(Wrong::new(&place("pulses"), format!("{pulses:?}"), needed));
+        }
+        let sizes = [
+            ("area_cm2", Some(self.area_cm2)),
+            ("length_cm", self.length_cm),
+            ("width_cm", self.width_cm),
+        ];
+        for (key, size) in sizes {
+            if let Some(size) = size
+                && !above_zero(size)
+            {
+                return Err(Wrong::new(&place(key), size.to_string(), "a number above 0"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The drive, from the steady state at the baseline.
+    pub fn drive(&self) -> Drive {
+        let given = self.drive.iter().map(|segment| Segment {
+            start_s: segment.start_s,
+            level: segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
+        });
+        let segments = match (self.voltage_v, self.pulses) {
+            (Some(voltage_v), _) => Drive::step(voltage_v).segments,
+            (None, Some(pulses)) => pulses.segments(),
+            (None, None) => given.collect(),
+        };
+        Drive {
+            baseline_v: self.baseline_v,
+            segments,
+        }
+    }
+
+    /// The sample of the run with effects hidden in it.
+    pub fn truth(&self, effects: Vec<HiddenEffect>) -> Truth {
+        let model = self.model();
+        Truth {
+            branches: model.branches,
+            steady_state_resistance_ohm_cm2: model.steady_state_resistance_ohm_cm2,
+            charge_to_curvature_per_c_cm: model.charge_to_curvature_per_c_cm,
+            relaxation_rate_per_s: model.relaxation_rate_per_s,
+            area_cm2: self.area_cm2,
+            length_cm: self.length_cm,
+            width_cm: self.width_cm,
+            effects,
+        }
+    }
+
+    /// The model with the run's parameters. A branch without resistance and capacitance is absent.
+    pub fn model(&self) -> LumpedModel {
+        let parameter = |key: &str| self.parameters.get(key).copied();
+        let branch = |r: &str, c: &str| {
+            Some(Branch {
+                resistance_ohm_cm2: parameter(r)?,
+                capacitance_f_per_cm2: parameter(c)?,
+            })
+        };
+        LumpedModel {
+            branches: [
+                branch("r1_ohm_cm2", "c1_f_per_cm2"),
+                branch("r2_ohm_cm2", "c2_f_per_cm2"),
+            ]
+            .into_iter()
+            .flatten()
+            .collect(),
+            steady_state_resistance_ohm_cm2: parameter("rss_ohm_cm2").unwrap_or(f64::INFINITY),
+            charge_to_curvature_per_c_cm: parameter("alpha_per_c_cm").unwrap_or(0.0),
+            relaxation_rate_per_s: parameter("lambda_per_s").unwrap_or(0.0),
+        }
+    }
+}
+
+fn above_zero(size: f64) -> bool {
+    size.is_finite() && size > 0.0
+}
