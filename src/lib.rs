@@ -6,6 +6,7 @@
 
 pub mod analysis;
 pub mod cli;
+pub mod diagnose;
 pub mod domain;
 pub mod fit;
 pub mod ingest;

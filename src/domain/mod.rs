@@ -3,6 +3,7 @@
 
 pub mod campaign;
 pub mod channel;
+pub mod diagnosis;
 pub mod drive;
 pub mod estimate;
 pub mod fit;
@@ -16,6 +17,10 @@ mod unit_spelling;
 
 pub use campaign::{Campaign, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
+pub use diagnosis::{
+    Candidate, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun, ParameterShift, ResidualCurve,
+    Verdict, Whereabouts,
+};
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
 pub use fit::{ChannelNoise, Fit, NoiseCharacter, Parameter};

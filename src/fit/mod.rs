@@ -19,6 +19,7 @@ mod sampled;
 mod search;
 mod strain;
 mod uncertainty;
+mod whitened;
 
 use crate::domain::{Channel, Drive, Fit, Level, Quantity};
 use crate::model::{FitModel, fit_model, fit_models};
@@ -26,6 +27,8 @@ use crate::numerics::global::{Method, method, methods};
 
 pub use error::FitError;
 pub use group::{Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, fit_group, shareable};
+
+pub use whitened::WhitenedChannel;
 
 use bending::Bending;
 use electrical::Electrical;

@@ -16,6 +16,7 @@ pub mod registry;
 pub mod relaxation;
 pub mod rivals;
 pub mod scaling;
+pub mod truth;
 
 pub use circuit::EquivalentCircuit;
 pub use distributed::{DistributedModel, Laminate};

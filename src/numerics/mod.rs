@@ -3,6 +3,7 @@
 pub mod column_memory;
 pub mod correlation;
 pub mod decay;
+pub mod dense;
 pub mod discrete_gauss;
 pub mod global;
 pub mod gram;
@@ -13,6 +14,7 @@ pub mod nonnegative;
 pub mod ode;
 #[cfg(test)]
 mod problems;
+pub mod rosenbrock;
 pub mod student;
 pub mod sums;
 pub mod symmetric;

@@ -4,7 +4,7 @@
 pub(super) mod bootstrap;
 pub(super) mod branch_evidence;
 mod compressed;
-pub(super) mod dense;
+pub(in crate::fit) use crate::numerics::dense;
 pub(super) mod feature;
 pub(super) mod minimum;
 pub(super) mod noise;

@@ -63,12 +63,16 @@ impl Response {
     }
 
     /// Measured minus `fitted`, white and in standard deviations.
-    fn whitened(&self, fitted: impl Iterator<Item = f64>, out: &mut Vec<f64>) {
+    pub(in crate::fit) fn whitened(&self, fitted: impl Iterator<Item = f64>, out: &mut Vec<f64>) {
         let first = out.len();
         out.extend(self.sampled.values.iter().zip(fitted).map(|(y, f)| y - f));
+        self.whiten(&mut out[first..]);
+    }
+
+    /// Makes a series over the readings white, in standard deviations.
+    pub(in crate::fit) fn whiten(&self, series: &mut [f64]) {
         for span in &self.sampled.spans {
-            self.whitener
-                .whiten(span, &mut out[first + span.first..first + span.end]);
+            self.whitener.whiten(span, &mut series[span.first..span.end]);
         }
     }
 }

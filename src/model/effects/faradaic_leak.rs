@@ -88,11 +88,11 @@ impl Effect for FaradaicLeak {
             .iter()
             .map(|part| part * volts)
             .collect();
-        let slopes = vec![0.06, 0.2];
+        let slopes = vec![0.1, 0.3];
         let limits = vec![
-            Limits::linear(0.0, 10.0 * density),
+            Limits::logarithmic(1e-12 * density, 100.0 * density),
             Limits::linear(0.05 * volts, volts),
-            Limits::logarithmic(0.01, 1.0),
+            Limits::logarithmic(volts / 40.0, volts),
         ];
         let mut search = Search::over(0.0, limits, &[onsets, slopes]);
         for probe in &mut search.probes {

@@ -57,6 +57,7 @@ impl Grid {
             let laws = system.laws.iter().map(|law| law.finer());
             let seen = system.observations.iter().map(|o| o.finer());
             let finer = laws.chain(seen).fold(1.0, f64::max);
+            let shortest_s = run.resolved_s.unwrap_or(shortest_s);
             time_s = refined(&time_s, run, FIRST * shortest_s / finer, GROWTH / finer);
         }
         let place = |t: &f64| time_s.partition_point(|x| x < t);

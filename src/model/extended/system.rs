@@ -20,6 +20,9 @@ pub struct RunContext<'a> {
     pub length_cm: Option<f64>,
     /// Time of the last reading, s.
     pub duration_s: f64,
+    /// Shortest time that steps resolve, s: held while parameters are searched, so that the steps do not jump with
+    /// them; none for the model's own.
+    pub resolved_s: Option<f64>,
 }
 
 impl RunContext<'_> {

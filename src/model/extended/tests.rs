@@ -36,6 +36,7 @@ pub(crate) fn context(drive: &Drive) -> RunContext<'_> {
         area_cm2: 0.1,
         length_cm: Some(0.5),
         duration_s: 300.0,
+        resolved_s: None,
     }
 }
 

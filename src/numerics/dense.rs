@@ -1,31 +1,31 @@
 //! Least squares in a box for as many parameters as a group of runs has.
 
-use crate::numerics::levenberg::Stop;
+use super::levenberg::Stop;
 
 /// A square symmetric matrix of any order, row by row.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::fit) struct Dense {
+pub struct Dense {
     order: usize,
     entries: Vec<f64>,
 }
 
 impl Dense {
-    pub(in crate::fit) fn zero(order: usize) -> Dense {
+    pub fn zero(order: usize) -> Dense {
         Dense {
             order,
             entries: vec![0.0; order * order],
         }
     }
 
-    pub(in crate::fit) fn order(&self) -> usize {
+    pub fn order(&self) -> usize {
         self.order
     }
 
-    pub(in crate::fit) fn get(&self, row: usize, column: usize) -> f64 {
+    pub fn get(&self, row: usize, column: usize) -> f64 {
         self.entries[row * self.order + column]
     }
 
-    pub(in crate::fit) fn add(&mut self, row: usize, column: usize, value: f64) {
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
         self.entries[row * self.order + column] += value;
     }
 
@@ -59,13 +59,13 @@ impl Dense {
     }
 
     /// Solution of `A x = right`; directions that the matrix loses are held at the relative pivot `floor`.
-    pub(in crate::fit) fn solve(&self, right: &[f64], floor: f64) -> Vec<f64> {
+    pub fn solve(&self, right: &[f64], floor: f64) -> Vec<f64> {
         let (factor, scale) = self.factor(floor);
         solve_factored(&factor, &scale, right)
     }
 
     /// The inverse, with directions that the matrix loses held at the relative pivot `floor`.
-    pub(in crate::fit) fn inverse(&self, floor: f64) -> Dense {
+    pub fn inverse(&self, floor: f64) -> Dense {
         let (factor, scale) = self.factor(floor);
         let mut inverse = Dense::zero(self.order);
         let mut unit = vec![0.0; self.order];
@@ -81,7 +81,7 @@ impl Dense {
     }
 
     /// Logarithm of the determinant.
-    pub(in crate::fit) fn log_determinant(&self) -> f64 {
+    pub fn log_determinant(&self) -> f64 {
         let (factor, scale) = self.factor(1e-14);
         (0..self.order)
             .map(|k| 2.0 * (factor.get(k, k) / scale[k].max(f64::MIN_POSITIVE)).ln())
@@ -89,7 +89,7 @@ impl Dense {
     }
 
     /// `x` transposed times the matrix times `y`.
-    pub(in crate::fit) fn form(&self, x: &[f64], y: &[f64]) -> f64 {
+    pub fn form(&self, x: &[f64], y: &[f64]) -> f64 {
         let row = |row: usize| -> f64 { (0..self.order).map(|k| self.get(row, k) * y[k]).sum() };
         (0..self.order).map(|k| x[k] * row(k)).sum()
     }
@@ -111,17 +111,17 @@ fn solve_factored(factor: &Dense, scale: &[f64], right: &[f64]) -> Vec<f64> {
 
 /// Sum of squares and its local model at one place.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::fit) struct Slope {
+pub struct Slope {
     /// Sum of squared weighted residuals.
-    pub(in crate::fit) square: f64,
+    pub square: f64,
     /// J'r.
-    pub(in crate::fit) descent: Vec<f64>,
+    pub descent: Vec<f64>,
     /// J'J.
-    pub(in crate::fit) normal: Dense,
+    pub normal: Dense,
 }
 
 impl Slope {
-    pub(in crate::fit) fn zero(order: usize) -> Slope {
+    pub fn zero(order: usize) -> Slope {
         Slope {
             square: 0.0,
             descent: vec![0.0; order],
@@ -132,16 +132,16 @@ impl Slope {
 
 /// Where a search ended.
 #[derive(Debug, Clone)]
-pub(in crate::fit) struct Bottom {
-    pub(in crate::fit) at: Vec<f64>,
-    pub(in crate::fit) slope: Slope,
-    pub(in crate::fit) evaluations: u64,
-    pub(in crate::fit) stop: Stop,
+pub struct Bottom {
+    pub at: Vec<f64>,
+    pub slope: Slope,
+    pub evaluations: u64,
+    pub stop: Stop,
 }
 
 /// Lowers the sum of squares from `start` inside `low..=high` by damped Gauss-Newton steps; settles where a
 /// further step would lower it by less than `settle` (absolute, in units of the weighted sum).
-pub(in crate::fit) fn descend(
+pub fn descend(
     start: &[f64],
     low: &[f64],
     high: &[f64],

@@ -1,0 +1,181 @@
+//! Candidates in the order of what they promise, the promising ones fitted in full.
+
+use rayon::prelude::*;
+
+use super::fitted::Fitted;
+use super::null::gain;
+use super::problem::Problem;
+use super::signature::{Direction, Signature};
+use crate::numerics::sums::dot;
+
+/// Candidates that are fitted in full: those within this part of the best forecast ...
+const PROMISING: f64 = 0.4;
+/// ... or this near to it, ...
+const NEAR: f64 = 25.0;
+/// ... at least and at most so many.
+const FEWEST: usize = 5;
+const MOST: usize = 14;
+/// Starts of every candidate: its best probes.
+const STARTS: usize = 2;
+/// Evidence that every further parameter must bring, in units of the sum of squares.
+pub(super) const PRICE: f64 = 3.0;
+
+/// A candidate with its forecast and, where it was fitted, the extended model.
+pub(super) struct Looked<'g> {
+    pub(super) effect: &'static str,
+    pub(super) variant: usize,
+    /// The direction with the best forecast.
+    pub(super) direction: usize,
+    pub(super) forecast: f64,
+    pub(super) fitted: Option<Fitted<'g>>,
+    /// Fall of the sum of squares by the full fit.
+    pub(super) gain: f64,
+    /// Parameters that it adds.
+    pub(super) extra: usize,
+}
+
+impl Looked<'_> {
+    /// Gain less the price of the parameters.
+    pub(super) fn score(&self) -> f64 {
+        self.gain - PRICE * self.extra as f64
+    }
+}
+
+/// Looks at every effect beside those that `current` has.
+pub(super) fn look<'g>(
+    current: &Fitted<'g>,
+    residuals: &[f64],
+    signatures: &[Signature],
+    directions: &[Direction],
+) -> Vec<Looked<'g>> {
+    let has = |id: &str| {
+        current
+            .problem
+            .effects
+            .iter()
+            .any(|sought| sought.effect.about().id == id)
+    };
+    let mut looked: Vec<(Looked, Vec<usize>)> = Vec::new();
+    for (place, direction) in directions.iter().enumerate() {
+        let signature = &signatures[direction.signature];
+        let id = signature.effect.about().id;
+        if has(id) {
+            continue;
+        }
+        let forecast = gain(direction, residuals);
+        match looked.iter_mut().find(|(looked, _)| looked.effect == id) {
+            Some((looked, places)) => {
+                places.push(place);
+                if forecast > looked.forecast {
+                    looked.forecast = forecast;
+                    looked.direction = place;
+                    looked.variant = signature.variant;
+                }
+            }
+            None => looked.push((
+                Looked {
+                    effect: id,
+                    variant: signature.variant,
+                    direction: place,
+                    forecast,
+                    fitted: None,
+                    gain: 0.0,
+                    extra: signature.sought().free(),
+                },
+                vec![place],
+            )),
+        }
+    }
+    looked.sort_by(|a, b| b.0.forecast.total_cmp(&a.0.forecast));
+    let best = looked.first().map_or(0.0, |(looked, _)| looked.forecast);
+    let promising = |(rank, (looked, _)): &(usize, &(Looked, Vec<usize>))| {
+        let near = looked.forecast >= PROMISING * best || looked.forecast >= best - NEAR;
+        *rank < MOST && looked.forecast > 0.0 && (near || *rank < FEWEST)
+    };
+    let count = looked.iter().enumerate().take_while(promising).count();
+    let mut looked: Vec<(Looked, Vec<usize>)> = looked;
+    looked[..count].par_iter_mut().for_each(|(looked, places)| {
+        fit(looked, places, current, residuals, signatures, directions);
+    });
+    let mut looked: Vec<Looked> = looked.into_iter().map(|(looked, _)| looked).collect();
+    looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
+    looked
+}
+
+/// Fits one candidate in full from its best probes.
+fn fit<'g>(
+    looked: &mut Looked<'g>,
+    places: &[usize],
+    current: &Fitted<'g>,
+    residuals: &[f64],
+    signatures: &[Signature],
+    directions: &[Direction],
+) {
+    let mut ranked: Vec<usize> = places.to_vec();
+    ranked.sort_by(|&a, &b| gain(&directions[b], residuals).total_cmp(&gain(&directions[a], residuals)));
+    let variants = signatures[directions[ranked[0]].signature]
+        .effect
+        .about()
+        .variants
+        .len()
+        .max(1);
+    let best_of = |variant: usize| {
+        ranked
+            .iter()
+            .copied()
+            .filter(move |&p| signatures[directions[p].signature].variant == variant)
+    };
+    let mut starts: Vec<usize> = (0..variants)
+        .filter_map(|variant| best_of(variant).next())
+        .collect();
+    starts.extend(
+        ranked
+            .iter()
+            .copied()
+            .filter(|p| !starts.contains(p))
+            .take(STARTS.saturating_sub(starts.len()))
+            .collect::<Vec<_>>(),
+    );
+    let tried = starts.into_iter().filter_map(|place| {
+        let direction = &directions[place];
+        let signature = &signatures[direction.signature];
+        let fitted = extended(
+            current,
+            signature,
+            dot(&direction.unit, residuals) / direction.norm,
+        )?;
+        Some((fitted, signature.variant, place))
+    });
+    let best = tried.min_by(|a, b| a.0.square.total_cmp(&b.0.square));
+    if let Some((fitted, variant, _)) = best {
+        let fitted = fitted.settled();
+        looked.gain = current.square - fitted.square;
+        looked.extra = fitted.extra() - current.extra();
+        looked.variant = variant;
+        looked.fitted = Some(fitted);
+    }
+}
+
+/// The current model with one more effect, searched from a strength of so many times its probe's.
+fn extended<'g>(current: &Fitted<'g>, signature: &Signature, strength: f64) -> Option<Fitted<'g>> {
+    let mut effects = current.problem.effects.clone();
+    effects.push(signature.sought());
+    let base = current.base();
+    let problem = Problem::new(current.problem.group, &base, effects);
+    let mut first = signature.probe.clone();
+    let limits = signature.limits[0];
+    if !limits.held {
+        let wanted = strength * signature.probe[0];
+        let inside = |value: f64| {
+            value.clamp(
+                0.6 * limits.low.min(0.0) + 0.4 * limits.low.max(0.0),
+                0.6 * limits.high,
+            )
+        };
+        first[0] = inside(wanted);
+    }
+    let mut values = current.effect_values();
+    values.push(first);
+    let start = problem.coordinates(&base, &values);
+    Fitted::search(problem, &[start])
+}

@@ -1,0 +1,172 @@
+//! The runs that are diagnosed together, with their noise.
+
+use std::sync::Arc;
+
+use crate::domain::{Channel, Quantity};
+use crate::fit::{FitInput, WhitenedChannel};
+use crate::model::extended::RunContext;
+
+use super::spikes::without_spikes;
+
+/// Readings after the step that a channel needs to take part.
+const NEEDED: usize = 12;
+/// Readings of a channel beyond which neighbours are averaged: the diagnosis asks about shapes, not about sampling.
+const MOST: usize = 1500;
+
+/// A run as it is given to a diagnosis.
+#[derive(Debug, Clone, Copy)]
+pub struct RunInput<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Channels, drive and area.
+    pub input: FitInput<'a>,
+    /// Free length of the sample, cm, where it is known.
+    pub length_cm: Option<f64>,
+}
+
+/// A run with its readings and noise.
+#[derive(Debug, Clone)]
+pub(super) struct GroupRun<'a> {
+    pub(super) given: RunInput<'a>,
+    pub(super) duration_s: f64,
+    /// Current and curvature.
+    pub(super) channels: [Option<WhitenedChannel>; 2],
+    /// Readings taken for spikes, of current and curvature.
+    pub(super) spikes: [usize; 2],
+}
+
+/// Consecutive rows of the whitened residuals that belong to one channel of one run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Block {
+    pub(super) run: usize,
+    /// 0 for current, 1 for curvature.
+    pub(super) channel: usize,
+    pub(super) first: usize,
+    pub(super) end: usize,
+}
+
+/// Runs of one sample in one condition, described by one parameter set.
+#[derive(Debug, Clone)]
+pub(super) struct Group<'a> {
+    pub(super) runs: Vec<GroupRun<'a>>,
+    pub(super) blocks: Vec<Block>,
+}
+
+pub(super) const QUANTITIES: [Quantity; 2] = [Quantity::Current, Quantity::Curvature];
+
+impl<'a> Group<'a> {
+    /// Runs with at least one usable channel, in the order given.
+    pub(super) fn new(given: &[RunInput<'a>]) -> Group<'a> {
+        let runs: Vec<GroupRun> = given.iter().filter_map(GroupRun::new).collect();
+        let mut blocks = Vec::new();
+        let mut row = 0;
+        for (run, group_run) in runs.iter().enumerate() {
+            for (channel, whitened) in group_run.channels.iter().enumerate() {
+                let Some(whitened) = whitened else { continue };
+                let (first, end) = (row, row + whitened.len());
+                row = end;
+                blocks.push(Block {
+                    run,
+                    channel,
+                    first,
+                    end,
+                });
+            }
+        }
+        Group { runs, blocks }
+    }
+
+    /// Number of rows of whitened residuals.
+    pub(super) fn rows(&self) -> usize {
+        self.blocks.last().map_or(0, |block| block.end)
+    }
+
+    pub(super) fn channel(&self, block: &Block) -> Option<&WhitenedChannel> {
+        self.runs[block.run].channels[block.channel].as_ref()
+    }
+
+    /// Whether any run measures curvature.
+    pub(super) fn bends(&self) -> bool {
+        self.blocks.iter().any(|block| block.channel == 1)
+    }
+
+    /// Independent readings that all channels together carry.
+    pub(super) fn effective_readings(&self) -> f64 {
+        let of_block = |block: &Block| {
+            let channel = self.channel(block);
+            channel.map_or(0.0, |c| c.len() as f64 / c.readings_per_independent())
+        };
+        self.blocks.iter().map(of_block).sum()
+    }
+}
+
+impl<'a> GroupRun<'a> {
+    fn new(given: &RunInput<'a>) -> Option<GroupRun<'a>> {
+        let mut spikes = [0, 0];
+        let channels = std::array::from_fn(|k| {
+            let wanted = |channel: &&Channel| channel.is_whole(QUANTITIES[k]);
+            let channel = given.input.channels.iter().find(wanted)?;
+            let (channel, left_out) = without_spikes(channel, given.input.drive);
+            spikes[k] = left_out;
+            WhitenedChannel::new(&averaged(&channel, given), given.input.drive, NEEDED)
+        });
+        let last_s = |channel: &WhitenedChannel| channel.time_s().last().copied().unwrap_or(0.0);
+        let duration_s = channels.iter().flatten().map(last_s).fold(0.0, f64::max);
+        channels.iter().any(Option::is_some).then_some(GroupRun {
+            given: *given,
+            duration_s,
+            channels,
+            spikes,
+        })
+    }
+
+    pub(super) fn context(&self, index: usize, resolved_s: Option<f64>) -> RunContext<'a> {
+        RunContext {
+            index,
+            drive: self.given.input.drive,
+            area_cm2: self.given.input.area_cm2,
+            length_cm: self.given.length_cm,
+            duration_s: self.duration_s,
+            resolved_s,
+        }
+    }
+
+    pub(super) fn times(&self, channel: usize) -> &[f64] {
+        self.channels[channel].as_ref().map_or(&[], |c| c.time_s())
+    }
+}
+
+/// The channel with neighbours averaged where it is long; a mean never reaches across an edge of the drive.
+fn averaged(channel: &Channel, given: &RunInput) -> Channel {
+    let (time_s, values) = channel.included();
+    let together = values.len().div_ceil(MOST);
+    if together <= 1 {
+        return channel.clone();
+    }
+    let mut edges = given
+        .input
+        .drive
+        .segments
+        .iter()
+        .map(|segment| segment.start_s)
+        .peekable();
+    let (mut times, mut means) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    while first < values.len() {
+        while edges.next_if(|&edge_s| edge_s <= time_s[first]).is_some() {}
+        let edge_s = edges.peek().copied().unwrap_or(f64::INFINITY);
+        let end = (first + together).min(values.len());
+        let end = first + time_s[first..end].partition_point(|&t| t < edge_s);
+        let mean = |series: &[f64]| series[first..end].iter().sum::<f64>() / (end - first) as f64;
+        if end - first == together {
+            times.push(mean(&time_s));
+            means.push(mean(&values));
+        }
+        first = end;
+    }
+    let mut averaged = channel.clone();
+    averaged.excluded = Arc::from([]);
+    averaged.time_s = times.into();
+    averaged.values = means.into();
+    averaged
+}

@@ -1,0 +1,107 @@
+//! Proof on readings that took no part in a fit: a run left out, or for a single run a stretch of its time.
+
+use rayon::prelude::*;
+
+use crate::numerics::sums::dot;
+
+use super::fitted::Fitted;
+use super::group::Group;
+
+/// Evaluations of a refit without the held-out part; it starts from the fit to everything.
+const REFIT: u64 = 6;
+const SETTLE: f64 = 0.05;
+/// Parts of a single run's time that are held out in turn: the middle by what surrounds it, the end by the rest.
+const OF_TIME: [(f64, f64); 2] = [(0.35, 0.6), (0.6, 1.0)];
+
+/// One held-out part and how well it was predicted.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Part {
+    pub(super) name: String,
+    /// Sum of squares of the whitened residuals on it.
+    pub(super) square: f64,
+    /// Squares of the deviations, and readings, of current and curvature.
+    pub(super) deviations: [(f64, usize); 2],
+}
+
+/// Runs or times that are held out.
+pub(super) fn kind(group: &Group) -> &'static str {
+    if group.runs.len() > 1 { "run" } else { "time" }
+}
+
+/// Every part predicted by the model refitted without it.
+pub(super) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
+    if group.runs.len() > 1 {
+        (0..group.runs.len())
+            .into_par_iter()
+            .map(|run| left_out(fitted, group, run))
+            .collect()
+    } else {
+        OF_TIME
+            .par_iter()
+            .map(|&(from, to)| out_of_time(fitted, group, from, to))
+            .collect()
+    }
+}
+
+fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
+    let others: Vec<usize> = (0..group.runs.len()).filter(|&other| other != run).collect();
+    let bottom = fitted.problem.over(others).descend(&fitted.at, REFIT, SETTLE);
+    let model = fitted.problem.model(&bottom.at);
+    let mut residuals = Vec::new();
+    fitted.problem.run_residuals(&model, run, &mut residuals);
+    let group_run = &group.runs[run];
+    let context = group_run.context(run, None);
+    let found = model.responses(&context, group_run.times(0), group_run.times(1));
+    let of = |k: usize, values: &[f64]| {
+        let measured = group_run.channels[k]
+            .as_ref()
+            .map(|channel| channel.values().clone());
+        let pairs = measured.iter().flat_map(|measured| measured.iter().zip(values));
+        (pairs.map(|(y, f)| (y - f) * (y - f)).sum::<f64>(), values.len())
+    };
+    Part {
+        name: group_run.given.name.to_owned(),
+        square: dot(&residuals, &residuals),
+        deviations: [of(0, &found.current_a), of(1, &found.curvature_per_cm)],
+    }
+}
+
+fn out_of_time(fitted: &Fitted, group: &Group, from: f64, to: f64) -> Part {
+    let run = &group.runs[0];
+    let start_s = run.context(0, None).start_s();
+    let at = |part: f64| start_s + part * (run.duration_s - start_s);
+    let mut out = vec![false; group.rows()];
+    for block in &group.blocks {
+        for (k, &t) in run.times(block.channel).iter().enumerate() {
+            out[block.first + k] = t >= at(from) && t <= at(to);
+        }
+    }
+    let bottom = fitted.problem.without(&out).descend(&fitted.at, REFIT, SETTLE);
+    let model = fitted.problem.model(&bottom.at);
+    let mut residuals = Vec::new();
+    fitted.problem.run_residuals(&model, 0, &mut residuals);
+    let found = model.responses(&run.context(0, None), run.times(0), run.times(1));
+    let mut deviations = [(0.0, 0); 2];
+    for block in &group.blocks {
+        let values = [&found.current_a, &found.curvature_per_cm][block.channel];
+        let measured = run.channels[block.channel]
+            .as_ref()
+            .map(|channel| channel.values().clone());
+        for (k, (y, f)) in measured.iter().flat_map(|m| m.iter().zip(values)).enumerate() {
+            if out[block.first + k] {
+                deviations[block.channel].0 += (y - f) * (y - f);
+                deviations[block.channel].1 += 1;
+            }
+        }
+    }
+    Part {
+        name: format!("{:.0} to {:.0} s", at(from) - start_s, at(to) - start_s),
+        square: residuals
+            .iter()
+            .zip(&out)
+            .filter(|(_, out)| **out)
+            .map(|(r, _)| r * r)
+            .sum(),
+        deviations,
+    }
+}

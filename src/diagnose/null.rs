@@ -1,0 +1,270 @@
+//! How large the statistics of a diagnosis become by chance: simulated, with the refit and with what the noise's
+//! size is not known of.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+
+use crate::numerics::sums::dot;
+
+use super::group::Group;
+use super::signature::Direction;
+use super::stretch::Stretch;
+use super::tangent::Tangent;
+
+/// A direction whose part beyond those before it is smaller than this is drawn with them.
+const DEPENDENT: f64 = 1e-3;
+/// Weights of the three statistics in the smallest p: candidates first, then single stretches, then all of them.
+const WEIGHTS: [f64; 3] = [0.85, 0.05, 0.10];
+
+/// Statistics of residuals.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Statistics {
+    /// Largest forecast gain of any candidate.
+    pub(super) candidate: f64,
+    /// Largest square of a stretch's mean, in its standard errors.
+    pub(super) stretch: f64,
+    /// Square of all stretches together.
+    pub(super) together: f64,
+}
+
+impl Statistics {
+    fn all(&self) -> [f64; 3] {
+        [self.candidate, self.stretch, self.together]
+    }
+}
+
+/// Everything that the residuals are asked, and its distribution where nothing is wrong.
+pub(super) struct Null {
+    stretch_units: Vec<Option<Vec<f64>>>,
+    /// Stretches in the order in which they were found independent.
+    pivots: Vec<usize>,
+    /// Rows of the factor of the pivots among themselves.
+    factor: Vec<Vec<f64>>,
+    draws: Vec<Statistics>,
+    smallest_p: Vec<f64>,
+}
+
+impl Null {
+    /// Draws `count` sets of statistics.
+    pub(super) fn new(
+        group: &Group,
+        tangent: &Tangent,
+        directions: &[Direction],
+        stretches: &[Stretch],
+        count: usize,
+        seed: u64,
+    ) -> Null {
+        let stretch_units: Vec<Option<Vec<f64>>> = stretches
+            .iter()
+            .map(|stretch| unit_of(stretch, group.rows(), tangent))
+            .collect();
+        let mut columns: Vec<&[f64]> = stretch_units.iter().flatten().map(Vec::as_slice).collect();
+        let stretched = columns.len();
+        columns.extend(directions.iter().map(|direction| direction.unit.as_slice()));
+        let (factor, pivots, from_stretches) = pivoted(&columns, stretched);
+        let shares: Vec<Vec<f64>> = columns.iter().map(|column| shares(group, column)).collect();
+        let freedoms: Vec<f64> = group
+            .blocks
+            .iter()
+            .map(|block| group.channel(block).map_or(1e6, |channel| channel.freedom()))
+            .collect();
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let draws = (0..count)
+            .map(|_| {
+                let unit: Vec<f64> = pivots
+                    .iter()
+                    .map(|_| StandardNormal.sample(&mut generator))
+                    .collect();
+                let sizes: Vec<f64> = freedoms
+                    .iter()
+                    .map(|&nu| size_factor(nu, &mut generator))
+                    .collect();
+                let square = |k: usize| {
+                    let z = dot(&factor[k], &unit[..factor[k].len()]);
+                    let size: f64 = shares[k]
+                        .iter()
+                        .zip(&sizes)
+                        .map(|(share, size)| share * size)
+                        .sum();
+                    (z, z * z * size)
+                };
+                let mut found = Statistics::default();
+                for k in 0..stretched {
+                    found.stretch = found.stretch.max(square(k).1);
+                }
+                for (k, direction) in directions.iter().enumerate() {
+                    let (z, gain) = square(stretched + k);
+                    if z > 0.0 || !direction.one_sided {
+                        found.candidate = found.candidate.max(gain);
+                    }
+                }
+                let of_pivot = |(&pivot, x): (&usize, &f64)| {
+                    let size: f64 = shares[pivot]
+                        .iter()
+                        .zip(&sizes)
+                        .map(|(share, size)| share * size)
+                        .sum();
+                    x * x * size
+                };
+                found.together = pivots[..from_stretches].iter().zip(&unit).map(of_pivot).sum();
+                found
+            })
+            .collect::<Vec<Statistics>>();
+        let rows = pivots[..from_stretches]
+            .iter()
+            .map(|&pivot| factor[pivot].clone())
+            .collect();
+        let mut null = Null {
+            stretch_units,
+            pivots: pivots[..from_stretches].to_vec(),
+            factor: rows,
+            draws,
+            smallest_p: Vec::new(),
+        };
+        null.smallest_p = null.draws.iter().map(|draw| null.weighted_p(draw)).collect();
+        null.smallest_p.sort_unstable_by(f64::total_cmp);
+        null
+    }
+
+    /// Statistics of refitted residuals.
+    pub(super) fn observe(&self, residuals: &[f64], directions: &[Direction]) -> Statistics {
+        let means: Vec<f64> = self
+            .stretch_units
+            .iter()
+            .flatten()
+            .map(|unit| dot(unit, residuals))
+            .collect();
+        let mut solved: Vec<f64> = Vec::with_capacity(self.pivots.len());
+        for (&pivot, row) in self.pivots.iter().zip(&self.factor) {
+            let known = dot(&row[..solved.len()], &solved);
+            solved.push((means[pivot] - known) / row[solved.len()]);
+        }
+        Statistics {
+            candidate: directions
+                .iter()
+                .map(|direction| gain(direction, residuals))
+                .fold(0.0, f64::max),
+            stretch: means.iter().map(|z| z * z).fold(0.0, f64::max),
+            together: dot(&solved, &solved),
+        }
+    }
+
+    /// Mean of every stretch in its standard errors, 0 where a refit takes it up.
+    pub(super) fn stretch_scores(&self, residuals: &[f64]) -> Vec<f64> {
+        let score = |unit: &Option<Vec<f64>>| unit.as_ref().map_or(0.0, |unit| dot(unit, residuals));
+        self.stretch_units.iter().map(score).collect()
+    }
+
+    /// Number of stretches that are independent of each other.
+    pub(super) fn independent_stretches(&self) -> usize {
+        self.pivots.len()
+    }
+
+    /// Probability of a gain at least as large by chance, over all candidates: never 0.
+    pub(super) fn p_of_gain(&self, gain: f64) -> f64 {
+        let above = self.draws.iter().filter(|draw| draw.candidate >= gain).count();
+        (1 + above) as f64 / (1 + self.draws.len()) as f64
+    }
+
+    /// The gain that chance passes in 5 % of groups in which nothing is wrong.
+    pub(super) fn gain_at_5_percent(&self) -> f64 {
+        let mut gains: Vec<f64> = self.draws.iter().map(|draw| draw.candidate).collect();
+        gains.sort_unstable_by(f64::total_cmp);
+        gains.get(gains.len() * 95 / 100).copied().unwrap_or(0.0)
+    }
+
+    /// Probability of residuals at least as bad by chance: of the smallest weighted p of the three statistics.
+    pub(super) fn p_misfit(&self, observed: &Statistics) -> f64 {
+        let own = self.weighted_p(observed);
+        let below = self.smallest_p.partition_point(|p| *p <= own);
+        (1 + below) as f64 / (1 + self.draws.len()) as f64
+    }
+
+    fn weighted_p(&self, of: &Statistics) -> f64 {
+        let mut above = [0usize; 3];
+        for draw in &self.draws {
+            for ((above, drawn), own) in above.iter_mut().zip(draw.all()).zip(of.all()) {
+                *above += usize::from(drawn >= own);
+            }
+        }
+        let p = |(above, weight): (usize, f64)| (1 + above) as f64 / (1 + self.draws.len()) as f64 / weight;
+        above
+            .into_iter()
+            .zip(WEIGHTS)
+            .map(p)
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Forecast gain of a candidate: the fall of the sum of squares to first order; 0 for a strength of the wrong sign.
+pub(super) fn gain(direction: &Direction, residuals: &[f64]) -> f64 {
+    let z = dot(&direction.unit, residuals);
+    if z > 0.0 || !direction.one_sided {
+        z * z
+    } else {
+        0.0
+    }
+}
+
+/// True variance over the one that was found, as far as the latter is uncertain.
+fn size_factor(freedom: f64, generator: &mut ChaCha8Rng) -> f64 {
+    let nu = freedom.max(4.0);
+    ChiSquared::new(nu).map_or(1.0, |chi| nu / chi.sample(generator).max(1e-3 * nu))
+}
+
+/// Share of a unit column's square in every block.
+fn shares(group: &Group, column: &[f64]) -> Vec<f64> {
+    group
+        .blocks
+        .iter()
+        .map(|block| dot(&column[block.first..block.end], &column[block.first..block.end]))
+        .collect()
+}
+
+fn unit_of(stretch: &Stretch, rows: usize, tangent: &Tangent) -> Option<Vec<f64>> {
+    let mut unit = vec![0.0; rows];
+    let each = (stretch.rows.len() as f64).sqrt().recip();
+    stretch.rows.iter().for_each(|&row| unit[row] = each);
+    tangent.remove(&mut unit);
+    let norm = dot(&unit, &unit).sqrt();
+    (norm > 0.05).then(|| {
+        unit.iter_mut().for_each(|v| *v /= norm);
+        unit
+    })
+}
+
+/// Lower factor of the columns' products, row by row in the columns' order, by pivoted elimination: first among the
+/// first `first` columns, then among the rest. Gives also the pivots and how many come from the first.
+fn pivoted(columns: &[&[f64]], first: usize) -> (Vec<Vec<f64>>, Vec<usize>, usize) {
+    let mut factor: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
+    let mut left: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
+    let mut pivots = Vec::new();
+    let mut from_first = 0;
+    for (range, is_first) in [(0..first, true), (first..columns.len(), false)] {
+        while let Some(pivot) = range
+            .clone()
+            .max_by(|&a, &b| left[a].total_cmp(&left[b]))
+            .filter(|&k| left[k] > DEPENDENT)
+        {
+            let root = left[pivot].sqrt();
+            let rank = pivots.len();
+            let row = factor[pivot].clone();
+            for k in 0..columns.len() {
+                let value = if pivots.contains(&k) {
+                    0.0
+                } else if k == pivot {
+                    root
+                } else {
+                    (dot(columns[k], columns[pivot]) - dot(&factor[k][..rank], &row[..rank])) / root
+                };
+                factor[k].push(value);
+                left[k] -= value * value;
+            }
+            left[pivot] = f64::NEG_INFINITY;
+            pivots.push(pivot);
+            from_first += usize::from(is_first);
+        }
+    }
+    (factor, pivots, from_first)
+}

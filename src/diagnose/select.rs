@@ -1,0 +1,199 @@
+//! Which effects the readings ask for: forward, at most three, then backward.
+
+use super::candidates::{Looked, PRICE, look};
+use super::fitted::Fitted;
+use super::group::Group;
+use super::held_out::{self, Part};
+use super::null::{Null, Statistics};
+use super::problem::Problem;
+use super::signature::{Direction, Signature, directions};
+use super::stretch::Stretch;
+
+/// Effects that are taken at most.
+const MOST_EFFECTS: usize = 3;
+/// A candidate is taken where chance gives as much in fewer groups than this ...
+const TAKEN: f64 = 0.01;
+/// ... and the Bayes information criterion asks for it this strongly.
+const BAYES: f64 = 10.0;
+/// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
+pub(super) const AS_GOOD: f64 = 6.0;
+/// ... and, since no equation of an effect is exact, this part of what the effect explains.
+pub(super) const INEXACT: f64 = 0.003;
+/// Part of the gain that must be found on held-out readings.
+const HELD_OUT: f64 = 0.25;
+
+/// One step forward.
+pub(super) struct Step<'g> {
+    pub(super) looked: Vec<Looked<'g>>,
+    /// Ids of candidates that explain the readings as well as the one that was taken.
+    pub(super) rivals: Vec<&'static str>,
+    pub(super) p: f64,
+    pub(super) taken: bool,
+}
+
+/// What was selected.
+pub(super) struct Selection<'g> {
+    pub(super) steps: Vec<Step<'g>>,
+    /// The model with everything that was taken.
+    pub(super) model: Fitted<'g>,
+    pub(super) p_leftover: f64,
+    pub(super) leftover: Statistics,
+    pub(super) held_out: Option<HeldOut>,
+}
+
+/// Held-out parts by the base and by the extended model.
+pub(super) struct HeldOut {
+    pub(super) before: Vec<Part>,
+    pub(super) after: Vec<Part>,
+}
+
+impl HeldOut {
+    /// Fall of the sum of squares on every part.
+    pub(super) fn falls(&self) -> Vec<f64> {
+        self.before
+            .iter()
+            .zip(&self.after)
+            .map(|(before, after)| before.square - after.square)
+            .collect()
+    }
+
+    /// Whether the extension predicts better what it has not seen.
+    pub(super) fn passed(&self, gain: f64) -> bool {
+        let falls = self.falls();
+        let total: f64 = falls.iter().sum();
+        let better = falls.iter().filter(|fall| **fall > 0.0).count();
+        total > HELD_OUT * gain || total > 0.0 && better * 5 >= falls.len() * 4
+    }
+}
+
+/// What a selection starts from.
+pub(super) struct Ground<'a, 'g> {
+    pub(super) group: &'g Group<'g>,
+    pub(super) base: &'a Fitted<'g>,
+    pub(super) signatures: &'a [Signature],
+    pub(super) stretches: &'a [Stretch],
+    pub(super) draws: usize,
+    pub(super) seed: u64,
+}
+
+impl<'g> Ground<'_, 'g> {
+    /// Null distribution and directions beside a fitted model.
+    pub(super) fn null(&self, fitted: &Fitted, step: u64) -> (Null, Vec<Direction>) {
+        let (_, tangent) = fitted.tangent();
+        let directions = directions(self.signatures, &tangent);
+        let seed = self.seed.wrapping_add(step);
+        let null = Null::new(
+            self.group,
+            &tangent,
+            &directions,
+            self.stretches,
+            self.draws,
+            seed,
+        );
+        (null, directions)
+    }
+
+    /// Selects, from the null distribution and directions beside the base.
+    pub(super) fn select(&self, null: &Null, beside_base: &[Direction]) -> Selection<'g> {
+        let mut model = self.base.clone();
+        let mut steps: Vec<Step<'g>> = Vec::new();
+        let mut later: Option<(Null, Vec<Direction>)> = None;
+        let residuals = model.residuals();
+        let mut leftover = null.observe(&residuals, beside_base);
+        let mut p_leftover = null.p_misfit(&leftover);
+        while steps.len() < MOST_EFFECTS {
+            let (null, directions) = later
+                .as_ref()
+                .map_or((null, beside_base), |(null, d)| (null, d.as_slice()));
+            let residuals = model.residuals();
+            let mut looked = look(&model, &residuals, self.signatures, directions);
+            let step = self.step(null, &model, &mut looked);
+            let taken = step.then(|| looked[0].fitted.clone()).flatten();
+            let p = looked
+                .first()
+                .map_or(1.0, |best| null.p_of_gain(best.gain.max(best.forecast)));
+            let rivals = if taken.is_some() {
+                rivals(&looked)
+            } else {
+                Vec::new()
+            };
+            steps.push(Step {
+                looked,
+                rivals,
+                p,
+                taken: taken.is_some(),
+            });
+            let Some(taken) = taken else { break };
+            model = taken;
+            let beside = self.null(&model, steps.len() as u64);
+            leftover = beside.0.observe(&model.residuals(), &beside.1);
+            p_leftover = beside.0.p_misfit(&leftover);
+            later = Some(beside);
+            if p_leftover >= TAKEN {
+                break;
+            }
+        }
+        let model = self.backward(model);
+        let held_out = (!model.problem.effects.is_empty()).then(|| HeldOut {
+            before: held_out::parts(self.base, self.group),
+            after: held_out::parts(&model, self.group),
+        });
+        Selection {
+            steps,
+            model,
+            p_leftover,
+            leftover,
+            held_out,
+        }
+    }
+
+    /// Whether the best of `looked` is taken.
+    fn step(&self, null: &Null, model: &Fitted<'g>, looked: &mut [Looked<'g>]) -> bool {
+        let Some(best) = looked.first() else {
+            return false;
+        };
+        let Some(fitted) = &best.fitted else {
+            return false;
+        };
+        let readings = self.group.effective_readings().max(2.0);
+        let price = (fitted.extra() - model.extra()) as f64 * readings.ln();
+        null.p_of_gain(best.gain) < TAKEN && best.gain - price > BAYES
+    }
+
+    /// Drops effects that the others have made needless.
+    fn backward(&self, model: Fitted<'g>) -> Fitted<'g> {
+        let count = model.problem.effects.len();
+        if count < 2 {
+            return model;
+        }
+        let mut model = model;
+        for drop in (0..count).rev() {
+            let mut effects = model.problem.effects.clone();
+            let mut values = model.effect_values();
+            let price = PRICE + BAYES * effects[drop].free() as f64;
+            effects.remove(drop);
+            values.remove(drop);
+            let problem = Problem::new(self.group, &model.base(), effects);
+            let start = problem.coordinates(&model.base(), &values);
+            let Some(without) = Fitted::search(problem, &[start]).map(Fitted::settled) else {
+                continue;
+            };
+            if without.square - model.square < price {
+                model = without;
+            }
+        }
+        model
+    }
+}
+
+/// Candidates that explain the readings as well as the best one.
+fn rivals(looked: &[Looked]) -> Vec<&'static str> {
+    let Some(best) = looked.first() else {
+        return Vec::new();
+    };
+    let margin = AS_GOOD + INEXACT * best.gain;
+    let close = looked
+        .iter()
+        .filter(|other| other.fitted.is_some() && other.score() > best.score() - margin);
+    close.map(|other| other.effect).collect()
+}

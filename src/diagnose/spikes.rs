@@ -1,0 +1,82 @@
+//! Single readings far off their neighbours: a fault of the reading, not of the model.
+
+use std::sync::Arc;
+
+use crate::domain::{Channel, Drive};
+
+/// A spike stands this many robust standard deviations off the middle of its neighbours: under Gaussian noise one
+/// in a hundred million readings does.
+const FAR: f64 = 6.0;
+/// Readings after an edge of the drive in which a fast decay may look like a spike.
+const AFTER_EDGE: usize = 4;
+/// Readings from which the spread of a channel is known.
+const ENOUGH: usize = 30;
+
+/// The channel with its spikes excluded, and how many there were.
+pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usize) {
+    let (time_s, values) = channel.included();
+    let n = values.len();
+    if n < ENOUGH {
+        return (channel.clone(), 0);
+    }
+    let off: Vec<f64> = (0..n)
+        .map(|k| match k {
+            0 => 0.0,
+            k if k + 1 == n => 0.0,
+            k => values[k] - (values[k - 1] + values[k + 1]) / 2.0,
+        })
+        .collect();
+    let spread = robust_spread(&off);
+    if spread <= 0.0 {
+        return (channel.clone(), 0);
+    }
+    let near_edge = |k: usize| {
+        drive.segments.iter().any(|segment| {
+            let first = time_s.partition_point(|&t| t < segment.start_s);
+            (first.saturating_sub(2)..first + AFTER_EDGE).contains(&k)
+        })
+    };
+    let is_spike = |k: &usize| {
+        let own = off[*k].abs();
+        own > FAR * spread && own >= off[*k - 1].abs() && own >= off[*k + 1].abs() && !near_edge(*k)
+    };
+    let spikes: Vec<usize> = (1..n - 1).filter(is_spike).collect();
+    if spikes.is_empty() {
+        return (channel.clone(), 0);
+    }
+    let keep: Vec<usize> = (0..n).filter(|k| spikes.binary_search(k).is_err()).collect();
+    let mut cleaned = channel.clone();
+    cleaned.excluded = Arc::from([]);
+    cleaned.time_s = keep.iter().map(|&k| time_s[k]).collect();
+    cleaned.values = keep.iter().map(|&k| values[k]).collect();
+    (cleaned, spikes.len())
+}
+
+/// Standard deviation of Gaussian values with that median distance from zero.
+fn robust_spread(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).map_or(0.0, |median| 1.4826 * median)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Quantity;
+
+    #[test]
+    fn a_spike_goes_and_a_step_stays() {
+        let drive = Drive::step(1.0);
+        let time_s: Arc<[f64]> = (-20..100).map(f64::from).collect();
+        let wiggle = |t: f64| 0.01 * (t * 1.7).sin() * (t * 0.37).cos();
+        let mut values: Vec<f64> = time_s
+            .iter()
+            .map(|&t| f64::from(u8::from(t >= 0.0)) + wiggle(t))
+            .collect();
+        values[70] += 0.5;
+        let channel = Channel::new(Quantity::Current, time_s.clone(), values.into());
+        let (cleaned, spikes) = without_spikes(&channel, &drive);
+        assert_eq!(spikes, 1);
+        assert!(!cleaned.time_s.contains(&50.0) && cleaned.time_s.len() == 119);
+    }
+}

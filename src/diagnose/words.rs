@@ -1,0 +1,111 @@
+//! Where the simulation is wrong, in words.
+
+use crate::domain::{MisfitStretch, Whereabouts};
+
+use super::group::Group;
+use super::null::Null;
+use super::stretch::Stretch;
+
+/// A stretch is said to be wrong where its mean is this many standard errors off.
+const WRONG: f64 = 4.0;
+
+/// Stretches in which `residuals` are off, with a sentence on the worst of them.
+pub(super) fn whereabouts(
+    group: &Group,
+    null: &Null,
+    stretches: &[Stretch],
+    residuals: &[f64],
+) -> Whereabouts {
+    let scores = null.stretch_scores(residuals);
+    let mut segments: Vec<MisfitStretch> = Vec::new();
+    for (stretch, &sigma) in stretches.iter().zip(&scores) {
+        let (Some((from_s, to_s)), true) = (stretch.clock_s, sigma.abs() >= WRONG) else {
+            continue;
+        };
+        let block = &group.blocks[stretch.block];
+        segments.push(MisfitStretch {
+            run: group.runs[block.run].given.name.to_owned(),
+            channel: channel_name(block.channel).to_owned(),
+            from_s,
+            to_s,
+            sigma,
+        });
+    }
+    segments.sort_by(|a, b| b.sigma.abs().total_cmp(&a.sigma.abs()));
+    let text = sentence(group, &segments);
+    Whereabouts { text, segments }
+}
+
+pub(super) fn channel_name(channel: usize) -> &'static str {
+    ["current", "curvature"][channel]
+}
+
+fn sentence(group: &Group, segments: &[MisfitStretch]) -> String {
+    let Some(worst) = segments.first() else {
+        return String::new();
+    };
+    let alike: Vec<&MisfitStretch> = segments
+        .iter()
+        .filter(|other| other.channel == worst.channel && overlap(other, worst))
+        .collect();
+    let from_s = alike.iter().map(|s| s.from_s).fold(f64::INFINITY, f64::min);
+    let to_s = alike.iter().map(|s| s.to_s).fold(0.0, f64::max);
+    let of_run = |run: &str| {
+        group
+            .runs
+            .iter()
+            .find(|r| r.given.name == run)
+            .map(|r| r.given.input.drive.nominal_step_v())
+    };
+    let mut volts: Vec<f64> = alike.iter().filter_map(|s| of_run(&s.run)).collect();
+    volts.sort_by(f64::total_cmp);
+    volts.dedup();
+    // Too large and too small are meant in size: a current of -2 mA where -1 mA was simulated is too large.
+    let signs = alike.iter().filter_map(|s| Some(s.sigma * of_run(&s.run)?));
+    let (mut simulated_small, mut simulated_large) = (false, false);
+    signs.for_each(|sign| {
+        if sign > 0.0 {
+            simulated_small = true
+        } else {
+            simulated_large = true
+        }
+    });
+    let wrong = match (simulated_small, simulated_large) {
+        (true, false) => "too small",
+        (false, true) => "too large",
+        _ => "wrong",
+    };
+    let list: Vec<String> = volts
+        .iter()
+        .map(|v| {
+            format!("{v:.2}")
+                .trim_end_matches('0')
+                .trim_end_matches('.')
+                .to_owned()
+        })
+        .collect();
+    let at = match list.as_slice() {
+        [] => String::new(),
+        [one] => format!(" at {one} V"),
+        [first @ .., last] => format!(" at {} and {last} V", first.join(", ")),
+    };
+    format!(
+        "simulated {} {wrong} from {} to {} s{at}, by up to {:.0} standard errors of its mean",
+        worst.channel,
+        seconds(from_s),
+        seconds(to_s),
+        worst.sigma.abs()
+    )
+}
+
+fn overlap(a: &MisfitStretch, b: &MisfitStretch) -> bool {
+    a.from_s <= b.to_s && b.from_s <= a.to_s
+}
+
+fn seconds(time_s: f64) -> String {
+    if time_s < 10.0 {
+        format!("{time_s:.1}")
+    } else {
+        format!("{time_s:.0}")
+    }
+}

@@ -1,0 +1,221 @@
+//! What a diagnosis found: what the simulation gets wrong, the cause, and the gain of the extended model.
+
+use serde::{Deserialize, Serialize};
+
+use super::Parameter;
+
+/// What is said of a run or a group of runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The simulation is right to within the noise.
+    Consistent,
+    /// Too much to be called consistent, too little to be called wrong.
+    Undecided,
+    /// Wrong, and one cause explains it.
+    Named,
+    /// Wrong, and several causes explain it equally well.
+    Set,
+    /// Wrong; a cause explains most of it, and a misfit is left.
+    Partial,
+    /// Wrong, and no known cause explains it.
+    Unknown,
+    /// The readings themselves do not allow a diagnosis.
+    DataProblem,
+}
+
+impl Verdict {
+    /// Every verdict.
+    pub const ALL: [Verdict; 7] = [
+        Verdict::Consistent,
+        Verdict::Undecided,
+        Verdict::Named,
+        Verdict::Set,
+        Verdict::Partial,
+        Verdict::Unknown,
+        Verdict::DataProblem,
+    ];
+
+    /// Stored name.
+    pub fn key(self) -> &'static str {
+        match self {
+            Verdict::Consistent => "consistent",
+            Verdict::Undecided => "undecided",
+            Verdict::Named => "named",
+            Verdict::Set => "set",
+            Verdict::Partial => "partial",
+            Verdict::Unknown => "unknown",
+            Verdict::DataProblem => "data-problem",
+        }
+    }
+}
+
+/// An effect that was accepted, with its parameters in the extended model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectFinding {
+    /// Id of the effect.
+    pub effect: String,
+    /// Form that it takes, where it has several.
+    pub variant: Option<String>,
+    /// Its parameters, the strength first.
+    pub parameters: Vec<Parameter>,
+    /// Probability of such a gain by chance, over all candidates.
+    pub p: f64,
+    /// The same over all groups of the campaign (Benjamini and Hochberg); none until the campaign is looked at.
+    pub q: Option<f64>,
+    /// Ids of effects that explain the readings as well.
+    pub twins: Vec<String>,
+}
+
+/// A candidate that was looked at.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Id of the effect.
+    pub effect: String,
+    /// Form that it takes, where it has several.
+    pub variant: Option<String>,
+    /// Fall of the sum of squares that its signature promises, in units of the noise.
+    pub forecast_gain: f64,
+    /// Fall that the full fit gave; none where it was not fitted.
+    pub fitted_gain: Option<f64>,
+    /// Parameters that it adds.
+    pub extra_parameters: usize,
+    /// Fall on runs that took no part in the fit; none where it was not asked.
+    pub held_out_gain: Option<f64>,
+    /// Share of its signature that a refit of the base leaves.
+    pub left_after_refit: f64,
+    /// Strength at which it would have been seen with a probability of 80 %, in the unit of its strength.
+    pub detectable_strength: f64,
+    /// Cosine between its signature after the refit and that of the best candidate.
+    pub likeness: f64,
+    /// Whether it was accepted.
+    pub accepted: bool,
+}
+
+/// How much better the extended model predicts what it has not seen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Gain {
+    /// What was held out: `run` or `time`.
+    pub held_out: String,
+    /// Fall of the sum of squares on the held-out readings, in units of the noise.
+    pub deviance: f64,
+    /// Its standard error over the held-out parts.
+    pub standard_error: f64,
+    /// Fall for every held-out part, by name.
+    pub parts: Vec<(String, f64)>,
+    /// Root mean square deviation of the held-out current over its range, by the base model.
+    pub nrmse_current_before: Option<f64>,
+    /// The same by the extended model.
+    pub nrmse_current_after: Option<f64>,
+    /// Of the held-out curvature, by the base model.
+    pub nrmse_curvature_before: Option<f64>,
+    /// The same by the extended model.
+    pub nrmse_curvature_after: Option<f64>,
+    /// Root mean square of the whitened residuals of the fit to all readings, by the base model.
+    pub residual_rms_sigma_before: f64,
+    /// The same by the extended model.
+    pub residual_rms_sigma_after: f64,
+}
+
+/// A stretch in which the simulation is wrong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MisfitStretch {
+    /// Run.
+    pub run: String,
+    /// `current` or `curvature`.
+    pub channel: String,
+    /// First time, s since the start of the drive.
+    pub from_s: f64,
+    /// Last time, s since the start of the drive.
+    pub to_s: f64,
+    /// Mean of measured minus simulated there, in its standard errors.
+    pub sigma: f64,
+}
+
+/// Where the simulation is wrong.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Whereabouts {
+    /// In words.
+    pub text: String,
+    /// Stretches, the worst first.
+    pub segments: Vec<MisfitStretch>,
+}
+
+/// The run that would tell the members of a set apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NextRun {
+    /// The drive in words.
+    pub drive: String,
+    /// Ids of the effects that it would split.
+    pub splits: Vec<String>,
+    /// Members that the set is expected to have after it.
+    pub expected_set_size: f64,
+}
+
+/// A base parameter before and after the extension.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterShift {
+    /// Key, `alpha_per_c_cm`.
+    pub key: String,
+    /// Value of the base model fitted to the group.
+    pub before: f64,
+    /// Value in the extended model.
+    pub after: f64,
+    /// Standard error in the extended model.
+    pub standard_error: f64,
+}
+
+/// Residuals of one channel of one run as they are drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResidualCurve {
+    /// Run.
+    pub run: String,
+    /// `current` or `curvature`.
+    pub channel: String,
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Measured minus base model in standard deviations of the noise, averaged between the times.
+    pub before_sigma: Vec<f64>,
+    /// The same for the extended model; empty where there is none.
+    pub after_sigma: Vec<f64>,
+}
+
+/// Everything that was found out about a group of runs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GroupDiagnosis {
+    /// Name of the group: its shared tags.
+    pub group: String,
+    /// Runs in it, by name.
+    pub runs: Vec<String>,
+    /// Id of the base model.
+    pub base_model: String,
+    /// What is said.
+    pub verdict: Verdict,
+    /// The finding in one plain sentence.
+    pub sentence: String,
+    /// Probability of residuals at least as bad where the base model is right; none where it could not be asked.
+    pub p_misfit: Option<f64>,
+    /// The same for what the extended model leaves.
+    pub p_leftover: Option<f64>,
+    /// Accepted effects.
+    pub effects: Vec<EffectFinding>,
+    /// Ids of the effects that may be the cause.
+    pub set: Vec<String>,
+    /// Candidates, the most promising first.
+    pub candidates: Vec<Candidate>,
+    /// Gain of the extended model.
+    pub gain: Option<Gain>,
+    /// Where the base model is wrong.
+    #[serde(rename = "where")]
+    pub whereabouts: Option<Whereabouts>,
+    /// What to measure next.
+    pub next_run: Option<NextRun>,
+    /// Base parameters that the extension moves.
+    pub shifts: Vec<ParameterShift>,
+    /// Gain that chance passes in 5 % of groups in which nothing is wrong.
+    pub gain_at_5_percent: Option<f64>,
+    /// Residuals as they are drawn.
+    pub residuals: Vec<ResidualCurve>,
+    /// What a reader must know of the readings.
+    pub remarks: Vec<String>,
+}
