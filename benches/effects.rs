@@ -51,6 +51,7 @@ fn simulations(criterion: &mut Criterion) {
             area_cm2: 0.1,
             length_cm: Some(0.5),
             duration_s: END_S,
+            resolved_s: None,
         };
         for (id, parameters) in effects {
             let applied = effect(id).map(|effect| Applied {

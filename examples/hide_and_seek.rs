@@ -353,6 +353,7 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
             if !only.is_empty() && !only.iter().any(|o| o == id) {
                 continue;
             }
+            let began = std::time::Instant::now();
             let found: Vec<_> = (0..count)
                 .into_par_iter()
                 .filter_map(|seed| {
@@ -365,6 +366,7 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                 })
                 .collect();
             let mut row = [0usize; 6];
+            let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
             for (found, applied, apart) in &found {
                 row[0] += 1;
                 row[1] += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
@@ -391,8 +393,14 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                 }
             }
             println!(
-                "{id:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5}",
-                row[0], row[1], row[2], row[3], row[4], row[5]
+                "{id:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5}   simulators {worst:.2} sigma apart, {:.1} s",
+                row[0],
+                row[1],
+                row[2],
+                row[3],
+                row[4],
+                row[5],
+                began.elapsed().as_secs_f64()
             );
             for (t, r) in total.iter_mut().zip(row) {
                 *t += r;

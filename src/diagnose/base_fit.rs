@@ -29,11 +29,11 @@ pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Op
         .iter()
         .map(|start| problem.coordinates(start, &[]))
         .collect();
-    let best = Fitted::search(problem, &at)?.settled();
+    let best = Fitted::search(problem, &at, &[])?.settled();
     // Sizes are measured anew by what was found.
     let problem = Problem::new(group, &best.base(), Vec::new());
     let at = problem.coordinates(&best.base(), &[]);
-    Fitted::search(problem, &[at]).map(Fitted::settled)
+    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
 }
 
 /// The value, or the middle of what an interval leaves.

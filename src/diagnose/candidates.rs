@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::fitted::Fitted;
 use super::null::gain;
-use super::problem::Problem;
 use super::signature::{Direction, Signature};
 use crate::numerics::sums::dot;
 
@@ -15,6 +14,8 @@ const NEAR: f64 = 25.0;
 /// ... at least and at most so many.
 const FEWEST: usize = 5;
 const MOST: usize = 14;
+/// Candidates whose quick fit comes within this part of the best one's are fitted to the end.
+const CONTENDS: f64 = 0.15;
 /// Starts of every candidate: its best probes.
 const STARTS: usize = 2;
 /// Evidence that every further parameter must bring, in units of the sum of squares.
@@ -93,13 +94,28 @@ pub(super) fn look<'g>(
         *rank < MOST && looked.forecast > 0.0 && (near || *rank < FEWEST)
     };
     let count = looked.iter().enumerate().take_while(promising).count();
-    let mut looked: Vec<(Looked, Vec<usize>)> = looked;
+    let known = current.problem.slope(&current.at, &[]).1;
     looked[..count].par_iter_mut().for_each(|(looked, places)| {
-        fit(looked, places, current, residuals, signatures, directions);
+        fit(looked, places, current, residuals, signatures, directions, &known);
     });
     let mut looked: Vec<Looked> = looked.into_iter().map(|(looked, _)| looked).collect();
+    let best = looked[..count].iter().map(Looked::score).fold(0.0, f64::max);
+    looked[..count].par_iter_mut().for_each(|looked| {
+        if looked.score() > (1.0 - CONTENDS) * best - NEAR {
+            settle(looked, current);
+        }
+    });
     looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
     looked
+}
+
+/// Goes on to the end with all columns of the Jacobian.
+fn settle(looked: &mut Looked, current: &Fitted) {
+    if let Some(fitted) = looked.fitted.take() {
+        let fitted = fitted.settled();
+        looked.gain = current.square - fitted.square;
+        looked.fitted = Some(fitted);
+    }
 }
 
 /// Fits one candidate in full from its best probes.
@@ -110,6 +126,7 @@ fn fit<'g>(
     residuals: &[f64],
     signatures: &[Signature],
     directions: &[Direction],
+    known: &[Vec<f64>],
 ) {
     let mut ranked: Vec<usize> = places.to_vec();
     ranked.sort_by(|&a, &b| gain(&directions[b], residuals).total_cmp(&gain(&directions[a], residuals)));
@@ -139,16 +156,12 @@ fn fit<'g>(
     let tried = starts.into_iter().filter_map(|place| {
         let direction = &directions[place];
         let signature = &signatures[direction.signature];
-        let fitted = extended(
-            current,
-            signature,
-            dot(&direction.unit, residuals) / direction.norm,
-        )?;
+        let strength = signature.part * dot(&direction.unit, residuals) / direction.norm;
+        let fitted = extended(current, signature, strength, known)?;
         Some((fitted, signature.variant, place))
     });
     let best = tried.min_by(|a, b| a.0.square.total_cmp(&b.0.square));
     if let Some((fitted, variant, _)) = best {
-        let fitted = fitted.settled();
         looked.gain = current.square - fitted.square;
         looked.extra = fitted.extra() - current.extra();
         looked.variant = variant;
@@ -157,25 +170,20 @@ fn fit<'g>(
 }
 
 /// The current model with one more effect, searched from a strength of so many times its probe's.
-fn extended<'g>(current: &Fitted<'g>, signature: &Signature, strength: f64) -> Option<Fitted<'g>> {
-    let mut effects = current.problem.effects.clone();
-    effects.push(signature.sought());
-    let base = current.base();
-    let problem = Problem::new(current.problem.group, &base, effects);
+fn extended<'g>(
+    current: &Fitted<'g>,
+    signature: &Signature,
+    strength: f64,
+    known: &[Vec<f64>],
+) -> Option<Fitted<'g>> {
+    let sought = signature.sought();
     let mut first = signature.probe.clone();
     let limits = signature.limits[0];
     if !limits.held && signature.absent == 0.0 {
-        let wanted = strength * signature.probe[0];
-        let inside = |value: f64| {
-            value.clamp(
-                0.6 * limits.low.min(0.0) + 0.4 * limits.low.max(0.0),
-                0.6 * limits.high,
-            )
-        };
-        first[0] = inside(wanted);
+        let low = 0.6 * limits.low.min(0.0) + 1.01 * limits.low.max(0.0);
+        first[0] = (strength * signature.probe[0]).clamp(low, 0.6 * limits.high);
     }
-    let mut values = current.effect_values();
-    values.push(first);
-    let start = problem.coordinates(&base, &values);
-    Fitted::search(problem, &[start])
+    let mut start = current.at.clone();
+    start.extend(sought.coordinates(&first));
+    Fitted::search(current.problem.with(sought), &[start], known)
 }

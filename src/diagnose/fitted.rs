@@ -25,9 +25,15 @@ pub(super) struct Fitted<'g> {
 }
 
 impl<'g> Fitted<'g> {
-    /// The lowest minimum from several starts: all shortly, the best to the end.
-    pub(super) fn search(problem: Problem<'g>, starts: &[Vec<f64>]) -> Option<Fitted<'g>> {
-        let short = starts.iter().map(|start| problem.descend(start, SHORT, SETTLE));
+    /// The lowest place from several starts, each followed shortly; columns of the Jacobian that are `known` are held.
+    pub(super) fn search(
+        problem: Problem<'g>,
+        starts: &[Vec<f64>],
+        known: &[Vec<f64>],
+    ) -> Option<Fitted<'g>> {
+        let short = starts
+            .iter()
+            .map(|start| problem.descend(start, SHORT, SETTLE, known));
         let best = short
             .filter(|bottom| bottom.slope.square.is_finite())
             .min_by(|a, b| a.slope.square.total_cmp(&b.slope.square))?;
@@ -40,7 +46,7 @@ impl<'g> Fitted<'g> {
 
     /// Goes on to the end.
     pub(super) fn settled(self) -> Fitted<'g> {
-        let bottom = self.problem.descend(&self.at, LONG, SETTLE);
+        let bottom = self.problem.descend(&self.at, LONG, SETTLE, &[]);
         Fitted {
             at: bottom.at,
             square: bottom.slope.square,
@@ -57,7 +63,7 @@ impl<'g> Fitted<'g> {
 
     /// Sum of squares with its slope, and what a refit of all parameters absorbs.
     pub(super) fn tangent(&self) -> (Slope, Tangent) {
-        let (slope, jacobian) = self.problem.slope(&self.at);
+        let (slope, jacobian) = self.problem.slope(&self.at, &[]);
         (slope, Tangent::of(&jacobian))
     }
 
@@ -83,7 +89,7 @@ impl<'g> Fitted<'g> {
 
     /// Parameters of every effect with their uncertainty: from the covariance, with the noise's own allowed for.
     pub(super) fn effect_parameters(&self, group: &Group) -> Vec<Vec<Parameter>> {
-        let (slope, _) = self.problem.slope(&self.at);
+        let (slope, _) = self.problem.slope(&self.at, &[]);
         let inverse = slope.normal.inverse(1e-12);
         let quantile = quantile_95(freedom(group));
         let mut first = self.problem.base_len();
@@ -117,7 +123,7 @@ impl<'g> Fitted<'g> {
 
     /// Base parameters by their stored keys with their standard errors.
     pub(super) fn base_parameters(&self) -> Vec<(String, f64, f64)> {
-        let (slope, _) = self.problem.slope(&self.at);
+        let (slope, _) = self.problem.slope(&self.at, &[]);
         let inverse = slope.normal.inverse(1e-12);
         let sd = |k: usize| inverse.get(k, k).max(0.0).sqrt();
         let base = self.base();

@@ -45,7 +45,10 @@ pub(super) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
 
 fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
     let others: Vec<usize> = (0..group.runs.len()).filter(|&other| other != run).collect();
-    let bottom = fitted.problem.over(others).descend(&fitted.at, REFIT, SETTLE);
+    let bottom = fitted
+        .problem
+        .over(others)
+        .descend(&fitted.at, REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&bottom.at);
     let mut residuals = Vec::new();
     fitted.problem.run_residuals(&model, run, &mut residuals);
@@ -76,7 +79,10 @@ fn out_of_time(fitted: &Fitted, group: &Group, from: f64, to: f64) -> Part {
             out[block.first + k] = t >= at(from) && t <= at(to);
         }
     }
-    let bottom = fitted.problem.without(&out).descend(&fitted.at, REFIT, SETTLE);
+    let bottom = fitted
+        .problem
+        .without(&out)
+        .descend(&fitted.at, REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&bottom.at);
     let mut residuals = Vec::new();
     fitted.problem.run_residuals(&model, 0, &mut residuals);

@@ -231,7 +231,7 @@ impl<'g> Shown<'_, 'g> {
             extra_parameters: signature.sought().free(),
             held_out_gain: None,
             left_after_refit: direction.left,
-            detectable_strength: seen / direction.norm * signature.probe[0],
+            detectable_strength: detectable(signature, seen / direction.norm),
             likeness,
             accepted: false,
         }
@@ -334,7 +334,7 @@ impl<'g> Shown<'_, 'g> {
             values[place] = fitted.effect_values().pop().unwrap_or_default();
             let problem = Problem::new(self.group, &model.base(), effects);
             let start = problem.coordinates(&model.base(), &values);
-            let Some(found) = Fitted::search(problem, &[start]).map(Fitted::settled) else {
+            let Some(found) = Fitted::search(problem, &[start], &[]).map(Fitted::settled) else {
                 continue;
             };
             let margin = AS_GOOD + INEXACT * (self.base.square - model.square);
@@ -518,6 +518,15 @@ impl<'g> Shown<'_, 'g> {
 
 const SPIKED_WORDS: &str =
     "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
+
+/// Strength of that many times what the signature was taken at.
+fn detectable(signature: &Signature, times: f64) -> f64 {
+    if signature.absent == 0.0 {
+        times * signature.part * signature.probe[0]
+    } else {
+        signature.probe[0]
+    }
+}
 
 /// Whether the effect has a strength that the readings determine.
 fn is_free(id: &str) -> bool {

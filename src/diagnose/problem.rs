@@ -1,5 +1,6 @@
 //! The sum of squares of a group under the base model with effects added.
 
+use crate::fit::WhitenedChannel;
 use crate::model::effects::{Applied, Effect, Limits};
 use crate::model::extended::ExtendedModel;
 use crate::model::{Branch, LumpedModel};
@@ -162,6 +163,17 @@ impl<'g> Problem<'g> {
         }
     }
 
+    /// The same with one more effect, its coordinates behind the others.
+    pub(super) fn with(&self, sought: Sought) -> Problem<'g> {
+        let mut problem = self.clone();
+        let lows: Vec<f64> = sought.limits.iter().map(|limits| limits.low).collect();
+        let highs: Vec<f64> = sought.limits.iter().map(|limits| limits.high).collect();
+        problem.low.extend(sought.coordinates(&lows));
+        problem.high.extend(sought.coordinates(&highs));
+        problem.effects.push(sought);
+        problem
+    }
+
     /// The same over other runs of the group.
     pub(super) fn over(&self, runs: Vec<usize>) -> Problem<'g> {
         Problem { runs, ..self.clone() }
@@ -248,6 +260,16 @@ impl<'g> Problem<'g> {
         }
     }
 
+    /// Number of residuals of one run.
+    pub(super) fn rows_of(&self, run: usize) -> usize {
+        self.group.runs[run]
+            .channels
+            .iter()
+            .flatten()
+            .map(WhitenedChannel::len)
+            .sum()
+    }
+
     /// Whitened residuals of one run, appended.
     pub(super) fn run_residuals(&self, model: &ExtendedModel, run: usize, out: &mut Vec<f64>) {
         let group_run = &self.group.runs[run];
@@ -261,27 +283,20 @@ impl<'g> Problem<'g> {
         }
     }
 
-    /// Sum of squares with its slope, and the Jacobian of the residuals column by column.
-    pub(super) fn slope(&self, at: &[f64]) -> (Slope, Vec<Vec<f64>>) {
+    /// Sum of squares with its slope, and the Jacobian of the residuals column by column; the first columns are
+    /// taken from `known` as far as it goes.
+    pub(super) fn slope(&self, at: &[f64], known: &[Vec<f64>]) -> (Slope, Vec<Vec<f64>>) {
         let mut here = Vec::new();
         self.residuals(at, &mut here);
-        let column = |k: usize| {
-            let step = if at[k] + STEP > self.high[k] { -STEP } else { STEP };
-            let mut there = at.to_vec();
-            there[k] += step;
-            let mut column = Vec::with_capacity(here.len());
-            self.residuals(&there, &mut column);
-            for (there, here) in column.iter_mut().zip(&here) {
-                *there = (*there - here) / step;
-            }
-            column
-        };
-        let jacobian: Vec<Vec<f64>> = (0..at.len()).map(column).collect();
+        let fresh = (known.len()..at.len())
+            .map(|k| self.column(at, k, &here))
+            .collect::<Vec<_>>();
         let mut slope = Slope::zero(at.len());
         slope.square = dot(&here, &here);
-        for (a, left) in jacobian.iter().enumerate() {
+        let columns: Vec<&Vec<f64>> = known.iter().chain(&fresh).collect();
+        for (a, left) in columns.iter().enumerate() {
             slope.descent[a] = -dot(left, &here);
-            for (b, right) in jacobian[..=a].iter().enumerate() {
+            for (b, right) in columns[..=a].iter().enumerate() {
                 let product = dot(left, right);
                 slope.normal.add(a, b, product);
                 if a != b {
@@ -289,12 +304,38 @@ impl<'g> Problem<'g> {
                 }
             }
         }
-        (slope, jacobian)
+        (slope, fresh)
     }
 
-    /// Lowers the sum of squares from `start` within `limit` evaluations of the slope.
-    pub(super) fn descend(&self, start: &[f64], limit: u64, settle: f64) -> Bottom {
-        descend(start, &self.low, &self.high, limit, settle, |at| self.slope(at).0)
+    fn column(&self, at: &[f64], k: usize, here: &[f64]) -> Vec<f64> {
+        let step = if at[k] + STEP > self.high[k] { -STEP } else { STEP };
+        let mut there = at.to_vec();
+        there[k] += step;
+        let mut column = Vec::with_capacity(here.len());
+        self.residuals(&there, &mut column);
+        for (there, here) in column.iter_mut().zip(here) {
+            *there = (*there - here) / step;
+        }
+        column
+    }
+
+    /// Lowers the sum of squares from `start` within `limit` evaluations of the slope. Columns of the Jacobian that
+    /// are `known` are held: the search then takes more steps, each of them cheap.
+    pub(super) fn descend(&self, start: &[f64], limit: u64, settle: f64, known: &[Vec<f64>]) -> Bottom {
+        let mut lowest = f64::INFINITY;
+        descend(start, &self.low, &self.high, limit, settle, |at| {
+            let mut residuals = Vec::new();
+            self.residuals(at, &mut residuals);
+            let square = dot(&residuals, &residuals);
+            if square >= lowest {
+                // It will not be taken: its slope is not asked for.
+                let mut slope = Slope::zero(at.len());
+                slope.square = square;
+                return slope;
+            }
+            lowest = square;
+            self.slope(at, known).0
+        })
     }
 
     /// Whether coordinate `k` lies at a limit of the search.

@@ -175,7 +175,7 @@ impl<'g> Ground<'_, 'g> {
             values.remove(drop);
             let problem = Problem::new(self.group, &model.base(), effects);
             let start = problem.coordinates(&model.base(), &values);
-            let Some(without) = Fitted::search(problem, &[start]).map(Fitted::settled) else {
+            let Some(without) = Fitted::search(problem, &[start], &[]).map(Fitted::settled) else {
                 continue;
             };
             if without.square - model.square < price {

@@ -5,10 +5,12 @@ use crate::model::LumpedModel;
 use crate::model::extended::Responses;
 use crate::numerics::sums::dot;
 
-use super::tangent::Tangent;
+use crate::numerics::dense::Dense;
 
 /// Relative step of the difference quotients.
 const STEP: f64 = 1e-5;
+/// Steps of the refit at most.
+const REFITS: usize = 12;
 
 /// Noise as it was put into simulated readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,35 +37,64 @@ pub struct DesignRun {
 }
 
 /// Norm, in standard deviations of the noise, of what is left of the deviation of `responses` from the base model
-/// after its parameters are refitted, to first order.
+/// after its parameters are refitted.
 pub fn sigmas_after_refit(
     base: &LumpedModel,
     design: &[DesignRun],
     responses: &[Responses],
     noise: KnownNoise,
 ) -> f64 {
-    let plain = of_base(base, design, noise);
-    let mut away = Vec::with_capacity(plain.len());
+    let mut readings = Vec::new();
     for responses in responses {
-        away.extend(white(
-            &responses.current_a,
-            noise.current_a,
-            noise.autocorrelation,
-        ));
-        away.extend(white(
-            &responses.curvature_per_cm,
-            noise.curvature_per_cm,
-            noise.autocorrelation,
-        ));
+        let series = [
+            (&responses.current_a, noise.current_a),
+            (&responses.curvature_per_cm, noise.curvature_per_cm),
+        ];
+        for (series, sd) in series {
+            readings.extend(white(series, sd, noise.autocorrelation));
+        }
     }
-    away.iter_mut().zip(&plain).for_each(|(a, p)| *a -= p);
-    let mut tangent = Tangent::default();
-    for k in 0..2 * base.branches.len() + 3 {
-        let moved = of_base(&nudged(base, k), design, noise);
-        tangent.add(moved.iter().zip(&plain).map(|(m, p)| (m - p) / STEP).collect());
+    let mut model = base.clone();
+    let mut least = f64::INFINITY;
+    for _ in 0..REFITS {
+        let plain = of_base(&model, design, noise);
+        let left: Vec<f64> = readings.iter().zip(&plain).map(|(y, f)| y - f).collect();
+        let size = dot(&left, &left).sqrt();
+        if size >= least * (1.0 - 1e-4) {
+            return least.min(size);
+        }
+        least = size;
+        let step = step(&model, design, noise, &plain, &left);
+        for (k, by) in step.into_iter().enumerate() {
+            model = scaled(&model, k, by.clamp(-0.5, 0.5).exp());
+        }
     }
-    tangent.remove(&mut away);
-    dot(&away, &away).sqrt()
+    least
+}
+
+/// Gauss-Newton step in the logarithms of the base parameters.
+fn step(
+    model: &LumpedModel,
+    design: &[DesignRun],
+    noise: KnownNoise,
+    plain: &[f64],
+    left: &[f64],
+) -> Vec<f64> {
+    let count = 2 * model.branches.len() + 3;
+    let columns: Vec<Vec<f64>> = (0..count)
+        .map(|k| {
+            let moved = of_base(&scaled(model, k, 1.0 + STEP), design, noise);
+            moved.iter().zip(plain).map(|(m, p)| (m - p) / STEP).collect()
+        })
+        .collect();
+    let mut normal = Dense::zero(count);
+    for (a, x) in columns.iter().enumerate() {
+        for (b, y) in columns.iter().enumerate() {
+            normal.add(a, b, dot(x, y));
+        }
+    }
+    let right: Vec<f64> = columns.iter().map(|column| dot(column, left)).collect();
+    normal.solve(&right, 1e-12)
 }
 
 fn of_base(base: &LumpedModel, design: &[DesignRun], noise: KnownNoise) -> Vec<f64> {
@@ -77,11 +108,10 @@ fn of_base(base: &LumpedModel, design: &[DesignRun], noise: KnownNoise) -> Vec<f
     out
 }
 
-/// The base with its parameter `k` larger by a small part.
-fn nudged(base: &LumpedModel, k: usize) -> LumpedModel {
+/// The base with its parameter `k` multiplied.
+fn scaled(base: &LumpedModel, k: usize, factor: f64) -> LumpedModel {
     let mut moved = base.clone();
     let n = base.branches.len();
-    let factor = 1.0 + STEP;
     match k {
         k if k < n => moved.branches[k].resistance_ohm_cm2 *= factor,
         k if k < 2 * n => moved.branches[k - n].capacitance_f_per_cm2 *= factor,

@@ -25,6 +25,8 @@ pub(super) struct Signature {
     pub(super) probe: Vec<f64>,
     /// Strength at which the effect is absent.
     pub(super) absent: f64,
+    /// Part of the probe's strength at which the change was taken.
+    pub(super) part: f64,
     /// Whitened readings of the model with the probe less those without.
     change: Vec<f64>,
 }
@@ -50,6 +52,9 @@ impl Signature {
     }
 }
 
+/// Effect, variant, limits, probe, and the strength at which it is absent.
+type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
+
 /// Signatures of every effect at every probe, at the base model `at`.
 pub(super) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Signature> {
     let model = problem.model(at);
@@ -67,23 +72,18 @@ pub(super) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Si
             );
         }
     }
-    let of = |(effect, variant, limits, mut probe, absent): (
-        &'static dyn Effect,
-        usize,
-        Vec<Limits>,
-        Vec<f64>,
-        f64,
-    )| {
-        if absent == 0.0 {
-            probe[0] *= SMALL;
-        }
-        let change = change(problem, &model, &without, effect, variant, &probe)?;
+    let of = |(effect, variant, limits, probe, absent): Wanted| {
+        let part = if absent == 0.0 { SMALL } else { 1.0 };
+        let mut small = probe.clone();
+        small[0] *= part;
+        let change = change(problem, &model, &without, effect, variant, &small)?;
         Some(Signature {
             effect,
             variant,
             limits,
             probe,
             absent,
+            part,
             change,
         })
     };
@@ -110,7 +110,12 @@ fn change(
     };
     let mut with = Vec::with_capacity(without.len());
     for &run in &problem.runs {
-        problem.run_residuals(&extended, run, &mut with);
+        if effect.acts_in(probe, run) {
+            problem.run_residuals(&extended, run, &mut with);
+        } else {
+            let same = with.len()..with.len() + problem.rows_of(run);
+            with.extend_from_slice(&without[same]);
+        }
     }
     with.iter_mut()
         .zip(without)
@@ -132,7 +137,9 @@ pub(super) fn directions(signatures: &[Signature], tangent: &Tangent) -> Vec<Dir
         unit.iter_mut().for_each(|v| *v /= norm);
         let strength = signature.limits[0];
         let reach = signature.probe[0] - signature.absent;
-        let one_sided = if reach > 0.0 {
+        let one_sided = if strength.held {
+            true
+        } else if reach > 0.0 {
             strength.low >= signature.absent
         } else {
             strength.high <= signature.absent

@@ -42,7 +42,7 @@ pub(super) fn channel_name(channel: usize) -> &'static str {
 
 fn sentence(group: &Group, segments: &[MisfitStretch]) -> String {
     let Some(worst) = segments.first() else {
-        return String::new();
+        return "no single stretch of time stands out".to_owned();
     };
     let alike: Vec<&MisfitStretch> = segments
         .iter()

@@ -41,7 +41,7 @@ static ABOUT: About = About {
 };
 
 /// Instants looked at in every run.
-const INSTANTS: usize = 10;
+const INSTANTS: usize = 7;
 
 struct Break {
     variant: usize,
@@ -90,8 +90,12 @@ impl Effect for ContactBreak {
         }
     }
 
+    fn acts_in(&self, parameters: &[f64], run: usize) -> bool {
+        parameters[2].round() as usize == run
+    }
+
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
-        if parameters[2].round() as usize == run.index {
+        if self.acts_in(parameters, run.index) {
             system.laws.push(Box::new(Break {
                 variant,
                 factor: 1.0 + parameters[0],

@@ -17,7 +17,7 @@ static ABOUT: About = About {
         key: "coupled_fraction",
         symbol: "g",
         unit: "",
-        meaning: "1 where the leak bends; other values only tell how far the data ask for it",
+        meaning: "1 where the leak bends, 0 where it does not",
     }],
     vanishes: "g = 0",
     signature: "a plateau alpha u/(R_ss lambda) that takes 1/lambda to come",
@@ -38,7 +38,7 @@ impl Effect for LeakCoupling {
         if !scale.base.steady_state_resistance_ohm_cm2.is_finite() {
             return Search::none();
         }
-        Search::over(0.05, vec![Limits::linear(0.0, 2.0)], &[])
+        Search::over(1.0, vec![Limits::held()], &[])
     }
 
     fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {

@@ -70,6 +70,11 @@ pub trait Effect: Sync {
     /// Where its parameters are sought in data of that scale, and the shapes at which its signature is looked for.
     fn search(&self, variant: usize, scale: &Scale) -> Search;
 
+    /// Whether it changes the run at that place of its group.
+    fn acts_in(&self, _parameters: &[f64], _run: usize) -> bool {
+        true
+    }
+
     /// Puts it into the system of a run. `parameters` are in the order of [`About::parameters`].
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System);
 }

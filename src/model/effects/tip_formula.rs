@@ -17,7 +17,7 @@ static ABOUT: About = About {
         key: "applied",
         symbol: "g",
         unit: "",
-        meaning: "1 where the formula was used; other values only tell how far the data ask for it",
+        meaning: "1 where the formula was used, 0 where it was not",
     }],
     vanishes: "g = 0",
     signature: "cubic in the curvature, near the peak only",
@@ -47,7 +47,7 @@ impl Effect for TipFormula {
         if scale.curvature_per_cm == 0.0 || scale.length_cm.is_none() {
             return Search::none();
         }
-        Search::over(0.1, vec![Limits::linear(0.0, 2.0)], &[])
+        Search::over(1.0, vec![Limits::held()], &[])
     }
 
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
