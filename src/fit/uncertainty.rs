@@ -191,7 +191,8 @@ mod tests {
             std::array::from_fn(|k| (-0.1 * k as f64).exp()),
             std::array::from_fn(|k| (k as f64 * 0.7).sin()),
         ];
-        let scales = [2.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let mut scales = [0.0; CAPACITY];
+        scales[..2].copy_from_slice(&[2.0, 0.5]);
         for rho in [-0.5_f64, 0.0, 0.3, 0.97] {
             let mut sums = CovarianceSums::new(2, rho);
             sums.add(BLOCK, &columns, &scales);
