@@ -4,13 +4,17 @@ mod intervals;
 mod search;
 
 use crate::domain::{Fit, Issue, Parameter};
-use crate::model::FitModel;
+use crate::model::{FitModel, ParameterDescription};
+use crate::numerics::chance::chi_square_chance;
 
+use super::joint::dense::{Bottom, Slope};
 use super::joint::feature::Feature;
+use super::joint::minimum::excess;
 use super::joint::problem::{Layout, Over, Problem};
 use super::joint::readings::RunReadings;
 use super::joint::start::Start;
 use super::outcome;
+use super::sampled::Sampled;
 use super::{FitError, FitInput, FitOptions, Readings, identify, needed};
 
 pub(super) use intervals::Found;
@@ -85,6 +89,8 @@ pub struct GroupFit {
     pub chi_square: f64,
     /// Readings minus parameters.
     pub degrees_of_freedom: f64,
+    /// What sharing costs; none for a single run.
+    pub sharing: Option<Sharing>,
     /// Standard deviations and 95 % ranges of the bootstrap, per run, where asked for.
     pub bootstrap: Vec<Vec<Resampled>>,
     /// Whether the search converged.
@@ -93,6 +99,17 @@ pub struct GroupFit {
     pub why_stopped: String,
     /// Evaluations.
     pub evaluations: u64,
+}
+
+/// Likelihood ratio of the shared parameters against the same ones free in every run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sharing {
+    /// Rise of the weighted sum of squares.
+    pub chi_square_rise: f64,
+    /// Parameters saved.
+    pub parameters_saved: usize,
+    /// Chance of such a rise where the runs have them in common.
+    pub p: f64,
 }
 
 /// What the bootstrap says of one parameter.
@@ -133,8 +150,59 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
         starts.push(start);
     }
     let (problem, bottom, evaluations) = search(runs, &starts, &shared);
-    let judged = judge(&problem, bottom, options, evaluations);
-    Ok(assemble(inputs, options, &problem, judged))
+    let mut judged = judge(&problem, bottom, options, evaluations);
+    let sharing = (inputs.len() > 1).then(|| weigh_sharing(&problem, &starts, &mut judged));
+    let fit = assemble(inputs, options, &problem, judged);
+    Ok(GroupFit { sharing, ..fit })
+}
+
+/// Whether a run can be part of a group: it needs a current with enough readings.
+///
+/// # Errors
+/// [`FitError`] says why it cannot.
+pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), FitError> {
+    let own = FitOptions {
+        model,
+        ..FitOptions::default()
+    };
+    let readings = Readings::new(input)?;
+    readings.check(input, &own)?;
+    let found = readings.current.as_ref().map(Sampled::after_step);
+    let needed = needed(model);
+    let reason = match found {
+        None => "it has no current channel, from which the electrical parameters start".to_owned(),
+        Some(found) if found < needed => {
+            format!("its current has {found} usable readings after the step, {needed} are needed")
+        }
+        Some(_) => return Ok(()),
+    };
+    Err(FitError::OutsideGroup { reason })
+}
+
+/// Fits every run by itself and weighs what sharing costs.
+fn weigh_sharing(problem: &Problem, starts: &[Start], judged: &mut JudgedGroup) -> Sharing {
+    let (mut square, mut parameters, mut misfit) = (0.0, 0, 1.0_f64);
+    for (run, start) in problem.runs.iter().zip(starts) {
+        let (own, bottom, evaluations) = search(vec![run.clone()], std::slice::from_ref(start), &[]);
+        square += bottom.slope.square;
+        parameters += own.low.len();
+        judged.evaluations += evaluations;
+        let slope = Slope {
+            square: own.square(&bottom.at, Over::Condensed),
+            ..bottom.slope.clone()
+        };
+        misfit = misfit.max(excess(&own, &Bottom { slope, ..bottom }).powi(2));
+    }
+    let shared = problem.square(&judged.bottom.at, Over::Whole);
+    let parameters_saved = parameters.saturating_sub(judged.bottom.at.len());
+    // A group's place is one that its runs may take: what falls below is what the searches leave.
+    let chi_square_rise = (shared - square).max(0.0);
+    Sharing {
+        chi_square_rise,
+        parameters_saved,
+        // Where the model leaves more than noise by itself, sharing must cost more than that to mean something.
+        p: chi_square_chance(chi_square_rise / misfit, parameters_saved),
+    }
 }
 
 /// Local places of the shared keys.
@@ -209,6 +277,7 @@ fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judg
         shared: options.shared.clone(),
         chi_square: problem.square(&judged.bottom.at, Over::Whole),
         degrees_of_freedom: readings as f64 - judged.bottom.at.len() as f64,
+        sharing: None,
         bootstrap: judged.resampled,
         converged: stop.converged(),
         why_stopped: stop.words().to_owned(),
@@ -218,13 +287,29 @@ fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judg
 }
 
 impl GroupFit {
-    /// The shared parameters, as every run has them.
-    pub fn shared_parameters(&self) -> Vec<&Parameter> {
-        let first = self.runs.first().map_or(&[][..], |fit| fit.parameters.as_slice());
-        first
+    /// Parameters that are the same in every run: the shared ones, and what follows from them alone.
+    pub fn common_parameters(&self, model: &FitModel) -> Vec<&Parameter> {
+        let is_shared = |key: &str| self.shared.iter().any(|shared| shared == key);
+        let branches_are_shared = model
+            .parameters
             .iter()
-            .filter(|parameter| self.shared.contains(&parameter.key))
-            .collect()
+            .filter(|of| !of.derived && (of.key.starts_with('r') || of.key.starts_with('c')))
+            .filter(|of| of.key != "rss_ohm_cm2")
+            .all(|of| is_shared(of.key));
+        let common = |of: &&ParameterDescription| is_shared(of.key) || of.derived && branches_are_shared;
+        let best = |of: &ParameterDescription| {
+            // A run without curvature tells nothing of what others do.
+            let found = || {
+                self.runs
+                    .iter()
+                    .flat_map(|fit| &fit.parameters)
+                    .filter(|p| p.key == of.key)
+            };
+            found()
+                .find(|p| p.estimate.value.is_some())
+                .or_else(|| found().next())
+        };
+        model.parameters.iter().filter(common).filter_map(best).collect()
     }
 
     /// Issues of all runs, each with the position of its run.

@@ -26,7 +26,9 @@ use crate::model::{FitModel, fit_model, fit_models};
 use crate::numerics::global::{Method, method, methods};
 
 pub use error::FitError;
-pub use group::{Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, fit_group, shareable};
+pub use group::{
+    Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
+};
 
 pub use whitened::WhitenedChannel;
 

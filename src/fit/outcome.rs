@@ -104,7 +104,8 @@ fn parameters(
     judged: Option<&Judged>,
 ) -> Vec<Parameter> {
     let estimate = |key: &str| {
-        if let Some(estimate) = judged.and_then(|judged| judged_estimate(key, judged, input.drive)) {
+        let feature = Feature::of_key(key, model.branches)?;
+        if let Some(estimate) = judged.and_then(|judged| judged_estimate(feature, judged, input.drive)) {
             return Some(estimate);
         }
         let bending = identified
@@ -113,10 +114,10 @@ fn parameters(
             .map(|(_, bending)| bending)
             .map_err(String::as_str);
         let electrical = || match &identified.current {
-            Ok((_, electrical)) => electrical_estimate(key, electrical, input.drive),
+            Ok((_, electrical)) => electrical_estimate(feature, electrical, input.drive),
             Err(reason) => Some(Estimate::not_determined(reason.as_str())),
         };
-        bending_estimate(key, bending).or_else(electrical)
+        bending_estimate(feature, bending).or_else(electrical)
     };
     let with_estimate = |key: &str| {
         Some(Parameter {

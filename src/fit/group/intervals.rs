@@ -4,7 +4,7 @@ use crate::fit::joint::bootstrap::{replicate, spread};
 use crate::fit::joint::dense::Bottom;
 use crate::fit::joint::feature::Feature;
 use crate::fit::joint::minimum::excess;
-use crate::fit::joint::problem::{Layout, Over, Problem};
+use crate::fit::joint::problem::{Over, Problem};
 use crate::fit::joint::profile::{Deeper, Interval, Solved};
 use crate::fit::joint::single::{REACH, partner, reach};
 use crate::numerics::student::quantile_95;
@@ -27,24 +27,9 @@ pub(super) struct JudgedGroup {
     pub(super) evaluations: u64,
 }
 
-fn features(layout: Layout, problem: &Problem, run: usize) -> Vec<Feature> {
-    let mut found = Vec::new();
-    for k in 0..layout.branches {
-        found.extend([
-            Feature::Resistance(k),
-            Feature::Capacitance(k),
-            Feature::TimeConstant(k),
-        ]);
-    }
-    found.extend([
-        Feature::Steady,
-        Feature::TotalCapacitance,
-        Feature::ParallelResistance,
-    ]);
-    if problem.runs[run].curvature.is_some() {
-        found.extend([Feature::Coupling, Feature::Rate]);
-    }
-    found
+fn features(problem: &Problem, run: usize) -> impl Iterator<Item = Feature> {
+    let bends = problem.runs[run].curvature.is_some();
+    Feature::all(problem.layout.branches).filter(move |feature| feature.is_electrical() || bends)
 }
 
 pub(super) fn judge(
@@ -92,13 +77,19 @@ fn try_intervals(
         slope: problem.slope(&bottom.at, Over::Condensed),
         ..bottom.clone()
     };
-    let quantile = quantile_95(freedom.max(2.0)) * excess(problem, &condensed);
+    // What the circuit leaves beyond noise widens standard errors and intervals alike.
+    let wider = excess(problem, &condensed);
+    let quantile = quantile_95(freedom.max(2.0)) * wider;
+    let widened = |interval: Interval| Interval {
+        standard_error: wider * interval.standard_error,
+        ..interval
+    };
     let whole = Solved::new(problem, bottom.clone());
     let mut along: Option<Solved> = None;
     let mut found = Vec::with_capacity(problem.runs.len());
     for run in 0..problem.runs.len() {
         let mut own = Vec::new();
-        for feature in features(problem.layout, problem, run) {
+        for feature in features(problem, run) {
             let linear = whole.linear(feature, run, quantile);
             let scale = if feature.is_logarithm() {
                 1.0
@@ -107,7 +98,7 @@ fn try_intervals(
             };
             let narrow = quantile * linear.standard_error <= NARROW * scale;
             if narrow && options.intervals == Intervals::Automatic {
-                own.push((feature, linear, None));
+                own.push((feature, widened(linear), None));
                 continue;
             }
             let solved =
@@ -118,7 +109,7 @@ fn try_intervals(
                 reach(solved, feature, run, quantile)
             };
             let interval = solved.profile(feature, run, quantile, reach)?;
-            own.push((feature, interval, partner(solved, feature, run)));
+            own.push((feature, widened(interval), partner(solved, feature, run)));
         }
         found.push(own);
     }
@@ -127,11 +118,7 @@ fn try_intervals(
 }
 
 fn resample(problem: &Problem, bottom: &Bottom, bootstrap: Bootstrap) -> Vec<Vec<Resampled>> {
-    let own = |run: usize| {
-        features(problem.layout, problem, run)
-            .into_iter()
-            .map(move |feature| (run, feature))
-    };
+    let own = |run: usize| features(problem, run).map(move |feature| (run, feature));
     let wanted: Vec<(usize, Feature)> = (0..problem.runs.len()).flat_map(own).collect();
     let refits = replicate(problem, &bottom.at, &wanted, bootstrap.seed, bootstrap.replicates);
     let mut found: Vec<Vec<Resampled>> = vec![Vec::new(); problem.runs.len()];

@@ -3,7 +3,7 @@
 use crate::domain::{Drive, Issue, Level, Parameter};
 use crate::fit::Identified;
 use crate::fit::joint::single::Judged;
-use crate::fit::joint_estimates::choice_in_words;
+use crate::fit::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::fit::sampled::Sampled;
 use crate::numerics::levenberg::Stop;
 
@@ -44,8 +44,14 @@ pub(super) fn issues(
     judged: Option<&Judged>,
 ) -> Vec<Issue> {
     let mut issues = parameter_issues(parameters);
-    if let Some(judged) = judged.filter(|judged| judged.evidence.gain.is_finite()) {
-        issues.push(Issue::note("model-choice", choice_in_words(&judged.evidence)));
+    let weighings = judged.map_or(&[][..], |judged| &judged.weighings);
+    for evidence in weighings.iter().filter(|evidence| evidence.gain.is_finite()) {
+        issues.push(Issue::note("model-choice", choice_in_words(evidence)));
+    }
+    if let (true, Ok((_, electrical))) = (weighings.is_empty(), &identified.current)
+        && let Some(words) = two_step_choice_in_words(electrical)
+    {
+        issues.push(Issue::note("model-choice", words));
     }
     if let Ok((sampled, electrical)) = &identified.current
         && electrical.conductances_a_per_v.is_empty()

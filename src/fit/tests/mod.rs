@@ -1,5 +1,6 @@
 //! Fits of simulated runs whose parameters are known.
 
+mod branches;
 mod calibration;
 mod groups;
 mod limits;
