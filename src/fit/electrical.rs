@@ -12,6 +12,7 @@ use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};
+use super::parabola::Ends;
 use super::sampled::Sampled;
 use super::search::{CoarseLook, Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
@@ -47,6 +48,8 @@ pub(super) struct Electrical {
     /// Fall of the sum of squares by the last branch, in variances of a long sum of the noise; none where none
     /// was weighed.
     pub(super) gain: Option<f64>,
+    /// Intervals whose ends are not where the covariance has them.
+    pub(super) ends: Vec<Ends>,
     /// Offset of the instrument's zero, A, where one was fitted.
     pub(super) offset_a: Option<f64>,
     /// Covariance of [ln c_1.., steady, ln tau_1.., offset where fitted].
@@ -355,6 +358,7 @@ impl Choosing<'_> {
             steady_visible: sums.gram.matrix.get(n, n) > 0.0,
             in_doubt: chosen.in_doubt,
             gain: chosen.gain,
+            ends: Vec::new(),
             offset_a: chosen.with_offset.then_some(solution.offset_a),
             covariance: sums.covariance(&chosen.residuals),
             residuals: chosen.residuals,

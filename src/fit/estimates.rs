@@ -12,28 +12,6 @@ use super::joint::feature::Feature;
 /// linear error propagation means nothing there.
 const WIDEST_FACTOR: f64 = 5.0;
 
-/// Relative half-width of a 95 % interval up to which the covariance says enough.
-const PARABOLIC: f64 = 0.1;
-
-/// Whether the sum of squares is a parabola as far as the 95 % intervals reach: the branches are there without
-/// doubt, none lies at a limit, and every interval is narrow. Where one branch is found and more are allowed, a
-/// second one may hide, which must be looked at.
-pub(super) fn is_parabolic(electrical: &Electrical, bending: Option<&Bending>, branches: usize) -> bool {
-    let n = electrical.conductances_a_per_v.len();
-    let narrow = |k: usize| {
-        electrical.residuals.quantile * electrical.covariance.get(k, k).max(0.0).sqrt() <= PARABOLIC
-    };
-    let bends = |bending: &Bending| {
-        let error = bending.covariance.get(0, 0).max(0.0).sqrt();
-        bending.residuals.quantile * error <= PARABOLIC * bending.coupling_per_c_cm.abs()
-    };
-    (n == branches || n >= 2)
-        && !electrical.in_doubt
-        && electrical.at_bound.iter().all(Option::is_none)
-        && (0..n).all(|k| narrow(k) && narrow(n + 1 + k))
-        && bending.is_none_or(|bending| !bending.evident || bends(bending))
-}
-
 /// Estimates of the electrical parameters.
 pub(super) fn electrical_estimate(
     feature: Feature,
@@ -69,17 +47,17 @@ fn branch_part(part: Feature, k: usize, electrical: &Electrical) -> Estimate {
     match part {
         Feature::Resistance(_) => {
             weights[k] = -1.0;
-            logarithmic(electrical.area_cm2 / conductance, &weights, electrical)
+            logarithmic(part, electrical.area_cm2 / conductance, &weights, electrical)
         }
         Feature::Capacitance(_) => {
             weights[k] = 1.0;
             weights[n + 1 + k] = 1.0;
             let capacitance = conductance * electrical.time_constants_s[k] / electrical.area_cm2;
-            logarithmic(capacitance, &weights, electrical)
+            logarithmic(part, capacitance, &weights, electrical)
         }
         _ => {
             weights[n + 1 + k] = 1.0;
-            logarithmic(electrical.time_constants_s[k], &weights, electrical)
+            logarithmic(part, electrical.time_constants_s[k], &weights, electrical)
         }
     }
 }
@@ -155,7 +133,13 @@ fn total_capacitance(electrical: &Electrical) -> Estimate {
         weights[k] = part / total;
         weights[n + 1 + k] = part / total;
     }
-    derived(total, &weights, electrical, Bound::High)
+    derived(
+        Feature::TotalCapacitance,
+        total,
+        &weights,
+        electrical,
+        Bound::High,
+    )
 }
 
 /// R1 || R2 = A / (c1 + c2).
@@ -165,31 +149,50 @@ fn parallel_resistance(electrical: &Electrical) -> Estimate {
     for (weight, conductance) in weights.iter_mut().zip(&electrical.conductances_a_per_v) {
         *weight = -conductance / total;
     }
-    derived(electrical.area_cm2 / total, &weights, electrical, Bound::Low)
+    derived(
+        Feature::ParallelResistance,
+        electrical.area_cm2 / total,
+        &weights,
+        electrical,
+        Bound::Low,
+    )
 }
 
 /// A sum over the branches; lost where a branch lies at the bound that such a sum does not survive.
-fn derived(value: f64, weights: &[f64; CAPACITY], electrical: &Electrical, fatal: Bound) -> Estimate {
+fn derived(
+    part: Feature,
+    value: f64,
+    weights: &[f64; CAPACITY],
+    electrical: &Electrical,
+    fatal: Bound,
+) -> Estimate {
     if electrical.conductances_a_per_v.is_empty() {
         return Estimate::not_determined(absent(0));
     }
     if electrical.at_bound.contains(&Some(fatal)) {
         return Estimate::not_determined(beyond(fatal));
     }
-    logarithmic(value, weights, electrical)
+    logarithmic(part, value, weights, electrical)
 }
 
 /// An estimate whose logarithm has the standard error that the weights give.
-fn logarithmic(value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
+fn logarithmic(part: Feature, value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
     let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
-    let factor = (electrical.residuals.quantile * relative).exp();
-    if !(value.is_finite() && value > 0.0 && factor <= WIDEST_FACTOR) {
+    let half = electrical.residuals.quantile * relative;
+    if !(value.is_finite() && value > 0.0 && half <= WIDEST_FACTOR.ln()) {
         return Estimate::not_determined(
             "the current does not separate it from the other electrical parameters: \
              its 95 % interval would span more than a factor of five to either side",
         );
     }
-    Estimate::determined(value, value * relative, value / factor, value * factor)
+    let ends = electrical.ends.iter().find(|ends| ends.feature == part);
+    let (low, high) = ends.map_or((1.0, 1.0), |ends| (ends.low, ends.high));
+    Estimate::determined(
+        value,
+        value * relative,
+        value * (-low * half).exp(),
+        value * (high * half).exp(),
+    )
 }
 
 /// R_ss from its conductance, in which the current is linear: where the interval of the conductance reaches

@@ -14,7 +14,7 @@ use super::readings::RunReadings;
 use super::start::Start;
 
 /// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
-const CLEAR: f64 = 30.0;
+pub(in crate::fit) const CLEAR: f64 = 30.0;
 /// How much wider the intervals of a branch are that was only just taken: runs in which chance made it look
 /// larger are taken more often than those in which it made it look smaller.
 const CHOSEN_WIDER: f64 = 0.5;
