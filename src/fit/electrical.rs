@@ -325,19 +325,19 @@ impl Choosing<'_> {
             scales[n + 1 + k] = conductances_a_per_v[k];
         }
         let circuit = self.circuit(chosen.with_offset);
-        let correlation = chosen.residuals.noise.correlation;
+        let memory = chosen.residuals.coefficients();
         let sums = match &chosen.jacobian {
             None => {
                 let short = Circuit {
                     sampled: &self.compressed,
                     ..circuit
                 };
-                let mut sums = CovarianceSums::with_normal(short.normal(&logs, &scales), correlation);
+                let mut sums = CovarianceSums::with_normal(short.normal(&logs, &scales), memory);
                 circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
                 sums
             }
             Some(jacobian) => {
-                let mut sums = CovarianceSums::new(circuit.columns(n), correlation);
+                let mut sums = CovarianceSums::new(circuit.columns(n), memory);
                 let steady = std::iter::once(n);
                 let own = order
                     .iter()

@@ -139,14 +139,14 @@ const TAU4: ParameterDescription = derived(fitted(
 static MODELS: [FitModel; 5] = [
     FitModel {
         id: "lumped-1",
-        version: 2,
+        version: 3,
         branches: 1,
         description: "one R-C branch beside the steady-state resistor, with back-relaxation (thin electrodes)",
         parameters: &[R1, C1, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1],
     },
     FitModel {
         id: "lumped-2",
-        version: 2,
+        version: 3,
         branches: 2,
         description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
         parameters: &[

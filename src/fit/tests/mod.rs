@@ -4,6 +4,7 @@ mod branches;
 mod calibration;
 mod groups;
 mod limits;
+mod memory;
 mod recovery;
 
 use std::sync::Arc;

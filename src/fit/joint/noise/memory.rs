@@ -1,8 +1,9 @@
 //! The memory of noise, by restricted likelihood beside the smooth part, so that the smooth part costs no bias.
 
 use crate::fit::joint::dense::Dense;
-use crate::fit::joint::whitening::{Memory, Whitener, innovation_share};
+use crate::fit::joint::whitening::{Memory, Whitener};
 use crate::fit::sampled::{Sampled, Span};
+use crate::numerics::correlation::yule_walker;
 
 use super::EVIDENCE;
 use super::smooth::{Smooth, inner};
@@ -150,7 +151,7 @@ impl Smooth {
         let penalty = (sampled.len() as f64).ln().max(EVIDENCE);
         let lags = self.autocovariances(sampled, scale, &best.1);
         for order in 2..=3 {
-            let Some(coefficients) = yule_walker(&lags[..=order]) else {
+            let Some((coefficients, _)) = yule_walker(&lags[..=order]) else {
                 break;
             };
             let memory = Memory::Order(coefficients);
@@ -235,30 +236,4 @@ fn search(
     } else {
         best
     }
-}
-
-/// Coefficients of the autoregression with those autocovariances; none where it would not be stationary.
-fn yule_walker(lags: &[f64]) -> Option<Vec<f64>> {
-    let mut coefficients: Vec<f64> = Vec::new();
-    let mut variance = lags[0];
-    for k in 1..lags.len() {
-        let known: f64 = coefficients
-            .iter()
-            .enumerate()
-            .map(|(j, a)| a * lags[k - 1 - j])
-            .sum();
-        let partial = (lags[k] - known) / variance;
-        if partial.is_nan() || partial.abs() >= 0.98 {
-            return None;
-        }
-        let turned: Vec<f64> = coefficients.iter().rev().copied().collect();
-        coefficients
-            .iter_mut()
-            .zip(turned)
-            .for_each(|(a, b)| *a -= partial * b);
-        coefficients.push(partial);
-        variance *= 1.0 - partial * partial;
-    }
-    (coefficients.iter().sum::<f64>() < 0.985 && innovation_share(&coefficients) > 0.0)
-        .then_some(coefficients)
 }
