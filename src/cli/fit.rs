@@ -4,9 +4,10 @@ use clap::Args;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::fit_choice::FitChoiceArgs;
+use super::fit_group::{self, GroupArgs};
 use super::output::Output;
 use super::{CampaignArg, Global};
-use crate::pipeline::fits_document::{FitEntry, fits_document};
+use crate::pipeline::fits_document::{FitEntry, ParameterEntry, fits_document};
 use crate::pipeline::{Context, FitRuns, Ingest};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
@@ -19,6 +20,8 @@ pub struct FitArgs {
     /// Fit again even where nothing changed
     #[arg(long)]
     again: bool,
+    #[command(flatten)]
+    group: GroupArgs,
 }
 
 pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -43,8 +46,15 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
-    let document = fits_document(&context)?;
-    document.fits.iter().for_each(|fit| print(fit, output));
+    let mut document = fits_document(&context)?;
+    match args.group.groups(args.fit.choice(global))? {
+        None => document.fits.iter().for_each(|fit| print(fit, output)),
+        Some(groups) => {
+            let groups = groups.run(&context, output)?;
+            groups.iter().for_each(|group| fit_group::print(group, output));
+            document.groups = Some(groups);
+        }
+    }
     output.document(&document)?;
     Ok(if ingest.refused.is_empty() {
         DONE
@@ -56,17 +66,21 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
 fn print(fit: &FitEntry, output: &Output) {
     output.result(&format!("{}  {}  {}", fit.run, fit.model, fit.why_stopped));
     for (key, parameter) in &fit.parameters {
-        let text = match (parameter.value, parameter.standard_error) {
-            (Some(value), Some(error)) => format!("{value:.5e} +- {error:.1e}"),
-            _ => {
-                let bound = match (parameter.low_95, parameter.high_95) {
-                    (Some(low), None) => format!("above {low:.2e}"),
-                    (None, Some(high)) => format!("below {high:.2e}"),
-                    _ => "not determined".to_owned(),
-                };
-                format!("{bound}: {}", parameter.reason.as_deref().unwrap_or_default())
-            }
-        };
-        output.result(&format!("    {key:<22} {text}"));
+        output.result(&format!("    {key:<22} {}", in_words(parameter)));
+    }
+}
+
+/// A parameter as a line of text.
+pub(super) fn in_words(parameter: &ParameterEntry) -> String {
+    match (parameter.value, parameter.standard_error) {
+        (Some(value), Some(error)) => format!("{value:.5e} +- {error:.1e}"),
+        _ => {
+            let bound = match (parameter.low_95, parameter.high_95) {
+                (Some(low), None) => format!("above {low:.2e}"),
+                (None, Some(high)) => format!("below {high:.2e}"),
+                _ => "not determined".to_owned(),
+            };
+            format!("{bound}: {}", parameter.reason.as_deref().unwrap_or_default())
+        }
     }
 }

@@ -6,6 +6,7 @@ mod exit;
 mod export;
 mod fit;
 mod fit_choice;
+mod fit_group;
 mod formats;
 mod ingest;
 mod init;

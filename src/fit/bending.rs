@@ -175,7 +175,7 @@ fn covariance(
     let normal = Symmetric::from_fn(gram.matrix.order(), |row, column| {
         scales[row] * scales[column] * gram.matrix.get(row, column)
     });
-    let mut sums = CovarianceSums::with_normal(normal, residuals.noise.correlation);
+    let mut sums = CovarianceSums::with_normal(normal, residuals.coefficients());
     full.each_block(rate_per_s, |block, columns, _| {
         sums.add(block.len, columns, &scales)
     });

@@ -12,6 +12,7 @@ use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};
+use super::parabola::Ends;
 use super::sampled::Sampled;
 use super::search::{CoarseLook, Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
@@ -20,7 +21,7 @@ use super::uncertainty::{CovarianceSums, Residuals};
 /// parameters fitted to it of which one is a time constant anywhere on the record, does so in less than one of
 /// a hundred runs (see the test of a resistor with one capacitor).
 pub(super) const BRANCH_EVIDENCE: f64 = 12.0;
-/// From here on a second branch may be there: leaving it out would bias what one branch says, so two are kept
+/// From here on a further branch may be there: leaving it out would bias what the others say, so it is kept
 /// for the sums over branches, and their parts are not reported. Below it, a second branch that hides in the noise
 /// must be shown to be too small to matter.
 pub(super) const BRANCH_DOUBT: f64 = 4.0;
@@ -42,8 +43,13 @@ pub(super) struct Electrical {
     pub(super) steady_a_per_v: f64,
     /// Whether any reading was taken at a held voltage other than zero, so that R_ss carries current.
     pub(super) steady_visible: bool,
-    /// Whether the second branch may be chance: the parts of both branches are then open.
+    /// Whether the last of two or more branches may be chance: the parts of all branches are then open.
     pub(super) in_doubt: bool,
+    /// Fall of the sum of squares by the last branch, in variances of a long sum of the noise; none where none
+    /// was weighed.
+    pub(super) gain: Option<f64>,
+    /// Intervals whose ends are not where the covariance has them.
+    pub(super) ends: Vec<Ends>,
     /// Offset of the instrument's zero, A, where one was fitted.
     pub(super) offset_a: Option<f64>,
     /// Covariance of [ln c_1.., steady, ln tau_1.., offset where fitted].
@@ -110,6 +116,7 @@ struct Choice {
     residuals: Residuals,
     with_offset: bool,
     in_doubt: bool,
+    gain: Option<f64>,
 }
 
 /// One current under one drive, while branches and offset are chosen.
@@ -184,10 +191,13 @@ impl Choosing<'_> {
             let all_used = chosen.found.solution.conductances_a_per_v[..=count]
                 .iter()
                 .all(|&c| c > 0.0);
+            if all_used && gain > BRANCH_DOUBT * self.noise {
+                chosen.gain = Some(gain / self.noise);
+            }
             if all_used && gain > BRANCH_EVIDENCE * self.noise {
                 break;
             }
-            if all_used && count == 1 && gain > BRANCH_DOUBT * self.noise {
+            if all_used && count >= 1 && gain > BRANCH_DOUBT * self.noise {
                 chosen.in_doubt = true;
                 break;
             }
@@ -245,6 +255,7 @@ impl Choosing<'_> {
                 found,
                 with_offset,
                 in_doubt: false,
+                gain: None,
             };
         }
         Choice {
@@ -253,6 +264,7 @@ impl Choosing<'_> {
             found,
             with_offset,
             in_doubt: false,
+            gain: None,
         }
     }
 
@@ -313,19 +325,19 @@ impl Choosing<'_> {
             scales[n + 1 + k] = conductances_a_per_v[k];
         }
         let circuit = self.circuit(chosen.with_offset);
-        let correlation = chosen.residuals.noise.correlation;
+        let memory = chosen.residuals.coefficients();
         let sums = match &chosen.jacobian {
             None => {
                 let short = Circuit {
                     sampled: &self.compressed,
                     ..circuit
                 };
-                let mut sums = CovarianceSums::with_normal(short.normal(&logs, &scales), correlation);
+                let mut sums = CovarianceSums::with_normal(short.normal(&logs, &scales), memory);
                 circuit.each_block(&logs, |block, columns, _| sums.add(block.len, columns, &scales));
                 sums
             }
             Some(jacobian) => {
-                let mut sums = CovarianceSums::new(circuit.columns(n), correlation);
+                let mut sums = CovarianceSums::new(circuit.columns(n), memory);
                 let steady = std::iter::once(n);
                 let own = order
                     .iter()
@@ -345,6 +357,8 @@ impl Choosing<'_> {
             steady_a_per_v: solution.conductances_a_per_v[n],
             steady_visible: sums.gram.matrix.get(n, n) > 0.0,
             in_doubt: chosen.in_doubt,
+            gain: chosen.gain,
+            ends: Vec::new(),
             offset_a: chosen.with_offset.then_some(solution.offset_a),
             covariance: sums.covariance(&chosen.residuals),
             residuals: chosen.residuals,

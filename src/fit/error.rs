@@ -89,6 +89,12 @@ pub enum FitError {
         /// The ids that exist, with commas.
         known: String,
     },
+    /// A model that groups are not fitted with.
+    #[error("model \"{found}\" is not fitted to groups of runs: choose a lumped one with --model")]
+    GroupModel {
+        /// The model asked for.
+        found: &'static str,
+    },
     /// A group without a run.
     #[error("the group holds no run: a fit of a group needs one at least")]
     EmptyGroup,
@@ -99,6 +105,12 @@ pub enum FitError {
         found: String,
         /// The keys that may be shared, with commas.
         known: String,
+    },
+    /// A run without a current from which the electrical parameters of its group could start.
+    #[error("the run cannot be part of a group: {reason}")]
+    OutsideGroup {
+        /// Why.
+        reason: String,
     },
     /// No run of a group has a current from which its electrical parameters could start.
     #[error("run {index} of the group cannot be fitted: {reason}")]

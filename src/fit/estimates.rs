@@ -6,67 +6,36 @@ use crate::numerics::symmetric::CAPACITY;
 
 use super::bending::Bending;
 use super::electrical::{Bound, Electrical};
+use super::joint::feature::Feature;
 
 /// A positive parameter whose 95 % interval spans more than this factor to either side is not determined:
 /// linear error propagation means nothing there.
 const WIDEST_FACTOR: f64 = 5.0;
 
-/// Relative half-width of a 95 % interval up to which the covariance says enough.
-const PARABOLIC: f64 = 0.1;
-
-/// Whether the sum of squares is a parabola as far as the 95 % intervals reach: all branches are there without
-/// doubt, none lies at a limit, and every interval is narrow.
-pub(super) fn is_parabolic(electrical: &Electrical, bending: Option<&Bending>, branches: usize) -> bool {
-    let n = electrical.conductances_a_per_v.len();
-    let narrow = |k: usize| {
-        electrical.residuals.quantile * electrical.covariance.get(k, k).max(0.0).sqrt() <= PARABOLIC
-    };
-    let bends = |bending: &Bending| {
-        let error = bending.covariance.get(0, 0).max(0.0).sqrt();
-        bending.residuals.quantile * error <= PARABOLIC * bending.coupling_per_c_cm.abs()
-    };
-    n == branches
-        && !electrical.in_doubt
-        && electrical.at_bound.iter().all(Option::is_none)
-        && (0..n).all(|k| narrow(k) && narrow(n + 1 + k))
-        && bending.is_none_or(|bending| !bending.evident || bends(bending))
+/// Estimates of the electrical parameters.
+pub(super) fn electrical_estimate(
+    feature: Feature,
+    electrical: &Electrical,
+    drive: &Drive,
+) -> Option<Estimate> {
+    match feature {
+        Feature::Resistance(k) | Feature::Capacitance(k) | Feature::TimeConstant(k) => {
+            Some(branch_part(feature, k, electrical))
+        }
+        Feature::Steady => Some(steady(electrical, drive)),
+        Feature::TotalCapacitance => Some(total_capacitance(electrical)),
+        Feature::ParallelResistance => Some(parallel_resistance(electrical)),
+        Feature::Coupling | Feature::Rate => None,
+    }
 }
 
-/// Which parameter of a model an estimate is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Resistance(usize),
-    Capacitance(usize),
-    TimeConstant(usize),
-}
-
-/// Estimates of the electrical parameters under their keys.
-pub(super) fn electrical_estimate(key: &str, electrical: &Electrical, drive: &Drive) -> Option<Estimate> {
-    let part = match key {
-        "r1_ohm_cm2" => Part::Resistance(0),
-        "c1_f_per_cm2" => Part::Capacitance(0),
-        "r2_ohm_cm2" => Part::Resistance(1),
-        "c2_f_per_cm2" => Part::Capacitance(1),
-        "tau1_s" => Part::TimeConstant(0),
-        "tau2_s" => Part::TimeConstant(1),
-        "rss_ohm_cm2" => return Some(steady(electrical, drive)),
-        "c_total_f_per_cm2" => return Some(total_capacitance(electrical)),
-        "r_parallel_ohm_cm2" => return Some(parallel_resistance(electrical)),
-        _ => return None,
-    };
-    Some(branch_part(part, electrical))
-}
-
-fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
-    let (Part::Resistance(k) | Part::Capacitance(k) | Part::TimeConstant(k)) = part;
+fn branch_part(part: Feature, k: usize, electrical: &Electrical) -> Estimate {
     let n = electrical.conductances_a_per_v.len();
     if k >= n {
-        return Estimate::not_determined(absent(k, n));
+        return Estimate::not_determined(absent(n));
     }
     if electrical.in_doubt {
-        return Estimate::not_determined(
-            "a second branch may be there or may be chance, so that the parts of neither are known",
-        );
+        return Estimate::not_determined(in_doubt(n));
     }
     if let Some(bound) = electrical.at_bound[k] {
         let mut estimate = Estimate::not_determined(beyond(bound));
@@ -76,30 +45,68 @@ fn branch_part(part: Part, electrical: &Electrical) -> Estimate {
     let mut weights = [0.0; CAPACITY];
     let conductance = electrical.conductances_a_per_v[k];
     match part {
-        Part::Resistance(_) => {
+        Feature::Resistance(_) => {
             weights[k] = -1.0;
-            logarithmic(electrical.area_cm2 / conductance, &weights, electrical)
+            logarithmic(part, electrical.area_cm2 / conductance, &weights, electrical)
         }
-        Part::Capacitance(_) => {
+        Feature::Capacitance(_) => {
             weights[k] = 1.0;
             weights[n + 1 + k] = 1.0;
             let capacitance = conductance * electrical.time_constants_s[k] / electrical.area_cm2;
-            logarithmic(capacitance, &weights, electrical)
+            logarithmic(part, capacitance, &weights, electrical)
         }
-        Part::TimeConstant(_) => {
+        _ => {
             weights[n + 1 + k] = 1.0;
-            logarithmic(electrical.time_constants_s[k], &weights, electrical)
+            logarithmic(part, electrical.time_constants_s[k], &weights, electrical)
         }
     }
 }
 
+/// What the parts of the branches are worth where the last of `n` is in doubt.
+pub(super) fn in_doubt(n: usize) -> String {
+    match n {
+        2 => {
+            "a second branch may be there or may be chance, so that the parts of neither are known".to_owned()
+        }
+        _ => format!(
+            "a {} branch may be there or may be chance, so that the parts of none are known",
+            ordinal(n)
+        ),
+    }
+}
+
 /// Why branch `k` is missing where the current shows `n`.
-fn absent(k: usize, n: usize) -> String {
-    match (k, n) {
-        (_, 0) => "no branch with a positive resistance and capacitance describes the current better than noise would".to_owned(),
-        _ => "no second branch with a positive resistance and capacitance describes the current better than noise \
-              would: one branch is enough"
+fn absent(n: usize) -> String {
+    match n {
+        0 => "no branch with a positive resistance and capacitance describes the current better than noise would"
             .to_owned(),
+        _ => format!(
+            "no {} branch with a positive resistance and capacitance describes the current better than noise \
+             would: {} enough",
+            ordinal(n + 1),
+            counted(n)
+        ),
+    }
+}
+
+/// `second` for 2.
+pub(super) fn ordinal(n: usize) -> &'static str {
+    match n {
+        1 => "first",
+        2 => "second",
+        3 => "third",
+        4 => "fourth",
+        _ => "further",
+    }
+}
+
+/// `one branch is`, `two branches are`.
+pub(super) fn counted(n: usize) -> &'static str {
+    match n {
+        1 => "one branch is",
+        2 => "two branches are",
+        3 => "three branches are",
+        _ => "that many branches are",
     }
 }
 
@@ -126,7 +133,13 @@ fn total_capacitance(electrical: &Electrical) -> Estimate {
         weights[k] = part / total;
         weights[n + 1 + k] = part / total;
     }
-    derived(total, &weights, electrical, Bound::High)
+    derived(
+        Feature::TotalCapacitance,
+        total,
+        &weights,
+        electrical,
+        Bound::High,
+    )
 }
 
 /// R1 || R2 = A / (c1 + c2).
@@ -136,31 +149,50 @@ fn parallel_resistance(electrical: &Electrical) -> Estimate {
     for (weight, conductance) in weights.iter_mut().zip(&electrical.conductances_a_per_v) {
         *weight = -conductance / total;
     }
-    derived(electrical.area_cm2 / total, &weights, electrical, Bound::Low)
+    derived(
+        Feature::ParallelResistance,
+        electrical.area_cm2 / total,
+        &weights,
+        electrical,
+        Bound::Low,
+    )
 }
 
 /// A sum over the branches; lost where a branch lies at the bound that such a sum does not survive.
-fn derived(value: f64, weights: &[f64; CAPACITY], electrical: &Electrical, fatal: Bound) -> Estimate {
+fn derived(
+    part: Feature,
+    value: f64,
+    weights: &[f64; CAPACITY],
+    electrical: &Electrical,
+    fatal: Bound,
+) -> Estimate {
     if electrical.conductances_a_per_v.is_empty() {
-        return Estimate::not_determined(absent(0, 0));
+        return Estimate::not_determined(absent(0));
     }
     if electrical.at_bound.contains(&Some(fatal)) {
         return Estimate::not_determined(beyond(fatal));
     }
-    logarithmic(value, weights, electrical)
+    logarithmic(part, value, weights, electrical)
 }
 
 /// An estimate whose logarithm has the standard error that the weights give.
-fn logarithmic(value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
+fn logarithmic(part: Feature, value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
     let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
-    let factor = (electrical.residuals.quantile * relative).exp();
-    if !(value.is_finite() && value > 0.0 && factor <= WIDEST_FACTOR) {
+    let half = electrical.residuals.quantile * relative;
+    if !(value.is_finite() && value > 0.0 && half <= WIDEST_FACTOR.ln()) {
         return Estimate::not_determined(
             "the current does not separate it from the other electrical parameters: \
              its 95 % interval would span more than a factor of five to either side",
         );
     }
-    Estimate::determined(value, value * relative, value / factor, value * factor)
+    let ends = electrical.ends.iter().find(|ends| ends.feature == part);
+    let (low, high) = ends.map_or((1.0, 1.0), |ends| (ends.low, ends.high));
+    Estimate::determined(
+        value,
+        value * relative,
+        value * (-low * half).exp(),
+        value * (high * half).exp(),
+    )
 }
 
 /// R_ss from its conductance, in which the current is linear: where the interval of the conductance reaches
@@ -207,10 +239,10 @@ fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
 }
 
 /// Estimates of coupling and relaxation rate, or why there are none.
-pub(super) fn bending_estimate(key: &str, bending: Result<&Bending, &str>) -> Option<Estimate> {
-    let index = match key {
-        "alpha_per_c_cm" => 0,
-        "lambda_per_s" => 1,
+pub(super) fn bending_estimate(feature: Feature, bending: Result<&Bending, &str>) -> Option<Estimate> {
+    let index = match feature {
+        Feature::Coupling => 0,
+        Feature::Rate => 1,
         _ => return None,
     };
     let bending = match bending {

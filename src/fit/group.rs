@@ -1,21 +1,25 @@
 //! Fits of several runs at once: parameters that all runs share, others free in every run.
 
-use crate::domain::{Fit, Issue, Parameter};
-use crate::model::FitModel;
-use crate::numerics::levenberg::Stop;
-use crate::numerics::student::quantile_95;
+mod intervals;
+mod search;
 
-use super::joint::bootstrap::{replicate, spread};
-use super::joint::dense::{Bottom, descend};
+use crate::domain::{Fit, Issue, Parameter};
+use crate::model::{FitModel, ParameterDescription};
+use crate::numerics::chance::chi_square_chance;
+
+use super::joint::dense::{Bottom, Slope};
 use super::joint::feature::Feature;
 use super::joint::minimum::excess;
 use super::joint::problem::{Layout, Over, Problem};
-use super::joint::profile::{Deeper, Interval, Solved};
 use super::joint::readings::RunReadings;
-use super::joint::single::{REACH, partner, reach};
-use super::joint::start::{Start, problem};
+use super::joint::start::Start;
 use super::outcome;
+use super::sampled::Sampled;
 use super::{FitError, FitInput, FitOptions, Readings, identify, needed};
+
+pub(super) use intervals::Found;
+use intervals::{JudgedGroup, judge};
+use search::search;
 
 /// How to fit a group.
 #[derive(Debug, Clone)]
@@ -85,6 +89,8 @@ pub struct GroupFit {
     pub chi_square: f64,
     /// Readings minus parameters.
     pub degrees_of_freedom: f64,
+    /// What sharing costs; none for a single run.
+    pub sharing: Option<Sharing>,
     /// Standard deviations and 95 % ranges of the bootstrap, per run, where asked for.
     pub bootstrap: Vec<Vec<Resampled>>,
     /// Whether the search converged.
@@ -93,6 +99,17 @@ pub struct GroupFit {
     pub why_stopped: String,
     /// Evaluations.
     pub evaluations: u64,
+}
+
+/// Likelihood ratio of the shared parameters against the same ones free in every run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sharing {
+    /// Rise of the weighted sum of squares.
+    pub chi_square_rise: f64,
+    /// Parameters saved.
+    pub parameters_saved: usize,
+    /// Chance of such a rise where the runs have them in common.
+    pub p: f64,
 }
 
 /// What the bootstrap says of one parameter.
@@ -110,14 +127,8 @@ pub struct Resampled {
     pub replicates: usize,
 }
 
-/// Part of a logarithm, or of a coupling, beyond which an interval is looked at by profile.
-const NARROW: f64 = 0.1;
-/// Evaluations over the condensed readings and over all of them.
+/// Evaluations of one search over the condensed readings.
 const LIMIT: u64 = 150;
-const POLISH_LIMIT: u64 = 12;
-/// Starts that are tried.
-const STARTS: usize = 4;
-const RESTARTS: usize = 3;
 
 /// Fits all runs at once, current and curvature weighted by their noise.
 ///
@@ -139,8 +150,59 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
         starts.push(start);
     }
     let (problem, bottom, evaluations) = search(runs, &starts, &shared);
-    let judged = judge(&problem, bottom, options, evaluations);
-    Ok(assemble(inputs, options, &problem, judged))
+    let mut judged = judge(&problem, bottom, options, evaluations);
+    let sharing = (inputs.len() > 1).then(|| weigh_sharing(&problem, &starts, &mut judged));
+    let fit = assemble(inputs, options, &problem, judged);
+    Ok(GroupFit { sharing, ..fit })
+}
+
+/// Whether a run can be part of a group: it needs a current with enough readings.
+///
+/// # Errors
+/// [`FitError`] says why it cannot.
+pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), FitError> {
+    let own = FitOptions {
+        model,
+        ..FitOptions::default()
+    };
+    let readings = Readings::new(input)?;
+    readings.check(input, &own)?;
+    let found = readings.current.as_ref().map(Sampled::after_step);
+    let needed = needed(model);
+    let reason = match found {
+        None => "it has no current channel, from which the electrical parameters start".to_owned(),
+        Some(found) if found < needed => {
+            format!("its current has {found} usable readings after the step, {needed} are needed")
+        }
+        Some(_) => return Ok(()),
+    };
+    Err(FitError::OutsideGroup { reason })
+}
+
+/// Fits every run by itself and weighs what sharing costs.
+fn weigh_sharing(problem: &Problem, starts: &[Start], judged: &mut JudgedGroup) -> Sharing {
+    let (mut square, mut parameters, mut misfit) = (0.0, 0, 1.0_f64);
+    for (run, start) in problem.runs.iter().zip(starts) {
+        let (own, bottom, evaluations) = search(vec![run.clone()], std::slice::from_ref(start), &[]);
+        square += bottom.slope.square;
+        parameters += own.low.len();
+        judged.evaluations += evaluations;
+        let slope = Slope {
+            square: own.square(&bottom.at, Over::Condensed),
+            ..bottom.slope.clone()
+        };
+        misfit = misfit.max(excess(&own, &Bottom { slope, ..bottom }).powi(2));
+    }
+    let shared = problem.square(&judged.bottom.at, Over::Whole);
+    let parameters_saved = parameters.saturating_sub(judged.bottom.at.len());
+    // A group's place is one that its runs may take: what falls below is what the searches leave.
+    let chi_square_rise = (shared - square).max(0.0);
+    Sharing {
+        chi_square_rise,
+        parameters_saved,
+        // Where the model leaves more than noise by itself, sharing must cost more than that to mean something.
+        p: chi_square_chance(chi_square_rise / misfit, parameters_saved),
+    }
 }
 
 /// Local places of the shared keys.
@@ -193,208 +255,6 @@ fn prepare<'a>(
     Ok((run, start))
 }
 
-/// The deepest minimum over the condensed readings, polished over all of them.
-fn search<'a>(runs: Vec<RunReadings<'a>>, starts: &[Start], shared: &[usize]) -> (Problem<'a>, Bottom, u64) {
-    let (problem, first) = problem(runs, starts, shared);
-    let mut evaluations = 0;
-    let mut best: Option<Bottom> = None;
-    for at in start_places(&problem, starts, first).iter().take(STARTS) {
-        let found = problem.descend(at, LIMIT, 1e-4);
-        evaluations += found.evaluations;
-        if best
-            .as_ref()
-            .is_none_or(|best| found.slope.square < best.slope.square)
-        {
-            best = Some(found);
-        }
-    }
-    let at = best.map(|best| best.at).unwrap_or_default();
-    let mut bottom = descend(&at, &problem.low, &problem.high, POLISH_LIMIT, 1e-6, |at| {
-        problem.slope(at, Over::Whole)
-    });
-    evaluations += bottom.evaluations;
-    if bottom.stop == Stop::EvaluationLimit {
-        // What is left is below the accuracy of the condensed search, which converged.
-        let further = descend(&bottom.at, &problem.low, &problem.high, LIMIT, 1e-4, |at| {
-            problem.slope(at, Over::Whole)
-        });
-        evaluations += further.evaluations;
-        bottom = further;
-    }
-    (problem, bottom, evaluations)
-}
-
-/// Places to start from: the shared parameters as each of the runs has them, and their mean.
-fn start_places(problem: &Problem, starts: &[Start], first: Vec<f64>) -> Vec<Vec<f64>> {
-    use super::joint::problem::Slot;
-    let value = |run: usize, local: usize| starts[run].local[local] / problem.units[local];
-    let with = |base: &[f64], run: usize| {
-        let mut at = base.to_vec();
-        for (local, slot) in problem.slots[run].iter().enumerate() {
-            if let Slot::Searched(k) = *slot {
-                at[k] = value(run, local);
-            }
-        }
-        at
-    };
-    let places: Vec<Vec<f64>> = (0..starts.len()).map(|run| with(&first, run)).collect();
-    let mut sums = vec![(0.0, 0.0); first.len()];
-    for (run, slots) in problem.slots.iter().enumerate() {
-        for (local, slot) in slots.iter().enumerate() {
-            if let Slot::Searched(k) = *slot
-                && starts[run].searched[local]
-            {
-                sums[k].0 += value(run, local);
-                sums[k].1 += 1.0;
-            }
-        }
-    }
-    let mean = sums
-        .iter()
-        .zip(&first)
-        .map(|((sum, count), v)| if *count > 0.0 { sum / count } else { *v });
-    let mut all = vec![mean.collect::<Vec<f64>>()];
-    all.extend(places);
-    all.dedup();
-    all
-}
-
-/// A feature with its interval and, where it was profiled, what it trades off against.
-pub(super) type Found = (Feature, Interval, Option<(Feature, f64)>);
-
-/// Intervals of every parameter of every run.
-struct JudgedGroup {
-    bottom: Bottom,
-    features: Vec<Vec<Found>>,
-    resampled: Vec<Vec<Resampled>>,
-    evaluations: u64,
-}
-
-fn features(layout: Layout, problem: &Problem, run: usize) -> Vec<Feature> {
-    let mut found = Vec::new();
-    for k in 0..layout.branches {
-        found.extend([
-            Feature::Resistance(k),
-            Feature::Capacitance(k),
-            Feature::TimeConstant(k),
-        ]);
-    }
-    found.extend([
-        Feature::Steady,
-        Feature::TotalCapacitance,
-        Feature::ParallelResistance,
-    ]);
-    if problem.runs[run].curvature.is_some() {
-        found.extend([Feature::Coupling, Feature::Rate]);
-    }
-    found
-}
-
-fn judge(problem: &Problem, mut bottom: Bottom, options: &GroupOptions, mut evaluations: u64) -> JudgedGroup {
-    let mut restarts = 0;
-    let features_of = loop {
-        match try_intervals(problem, &bottom, options, &mut evaluations) {
-            Err(Deeper(at)) if restarts < RESTARTS => {
-                restarts += 1;
-                bottom = problem.descend(&at, LIMIT, 1e-4);
-            }
-            Ok(found) => break found,
-            Err(_) => break Vec::new(),
-        }
-    };
-    let resampled = options
-        .bootstrap
-        .map_or_else(Vec::new, |bootstrap| resample(problem, &bottom, bootstrap));
-    JudgedGroup {
-        bottom,
-        features: features_of,
-        resampled,
-        evaluations,
-    }
-}
-
-fn try_intervals(
-    problem: &Problem,
-    bottom: &Bottom,
-    options: &GroupOptions,
-    evaluations: &mut u64,
-) -> Result<Vec<Vec<Found>>, Deeper> {
-    let freedom: f64 = problem
-        .runs
-        .iter()
-        .flat_map(|run| [&run.current, &run.curvature])
-        .flatten()
-        .map(|response| response.noise.freedom)
-        .sum();
-    let condensed = Bottom {
-        slope: problem.slope(&bottom.at, Over::Condensed),
-        ..bottom.clone()
-    };
-    let quantile = quantile_95(freedom.max(2.0)) * excess(problem, &condensed);
-    let whole = Solved::new(problem, bottom.clone());
-    let mut along: Option<Solved> = None;
-    let mut found = Vec::with_capacity(problem.runs.len());
-    for run in 0..problem.runs.len() {
-        let mut own = Vec::new();
-        for feature in features(problem.layout, problem, run) {
-            let linear = whole.linear(feature, run, quantile);
-            let scale = if feature.is_logarithm() {
-                1.0
-            } else {
-                linear.value.abs()
-            };
-            let narrow = quantile * linear.standard_error <= NARROW * scale;
-            if narrow && options.intervals == Intervals::Automatic {
-                own.push((feature, linear, None));
-                continue;
-            }
-            let solved =
-                along.get_or_insert_with(|| Solved::new(problem, problem.descend(&bottom.at, LIMIT, 1e-5)));
-            let reach = if feature.is_logarithm() {
-                REACH
-            } else {
-                reach(solved, feature, run, quantile)
-            };
-            let interval = solved.profile(feature, run, quantile, reach)?;
-            own.push((feature, interval, partner(solved, feature, run)));
-        }
-        found.push(own);
-    }
-    *evaluations += along.map_or(0, |solved| solved.evaluations);
-    Ok(found)
-}
-
-fn resample(problem: &Problem, bottom: &Bottom, bootstrap: Bootstrap) -> Vec<Vec<Resampled>> {
-    let own = |run: usize| {
-        features(problem.layout, problem, run)
-            .into_iter()
-            .map(move |feature| (run, feature))
-    };
-    let wanted: Vec<(usize, Feature)> = (0..problem.runs.len()).flat_map(own).collect();
-    let refits = replicate(problem, &bottom.at, &wanted, bootstrap.seed, bootstrap.replicates);
-    let mut found: Vec<Vec<Resampled>> = vec![Vec::new(); problem.runs.len()];
-    for (column, (run, feature)) in wanted.into_iter().enumerate() {
-        let reported = |value: f64| match feature {
-            Feature::Steady => value.recip(),
-            _ if feature.is_logarithm() => value.exp(),
-            _ => value,
-        };
-        let mut values: Vec<f64> = refits.iter().map(|refit| reported(refit[column])).collect();
-        let replicates = values.len();
-        let Some(key) = feature.key() else { continue };
-        if let Some((low_95, high_95, standard_deviation)) = spread(&mut values) {
-            found[run].push(Resampled {
-                key: key.to_owned(),
-                standard_deviation,
-                low_95,
-                high_95,
-                replicates,
-            });
-        }
-    }
-    found
-}
-
 fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judged: JudgedGroup) -> GroupFit {
     let readings: usize = problem.runs.iter().map(RunReadings::len).sum();
     let stop = judged.bottom.stop;
@@ -417,6 +277,7 @@ fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judg
         shared: options.shared.clone(),
         chi_square: problem.square(&judged.bottom.at, Over::Whole),
         degrees_of_freedom: readings as f64 - judged.bottom.at.len() as f64,
+        sharing: None,
         bootstrap: judged.resampled,
         converged: stop.converged(),
         why_stopped: stop.words().to_owned(),
@@ -425,15 +286,30 @@ fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judg
     }
 }
 
-/// Whether a parameter of a fit is one that its group shares.
 impl GroupFit {
-    /// The shared parameters, as every run has them.
-    pub fn shared_parameters(&self) -> Vec<&Parameter> {
-        let first = self.runs.first().map_or(&[][..], |fit| fit.parameters.as_slice());
-        first
+    /// Parameters that are the same in every run: the shared ones, and what follows from them alone.
+    pub fn common_parameters(&self, model: &FitModel) -> Vec<&Parameter> {
+        let is_shared = |key: &str| self.shared.iter().any(|shared| shared == key);
+        let branches_are_shared = model
+            .parameters
             .iter()
-            .filter(|parameter| self.shared.contains(&parameter.key))
-            .collect()
+            .filter(|of| !of.derived && (of.key.starts_with('r') || of.key.starts_with('c')))
+            .filter(|of| of.key != "rss_ohm_cm2")
+            .all(|of| is_shared(of.key));
+        let common = |of: &&ParameterDescription| is_shared(of.key) || of.derived && branches_are_shared;
+        let best = |of: &ParameterDescription| {
+            // A run without curvature tells nothing of what others do.
+            let found = || {
+                self.runs
+                    .iter()
+                    .flat_map(|fit| &fit.parameters)
+                    .filter(|p| p.key == of.key)
+            };
+            found()
+                .find(|p| p.estimate.value.is_some())
+                .or_else(|| found().next())
+        };
+        model.parameters.iter().filter(common).filter_map(best).collect()
     }
 
     /// Issues of all runs, each with the position of its run.

@@ -2,6 +2,8 @@
 
 use crate::domain::{Drive, Estimate, Level};
 
+use super::electrical::Electrical;
+use super::estimates::{counted, in_doubt, ordinal};
 use super::joint::branch_evidence::{Branches, Evidence};
 use super::joint::feature::Feature;
 use super::joint::profile::Interval;
@@ -153,28 +155,19 @@ fn rate(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     }
 }
 
-/// The estimate of a judged run under `key`; none where it was not judged.
-pub(super) fn judged_estimate(key: &str, judged: &Judged, drive: &Drive) -> Option<Estimate> {
-    let feature = Feature::of_key(key, 2)?;
+/// The estimate of a judged run; none where it was not judged.
+pub(super) fn judged_estimate(feature: Feature, judged: &Judged, drive: &Drive) -> Option<Estimate> {
     if let Some(k) = feature.branch() {
-        match judged.evidence.branches {
-            Branches::One if k > 0 => {
-                return Some(Estimate::not_determined(
-                    "one branch is enough, and no second one of a noticeable size could hide in the noise",
-                ));
-            }
-            Branches::OneOrHidden => {
+        match judged.evidence().map(|evidence| evidence.branches) {
+            Some(Branches::OneOrHidden) => {
                 return Some(Estimate::not_determined(
                     "one branch describes the current as well as two, but a second one could hide in the noise, \
                      so that the parts of neither are known",
                 ));
             }
-            Branches::Doubtful => {
-                return Some(Estimate::not_determined(
-                    "a second branch may be there or may be chance, so that the parts of neither are known",
-                ));
-            }
-            Branches::One | Branches::All => {}
+            Some(Branches::Doubtful) => return Some(Estimate::not_determined(in_doubt(judged.branches))),
+            _ if k >= judged.branches => return Some(Estimate::not_determined(not_needed(judged.branches))),
+            _ => {}
         }
     }
     let (_, interval) = judged.features.iter().find(|(own, _)| *own == feature)?;
@@ -192,17 +185,64 @@ pub(super) fn judged_estimate(key: &str, judged: &Judged, drive: &Drive) -> Opti
     ))
 }
 
+/// Why there are no more than `n` branches.
+fn not_needed(n: usize) -> String {
+    match n {
+        1 => {
+            "one branch is enough, and no second one of a noticeable size could hide in the noise".to_owned()
+        }
+        _ => format!(
+            "{} enough: a {} one describes nothing beyond noise",
+            counted(n),
+            ordinal(n + 1)
+        ),
+    }
+}
+
 /// Why so many branches, in words.
 pub(super) fn choice_in_words(evidence: &Evidence) -> String {
-    let how = match evidence.branches {
-        Branches::All => "two branches",
-        Branches::Doubtful => "open whether one branch or two",
-        Branches::One => "one branch (a second one slower than the record would look like steady current)",
-        Branches::OneOrHidden => "one branch is enough, a second one could hide",
+    let n = evidence.weighed;
+    let how = match (evidence.branches, n) {
+        (Branches::All, _) => format!("{} branches", number(n)),
+        (Branches::Doubtful, _) => format!("open whether {} or {} branches", number(n - 1), number(n)),
+        (Branches::Fewer, 2) => {
+            "one branch (a second one slower than the record would look like steady current)".to_owned()
+        }
+        (Branches::Fewer, _) => format!("{} enough, without a {} one", counted(n - 1), ordinal(n)),
+        (Branches::OneOrHidden, _) => "one branch is enough, a second one could hide".to_owned(),
     };
     format!(
-        "{how}: the second branch lowers the weighted sum of squares by {:.1}; \
+        "{how}: the {} branch lowers the weighted sum of squares by {:.1}; \
          12 are needed, and BIC asks for {:.1} (of {:.0} effective readings)",
-        evidence.gain, evidence.penalty, evidence.effective_readings
+        ordinal(n),
+        evidence.gain,
+        evidence.penalty,
+        evidence.effective_readings
     )
+}
+
+/// The same where the two steps alone decided; none where one branch stood against none.
+pub(super) fn two_step_choice_in_words(electrical: &Electrical) -> Option<String> {
+    let n = electrical.conductances_a_per_v.len();
+    let gain = electrical.gain.filter(|_| n > 1)?;
+    let how = if electrical.in_doubt {
+        format!("open whether {} or {} branches", number(n - 1), number(n))
+    } else {
+        format!("{} branches", number(n))
+    };
+    Some(format!(
+        "{how}: the {} branch lowers the sum of squares by {gain:.1} variances of a long sum of the noise; \
+         12 are needed",
+        ordinal(n)
+    ))
+}
+
+fn number(n: usize) -> &'static str {
+    match n {
+        1 => "one",
+        2 => "two",
+        3 => "three",
+        4 => "four",
+        _ => "more",
+    }
 }

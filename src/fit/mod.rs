@@ -15,6 +15,7 @@ mod group;
 mod joint;
 mod joint_estimates;
 mod outcome;
+mod parabola;
 mod sampled;
 mod search;
 mod strain;
@@ -26,7 +27,9 @@ use crate::model::{FitModel, fit_model, fit_models};
 use crate::numerics::global::{Method, method, methods};
 
 pub use error::FitError;
-pub use group::{Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, fit_group, shareable};
+pub use group::{
+    Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
+};
 
 pub use whitened::WhitenedChannel;
 
@@ -168,27 +171,35 @@ struct Identified {
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
-    let identified = identify(input, options, readings);
+    let mut identified = identify(input, options, readings);
     if options.steps == Steps::Simultaneous && identified.current.is_ok() {
         let group = fit_group(&[*input], &GroupOptions::sharing_all(options.model))?;
         if let Some(fit) = group.runs.into_iter().next() {
             return Ok(fit);
         }
     }
-    let judged = judge(input, options, &identified);
+    let judged = judge(input, options, &mut identified);
     Ok(outcome::fit(input, options, &identified, judged.as_ref()))
 }
 
 /// Looks at the run by profile likelihood where the covariance of the two steps would mislead.
-fn judge(input: &FitInput, options: &FitOptions, identified: &Identified) -> Option<Judged> {
-    let (current, electrical) = identified.current.as_ref().ok()?;
+fn judge(input: &FitInput, options: &FitOptions, identified: &mut Identified) -> Option<Judged> {
+    let (current, electrical) = identified.current.as_mut().ok()?;
     let bending = identified.curvature.as_ref().ok();
     let branches = options.model.branches;
-    let parabolic = estimates::is_parabolic(electrical, bending.map(|(_, bending)| bending), branches);
+    let settled = parabola::is_settled(electrical, bending.map(|(_, bending)| bending), branches);
+    let parabolic = settled && parabola::is_narrow(electrical);
     let even = is_even(current) && bending.is_none_or(|(curvature, _)| is_even(curvature));
     let misfit = misfits(current, electrical.residuals.square)
         || bending.is_some_and(|(curvature, bending)| misfits(curvature, bending.residuals.square));
     if electrical.conductances_a_per_v.is_empty() || parabolic && even || misfit {
+        return None;
+    }
+    if settled
+        && even
+        && let Some(ends) = parabola::ends(input.drive, current, electrical)
+    {
+        electrical.ends = ends;
         return None;
     }
     let readings = RunReadings {

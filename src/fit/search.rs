@@ -3,6 +3,7 @@
 use crate::numerics::global::{Effort, Landscape, Method, methods};
 use crate::numerics::levenberg::{Local, Minimum, Stop};
 use crate::numerics::sums;
+use crate::numerics::symmetric::CAPACITY;
 
 use super::circuit::{Circuit, Solution};
 use super::sampled::Sampled;
@@ -13,6 +14,11 @@ const GRID: usize = 16;
 const ALIKE: f64 = 1e-11;
 /// Places from which the search descends.
 const DESCENTS: usize = 2;
+/// Branches at most: what the small matrices hold beside the steady resistor and an offset.
+pub(super) const MOST_BRANCHES: usize = 4;
+const _: () = assert!(2 * MOST_BRANCHES + 2 <= CAPACITY);
+/// Places of a branch fewer to which a third or fourth time constant is added.
+const BEAM: usize = 16;
 
 /// Limits of the time constants, logarithms of s: a third of the sampling interval, and a hundred records.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +102,7 @@ impl Search {
     }
 }
 
-/// Fits `branches` (0, 1 or 2) R-C branches to the current.
+/// Fits `branches` R-C branches, up to [`MOST_BRANCHES`], to the current.
 pub(super) fn search(
     circuit: &Circuit,
     branches: usize,
@@ -124,7 +130,7 @@ pub(super) fn search(
     }
 }
 
-/// A look at time constants spread over the limits, alone and in pairs.
+/// A look at time constants spread over the limits: alone, in pairs, and beside the best pairs.
 pub(super) struct CoarseLook {
     limits: Limits,
     /// Logarithms of the time constants.
@@ -147,40 +153,83 @@ impl CoarseLook {
 
     /// The most promising places, no two of them neighbours.
     fn starts(&self, branches: usize) -> Vec<Vec<f64>> {
-        let table = &self.table;
-        let mut places: Vec<(f64, usize, usize)> = Vec::new();
-        for slow in 0..GRID {
-            for fast in if branches == 1 { slow..slow + 1 } else { 0..slow } {
-                let own = if branches == 1 {
-                    vec![slow, GRID]
-                } else {
-                    vec![fast, slow, GRID]
-                };
-                places.push((table.square_of(&own), fast, slow));
-            }
-        }
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut chosen: Vec<(usize, usize)> = Vec::new();
-        for (_, fast, slow) in places {
-            if chosen
-                .iter()
-                .all(|&(f, s)| f.abs_diff(fast).max(s.abs_diff(slow)) > 1)
-            {
-                chosen.push((fast, slow));
+        let mut chosen: Vec<Place> = Vec::new();
+        for place in self.places(branches) {
+            if chosen.iter().all(|other| !other.neighbours(&place)) {
+                chosen.push(place);
             }
             if chosen.len() == DESCENTS {
                 break;
             }
         }
-        (chosen.into_iter())
-            .map(|(fast, slow)| {
-                if branches == 1 {
-                    vec![self.at[slow]]
-                } else {
-                    vec![self.at[fast], self.at[slow]]
-                }
-            })
-            .collect()
+        let logs = |place: Place| place.own().iter().map(|&k| self.at[k]).collect();
+        chosen.into_iter().map(logs).collect()
+    }
+
+    /// Places of that many time constants with the least sums of squares first: every one up to pairs, then those
+    /// that hold one of the best with a time constant fewer.
+    fn places(&self, branches: usize) -> Vec<Place> {
+        let mut places: Vec<Place> = match branches {
+            0 | 1 => (0..GRID).map(|k| Place::new(&self.table, &[k])).collect(),
+            2 => (0..GRID)
+                .flat_map(|slow| (0..slow).map(move |fast| [fast, slow]))
+                .map(|pair| Place::new(&self.table, &pair))
+                .collect(),
+            _ => {
+                let mut fewer = self.places(branches - 1);
+                fewer.truncate(BEAM);
+                let with = |place: Place| {
+                    let free = (0..GRID).filter(move |k| !place.own().contains(k));
+                    free.map(move |k| Place::new(&self.table, &place.and(k)[..branches]))
+                };
+                fewer.into_iter().flat_map(with).collect()
+            }
+        };
+        places.sort_by(|a, b| a.square.total_cmp(&b.square));
+        places
+    }
+}
+
+/// Time constants of the coarse look, in order, and the sum of squares that they leave.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    at: [usize; MOST_BRANCHES],
+    count: usize,
+    square: f64,
+}
+
+impl Place {
+    fn new(table: &Products, own: &[usize]) -> Place {
+        let mut place = Place {
+            at: [GRID; MOST_BRANCHES],
+            count: own.len(),
+            square: 0.0,
+        };
+        place.at[..own.len()].copy_from_slice(own);
+        let mut with_steady = [GRID; MOST_BRANCHES + 1];
+        with_steady[..own.len()].copy_from_slice(own);
+        place.square = table.square_of(&with_steady[..=own.len()]);
+        place
+    }
+
+    fn own(&self) -> &[usize] {
+        &self.at[..self.count]
+    }
+
+    /// The same with one more, in order.
+    fn and(&self, further: usize) -> [usize; MOST_BRANCHES] {
+        let mut at = self.at;
+        at[self.count] = further;
+        at[..=self.count].sort_unstable();
+        at
+    }
+
+    /// Whether every time constant is the other's or lies beside it.
+    fn neighbours(&self, other: &Place) -> bool {
+        self.own()
+            .iter()
+            .zip(other.own())
+            .all(|(a, b)| a.abs_diff(*b) <= 1)
     }
 }
 
@@ -192,14 +241,14 @@ struct Products {
 }
 
 impl Products {
-    /// Least sum of squares that the columns `own` (three at most) leave with coefficients none of which is
+    /// Least sum of squares that the columns `own` leave with coefficients none of which is
     /// negative: the plain solution where it is admissible, else the best with a column fewer.
     fn square_of(&self, own: &[usize]) -> f64 {
         if let Some(explained) = self.explained(own) {
             return self.square - explained;
         }
         let without = |left_out: usize| {
-            let mut fewer = [0; 2];
+            let mut fewer = [0; MOST_BRANCHES];
             let others = own.iter().enumerate().filter(|(k, _)| *k != left_out);
             for (slot, (_, &column)) in fewer.iter_mut().zip(others) {
                 *slot = column;
@@ -212,8 +261,8 @@ impl Products {
     /// What the plain least-squares solution explains; none where a coefficient is negative or columns are alike.
     fn explained(&self, own: &[usize]) -> Option<f64> {
         let n = own.len();
-        let mut factor = [[0.0; 3]; 3];
-        let (mut x, mut explained) = ([0.0; 3], 0.0);
+        let mut factor = [[0.0; MOST_BRANCHES + 1]; MOST_BRANCHES + 1];
+        let (mut x, mut explained) = ([0.0; MOST_BRANCHES + 1], 0.0);
         for row in 0..n {
             for column in 0..=row {
                 let earlier = factor[row][..column].iter().zip(&factor[column]);

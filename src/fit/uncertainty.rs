@@ -1,7 +1,7 @@
 //! What the residuals of a fit say of its noise, and the covariance of its parameters under that noise.
 
 use crate::numerics::column_memory::LongColumn;
-use crate::numerics::correlation::{Autoregression, slow_excess};
+use crate::numerics::correlation::{Autoregression, HigherOrder, slow_excess};
 use crate::numerics::decay::{BLOCK, Column};
 use crate::numerics::gram::{Gram, dot};
 use crate::numerics::student::quantile_95;
@@ -24,6 +24,8 @@ pub(super) struct Residuals {
     pub(super) square: f64,
     /// Variance and lag-1 correlation.
     pub(super) noise: Autoregression,
+    /// Autoregression of higher order, where the first is not enough.
+    pub(super) higher: Option<HigherOrder>,
     /// Factor for slow misfit beyond the autoregression.
     pub(super) excess: f64,
     /// Half-width of a 95 % interval in standard errors.
@@ -39,13 +41,23 @@ impl Residuals {
         let (square, product) = (sums::square(&residuals), sums::lagged(&residuals));
         let readings = residuals.len() as f64;
         let noise = Autoregression::from_sums(square, product, readings, parameters as f64);
-        let excess = slow_excess(&residuals, noise.long_run_variance(), parameters);
-        let freedom = noise.effective_readings(readings) - parameters as f64;
+        let higher = HigherOrder::of(&residuals, parameters as f64, &noise);
+        let long_run = |noise: &Autoregression| match &higher {
+            Some(higher) => noise.variance * higher.long_run_ratio(),
+            None => noise.long_run_variance(),
+        };
+        let excess = slow_excess(&residuals, long_run(&noise), parameters);
+        let effective = match &higher {
+            Some(higher) => readings / higher.long_run_ratio().max(1.0),
+            None => noise.effective_readings(readings),
+        };
+        let freedom = effective - parameters as f64;
         Residuals {
             fitted,
             residuals,
             square,
             noise,
+            higher,
             excess,
             quantile: quantile_95(freedom.max(2.0)),
         }
@@ -53,38 +65,63 @@ impl Residuals {
 
     /// Variance of a long sum per reading, not below what rounding of numbers of size `peak` leaves.
     pub(super) fn long_run_variance(&self, peak: f64) -> f64 {
-        let all = self.noise.long_run_variance().max(self.noise.variance) * self.excess;
+        let all = self.noise.variance * self.long_run_ratio() * self.excess;
         all.max((1e-9 * peak).powi(2))
+    }
+
+    /// Variance of a long sum per reading in variances of the noise, 1 at least.
+    fn long_run_ratio(&self) -> f64 {
+        let ratio = match &self.higher {
+            Some(higher) => higher.long_run_ratio(),
+            None => self.noise.long_run_variance() / self.noise.variance,
+        };
+        if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
+    }
+
+    /// Coefficients of the autoregression, lag 1 first.
+    pub(super) fn coefficients(&self) -> &[f64] {
+        match &self.higher {
+            Some(higher) => &higher.coefficients,
+            None => std::slice::from_ref(&self.noise.correlation),
+        }
     }
 }
 
-/// Sums for the covariance of least squares under noise that is a first-order autoregression:
-/// `(J'J)^-1 J' Omega J (J'J)^-1`, with `Omega_st = rho^|s-t|` summed by one recursion along the record.
+/// Sums for the covariance of least squares under noise that is an autoregression:
+/// `(J'J)^-1 J' Omega J (J'J)^-1`, with Omega the correlations of the noise, summed by one recursion along the
+/// record (a first-order one has `Omega_st = rho^|s-t|`).
 pub(super) struct CovarianceSums {
     /// J'J.
     pub(super) gram: Gram,
     /// Whether J'J was given and need not be summed.
     is_known: bool,
-    /// Z'Z, where z_t = rho z_(t-1) + J_t.
+    /// Z'Z, where z_t = a_1 z_(t-1) + a_2 z_(t-2) + .. + J_t.
     remembering: Symmetric,
-    correlation: f64,
-    remembered: [f64; CAPACITY],
+    /// a_1, a_2, ...; one at least.
+    coefficients: Vec<f64>,
+    /// The last z of every column, the very last first.
+    remembered: [[f64; MOST_ORDER]; CAPACITY],
 }
 
+/// Highest order of the noise.
+const MOST_ORDER: usize = 3;
+
 impl CovarianceSums {
-    pub(super) fn new(columns: usize, correlation: f64) -> CovarianceSums {
+    /// For noise of those autoregressive coefficients, lag 1 first, three at most.
+    pub(super) fn new(columns: usize, coefficients: &[f64]) -> CovarianceSums {
+        debug_assert!((1..=MOST_ORDER).contains(&coefficients.len()));
         CovarianceSums {
             gram: Gram::new(columns),
             is_known: false,
             remembering: Symmetric::zero(columns),
-            correlation,
-            remembered: [0.0; CAPACITY],
+            coefficients: coefficients.to_vec(),
+            remembered: [[0.0; MOST_ORDER]; CAPACITY],
         }
     }
 
     /// The same where J'J is known already.
-    pub(super) fn with_normal(normal: Symmetric, correlation: f64) -> CovarianceSums {
-        let mut sums = CovarianceSums::new(normal.order(), correlation);
+    pub(super) fn with_normal(normal: Symmetric, coefficients: &[f64]) -> CovarianceSums {
+        let mut sums = CovarianceSums::new(normal.order(), coefficients);
         sums.gram.matrix = normal;
         sums.is_known = true;
         sums
@@ -98,9 +135,17 @@ impl CovarianceSums {
             for (value, entry) in out[..len].iter_mut().zip(column) {
                 *value = scales[k] * entry;
             }
-            out[0] += self.correlation * self.remembered[k];
-            remember(self.correlation, out);
-            self.remembered[k] = out[len - 1];
+            let last = &mut self.remembered[k];
+            if let [correlation] = self.coefficients[..] {
+                out[0] += correlation * last[0];
+                remember(correlation, out);
+                last[0] = out[len - 1];
+            } else {
+                for value in &mut out[..len] {
+                    *value += next(&self.coefficients, last);
+                    push(last, *value);
+                }
+            }
             out[len..].fill(0.0);
         }
         for row in 0..columns.len() {
@@ -138,20 +183,56 @@ impl CovarianceSums {
         let lost = (0..n).any(|k| inverse.get(k, k) * self.gram.matrix.get(k, k) > 0.01 / LOST);
         let variance = residuals.noise.variance * residuals.excess;
         if lost {
-            let memory =
-                residuals.noise.long_run_variance().max(residuals.noise.variance) / residuals.noise.variance;
-            let memory = if memory.is_finite() { memory } else { 1.0 };
+            let memory = residuals.long_run_ratio();
             return Symmetric::from_fn(n, |row, column| variance * memory * inverse.get(row, column));
         }
-        // With J_t = z_t - rho z_(t-1) the double sum telescopes to (1 - rho^2) Z'Z + rho^2 z_n z_n'.
-        let rho_square = self.correlation * self.correlation;
-        let middle = Symmetric::from_fn(n, |row, column| {
-            (1.0 - rho_square) * self.remembering.get(row, column)
-                + rho_square * self.remembered[row] * self.remembered[column]
-        });
+        let middle = self.middle(residuals);
         let sandwich = inverse.sandwich(&middle);
         Symmetric::from_fn(n, |row, column| variance * sandwich.get(row, column))
     }
+
+    /// J' Omega J: the share of the noise that is new at every reading times Z'Z, z followed beyond the record until
+    /// it has died away.
+    fn middle(&self, residuals: &Residuals) -> Symmetric {
+        let n = self.gram.matrix.order();
+        if let [correlation] = self.coefficients[..] {
+            // With J_t = z_t - rho z_(t-1) the sum telescopes to (1 - rho^2) Z'Z + rho^2 z_n z_n'.
+            let square = correlation * correlation;
+            let last = |k: usize| self.remembered[k][0];
+            return Symmetric::from_fn(n, |row, column| {
+                (1.0 - square) * self.remembering.get(row, column) + square * last(row) * last(column)
+            });
+        }
+        let mut sums = self.remembering;
+        let mut last = self.remembered;
+        // The slowest memory that is taken has coefficients that sum to 0.985.
+        for _ in 0..2000 {
+            for of_column in &mut last[..n] {
+                let value = next(&self.coefficients, of_column);
+                push(of_column, value);
+            }
+            for row in 0..n {
+                for column in 0..=row {
+                    sums.set(
+                        row,
+                        column,
+                        sums.get(row, column) + last[row][0] * last[column][0],
+                    );
+                }
+            }
+        }
+        let share = residuals.higher.as_ref().map_or(1.0, |higher| higher.share);
+        Symmetric::from_fn(n, |row, column| share * sums.get(row, column))
+    }
+}
+
+/// What the last values of a column add to its next.
+fn next(coefficients: &[f64], last: &[f64; MOST_ORDER]) -> f64 {
+    coefficients.iter().zip(last).map(|(a, z)| a * z).sum()
+}
+
+fn push(last: &mut [f64; MOST_ORDER], value: f64) {
+    *last = [value, last[0], last[1]];
 }
 
 /// What comes before a block while its values are summed up.
@@ -185,43 +266,86 @@ fn double<const REACH: usize>(power: f64, from: &[f64; BLOCK + LEAD], to: &mut [
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_telescoped_sum_is_the_double_sum() {
-        let columns: [Column; 2] = [
+    fn columns() -> [Column; 2] {
+        [
             std::array::from_fn(|k| (-0.1 * k as f64).exp()),
             std::array::from_fn(|k| (k as f64 * 0.7).sin()),
-        ];
-        let scales = [2.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        ]
+    }
+
+    /// The covariance from the recursion against the double sum over the correlations of the noise.
+    #[track_caller]
+    fn assert_is_the_double_sum(
+        noise: Autoregression,
+        higher: Option<HigherOrder>,
+        correlation: impl Fn(usize) -> f64,
+    ) {
+        let columns = columns();
+        let mut scales = [0.0; CAPACITY];
+        scales[..2].copy_from_slice(&[2.0, 0.5]);
+        let residuals = Residuals {
+            fitted: LongColumn::default(),
+            residuals: LongColumn::default(),
+            square: 1.0,
+            noise,
+            higher,
+            excess: 1.0,
+            quantile: 2.0,
+        };
+        let mut sums = CovarianceSums::new(2, residuals.coefficients());
+        sums.add(BLOCK, &columns, &scales);
+        let jacobian = |row: usize, t: usize| scales[row] * columns[row][t];
+        let direct = Symmetric::from_fn(2, |a, b| {
+            let pairs = (0..BLOCK).flat_map(|s| (0..BLOCK).map(move |t| (s, t)));
+            pairs
+                .map(|(s, t)| jacobian(a, s) * correlation(s.abs_diff(t)) * jacobian(b, t))
+                .sum()
+        });
+        let expected = sums.gram.matrix.floored_inverse(LOST).sandwich(&direct);
+        let found = sums.covariance(&residuals);
+        for (a, b) in [(0, 0), (1, 0), (1, 1)] {
+            let near = (found.get(a, b) - expected.get(a, b)).abs();
+            assert!(
+                near < 1e-11 * expected.get(a, a).abs().max(expected.get(b, b).abs()),
+                "{a} {b}: {} {}",
+                found.get(a, b),
+                expected.get(a, b)
+            );
+        }
+    }
+
+    #[test]
+    fn the_recursion_is_the_double_sum_for_noise_of_every_order() {
         for rho in [-0.5_f64, 0.0, 0.3, 0.97] {
-            let mut sums = CovarianceSums::new(2, rho);
-            sums.add(BLOCK, &columns, &scales);
-            let jacobian = |row: usize, t: usize| scales[row] * columns[row][t];
-            let direct = Symmetric::from_fn(2, |a, b| {
-                let pairs = (0..BLOCK).flat_map(|s| (0..BLOCK).map(move |t| (s, t)));
-                pairs
-                    .map(|(s, t)| jacobian(a, s) * rho.powi(s.abs_diff(t) as i32) * jacobian(b, t))
-                    .sum()
-            });
-            let residuals = Residuals {
-                fitted: LongColumn::default(),
-                residuals: LongColumn::default(),
-                square: 1.0,
-                noise: Autoregression {
-                    variance: 1.0,
-                    correlation: rho,
-                },
-                excess: 1.0,
-                quantile: 2.0,
+            let noise = Autoregression {
+                variance: 1.0,
+                correlation: rho,
             };
-            let expected = sums.gram.matrix.floored_inverse(LOST).sandwich(&direct);
-            let found = sums.covariance(&residuals);
-            for (a, b) in [(0, 0), (1, 0), (1, 1)] {
-                let near = (found.get(a, b) - expected.get(a, b)).abs();
-                assert!(
-                    near < 1e-12 * expected.get(a, a).abs().max(expected.get(b, b).abs()),
-                    "{rho}"
-                );
+            assert_is_the_double_sum(noise, None, |lag| rho.powi(lag as i32));
+        }
+        for coefficients in [vec![0.5, 0.3], vec![0.4, -0.2, 0.5]] {
+            // Correlations by iterating the autoregression's own equations to rest.
+            let mut lags = [0.0; BLOCK + 3];
+            lags[0] = 1.0;
+            for _ in 0..2000 {
+                for k in 1..lags.len() {
+                    lags[k] = (coefficients.iter().enumerate())
+                        .map(|(j, a)| a * lags[k.abs_diff(j + 1)])
+                        .sum();
+                }
             }
+            let known: f64 = coefficients
+                .iter()
+                .enumerate()
+                .map(|(j, a)| a * lags[j + 1])
+                .sum();
+            let noise = Autoregression {
+                variance: 1.0,
+                correlation: lags[1],
+            };
+            let share = 1.0 - known;
+            let higher = HigherOrder { coefficients, share };
+            assert_is_the_double_sum(noise, Some(higher), |lag| lags[lag]);
         }
     }
 }

@@ -54,6 +54,10 @@ const R1: ParameterDescription = fitted("r1_ohm_cm2", "R1", "Ohm cm2", "resistan
 const C1: ParameterDescription = fitted("c1_f_per_cm2", "C1", "F/cm2", "capacitance of the fastest branch");
 const R2: ParameterDescription = fitted("r2_ohm_cm2", "R2", "Ohm cm2", "resistance of the slower branch");
 const C2: ParameterDescription = fitted("c2_f_per_cm2", "C2", "F/cm2", "capacitance of the slower branch");
+const R3: ParameterDescription = fitted("r3_ohm_cm2", "R3", "Ohm cm2", "resistance of the third branch");
+const C3: ParameterDescription = fitted("c3_f_per_cm2", "C3", "F/cm2", "capacitance of the third branch");
+const R4: ParameterDescription = fitted("r4_ohm_cm2", "R4", "Ohm cm2", "resistance of the fourth branch");
+const C4: ParameterDescription = fitted("c4_f_per_cm2", "C4", "F/cm2", "capacitance of the fourth branch");
 const RSS: ParameterDescription = fitted(
     "rss_ohm_cm2",
     "R_ss",
@@ -119,21 +123,52 @@ const TAU2: ParameterDescription = derived(fitted(
     "time constant R2 C2 of the slower branch",
 ));
 
-static MODELS: [FitModel; 3] = [
+const TAU3: ParameterDescription = derived(fitted(
+    "tau3_s",
+    "tau3",
+    "s",
+    "time constant R3 C3 of the third branch",
+));
+const TAU4: ParameterDescription = derived(fitted(
+    "tau4_s",
+    "tau4",
+    "s",
+    "time constant R4 C4 of the fourth branch",
+));
+
+static MODELS: [FitModel; 5] = [
     FitModel {
         id: "lumped-1",
-        version: 2,
+        version: 3,
         branches: 1,
         description: "one R-C branch beside the steady-state resistor, with back-relaxation (thin electrodes)",
         parameters: &[R1, C1, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1],
     },
     FitModel {
         id: "lumped-2",
-        version: 2,
+        version: 3,
         branches: 2,
         description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
         parameters: &[
             R1, C1, R2, C2, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1, TAU2,
+        ],
+    },
+    FitModel {
+        id: "lumped-3",
+        version: 1,
+        branches: 3,
+        description: "up to three R-C branches beside the steady-state resistor, with back-relaxation; as many as the current shows",
+        parameters: &[
+            R1, C1, R2, C2, R3, C3, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1, TAU2, TAU3,
+        ],
+    },
+    FitModel {
+        id: "lumped-4",
+        version: 1,
+        branches: 4,
+        description: "up to four R-C branches beside the steady-state resistor, with back-relaxation; as many as the current shows",
+        parameters: &[
+            R1, C1, R2, C2, R3, C3, R4, C4, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1, TAU2, TAU3, TAU4,
         ],
     },
     FitModel {

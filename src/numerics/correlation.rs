@@ -1,4 +1,4 @@
-//! Noise that remembers: first-order autocorrelation and the long-run variance.
+//! Noise that remembers: autoregressions of first to third order, and the long-run variance.
 
 use super::sums;
 
@@ -43,6 +43,82 @@ impl Autoregression {
     pub fn effective_readings(&self, readings: f64) -> f64 {
         readings / memory(self.correlation).max(1.0)
     }
+}
+
+/// An autoregression of second or third order, where the residuals show that the first is not enough.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HigherOrder {
+    /// Coefficients of lag 1, 2, ...
+    pub coefficients: Vec<f64>,
+    /// Share of the variance that is new at every reading.
+    pub share: f64,
+}
+
+/// Residuals from which higher orders are looked at.
+const ENOUGH_FOR_ORDER: usize = 300;
+/// Twice the gain in log likelihood that each further order must bring, beside BIC.
+const ORDER_EVIDENCE: f64 = 6.0;
+
+impl HigherOrder {
+    /// The order that BIC takes for `residuals`, which a fit of `parameters` smooth terms left; none where `first`
+    /// is enough.
+    pub fn of(residuals: &[f64], parameters: f64, first: &Autoregression) -> Option<HigherOrder> {
+        if residuals.len() < ENOUGH_FOR_ORDER {
+            return None;
+        }
+        let n = residuals.len() as f64;
+        let lag = |k: usize| sums::dot(&residuals[k..], &residuals[..residuals.len() - k]) / n;
+        // The smooth terms took the slow part of the noise out of every lag alike (see `Autoregression::from_sums`).
+        let removed = (parameters * memory(first.correlation) / n).clamp(0.0, 0.5);
+        let variance = lag(0) / (1.0 - removed);
+        let lags: [f64; 4] = std::array::from_fn(|k| lag(k) + removed * variance);
+        let (_, of_first) = yule_walker(&lags[..2])?;
+        let penalty = n.ln().max(ORDER_EVIDENCE);
+        let (mut best, mut chosen) = (0.0, None);
+        for order in 2..=3 {
+            let Some((coefficients, share)) = yule_walker(&lags[..=order]) else {
+                break;
+            };
+            let gain = n * (of_first / share).ln() - (order - 1) as f64 * penalty;
+            if gain > best {
+                (best, chosen) = (gain, Some(HigherOrder { coefficients, share }));
+            }
+        }
+        chosen
+    }
+
+    /// Variance of a long sum per reading, in variances of the noise.
+    pub fn long_run_ratio(&self) -> f64 {
+        self.share / (1.0 - self.coefficients.iter().sum::<f64>()).powi(2)
+    }
+}
+
+/// Coefficients of the autoregression with those autocovariances, and the share of the variance that is new at
+/// every reading; none where it would not be stationary.
+pub fn yule_walker(lags: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let mut coefficients: Vec<f64> = Vec::new();
+    let mut variance = lags[0];
+    let mut share = 1.0;
+    for k in 1..lags.len() {
+        let known: f64 = coefficients
+            .iter()
+            .enumerate()
+            .map(|(j, a)| a * lags[k - 1 - j])
+            .sum();
+        let partial = (lags[k] - known) / variance;
+        if partial.is_nan() || partial.abs() >= 0.98 {
+            return None;
+        }
+        let turned: Vec<f64> = coefficients.iter().rev().copied().collect();
+        coefficients
+            .iter_mut()
+            .zip(turned)
+            .for_each(|(a, b)| *a -= partial * b);
+        coefficients.push(partial);
+        variance *= 1.0 - partial * partial;
+        share *= 1.0 - partial * partial;
+    }
+    (coefficients.iter().sum::<f64>() < 0.985 && share > 0.0).then_some((coefficients, share))
 }
 
 /// (1+rho)/(1-rho).
@@ -110,6 +186,40 @@ mod tests {
             assert!((variance - 1.0).abs() < 0.04, "{variance}");
             assert!((correlation - rho).abs() < 0.02, "{correlation}");
         }
+    }
+
+    #[test]
+    fn a_second_order_is_seen_and_a_first_taken_for_no_more() {
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let (mut ratio, mut seen, mut falsely) = (0.0, 0, 0);
+        for _ in 0..50 {
+            let (mut one, mut two) = (0.0, 0.0);
+            let second: Vec<f64> = (0..2000)
+                .map(|_| {
+                    let fresh: f64 = StandardNormal.sample(&mut rng);
+                    (one, two) = (0.5 * one + 0.3 * two + fresh, one);
+                    one
+                })
+                .collect();
+            let of = |e: &[f64]| {
+                let square = e.iter().map(|v| v * v).sum();
+                let product = e.windows(2).map(|p| p[0] * p[1]).sum();
+                HigherOrder::of(e, 5.0, &Autoregression::from_sums(square, product, 2000.0, 5.0))
+            };
+            if let Some(found) = of(&second) {
+                seen += 1;
+                ratio += found.long_run_ratio();
+            }
+            falsely += i32::from(of(&autoregressive(&mut rng, 2000, 0.6)).is_some());
+        }
+        // Share 0.91 (1 - (5/7)^2), sum of coefficients 0.8.
+        let expected = 0.91 * (1.0 - 25.0 / 49.0) / 0.04;
+        assert!(
+            seen == 50 && (ratio / 50.0 / expected - 1.0).abs() < 0.1,
+            "{seen} {}",
+            ratio / 50.0
+        );
+        assert!(falsely <= 3, "{falsely}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Small symmetric matrices on the stack: Cholesky solution, eigenvalues by Jacobi rotations.
 
 /// Largest order that fits.
-pub const CAPACITY: usize = 8;
+pub const CAPACITY: usize = 10;
 
 /// A symmetric matrix of order `n` up to [`CAPACITY`]; both triangles are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -27,7 +27,7 @@ pub struct FitChoice {
 
 impl FitChoice {
     /// As options of a fit; what is left open is the campaign's.
-    fn options(&self, campaign: &Campaign) -> Result<FitOptions, FitError> {
+    pub(super) fn options(&self, campaign: &Campaign) -> Result<FitOptions, FitError> {
         let mut options = FitOptions::for_model(self.model.as_deref().unwrap_or(&campaign.model))?;
         if let Some(method) = &self.method {
             options = options.with_method(method)?;

@@ -2,10 +2,11 @@
 
 use serde::{Serialize, Serializer};
 
+use super::groups_document::GroupEntry;
 use super::{Context, PipelineError};
 use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
-use crate::domain::{ChannelNoise, Issue, RunRecord};
+use crate::domain::{ChannelNoise, Issue, Parameter, RunRecord};
 
 /// Every current fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -16,6 +17,9 @@ pub struct FitsDocument {
     pub fits: Vec<FitEntry>,
     /// Runs without a fit, with the reasons.
     pub not_fitted: Vec<NotFitted>,
+    /// Groups fitted with shared parameters, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub groups: Option<Vec<GroupEntry>>,
 }
 
 /// One fit.
@@ -113,17 +117,13 @@ pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
         schema: "ieap/fits/1",
         fits: runs.iter().filter_map(|run| entry(context, run)).collect(),
         not_fitted: not_fitted.collect(),
+        groups: None,
     })
 }
 
-fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
-    let fit = run.fit.as_ref()?;
-    let sample = run.tag(keys::SAMPLE).map(str::to_owned);
-    let material = sample
-        .as_deref()
-        .and_then(|id| context.campaign.sample(id))
-        .map(|s| s.material.clone());
-    let parameters = fit.parameters.iter().map(|parameter| {
+/// Parameters by key.
+pub(super) fn parameter_entries(parameters: &[Parameter]) -> Vec<(String, ParameterEntry)> {
+    let one = |parameter: &Parameter| {
         let estimate = parameter.estimate.clone();
         let entry = ParameterEntry {
             value: estimate.value,
@@ -134,7 +134,17 @@ fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
             reason: estimate.reason,
         };
         (parameter.key.clone(), entry)
-    });
+    };
+    parameters.iter().map(one).collect()
+}
+
+fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
+    let fit = run.fit.as_ref()?;
+    let sample = run.tag(keys::SAMPLE).map(str::to_owned);
+    let material = sample
+        .as_deref()
+        .and_then(|id| context.campaign.sample(id))
+        .map(|s| s.material.clone());
     Some(FitEntry {
         run: run.path.clone(),
         revision: run.revision,
@@ -151,7 +161,7 @@ fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
         why_stopped: fit.why_stopped.clone(),
         method: fit.method.clone(),
         n_samples: fit.n_samples,
-        parameters: parameters.collect(),
+        parameters: parameter_entries(&fit.parameters),
         r_squared_current: fit.r_squared_current,
         r_squared_curvature: fit.r_squared_curvature,
         noise: fit.noise.clone(),

@@ -5,6 +5,7 @@ mod bad_input;
 mod campaign;
 mod distributed;
 mod effects;
+mod fit_groups;
 mod folder;
 mod formats_fixtures;
 mod formats_properties;

@@ -2,6 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::feature::Feature;
 use super::problem::Problem;
@@ -39,7 +40,8 @@ pub(in crate::fit) fn replicate(
         let values: Vec<f64> = features.iter().map(of).collect();
         (found.slope.square.is_finite() && values.iter().all(|v| v.is_finite())).then_some(values)
     };
-    (0..replicates).filter_map(one).collect()
+    let refits: Vec<Option<Vec<f64>>> = (0..replicates).into_par_iter().map(one).collect();
+    refits.into_iter().flatten().collect()
 }
 
 fn redraw(run: &mut RunReadings, fitted: &[Option<Vec<f64>>; 2], rng: &mut ChaCha8Rng) {

@@ -13,13 +13,13 @@ const RULED_OUT: f64 = 3.84;
 /// What the current says of the number of branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::fit) enum Branches {
-    /// One is enough, and no second one of a noticeable size could hide.
-    One,
+    /// One fewer is enough; where that is one, no second one of a noticeable size could hide.
+    Fewer,
     /// One is enough, but a second one could hide in the noise.
     OneOrHidden,
-    /// A second one may be there or may be chance.
+    /// The last one may be there or may be chance.
     Doubtful,
-    /// As many as the model has.
+    /// All that were weighed.
     All,
 }
 
@@ -27,6 +27,8 @@ pub(in crate::fit) enum Branches {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::fit) struct Evidence {
     pub(in crate::fit) branches: Branches,
+    /// Number of branches that was weighed against one fewer.
+    pub(in crate::fit) weighed: usize,
     /// Fall of the weighted sum of squares (twice the log likelihood ratio) by the last branch.
     pub(in crate::fit) gain: f64,
     /// What BIC asks of two further parameters.
@@ -35,13 +37,9 @@ pub(in crate::fit) struct Evidence {
     pub(in crate::fit) effective_readings: f64,
 }
 
-/// Number of branches.
-pub(super) fn evidence(
-    current: &RunReadings,
-    electrical: &Electrical,
-    full: &(Problem, Bottom),
-    branches: usize,
-) -> Evidence {
+/// Weighs the branches of `full` against one fewer.
+pub(super) fn evidence(current: &RunReadings, electrical: &Electrical, full: &(Problem, Bottom)) -> Evidence {
+    let weighed = full.0.layout.branches;
     let effective_readings = current
         .current
         .as_ref()
@@ -49,14 +47,15 @@ pub(super) fn evidence(
     let penalty = 2.0 * effective_readings.max(2.0).ln();
     let mut evidence = Evidence {
         branches: Branches::All,
+        weighed,
         gain: f64::INFINITY,
         penalty,
         effective_readings,
     };
-    if branches < 2 {
+    if weighed < 2 {
         return evidence;
     }
-    let Some((one, bottom)) = minimum(current, &electrical_starts(current, electrical, branches - 1)) else {
+    let Some((fewer, bottom)) = minimum(current, &electrical_starts(current, electrical, weighed - 1)) else {
         return evidence;
     };
     let scale = excess(&full.0, &full.1).powi(2);
@@ -65,8 +64,8 @@ pub(super) fn evidence(
         Branches::All
     } else if evidence.gain > BRANCH_DOUBT {
         Branches::Doubtful
-    } else if branches == 2 && hidden_rise(&one, &bottom) / scale > RULED_OUT {
-        Branches::One
+    } else if weighed > 2 || hidden_rise(&fewer, &bottom) / scale > RULED_OUT {
+        Branches::Fewer
     } else {
         Branches::OneOrHidden
     };

@@ -1,5 +1,7 @@
 //! Numbers that a fit reports, as functions of the local parameters of a run.
 
+use crate::fit::search::MOST_BRANCHES;
+
 use super::problem::Layout;
 
 /// A reported number. Positive ones are looked at by their logarithm, in which intervals are near to even.
@@ -26,39 +28,43 @@ pub(in crate::fit) enum Feature {
 impl Feature {
     /// The feature stored under `key` for a circuit of `branches` branches.
     pub(in crate::fit) fn of_key(key: &str, branches: usize) -> Option<Feature> {
-        let feature = match key {
-            "r1_ohm_cm2" => Feature::Resistance(0),
-            "c1_f_per_cm2" => Feature::Capacitance(0),
-            "tau1_s" => Feature::TimeConstant(0),
-            "r2_ohm_cm2" => Feature::Resistance(1),
-            "c2_f_per_cm2" => Feature::Capacitance(1),
-            "tau2_s" => Feature::TimeConstant(1),
-            "rss_ohm_cm2" => Feature::Steady,
-            "c_total_f_per_cm2" => Feature::TotalCapacitance,
-            "r_parallel_ohm_cm2" => Feature::ParallelResistance,
-            "alpha_per_c_cm" => Feature::Coupling,
-            "lambda_per_s" => Feature::Rate,
-            _ => return None,
-        };
-        feature.branch().is_none_or(|k| k < branches).then_some(feature)
+        Feature::all(branches).find(|feature| feature.key() == Some(key))
     }
 
-    /// Its stored key; none for branches beyond the second.
+    /// Every feature of a circuit of `branches` branches: of each branch, of all of them, and of the bending.
+    pub(in crate::fit) fn all(branches: usize) -> impl Iterator<Item = Feature> {
+        let of_branch = |k: usize| {
+            [
+                Feature::Resistance(k),
+                Feature::Capacitance(k),
+                Feature::TimeConstant(k),
+            ]
+        };
+        (0..branches).flat_map(of_branch).chain([
+            Feature::TotalCapacitance,
+            Feature::ParallelResistance,
+            Feature::Steady,
+            Feature::Coupling,
+            Feature::Rate,
+        ])
+    }
+
+    /// Its stored key; none for branches beyond those of any model.
     pub(in crate::fit) fn key(self) -> Option<&'static str> {
-        Some(match self {
-            Feature::Resistance(0) => "r1_ohm_cm2",
-            Feature::Capacitance(0) => "c1_f_per_cm2",
-            Feature::TimeConstant(0) => "tau1_s",
-            Feature::Resistance(1) => "r2_ohm_cm2",
-            Feature::Capacitance(1) => "c2_f_per_cm2",
-            Feature::TimeConstant(1) => "tau2_s",
-            Feature::Steady => "rss_ohm_cm2",
-            Feature::TotalCapacitance => "c_total_f_per_cm2",
-            Feature::ParallelResistance => "r_parallel_ohm_cm2",
-            Feature::Coupling => "alpha_per_c_cm",
-            Feature::Rate => "lambda_per_s",
-            Feature::Resistance(_) | Feature::Capacitance(_) | Feature::TimeConstant(_) => return None,
-        })
+        const RESISTANCES: [&str; MOST_BRANCHES] = ["r1_ohm_cm2", "r2_ohm_cm2", "r3_ohm_cm2", "r4_ohm_cm2"];
+        const CAPACITANCES: [&str; MOST_BRANCHES] =
+            ["c1_f_per_cm2", "c2_f_per_cm2", "c3_f_per_cm2", "c4_f_per_cm2"];
+        const TIME_CONSTANTS: [&str; MOST_BRANCHES] = ["tau1_s", "tau2_s", "tau3_s", "tau4_s"];
+        match self {
+            Feature::Resistance(k) => RESISTANCES.get(k).copied(),
+            Feature::Capacitance(k) => CAPACITANCES.get(k).copied(),
+            Feature::TimeConstant(k) => TIME_CONSTANTS.get(k).copied(),
+            Feature::Steady => Some("rss_ohm_cm2"),
+            Feature::TotalCapacitance => Some("c_total_f_per_cm2"),
+            Feature::ParallelResistance => Some("r_parallel_ohm_cm2"),
+            Feature::Coupling => Some("alpha_per_c_cm"),
+            Feature::Rate => Some("lambda_per_s"),
+        }
     }
 
     /// The branch it belongs to.
@@ -92,6 +98,25 @@ impl Feature {
             Feature::Steady => local[layout.steady()],
             Feature::Coupling => local[layout.coupling()],
             Feature::Rate => local[layout.rate()],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::fit_models;
+
+    #[test]
+    fn every_parameter_of_a_lumped_model_is_a_feature() {
+        for model in fit_models().iter().filter(|model| model.id.starts_with("lumped")) {
+            let keys: Vec<_> = Feature::all(model.branches)
+                .map(|feature| feature.key().unwrap())
+                .collect();
+            assert_eq!(keys.len(), model.parameters.len());
+            for parameter in model.parameters {
+                assert!(keys.contains(&parameter.key), "{} {}", model.id, parameter.key);
+            }
         }
     }
 }

@@ -14,7 +14,7 @@ use super::readings::RunReadings;
 use super::start::Start;
 
 /// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
-const CLEAR: f64 = 30.0;
+pub(in crate::fit) const CLEAR: f64 = 30.0;
 /// How much wider the intervals of a branch are that was only just taken: runs in which chance made it look
 /// larger are taken more often than those in which it made it look smaller.
 const CHOSEN_WIDER: f64 = 0.5;
@@ -27,7 +27,10 @@ const POLISH_LIMIT: u64 = 12;
 
 /// Intervals of one run.
 pub(in crate::fit) struct Judged {
-    pub(in crate::fit) evidence: Evidence,
+    /// Number of branches that the intervals are of.
+    pub(in crate::fit) branches: usize,
+    /// How the number of branches was found: from the most on, each weighed against one fewer.
+    pub(in crate::fit) weighings: Vec<Evidence>,
     /// Intervals of features; none where the choice of branches leaves the feature open.
     pub(in crate::fit) features: Vec<(Feature, Option<Interval>)>,
     /// For a feature that is open: what it trades off against, and their correlation.
@@ -36,18 +39,6 @@ pub(in crate::fit) struct Judged {
     pub(in crate::fit) evaluations: u64,
     parabolic: bool,
 }
-
-const ELECTRICAL: [Feature; 9] = [
-    Feature::Resistance(0),
-    Feature::Capacitance(0),
-    Feature::TimeConstant(0),
-    Feature::Resistance(1),
-    Feature::Capacitance(1),
-    Feature::TimeConstant(1),
-    Feature::TotalCapacitance,
-    Feature::ParallelResistance,
-    Feature::Steady,
-];
 
 /// Intervals of every feature of a run, whose two-step solution is the start; where the sum of squares is known
 /// to be `parabolic` from its covariance over all readings, else by profile.
@@ -68,21 +59,31 @@ pub(in crate::fit) fn judge(
         // The circuit leaves more than chance of what sums of exponentials could explain: see `misfits`.
         return None;
     }
-    let evidence = evidence(&current, electrical, &full, branches);
-    if evidence.branches == Branches::One {
-        full = minimum(&current, &electrical_starts(&current, electrical, 1))?;
+    let mut weighings = vec![evidence(&current, electrical, &full)];
+    let mut count = branches;
+    while count > 1
+        && weighings
+            .last()
+            .is_some_and(|last| last.branches == Branches::Fewer)
+    {
+        count -= 1;
+        full = minimum(&current, &electrical_starts(&current, electrical, count))?;
+        if count > 1 {
+            weighings.push(evidence(&current, electrical, &full));
+        } else {
+            break;
+        }
     }
     let mut judged = Judged {
-        evidence,
+        branches: count,
+        weighings,
         features: Vec::new(),
         partners: Vec::new(),
         evaluations: 0,
         parabolic,
     };
-    let count = full.0.layout.branches;
-    let wanted: Vec<Feature> = ELECTRICAL
-        .into_iter()
-        .filter(|feature| feature.branch().is_none_or(|k| k < count))
+    let wanted: Vec<Feature> = Feature::all(count)
+        .filter(|feature| feature.is_electrical())
         .collect();
     let settled = intervals(full, &wanted, freedom, &mut judged);
     if let (Some(bending), Some(curvature)) = (bending, &readings.curvature) {
@@ -95,13 +96,27 @@ pub(in crate::fit) fn judge(
             intervals(both, &[Feature::Coupling, Feature::Rate], freedom, &mut judged);
         }
     }
-    let open_branches = matches!(evidence.branches, Branches::OneOrHidden | Branches::Doubtful);
+    let open_branches = judged.are_open();
     for (feature, interval) in &mut judged.features {
         if open_branches && feature.branch().is_some() {
             *interval = None;
         }
     }
     Some(judged)
+}
+
+impl Judged {
+    /// The last weighing.
+    pub(in crate::fit) fn evidence(&self) -> Option<&Evidence> {
+        self.weighings.last()
+    }
+
+    /// Whether the parts of the branches are open because their number is.
+    pub(in crate::fit) fn are_open(&self) -> bool {
+        let open =
+            |evidence: &Evidence| matches!(evidence.branches, Branches::OneOrHidden | Branches::Doubtful);
+        self.evidence().is_some_and(open)
+    }
 }
 
 /// Intervals of `features` around the minimum, started anew where a deeper one is met; gives the local
@@ -122,10 +137,7 @@ fn intervals(
         let factor = excess(&problem, &bottom);
         let quantile = quantile_95(freedom) * factor;
         let mut solved = Solved::new(&problem, bottom.clone());
-        let wider = match judged.evidence.branches {
-            Branches::All => chosen_wider(&judged.evidence),
-            _ => 1.0,
-        };
+        let wider = judged.evidence().map_or(1.0, chosen_wider);
         match all(&mut solved, features, quantile, wider) {
             Err(Deeper(at)) if restarts < RESTARTS => {
                 restarts += 1;
@@ -177,6 +189,9 @@ fn linear_intervals(
 
 /// Factor on the quantile for the parts of a branch that was taken on that evidence.
 fn chosen_wider(evidence: &Evidence) -> f64 {
+    if evidence.branches != Branches::All {
+        return 1.0;
+    }
     let short = ((CLEAR - evidence.gain) / (CLEAR - BRANCH_EVIDENCE)).clamp(0.0, 1.0);
     1.0 + CHOSEN_WIDER * short
 }
@@ -216,30 +231,32 @@ fn sort_branches(problem: &Problem, bottom: &mut Bottom) {
     let layout = problem.layout;
     let local = problem.local(0, &bottom.at);
     let tau = |k: usize| local[layout.resistance(k)] + local[layout.capacitance(k)];
-    if layout.branches != 2 || tau(0) <= tau(1) {
+    let mut order: Vec<usize> = (0..layout.branches).collect();
+    order.sort_by(|&a, &b| tau(a).total_cmp(&tau(b)));
+    if order.is_sorted() {
         return;
     }
     // Branch parameters come first, and are all searched.
-    bottom.at.swap(layout.resistance(0), layout.resistance(1));
-    bottom.at.swap(layout.capacitance(0), layout.capacitance(1));
+    let before = bottom.at.clone();
+    for (to, &from) in order.iter().enumerate() {
+        bottom.at[layout.resistance(to)] = before[layout.resistance(from)];
+        bottom.at[layout.capacitance(to)] = before[layout.capacitance(from)];
+    }
     bottom.slope = problem.slope(&bottom.at, Over::Condensed);
 }
 
 /// The feature of another kind with which `feature` is most strongly correlated.
 pub(in crate::fit) fn partner(solved: &Solved, feature: Feature, run: usize) -> Option<(Feature, f64)> {
     let layout = solved.problem.layout;
-    let candidates = [
-        Feature::Resistance(0),
-        Feature::Capacitance(0),
-        Feature::Resistance(1),
-        Feature::Capacitance(1),
-        Feature::Steady,
-        Feature::Coupling,
-        Feature::Rate,
-    ];
+    let is_fitted = |other: &Feature| {
+        !matches!(
+            other,
+            Feature::TimeConstant(_) | Feature::TotalCapacitance | Feature::ParallelResistance
+        )
+    };
     let has_bending = solved.problem.runs[run].curvature.is_some();
-    (candidates.into_iter())
-        .filter(|other| *other != feature && other.branch().is_none_or(|k| k < layout.branches))
+    Feature::all(layout.branches)
+        .filter(|other| *other != feature && is_fitted(other))
         .filter(|other| other.is_electrical() || has_bending)
         .map(|other| (other, solved.correlation(run, feature, other)))
         .filter(|(_, correlation)| correlation.is_finite())

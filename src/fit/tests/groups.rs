@@ -66,7 +66,7 @@ fn runs_with_any_drive_give_one_set_of_parameters() {
     for fit in &group.runs {
         assert_recovers(fit, &model, 1e-3);
     }
-    assert_eq!(group.shared_parameters().len(), 7);
+    assert_eq!(group.common_parameters(FitOptions::default().model).len(), 11);
 }
 
 #[test]

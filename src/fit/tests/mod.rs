@@ -1,8 +1,10 @@
 //! Fits of simulated runs whose parameters are known.
 
+mod branches;
 mod calibration;
 mod groups;
 mod limits;
+mod memory;
 mod recovery;
 
 use std::sync::Arc;

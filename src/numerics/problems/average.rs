@@ -1,7 +1,7 @@
 //! NIST StRD, nonlinear regression, average level of difficulty.
 
 use super::lower::{LANCZOS_STARTS, LANCZOS_X, MISRA_X, MISRA_Y, three_decays};
-use super::{Difficulty, Problem};
+use super::{Difficulty, Model, Problem, Readings};
 
 const LANCZOS1_Y: [f64; 24] = [
     2.513400000000E+00,
@@ -62,9 +62,8 @@ pub(super) static PROBLEMS: [Problem; 6] = [
     Problem {
         source: "NIST StRD, Misra1c",
         difficulty: Difficulty::Average,
-        model: root_saturation,
-        x: &MISRA_X,
-        y: &MISRA_Y,
+        model: Model::OfOne(root_saturation),
+        readings: Readings::Typed(&MISRA_X, &MISRA_Y),
         starts: [&[500.0, 0.0001], &[600.0, 0.0002]],
         certified: &[6.3642725809E+02, 2.0813627256E-04],
         square: 4.0966836971E-02,
@@ -72,9 +71,8 @@ pub(super) static PROBLEMS: [Problem; 6] = [
     Problem {
         source: "NIST StRD, Misra1d",
         difficulty: Difficulty::Average,
-        model: hyperbola,
-        x: &MISRA_X,
-        y: &MISRA_Y,
+        model: Model::OfOne(hyperbola),
+        readings: Readings::Typed(&MISRA_X, &MISRA_Y),
         starts: [&[500.0, 0.0001], &[450.0, 0.0003]],
         certified: &[4.3736970754E+02, 3.0227324449E-04],
         square: 5.6419295283E-02,
@@ -82,9 +80,8 @@ pub(super) static PROBLEMS: [Problem; 6] = [
     Problem {
         source: "NIST StRD, Lanczos1",
         difficulty: Difficulty::Average,
-        model: three_decays,
-        x: &LANCZOS_X,
-        y: &LANCZOS1_Y,
+        model: Model::OfOne(three_decays),
+        readings: Readings::Typed(&LANCZOS_X, &LANCZOS1_Y),
         starts: LANCZOS_STARTS,
         certified: &[
             9.5100000027E-02,
@@ -99,9 +96,8 @@ pub(super) static PROBLEMS: [Problem; 6] = [
     Problem {
         source: "NIST StRD, Lanczos2",
         difficulty: Difficulty::Average,
-        model: three_decays,
-        x: &LANCZOS_X,
-        y: &LANCZOS2_Y,
+        model: Model::OfOne(three_decays),
+        readings: Readings::Typed(&LANCZOS_X, &LANCZOS2_Y),
         starts: LANCZOS_STARTS,
         certified: &[
             9.6251029939E-02,
@@ -116,9 +112,8 @@ pub(super) static PROBLEMS: [Problem; 6] = [
     Problem {
         source: "NIST StRD, MGH17",
         difficulty: Difficulty::Average,
-        model: two_decays,
-        x: &MGH17_X,
-        y: &MGH17_Y,
+        model: Model::OfOne(two_decays),
+        readings: Readings::Typed(&MGH17_X, &MGH17_Y),
         starts: [&[50.0, 150.0, -100.0, 1.0, 2.0], &[0.5, 1.5, -1.0, 0.01, 0.02]],
         certified: &[
             3.7541005211E-01,
@@ -132,9 +127,8 @@ pub(super) static PROBLEMS: [Problem; 6] = [
     Problem {
         source: "NIST StRD, Roszman1",
         difficulty: Difficulty::Average,
-        model: quantum_defect,
-        x: &ROSZMAN_X,
-        y: &ROSZMAN_Y,
+        model: Model::OfOne(quantum_defect),
+        readings: Readings::Typed(&ROSZMAN_X, &ROSZMAN_Y),
         starts: [
             &[0.1, -0.00001, 1000.0, -100.0],
             &[0.2, -0.000005, 1200.0, -150.0],

@@ -1,7 +1,7 @@
 //! NIST StRD, nonlinear regression, higher level of difficulty.
 
 use super::lower::saturation;
-use super::{Difficulty, Problem};
+use super::{Difficulty, Model, Problem, Readings};
 
 const MGH09_X: [f64; 11] = [
     4.0, 2.0, 1.0, 0.5, 0.25, 0.167, 0.125, 0.1, 0.0833, 0.0714, 0.0625,
@@ -65,9 +65,8 @@ pub(super) static PROBLEMS: [Problem; 7] = [
     Problem {
         source: "NIST StRD, MGH09",
         difficulty: Difficulty::Higher,
-        model: kowalik_osborne,
-        x: &MGH09_X,
-        y: &MGH09_Y,
+        model: Model::OfOne(kowalik_osborne),
+        readings: Readings::Typed(&MGH09_X, &MGH09_Y),
         starts: [&[25.0, 39.0, 41.5, 39.0], &[0.25, 0.39, 0.415, 0.39]],
         certified: &[
             1.9280693458E-01,
@@ -80,9 +79,8 @@ pub(super) static PROBLEMS: [Problem; 7] = [
     Problem {
         source: "NIST StRD, MGH10",
         difficulty: Difficulty::Higher,
-        model: thermistor,
-        x: &MGH10_X,
-        y: &MGH10_Y,
+        model: Model::OfOne(thermistor),
+        readings: Readings::Typed(&MGH10_X, &MGH10_Y),
         starts: [&[2.0, 400000.0, 25000.0], &[0.02, 4000.0, 250.0]],
         certified: &[5.6096364710E-03, 6.1813463463E+03, 3.4522363462E+02],
         square: 8.7945855171E+01,
@@ -90,9 +88,8 @@ pub(super) static PROBLEMS: [Problem; 7] = [
     Problem {
         source: "NIST StRD, Thurber",
         difficulty: Difficulty::Higher,
-        model: cubic_ratio,
-        x: &THURBER_X,
-        y: &THURBER_Y,
+        model: Model::OfOne(cubic_ratio),
+        readings: Readings::Typed(&THURBER_X, &THURBER_Y),
         starts: [
             &[1000.0, 1000.0, 400.0, 40.0, 0.7, 0.3, 0.03],
             &[1300.0, 1500.0, 500.0, 75.0, 1.0, 0.4, 0.05],
@@ -111,9 +108,8 @@ pub(super) static PROBLEMS: [Problem; 7] = [
     Problem {
         source: "NIST StRD, BoxBOD",
         difficulty: Difficulty::Higher,
-        model: saturation,
-        x: &BOX_BOD_X,
-        y: &BOX_BOD_Y,
+        model: Model::OfOne(saturation),
+        readings: Readings::Typed(&BOX_BOD_X, &BOX_BOD_Y),
         starts: [&[1.0, 1.0], &[100.0, 0.75]],
         certified: &[2.1380940889E+02, 5.4723748542E-01],
         square: 1.1680088766E+03,
@@ -121,9 +117,8 @@ pub(super) static PROBLEMS: [Problem; 7] = [
     Problem {
         source: "NIST StRD, Rat42",
         difficulty: Difficulty::Higher,
-        model: logistic,
-        x: &RAT42_X,
-        y: &RAT42_Y,
+        model: Model::OfOne(logistic),
+        readings: Readings::Typed(&RAT42_X, &RAT42_Y),
         starts: [&[100.0, 1.0, 0.1], &[75.0, 2.5, 0.07]],
         certified: &[7.2462237576E+01, 2.6180768402E+00, 6.7359200066E-02],
         square: 8.0565229338E+00,
@@ -131,9 +126,8 @@ pub(super) static PROBLEMS: [Problem; 7] = [
     Problem {
         source: "NIST StRD, Rat43",
         difficulty: Difficulty::Higher,
-        model: richards,
-        x: &RAT43_X,
-        y: &RAT43_Y,
+        model: Model::OfOne(richards),
+        readings: Readings::Typed(&RAT43_X, &RAT43_Y),
         starts: [&[100.0, 10.0, 1.0, 1.0], &[700.0, 5.0, 0.75, 1.3]],
         certified: &[
             6.9964151270E+02,
@@ -146,9 +140,8 @@ pub(super) static PROBLEMS: [Problem; 7] = [
     Problem {
         source: "NIST StRD, Eckerle4",
         difficulty: Difficulty::Higher,
-        model: bell,
-        x: &ECKERLE_X,
-        y: &ECKERLE_Y,
+        model: Model::OfOne(bell),
+        readings: Readings::Typed(&ECKERLE_X, &ECKERLE_Y),
         starts: [&[1.0, 10.0, 500.0], &[1.5, 5.0, 450.0]],
         certified: &[1.5543827178E+00, 4.0888321754E+00, 4.5154121844E+02],
         square: 1.4635887487E-03,
@@ -175,7 +168,7 @@ fn thermistor(b: &[f64], x: f64, slopes: &mut [f64]) -> f64 {
 }
 
 /// (b1 + b2 x + b3 x^2 + b4 x^3) / (1 + b5 x + b6 x^2 + b7 x^3).
-fn cubic_ratio(b: &[f64], x: f64, slopes: &mut [f64]) -> f64 {
+pub(super) fn cubic_ratio(b: &[f64], x: f64, slopes: &mut [f64]) -> f64 {
     let over = b[0] + x * (b[1] + x * (b[2] + x * b[3]));
     let per = (1.0 + x * (b[4] + x * (b[5] + x * b[6]))).recip();
     let mut power = 1.0;

@@ -1,6 +1,6 @@
 //! NIST StRD, nonlinear regression, lower level of difficulty.
 
-use super::{Difficulty, Problem};
+use super::{Difficulty, Model, Problem, Readings};
 
 /// Volume and pressure of monomolecular adsorption (Misra 1978); four models share these readings.
 pub(super) const MISRA_X: [f64; 14] = [
@@ -29,9 +29,8 @@ pub(super) static PROBLEMS: [Problem; 4] = [
     Problem {
         source: "NIST StRD, Misra1a",
         difficulty: Difficulty::Lower,
-        model: saturation,
-        x: &MISRA_X,
-        y: &MISRA_Y,
+        model: Model::OfOne(saturation),
+        readings: Readings::Typed(&MISRA_X, &MISRA_Y),
         starts: [&[500.0, 0.0001], &[250.0, 0.0005]],
         certified: &[2.3894212918E+02, 5.5015643181E-04],
         square: 1.2455138894E-01,
@@ -39,9 +38,8 @@ pub(super) static PROBLEMS: [Problem; 4] = [
     Problem {
         source: "NIST StRD, Misra1b",
         difficulty: Difficulty::Lower,
-        model: squared_saturation,
-        x: &MISRA_X,
-        y: &MISRA_Y,
+        model: Model::OfOne(squared_saturation),
+        readings: Readings::Typed(&MISRA_X, &MISRA_Y),
         starts: [&[500.0, 0.0001], &[300.0, 0.0002]],
         certified: &[3.3799746163E+02, 3.9039091287E-04],
         square: 7.5464681533E-02,
@@ -49,9 +47,8 @@ pub(super) static PROBLEMS: [Problem; 4] = [
     Problem {
         source: "NIST StRD, DanWood",
         difficulty: Difficulty::Lower,
-        model: power,
-        x: &DAN_WOOD_X,
-        y: &DAN_WOOD_Y,
+        model: Model::OfOne(power),
+        readings: Readings::Typed(&DAN_WOOD_X, &DAN_WOOD_Y),
         starts: [&[1.0, 5.0], &[0.7, 4.0]],
         certified: &[7.6886226176E-01, 3.8604055871E+00],
         square: 4.3173084083E-03,
@@ -59,9 +56,8 @@ pub(super) static PROBLEMS: [Problem; 4] = [
     Problem {
         source: "NIST StRD, Lanczos3",
         difficulty: Difficulty::Lower,
-        model: three_decays,
-        x: &LANCZOS_X,
-        y: &LANCZOS3_Y,
+        model: Model::OfOne(three_decays),
+        readings: Readings::Typed(&LANCZOS_X, &LANCZOS3_Y),
         starts: LANCZOS_STARTS,
         certified: &[
             8.6816414977E-02,

@@ -82,11 +82,15 @@ impl Pulses {
 }
 
 /// Parameter keys that a run may give.
-const PARAMETER_KEYS: [&str; 7] = [
+const PARAMETER_KEYS: [&str; 11] = [
     "r1_ohm_cm2",
     "c1_f_per_cm2",
     "r2_ohm_cm2",
     "c2_f_per_cm2",
+    "r3_ohm_cm2",
+    "c3_f_per_cm2",
+    "r4_ohm_cm2",
+    "c4_f_per_cm2",
     "rss_ohm_cm2",
     "alpha_per_c_cm",
     "lambda_per_s",
@@ -100,7 +104,7 @@ impl RunSpec {
             .keys()
             .find(|key| !PARAMETER_KEYS.contains(&key.as_str()))
         {
-            let needed = "one of r1_ohm_cm2 c1_f_per_cm2 r2_ohm_cm2 c2_f_per_cm2 rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
+            let needed = "one of r1_ohm_cm2 c1_f_per_cm2 (and so on to r4_ohm_cm2 c4_f_per_cm2) rss_ohm_cm2 alpha_per_c_cm lambda_per_s";
             return Err(Wrong::new(&place("parameters"), key.clone(), needed));
         }
         let ordered = self
@@ -188,6 +192,8 @@ impl RunSpec {
             branches: [
                 branch("r1_ohm_cm2", "c1_f_per_cm2"),
                 branch("r2_ohm_cm2", "c2_f_per_cm2"),
+                branch("r3_ohm_cm2", "c3_f_per_cm2"),
+                branch("r4_ohm_cm2", "c4_f_per_cm2"),
             ]
             .into_iter()
             .flatten()

@@ -1,0 +1,134 @@
+//! `ieap fit --group`: runs of one sample in one condition fitted at once.
+
+use clap::Args;
+
+use super::exit::CliError;
+use super::fit::in_words;
+use super::output::Output;
+use crate::pipeline::fits_document::ParameterEntry;
+use crate::pipeline::groups_document::{GroupEntry, GroupRunEntry};
+use crate::pipeline::{FitChoice, FitGroups, Sharing};
+
+/// Refits below which a bootstrap tells nothing of the ends of a 95 % interval.
+const FEWEST_REFITS: usize = 40;
+
+/// How groups of runs are fitted.
+#[derive(Debug, Args)]
+pub struct GroupArgs {
+    /// Fit the runs of each group (one sample, one environment and humidity; group_by in campaign.toml) at once with
+    /// shared parameters, and print these fits; the fits of single runs are made as always
+    #[arg(long)]
+    group: bool,
+    /// Parameters that the runs of a group share; the others are free in every run [default: all]
+    #[arg(
+        long,
+        value_name = "KEYS",
+        value_delimiter = ',',
+        requires = "group",
+        conflicts_with = "free"
+    )]
+    shared: Option<Vec<String>>,
+    /// Parameters that are free in every run; the others are shared
+    #[arg(long, value_name = "KEYS", value_delimiter = ',', requires = "group")]
+    free: Option<Vec<String>>,
+    /// Find every interval by profile likelihood, not only where the covariance would mislead
+    #[arg(long, requires = "group")]
+    profile: bool,
+    /// Add the spread of N fits to readings whose residuals were drawn again in blocks
+    #[arg(long, value_name = "N", requires = "group")]
+    bootstrap: Option<usize>,
+}
+
+impl GroupArgs {
+    /// The fits of groups asked for; none without `--group`.
+    pub fn groups(&self, choice: FitChoice) -> Result<Option<FitGroups>, CliError> {
+        if !self.group {
+            return Ok(None);
+        }
+        if let Some(found) = self.bootstrap.filter(|&n| n < FEWEST_REFITS) {
+            return Err(CliError::usage(&format!(
+                "--bootstrap: found {found}, needed {FEWEST_REFITS} or more (200 tell a standard error to 5 %)"
+            )));
+        }
+        let sharing = match (&self.shared, &self.free) {
+            (Some(keys), _) => Sharing::Only(keys.clone()),
+            (None, Some(keys)) => Sharing::AllBut(keys.clone()),
+            (None, None) => Sharing::All,
+        };
+        Ok(Some(FitGroups {
+            choice,
+            sharing,
+            profile: self.profile,
+            bootstrap: self.bootstrap,
+        }))
+    }
+}
+
+/// Prints a group: what its runs share, then what each has for itself.
+pub fn print(group: &GroupEntry, output: &Output) {
+    output.result(&format!(
+        "{}  {}  {}",
+        group.group, group.model, group.why_stopped
+    ));
+    if let (Some(square), Some(freedom)) = (group.chi_square, group.degrees_of_freedom) {
+        output.result(&format!(
+            "    {} runs, weighted sum of squares {square:.1} for {freedom:.0} degrees of freedom",
+            group.runs.len()
+        ));
+    }
+    if let Some(sharing) = &group.sharing {
+        output.result(&format!(
+            "    sharing costs {:.1} for {} parameters fewer, chance {}",
+            sharing.chi_square_rise,
+            sharing.parameters_saved,
+            chance(sharing.p)
+        ));
+    }
+    let is_common = |key: &str| group.parameters.iter().any(|(common, _)| common == key);
+    let first = group.fits.first();
+    for (key, parameter) in &group.parameters {
+        output.result(&line(key, parameter, first));
+    }
+    for run in &group.fits {
+        output.result(&format!("  {}", run.run));
+        for (key, parameter) in run.parameters.iter().filter(|(key, _)| !is_common(key)) {
+            output.result(&line(key, parameter, Some(run)));
+        }
+        for noise in &run.noise {
+            output.result(&format!(
+                "    {:<22} {:.2} x noise",
+                format!("residual {}", noise.quantity.column()),
+                noise.residual_rms / noise.standard_deviation
+            ));
+        }
+    }
+    for left_out in &group.left_out {
+        output.issue(&left_out.run, &left_out.issue);
+    }
+    for issue in &group.issues {
+        output.issue(&group.group, issue);
+    }
+}
+
+fn chance(p: f64) -> String {
+    if p < 1e-9 {
+        "below 1e-9".to_owned()
+    } else {
+        format!("{p:.2e}")
+    }
+}
+
+fn line(key: &str, parameter: &ParameterEntry, run: Option<&GroupRunEntry>) -> String {
+    let bootstrap = run.and_then(|run| run.bootstrap.iter().find(|(own, _)| own == key));
+    let spread = bootstrap.map_or_else(String::new, |(_, of)| {
+        format!(
+            "; bootstrap +- {:.1e}, {:.4e} to {:.4e}",
+            of.standard_deviation, of.low_95, of.high_95
+        )
+    });
+    let interval = match (parameter.value, parameter.low_95, parameter.high_95) {
+        (Some(_), Some(low), Some(high)) => format!("  ({low:.4e} to {high:.4e})"),
+        _ => String::new(),
+    };
+    format!("    {key:<22} {}{interval}{spread}", in_words(parameter))
+}
