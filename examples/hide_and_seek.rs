@@ -223,7 +223,26 @@ fn diagnose(case: &mut Case, responses: &[Responses]) -> ieap::domain::GroupDiag
             length_cm: Some(LENGTH),
         })
         .collect();
-    diagnose_group("case", &runs, &DiagnoseOptions::default())
+    let found = diagnose_group("case", &runs, &DiagnoseOptions::default());
+    if std::env::var_os("NOISE").is_some() {
+        for n in &found.noise {
+            let sd = if n.channel == "current" {
+                case.noise.current_a
+            } else {
+                case.noise.curvature_per_cm
+            };
+            println!(
+                "rho {rho} {:10} {:10} sd/true {:.3} {:?} per independent {:.2} rms {:.3}",
+                n.run,
+                n.channel,
+                n.standard_deviation / sd,
+                n.autoregression,
+                n.readings as f64 / n.independent_readings,
+                n.residual_rms_sigma
+            );
+        }
+    }
+    found
 }
 
 fn nulls(count: u64) {

@@ -36,6 +36,13 @@ pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Op
     Fitted::search(problem, &[at], &[]).map(Fitted::settled)
 }
 
+/// The base fitted to the same readings with another noise, from where it was.
+pub(super) fn refit<'g>(group: &'g Group<'g>, from: &Fitted) -> Option<Fitted<'g>> {
+    let problem = Problem::new(group, &from.base(), Vec::new());
+    let at = problem.coordinates(&from.base(), &[]);
+    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+}
+
 /// The value, or the middle of what an interval leaves.
 fn best(estimate: &Estimate) -> Option<f64> {
     estimate.value.or(estimate.low_95).or(estimate.high_95)

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::domain::{Channel, Quantity};
 use crate::fit::{FitInput, WhitenedChannel};
-use crate::model::extended::RunContext;
+use crate::model::extended::{ExtendedModel, RunContext};
 
 use super::spikes::without_spikes;
 
@@ -74,6 +74,20 @@ impl<'a> Group<'a> {
             }
         }
         Group { runs, blocks }
+    }
+
+    /// The same readings with the noise that `model` leaves.
+    pub(super) fn renoised(&self, model: &ExtendedModel) -> Group<'a> {
+        let mut group = self.clone();
+        for (index, run) in group.runs.iter_mut().enumerate() {
+            let context = run.context(index, None);
+            let found = model.responses(&context, run.times(0), run.times(1));
+            let fitted = [found.current_a, found.curvature_per_cm];
+            for (channel, fitted) in run.channels.iter_mut().zip(&fitted) {
+                *channel = channel.as_ref().map(|channel| channel.renoised(fitted));
+            }
+        }
+        group
     }
 
     /// Number of rows of whitened residuals.

@@ -55,8 +55,17 @@ impl Default for DiagnoseOptions {
 ///
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
-    let group = group::Group::new(runs);
-    let Some(base) = base_fit::base_fit(&group, options.model) else {
+    let raw = group::Group::new(runs);
+    let Some(first) = base_fit::base_fit(&raw, options.model) else {
+        return outcome::nothing(name, runs, options);
+    };
+    // The noise that the readings alone show holds what is fast in them; a first fit takes that out.
+    let once = raw.renoised(&first.problem.model(&first.at));
+    let Some(second) = base_fit::refit(&once, &first) else {
+        return outcome::nothing(name, runs, options);
+    };
+    let group = once.renoised(&second.problem.model(&second.at));
+    let Some(base) = base_fit::refit(&group, &second) else {
         return outcome::nothing(name, runs, options);
     };
     let scale = signature::scale(&group, &base.problem, &base.at);
@@ -83,7 +92,6 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
         stretches: &stretches,
         residuals: &residuals,
         p_misfit: null.p_misfit(&observed),
-        observed,
         options,
     };
     if shown.p_misfit >= outcome::WRONG {

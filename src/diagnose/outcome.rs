@@ -1,6 +1,8 @@
 //! The finding about a group, put together.
 
-use crate::domain::{Candidate, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
+use crate::domain::{
+    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict,
+};
 use crate::model::effects::effect;
 
 use super::candidates::{Looked, PRICE};
@@ -8,7 +10,7 @@ use super::fitted::Fitted;
 use super::group::Group;
 use super::held_out;
 use super::next_run::next_run;
-use super::null::{Null, Statistics, gain};
+use super::null::{Null, gain};
 use super::problem::Problem;
 use super::select::{AS_GOOD, HeldOut, INEXACT, Selection};
 use super::signature::{Direction, Signature};
@@ -42,7 +44,6 @@ pub(super) struct Shown<'a, 'g> {
     pub(super) stretches: &'a [Stretch],
     pub(super) residuals: &'a [f64],
     pub(super) p_misfit: f64,
-    pub(super) observed: Statistics,
     pub(super) options: &'a DiagnoseOptions,
 }
 
@@ -66,6 +67,7 @@ pub(super) fn nothing(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
         next_run: None,
         shifts: Vec::new(),
         gain_at_5_percent: None,
+        noise: Vec::new(),
         residuals: Vec::new(),
         remarks: Vec::new(),
     }
@@ -168,10 +170,31 @@ impl<'g> Shown<'_, 'g> {
             p_misfit: Some(self.p_misfit),
             whereabouts: Some(whereabouts(self.group, self.null, self.stretches, self.residuals)),
             gain_at_5_percent: Some(self.null.gain_at_5_percent()),
+            noise: self.noise(),
             residuals: self.drawn(self.base),
             remarks,
             ..nothing(self.name, &given, self.options)
         }
+    }
+
+    fn noise(&self) -> Vec<DiagnosisNoise> {
+        let of = |block: &super::group::Block| {
+            let channel = self.group.channel(block)?;
+            let character = channel.character();
+            let rows = &self.residuals[block.first..block.end];
+            let mean = channel.standard_deviation().iter().sum::<f64>() / channel.len() as f64;
+            Some(DiagnosisNoise {
+                run: self.group.runs[block.run].given.name.to_owned(),
+                channel: channel_name(block.channel).to_owned(),
+                standard_deviation: mean,
+                autoregression: character.autoregression,
+                correlation_time_s: character.correlation_time_s,
+                readings: channel.len(),
+                independent_readings: channel.len() as f64 / channel.readings_per_independent(),
+                residual_rms_sigma: (dot(rows, rows) / rows.len() as f64).sqrt(),
+            })
+        };
+        self.group.blocks.iter().filter_map(of).collect()
     }
 
     fn is_spiked(&self) -> bool {

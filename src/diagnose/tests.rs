@@ -1,1 +1,1 @@
-
+//! Looks at what the engine believes of simulated noise.

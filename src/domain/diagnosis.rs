@@ -180,6 +180,27 @@ pub struct ResidualCurve {
     pub after_sigma: Vec<f64>,
 }
 
+/// Noise of one channel of one run, found without the candidates.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DiagnosisNoise {
+    /// Run.
+    pub run: String,
+    /// `current` or `curvature`.
+    pub channel: String,
+    /// Standard deviation, canonical unit of the channel.
+    pub standard_deviation: f64,
+    /// Autoregression by reading order, lag 1 first.
+    pub autoregression: Vec<f64>,
+    /// Correlation time, s, where memory goes by time.
+    pub correlation_time_s: Option<f64>,
+    /// Readings used.
+    pub readings: usize,
+    /// Independent readings that carry as much.
+    pub independent_readings: f64,
+    /// Root mean square of the whitened residuals of the base model.
+    pub residual_rms_sigma: f64,
+}
+
 /// Everything that was found out about a group of runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GroupDiagnosis {
@@ -214,6 +235,9 @@ pub struct GroupDiagnosis {
     pub shifts: Vec<ParameterShift>,
     /// Gain that chance passes in 5 % of groups in which nothing is wrong.
     pub gain_at_5_percent: Option<f64>,
+    /// Noise of every channel.
+    #[serde(default)]
+    pub noise: Vec<DiagnosisNoise>,
     /// Residuals as they are drawn.
     pub residuals: Vec<ResidualCurve>,
     /// What a reader must know of the readings.

@@ -18,8 +18,8 @@ mod unit_spelling;
 pub use campaign::{Campaign, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use diagnosis::{
-    Candidate, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun, ParameterShift, ResidualCurve,
-    Verdict, Whereabouts,
+    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun, ParameterShift,
+    ResidualCurve, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::domain::{Channel, Drive, NoiseCharacter, Quantity};
 
+use super::joint::noise::Noise;
 use super::joint::readings::Response;
 use super::joint::whitening::Memory;
 use super::sampled::Sampled;
@@ -29,6 +30,24 @@ impl WhitenedChannel {
             response,
             readings_per_independent,
         })
+    }
+
+    /// The same readings with noise found anew from what `fitted` leaves of them. Smooth misfit is not taken for
+    /// noise; fast transients, which no free smooth curve follows, are taken out by the fit.
+    pub fn renoised(&self, fitted: &[f64]) -> WhitenedChannel {
+        let sampled = self.response.sampled.clone();
+        let rest: Vec<f64> = sampled.values.iter().zip(fitted).map(|(y, f)| y - f).collect();
+        let mut left = sampled.clone();
+        left.values = rest.into();
+        let least = self.response.noise.quantum / 12.0_f64.sqrt();
+        let noise = Noise::of_rest(&left, least.max(f64::MIN_POSITIVE));
+        let quantum = self.response.noise.quantum;
+        let response = Response::with_noise(sampled, Noise { quantum, ..noise });
+        let readings_per_independent = response.sampled.len() as f64 / response.effective_readings();
+        WhitenedChannel {
+            response,
+            readings_per_independent,
+        }
     }
 
     /// Times of the readings, s.

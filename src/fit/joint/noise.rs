@@ -43,7 +43,22 @@ impl Noise {
         let quantum = quantum(&sampled.values);
         let least = least.max(quantum / 12.0_f64.sqrt()).max(f64::MIN_POSITIVE);
         let shape = growth(&smooth, sampled);
-        let (memory, floor, terms) = smooth.memory(sampled, &shape.scale);
+        let noise = Noise::of_smoothed(&smooth, sampled, &shape.scale, least);
+        Noise {
+            proportional: noise.floor * shape.per_signal,
+            quantum,
+            ..noise
+        }
+    }
+
+    /// Even noise of what a fit has left: its smooth part is misfit, and counts for no noise.
+    pub(in crate::fit) fn of_rest(rest: &Sampled, least: f64) -> Noise {
+        let even = vec![1.0; rest.len()];
+        Noise::of_smoothed(&Smooth::of(rest), rest, &even, least)
+    }
+
+    fn of_smoothed(smooth: &Smooth, sampled: &Sampled, scale: &[f64], least: f64) -> Noise {
+        let (memory, floor, terms) = smooth.memory(sampled, scale);
         let floor = floor.max(least);
         let n = sampled.len() as f64;
         let (shortest_s, _) = sampled.time_scales_s();
@@ -57,11 +72,11 @@ impl Noise {
             from_size / (1.0 + 2.0 * crowding)
         };
         Noise {
-            sd: shape.scale.iter().map(|scale| floor * scale).collect(),
+            sd: scale.iter().map(|scale| floor * scale).collect(),
             floor,
-            proportional: floor * shape.per_signal,
+            proportional: 0.0,
             memory,
-            quantum,
+            quantum: 0.0,
             freedom: freedom.max(1.0),
         }
     }
