@@ -81,7 +81,7 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     };
     let (null, directions) = ground.null(&base, 0);
     let residuals = base.residuals();
-    let observed = null.observe(&residuals, &directions);
+    let observed = null.observe(&group, &residuals, &directions);
     let shown = outcome::Shown {
         name,
         group: &group,

@@ -22,7 +22,7 @@ use crate::numerics::sums::dot;
 /// The simulation is called wrong below this p, and right from the second on.
 pub(super) const WRONG: f64 = 0.01;
 const RIGHT: f64 = 0.05;
-/// An extension that explains less than this part of the misfit names no cause.
+/// Where a misfit is left, a first cause that explains less than this part of everything names nothing.
 const MOST_OF_IT: f64 = 0.8;
 /// Spikes beyond this part of the readings make the readings themselves the problem.
 const SPIKED: f64 = 0.05;
@@ -121,7 +121,12 @@ impl<'g> Shown<'_, 'g> {
         let rest = (selection.leftover.together - self.expected_together())
             .max(selection.leftover.candidate)
             .max(0.0);
-        let explained = total / (total + rest).max(1e-300);
+        let first = selection
+            .steps
+            .first()
+            .and_then(|step| step.looked.first())
+            .map_or(0.0, |looked| looked.gain);
+        let explained = first / (total + rest).max(1e-300);
         found.verdict = match () {
             () if self.is_spiked() => Verdict::DataProblem,
             () if taken.is_empty() || !passed => Verdict::Unknown,
