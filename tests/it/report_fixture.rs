@@ -44,6 +44,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         runs_folder: "runs".to_owned(),
         name_pattern: None,
         model: "lumped-2".to_owned(),
+        group_by: Vec::new(),
     }
 }
 
