@@ -209,7 +209,6 @@ pub struct ResidualCurve {
     pub after_sigma: Vec<f64>,
 }
 
-<<<<<<< HEAD
 /// Noise of one channel of one run, found without the candidates.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DiagnosisNoise {
@@ -218,18 +217,23 @@ pub struct DiagnosisNoise {
     /// `current` or `curvature`.
     pub channel: String,
     /// Standard deviation, canonical unit of the channel.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub standard_deviation: f64,
     /// Autoregression by reading order, lag 1 first.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub autoregression: Vec<f64>,
     /// Correlation time, s, where memory goes by time.
     pub correlation_time_s: Option<f64>,
     /// Readings used.
     pub readings: usize,
     /// Independent readings that carry as much.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub independent_readings: f64,
     /// Root mean square of the whitened residuals of the base model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub residual_rms_sigma: f64,
-=======
+}
+
 impl GroupDiagnosis {
     /// A group whose readings allow no finding, for the reason that `sentence` gives.
     pub fn data_problem(
@@ -260,7 +264,6 @@ impl GroupDiagnosis {
             remarks: Vec::new(),
         }
     }
->>>>>>> f35ae39 (diagnose: the verb, its document, and where findings are stored)
 }
 
 /// Everything that was found out about a group of runs.

@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::diagnose::library_hash;
-use super::fits_document::{ParameterEntry, as_object};
+use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
 use crate::analysis::false_discovery::judge_together;
 use crate::domain::{
-    Candidate, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift, Verdict, Whereabouts,
+    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift, Verdict, Whereabouts,
 };
 use crate::store::DiagnosisKind;
 
@@ -87,6 +87,8 @@ pub struct GroupEntry {
     pub shifts: Vec<ParameterShift>,
     /// Gain that chance passes in 5 % of groups in which nothing is wrong.
     pub gain_at_5_percent: Option<f64>,
+    /// Noise of every channel.
+    pub noise: Vec<DiagnosisNoise>,
     /// What a reader must know of the readings.
     pub remarks: Vec<String>,
 }
@@ -206,18 +208,16 @@ fn group_entry(found: GroupDiagnosis) -> GroupEntry {
         next_run: found.next_run,
         shifts: found.shifts,
         gain_at_5_percent: found.gain_at_5_percent,
+        noise: found.noise,
         remarks: found.remarks,
     }
 }
 
 fn effect_entry(finding: EffectFinding) -> EffectEntry {
-    let parameters = finding.parameters.into_iter();
     EffectEntry {
         effect: finding.effect,
         variant: finding.variant,
-        parameters: parameters
-            .map(|parameter| (parameter.key, parameter.estimate.into()))
-            .collect(),
+        parameters: parameter_entries(&finding.parameters),
         p: finding.p,
         q: finding.q,
         twins: finding.twins,

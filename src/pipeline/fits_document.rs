@@ -6,11 +6,7 @@ use super::groups_document::GroupEntry;
 use super::{Context, PipelineError};
 use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
-<<<<<<< HEAD
 use crate::domain::{ChannelNoise, Issue, Parameter, RunRecord};
-=======
-use crate::domain::{ChannelNoise, Estimate, Issue, RunRecord};
->>>>>>> f35ae39 (diagnose: the verb, its document, and where findings are stored)
 
 /// Every current fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -89,19 +85,6 @@ pub struct ParameterEntry {
     pub reason: Option<String>,
 }
 
-impl From<Estimate> for ParameterEntry {
-    fn from(estimate: Estimate) -> ParameterEntry {
-        ParameterEntry {
-            value: estimate.value,
-            standard_error: estimate.standard_error,
-            low_95: estimate.low_95,
-            high_95: estimate.high_95,
-            at_bound: estimate.at_bound,
-            reason: estimate.reason,
-        }
-    }
-}
-
 pub(super) fn as_object<S: Serializer>(
     entries: &[(String, ParameterEntry)],
     serializer: S,
@@ -141,7 +124,6 @@ pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
     })
 }
 
-<<<<<<< HEAD
 /// Parameters by key.
 pub(super) fn parameter_entries(parameters: &[Parameter]) -> Vec<(String, ParameterEntry)> {
     let one = |parameter: &Parameter| {
@@ -159,8 +141,6 @@ pub(super) fn parameter_entries(parameters: &[Parameter]) -> Vec<(String, Parame
     parameters.iter().map(one).collect()
 }
 
-=======
->>>>>>> f35ae39 (diagnose: the verb, its document, and where findings are stored)
 fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
     let fit = run.fit.as_ref()?;
     let sample = run.tag(keys::SAMPLE).map(str::to_owned);
@@ -168,13 +148,6 @@ fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
         .as_deref()
         .and_then(|id| context.campaign.sample(id))
         .map(|s| s.material.clone());
-<<<<<<< HEAD
-=======
-    let parameters = fit
-        .parameters
-        .iter()
-        .map(|parameter| (parameter.key.clone(), parameter.estimate.clone().into()));
->>>>>>> f35ae39 (diagnose: the verb, its document, and where findings are stored)
     Some(FitEntry {
         run: run.path.clone(),
         revision: run.revision,

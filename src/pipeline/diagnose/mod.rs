@@ -19,7 +19,7 @@ pub(super) use input_hash::library_hash;
 use subject::{Subject, subjects};
 
 /// Subjects diagnosed between two commits: bounds memory, and what an interruption costs.
-const BATCH: usize = 32;
+const BATCH: usize = 8;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Default)]

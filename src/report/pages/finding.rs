@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::finding_words::{lead, misfit_words, shift_words, verdict_word};
-use super::findings::probability;
+use super::finding_words::{lead, probability, shift_words, test_words, verdict_word};
 use super::wording::{EstimateText, RunLink, listed};
 use crate::analysis::ParameterInfo;
-use crate::domain::{Candidate, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve};
+use crate::domain::{Candidate, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
 use crate::report::error::ReportError;
 use crate::report::figures::gain_bars::gain_bars;
 use crate::report::figures::residual::residual;
@@ -162,7 +161,11 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
             .filter_map(|s| shift_words(s, &symbol(&s.key).0))
             .collect(),
         shifts: shifts.map(shift_row).collect(),
-        gain: found.gain.as_ref().map(gain_block),
+        gain: found
+            .gain
+            .as_ref()
+            .filter(|_| found.verdict != Verdict::DataProblem)
+            .map(gain_block),
         bars,
         chance_gain: found
             .gain_at_5_percent
@@ -188,13 +191,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
 
 fn summary(found: &GroupDiagnosis, findings: &Findings) -> Vec<String> {
     let mut sentences = vec![lead(found, findings), found.sentence.clone()];
-    sentences.extend(misfit_words(found));
-    if let Some(q) = found.q_misfit {
-        sentences.push(format!(
-            "Over all groups of the campaign, q = {}: of all findings up to this one, at most that share is expected to be chance.",
-            significant(q, 2)
-        ));
-    }
+    sentences.extend(test_words(found));
     sentences
 }
 
@@ -377,7 +374,7 @@ fn residuals(
         curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
         curves.truncate(DRAWN);
     }
-    let wrong = found.verdict != crate::domain::Verdict::Consistent;
+    let wrong = found.verdict != Verdict::Consistent;
     let mut blocks = Vec::new();
     for (place, curve) in curves.iter().enumerate() {
         let id = format!("residual-{}", place + 1);

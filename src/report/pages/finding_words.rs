@@ -72,14 +72,36 @@ pub fn chance(p: f64) -> String {
     }
 }
 
-/// The misfit test in words.
-pub fn misfit_words(found: &GroupDiagnosis) -> Option<String> {
-    let p = found.p_misfit?;
-    Some(format!(
+/// A probability with two digits and no power of ten: `0.31`, `0.001`, `< 0.0001`; a dash where there is none.
+pub fn probability(p: Option<f64>) -> String {
+    match p.filter(|p| p.is_finite()) {
+        None => "–".to_owned(),
+        Some(p) if p < 1e-4 => "< 0.0001".to_owned(),
+        Some(p) => {
+            let decimals = (1.0 - p.log10().floor()).clamp(1.0, 5.0) as usize;
+            let text = fixed(p, decimals);
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        }
+    }
+}
+
+/// The tests of a group in words; nothing where the readings allow no finding.
+pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
+    let Some(p) = found.p_misfit.filter(|_| found.verdict != Verdict::DataProblem) else {
+        return Vec::new();
+    };
+    let misfit = format!(
         "If the simulation were right, chance alone would leave residuals at least as bad {} (p = {}).",
         chance(p),
-        significant(p, 2)
-    ))
+        probability(Some(p))
+    );
+    let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
+        format!(
+            "Of all findings of this campaign that are as clear as this one, a share of {} or less is expected to be chance (q).",
+            probability(Some(q))
+        )
+    });
+    [Some(misfit), together].into_iter().flatten().collect()
 }
 
 /// What the extension did to the base parameters: `α was 14 % too small: 5 standard errors`.
@@ -179,6 +201,16 @@ mod tests {
             "α changes its sign or vanishes"
         );
         assert_eq!(words(shift(1.0, 2.0, 0.0)), None);
+    }
+
+    #[test]
+    fn probabilities_are_plain_numbers() {
+        let text = |p| probability(Some(p));
+        assert_eq!(
+            [0.001, 0.31, 0.0448, 1.0, 0.00401, 1e-7].map(text),
+            ["0.001", "0.31", "0.045", "1", "0.004", "< 0.0001"]
+        );
+        assert_eq!(probability(Some(f64::NAN)), "–");
     }
 
     #[test]

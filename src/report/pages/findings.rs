@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::finding_words::{campaign_lead, verdict_word};
+use super::finding_words::{campaign_lead, probability, verdict_word};
 use super::wording::{RunLink, counted};
 use crate::domain::GroupDiagnosis;
 use crate::report::error::ReportError;
-use crate::report::number::significant;
 use crate::report::site::Site;
 
 #[derive(Debug, Serialize)]
@@ -74,12 +73,6 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         runs: findings.runs.iter().map(|found| run_row(site, found)).collect(),
     };
     Content::new("findings.html", &page, BTreeMap::new())
-}
-
-/// A probability with two digits, or a dash.
-pub(super) fn probability(p: Option<f64>) -> String {
-    p.filter(|p| p.is_finite())
-        .map_or_else(|| "–".to_owned(), |p| significant(p, 2))
 }
 
 fn group_row(site: &Site, place: usize) -> GroupRow {
