@@ -35,6 +35,7 @@ pub fn campaign() -> Campaign {
         runs_folder: "runs".to_owned(),
         name_pattern: None,
         model: "lumped-2".to_owned(),
+        group_by: Vec::new(),
     }
 }
 

@@ -30,6 +30,9 @@ use crate::model::FitModel;
 pub use group::RunInput;
 pub use sigmas::{DesignRun, KnownNoise, sigmas_after_refit};
 
+/// Version of the procedure; a change makes earlier diagnoses out of date.
+pub const VERSION: u32 = 1;
+
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
 pub struct DiagnoseOptions {

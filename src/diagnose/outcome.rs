@@ -49,28 +49,13 @@ pub(super) struct Shown<'a, 'g> {
 
 /// A group without readings that could be diagnosed.
 pub(super) fn nothing(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
-    GroupDiagnosis {
-        group: name.to_owned(),
-        runs: runs.iter().map(|run| run.name.to_owned()).collect(),
-        base_model: options.model.id.to_owned(),
-        verdict: Verdict::DataProblem,
-        sentence:
-            "No run of this group has enough readings of current or curvature after the step to be diagnosed."
-                .into(),
-        p_misfit: None,
-        p_leftover: None,
-        effects: Vec::new(),
-        set: Vec::new(),
-        candidates: Vec::new(),
-        gain: None,
-        whereabouts: None,
-        next_run: None,
-        shifts: Vec::new(),
-        gain_at_5_percent: None,
-        noise: Vec::new(),
-        residuals: Vec::new(),
-        remarks: Vec::new(),
-    }
+    GroupDiagnosis::data_problem(
+        name,
+        runs.iter().map(|run| run.name.to_owned()).collect(),
+        options.model.id,
+        "No run of this group has enough readings of current or curvature after the step to be diagnosed."
+            .into(),
+    )
 }
 
 impl<'g> Shown<'_, 'g> {

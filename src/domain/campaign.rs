@@ -93,6 +93,9 @@ pub struct Campaign {
     pub name_pattern: Option<String>,
     /// Model that runs are fitted with.
     pub model: String,
+    /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
+    #[serde(default)]
+    pub group_by: Vec<String>,
 }
 
 impl Campaign {

@@ -8,6 +8,7 @@ pub mod drive;
 pub mod estimate;
 pub mod fit;
 pub mod issue;
+mod number_or_null;
 pub mod quantity;
 pub mod run;
 pub mod tag;

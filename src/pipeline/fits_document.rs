@@ -85,7 +85,10 @@ pub struct ParameterEntry {
     pub reason: Option<String>,
 }
 
-fn as_object<S: Serializer>(entries: &[(String, ParameterEntry)], serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn as_object<S: Serializer>(
+    entries: &[(String, ParameterEntry)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     serializer.collect_map(entries.iter().map(|(key, entry)| (key, entry)))
 }
 

@@ -1,6 +1,8 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 
 mod context;
+mod diagnose;
+pub mod diagnosis_document;
 mod error;
 pub mod export;
 mod fit;
@@ -22,6 +24,7 @@ mod watch;
 
 pub use crate::numerics::global::methods;
 pub use context::{CODE_VERSION, Context};
+pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};
 pub use error::PipelineError;
 pub use fit::{FitChoice, FitRuns, FitSummary};
 pub use fit_groups::{FitGroups, Sharing};

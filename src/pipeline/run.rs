@@ -1,10 +1,10 @@
-//! The main job, once: ingest, fit, render.
+//! The main job, once: ingest, fit, diagnose, render.
 
 use serde::Serialize;
 
 use super::{
-    Context, FitChoice, FitRuns, FitSummary, Ingest, IngestSummary, Observer, PipelineError, RenderReport,
-    ReportSummary,
+    Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary, Ingest,
+    IngestSummary, Observer, PipelineError, RenderReport, ReportSummary,
 };
 use crate::ingest::scan::SeenFile;
 
@@ -13,6 +13,8 @@ use crate::ingest::scan::SeenFile;
 pub struct Run {
     /// How runs are fitted.
     pub fit: FitChoice,
+    /// Whether the diagnosis is left for later; stored findings stay.
+    pub skip_diagnosis: bool,
 }
 
 /// What `run` did.
@@ -22,6 +24,8 @@ pub struct RunSummary {
     pub ingest: IngestSummary,
     /// Fits.
     pub fit: FitSummary,
+    /// Diagnoses.
+    pub diagnose: DiagnoseSummary,
     /// The report.
     pub report: ReportSummary,
 }
@@ -52,7 +56,27 @@ impl Run {
             again: false,
         }
         .run(context, observer)?;
+        let diagnose = match self.skip_diagnosis {
+            true => DiagnoseSummary::default(),
+            false => self.diagnosis().run(context, observer)?,
+        };
         let report = RenderReport::default().run(context, observer)?;
-        Ok(RunSummary { ingest, fit, report })
+        Ok(RunSummary {
+            ingest,
+            fit,
+            diagnose,
+            report,
+        })
+    }
+
+    fn diagnosis(&self) -> DiagnoseRuns {
+        DiagnoseRuns {
+            choice: DiagnoseChoice {
+                model: self.fit.model.clone(),
+                seed: self.fit.seed,
+                draws: None,
+            },
+            ..DiagnoseRuns::default()
+        }
     }
 }

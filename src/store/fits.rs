@@ -294,7 +294,7 @@ fn insert_parameter(
 }
 
 /// SQLite stores NaN as NULL without a word and infinities as numbers: neither may pass for a measured value.
-fn finite(number: Option<f64>) -> Option<f64> {
+pub(super) fn finite(number: Option<f64>) -> Option<f64> {
     number.filter(|number| number.is_finite())
 }
 

@@ -5,6 +5,8 @@ mod bad_input;
 mod campaign;
 mod distributed;
 mod effects;
+mod findings;
+mod findings_fixture;
 mod fit_groups;
 mod folder;
 mod formats_fixtures;

@@ -22,12 +22,8 @@ pub(super) struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    /// The campaign and its `group_by` keys.
-    pub fn campaign(
-        &self,
-        file: raw::File,
-        warnings: &mut Vec<Issue>,
-    ) -> Result<(Campaign, Vec<String>), Error> {
+    /// The campaign.
+    pub fn campaign(&self, file: raw::File, warnings: &mut Vec<Issue>) -> Result<Campaign, Error> {
         let head = file.campaign.ok_or_else(|| self.missing("[campaign]", "id"))?;
         let id = self.filled(head.id, "[campaign]", "id")?;
         let samples = self.samples(file.sample, warnings)?;
@@ -38,7 +34,7 @@ impl Checker<'_> {
                 source,
             })?;
         }
-        let campaign = Campaign {
+        Ok(Campaign {
             title: head.title.unwrap_or_else(|| id.clone()),
             id,
             timezone: self.timezone(head.timezone)?,
@@ -49,8 +45,27 @@ impl Checker<'_> {
             runs_folder: self.runs_folder(file.runs.folder)?,
             name_pattern,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
-        };
-        Ok((campaign, head.group_by))
+            group_by: self.group_by(head.group_by)?,
+        })
+    }
+
+    /// Tag keys without blanks, each once.
+    fn group_by(&self, keys: Vec<String>) -> Result<Vec<String>, Error> {
+        for (place, key) in keys.iter().enumerate() {
+            let reason = match () {
+                () if key.trim() != key || key.is_empty() => {
+                    "a tag key is no empty text and has no blanks around it"
+                }
+                () if keys[..place].contains(key) => "it stands there twice",
+                () => continue,
+            };
+            return Err(Error::BadGroupBy {
+                path: self.path.into(),
+                found: key.clone(),
+                reason,
+            });
+        }
+        Ok(keys)
     }
 
     fn samples(

@@ -33,6 +33,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         runs_folder: "runs".to_owned(),
         name_pattern: name_pattern.map(str::to_owned),
         model: "lumped-2".to_owned(),
+        group_by: Vec::new(),
     }
 }
 

@@ -3,7 +3,9 @@
 pub mod axis;
 pub mod canvas;
 pub mod comparison;
+pub mod gain_bars;
 pub mod panel;
+pub mod residual;
 pub mod response;
 
 pub use canvas::{Ink, svg};

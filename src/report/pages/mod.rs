@@ -1,6 +1,9 @@
 //! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
 
 pub mod comparison;
+pub mod finding;
+pub mod finding_words;
+pub mod findings;
 pub mod index;
 pub mod run;
 pub mod run_evidence;
@@ -15,6 +18,7 @@ use serde_json::Value;
 use super::error::ReportError;
 use super::site::Site;
 
+pub use finding::content as finding_content;
 pub use run::content as run_content;
 
 /// What a page shows: formatted text, and figures apart, so that goldens of the text stay readable.
@@ -57,7 +61,7 @@ pub struct Page {
 }
 
 /// Every page that the site has once, in the order of the navigation.
-pub const PAGES: [Page; 3] = [
+pub const PAGES: [Page; 4] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -76,7 +80,15 @@ pub const PAGES: [Page; 3] = [
         template: include_str!("../../../templates/pages/table5.html"),
         content: table5::content,
     },
+    Page {
+        file: "findings.html",
+        title: "Findings",
+        template: include_str!("../../../templates/pages/findings.html"),
+        content: findings::content,
+    },
 ];
 
 /// Template of the pages that every run has.
 pub const RUN_TEMPLATE: &str = include_str!("../../../templates/pages/run.html");
+/// Template of the pages that every diagnosed group has.
+pub const FINDING_TEMPLATE: &str = include_str!("../../../templates/pages/finding.html");
