@@ -403,7 +403,7 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                 .collect();
             let mut row = [0usize; 6];
             let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
-            for (found, applied, apart) in &found {
+            for (found, applied, _) in &found {
                 row[0] += 1;
                 row[1] += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
                 let inset = found.set.iter().any(|s| s == id);

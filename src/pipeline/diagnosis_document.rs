@@ -7,7 +7,8 @@ use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
 use crate::analysis::false_discovery::judge_together;
 use crate::domain::{
-    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift, Verdict, Whereabouts,
+    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift, Verdict,
+    Whereabouts,
 };
 use crate::store::DiagnosisKind;
 
