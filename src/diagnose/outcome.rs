@@ -188,12 +188,17 @@ impl<'g> Shown<'_, 'g> {
     }
 
     fn is_spiked(&self) -> bool {
-        self.group.runs.iter().any(|run| {
-            run.channels.iter().zip(run.spikes).any(|(channel, spikes)| {
-                let readings = channel.as_ref().map_or(0, |channel| channel.len());
-                spikes as f64 > SPIKED * readings.max(1) as f64
-            })
-        })
+        let (mut spikes, mut readings) = (0, 0);
+        for run in &self.group.runs {
+            spikes += run.spikes.iter().sum::<usize>();
+            readings += run
+                .channels
+                .iter()
+                .flatten()
+                .map(|channel| channel.len())
+                .sum::<usize>();
+        }
+        spikes as f64 > SPIKED * readings.max(1) as f64
     }
 
     fn expected_together(&self) -> f64 {
@@ -322,6 +327,11 @@ impl<'g> Shown<'_, 'g> {
     fn stand_ins(&self, selection: &Selection<'g>, place: usize) -> Vec<&'static str> {
         let model = &selection.model;
         let own = model.problem.effects[place].effect.about().id;
+        let step = selection
+            .steps
+            .iter()
+            .find_map(|step| step.looked.first().filter(|best| best.effect == own));
+        let own_gain = step.map_or(0.0, |best| best.gain);
         let mut set = vec![own];
         let taken: Vec<&str> = model
             .problem
@@ -350,7 +360,7 @@ impl<'g> Shown<'_, 'g> {
             let Some(found) = Fitted::search(problem, &[start], &[]).map(Fitted::settled) else {
                 continue;
             };
-            let margin = AS_GOOD + INEXACT * (self.base.square - model.square);
+            let margin = AS_GOOD + INEXACT * own_gain;
             if found.square + PRICE * extra < model.square + margin {
                 set.push(looked.effect);
             }
