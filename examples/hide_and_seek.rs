@@ -449,9 +449,12 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
     }
 }
 
+/// Id, key of the strength, first strength to try, and another parameter.
+type Outside = (&'static str, &'static str, f64, Option<(&'static str, f64)>);
+
 /// Effects that no library holds: they must come back unknown.
 fn outside(count: u64, d: f64) {
-    let kinds: [(&str, &str, f64, Option<(&str, f64)>); 4] = [
+    let kinds: [Outside; 4] = [
         (
             "x-current-oscillation",
             "amplitude_a",
