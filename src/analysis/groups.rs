@@ -76,11 +76,11 @@ fn set_apart(runs: &[RunRecord]) -> BTreeMap<usize, (usize, Issue)> {
     apart
 }
 
-/// Values of all keys but the humidity.
+/// Values of all keys but the humidity; one that the run lacks is left out.
 fn shared_tags(run: &RunRecord, keys: &[&str]) -> String {
     let stated = keys.iter().filter(|key| **key != keys::RELATIVE_HUMIDITY_PERCENT);
     let pairs: Vec<String> = stated
-        .map(|key| format!("{key}={}", run.tag(key).unwrap_or_default()))
+        .filter_map(|key| Some(format!("{key}={}", run.tag(key)?)))
         .collect();
     pairs.join(",")
 }
