@@ -13,7 +13,7 @@ const PROMISING: f64 = 0.4;
 const NEAR: f64 = 25.0;
 /// ... at least and at most so many.
 const FEWEST: usize = 5;
-const MOST: usize = 14;
+const MOST: usize = 10;
 /// Candidates whose quick fit comes within this part of the best one's are fitted to the end.
 const CONTENDS: f64 = 0.15;
 /// Starts of every candidate: its best probes.

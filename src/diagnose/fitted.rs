@@ -9,12 +9,14 @@ use super::group::Group;
 use super::problem::{Problem, Sought};
 use super::tangent::Tangent;
 
-/// A fall of the sum of squares by less than this ends a search.
-pub(super) const SETTLE: f64 = 1e-2;
+/// A fall of the sum of squares by less than this ends a search ...
+const SETTLE: f64 = 1e-2;
+/// ... and so does one by less than this part of what is beyond the noise.
+const SETTLE_PART: f64 = 1e-4;
 /// Evaluations of a search from a start that is near.
 pub(super) const SHORT: u64 = 10;
 /// Evaluations of a search that must arrive.
-pub(super) const LONG: u64 = 40;
+pub(super) const LONG: u64 = 30;
 
 /// A model at its minimum.
 #[derive(Clone)]
@@ -46,7 +48,8 @@ impl<'g> Fitted<'g> {
 
     /// Goes on to the end.
     pub(super) fn settled(self) -> Fitted<'g> {
-        let bottom = self.problem.descend(&self.at, LONG, SETTLE, &[]);
+        let settle = settle(&self.problem, self.square);
+        let bottom = self.problem.descend(&self.at, LONG, settle, &[]);
         Fitted {
             at: bottom.at,
             square: bottom.slope.square,
@@ -162,6 +165,11 @@ impl<'g> Fitted<'g> {
         }
         found
     }
+}
+
+/// Fall of the sum of squares that ends a search which stands at `square`.
+fn settle(problem: &Problem, square: f64) -> f64 {
+    SETTLE + SETTLE_PART * (square - problem.group.rows() as f64).max(0.0)
 }
 
 /// Degrees of freedom with which the noise of the group is known.

@@ -260,6 +260,13 @@ impl<'g> Problem<'g> {
         }
     }
 
+    /// Sum of squares.
+    pub(super) fn square(&self, at: &[f64]) -> f64 {
+        let mut out = Vec::new();
+        self.residuals(at, &mut out);
+        dot(&out, &out)
+    }
+
     /// Number of residuals of one run.
     pub(super) fn rows_of(&self, run: usize) -> usize {
         self.group.runs[run]
