@@ -33,9 +33,10 @@ impl<'g> Fitted<'g> {
         starts: &[Vec<f64>],
         known: &[Vec<f64>],
     ) -> Option<Fitted<'g>> {
+        let settle = settle(&problem, problem.square(starts.first()?));
         let short = starts
             .iter()
-            .map(|start| problem.descend(start, SHORT, SETTLE, known));
+            .map(|start| problem.descend(start, SHORT, settle, known));
         let best = short
             .filter(|bottom| bottom.slope.square.is_finite())
             .min_by(|a, b| a.slope.square.total_cmp(&b.slope.square))?;
