@@ -50,7 +50,7 @@ impl Store {
                           run.electrode_resistance_ohm_per_sq
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
-                   WHERE run.superseded_at IS NULL AND run.state = 'ready'
+                   WHERE run.superseded_at IS NULL AND run.state = 'ready' AND run.kind = 'actuation'
                      AND run.drive IS NOT NULL AND run.area_cm2 IS NOT NULL
                    ORDER BY run.path";
         let mut statement = self
@@ -177,20 +177,7 @@ impl Store {
             .prepare_cached(sql)
             .map_err(|e| self.failed(doing, e))?;
         let rows = statement
-            .query_map([fit_id], |row| {
-                let estimate = Estimate {
-                    value: row.get(1)?,
-                    standard_error: row.get(2)?,
-                    low_95: row.get(3)?,
-                    high_95: row.get(4)?,
-                    at_bound: row.get(5)?,
-                    reason: row.get(6)?,
-                };
-                Ok(Parameter {
-                    key: row.get(0)?,
-                    estimate,
-                })
-            })
+            .query_map([fit_id], read_estimate)
             .map_err(|e| self.failed(doing, e))?;
         rows.collect::<rusqlite::Result<_>>()
             .map_err(|e| self.failed(doing, e))
@@ -293,8 +280,24 @@ fn insert_parameter(
     Ok(())
 }
 
+/// A parameter from the columns key, value, standard_error, low_95, high_95, at_bound, reason.
+pub(super) fn read_estimate(row: &rusqlite::Row<'_>) -> rusqlite::Result<Parameter> {
+    let estimate = Estimate {
+        value: row.get(1)?,
+        standard_error: row.get(2)?,
+        low_95: row.get(3)?,
+        high_95: row.get(4)?,
+        at_bound: row.get(5)?,
+        reason: row.get(6)?,
+    };
+    Ok(Parameter {
+        key: row.get(0)?,
+        estimate,
+    })
+}
+
 /// SQLite stores NaN as NULL without a word and infinities as numbers: neither may pass for a measured value.
-fn finite(number: Option<f64>) -> Option<f64> {
+pub(super) fn finite(number: Option<f64>) -> Option<f64> {
     number.filter(|number| number.is_finite())
 }
 
@@ -319,7 +322,7 @@ fn insert_curve(
     Ok(())
 }
 
-fn read_curve(row: &rusqlite::Row<'_>) -> Result<RunCurve, StepError> {
+pub(super) fn read_curve(row: &rusqlite::Row<'_>) -> Result<RunCurve, StepError> {
     let series =
         |column: &str| -> Result<Vec<f64>, StepError> { Ok(unpack_f64(&row.get::<_, Vec<u8>>(column)?)?) };
     Ok(RunCurve {

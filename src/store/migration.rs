@@ -8,7 +8,10 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 1] = [include_str!("../../migrations/0001_initial.sql")];
+const HISTORY: [&str; 2] = [
+    include_str!("../../migrations/0001_initial.sql"),
+    include_str!("../../migrations/0003_modulus_logs.sql"),
+];
 
 /// Schema version that this program writes.
 pub(super) const NEWEST: i64 = HISTORY.len() as i64;
@@ -64,7 +67,10 @@ mod tests {
     use super::*;
 
     /// Released migrations, by the BLAKE3 of their text.
-    const RELEASED: [&str; 1] = ["f9a4411f7dd05d6ee0afd506271f76962fa6944e63b267910d3e356bd8ee129f"];
+    const RELEASED: [&str; 2] = [
+        "f9a4411f7dd05d6ee0afd506271f76962fa6944e63b267910d3e356bd8ee129f",
+        "TODO",
+    ];
 
     #[test]
     fn released_migrations_are_unchanged() {

@@ -10,6 +10,7 @@ mod files;
 mod fits;
 mod lock;
 mod migration;
+mod modulus;
 mod new_run;
 mod runs;
 mod tags;
@@ -23,6 +24,7 @@ pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};
 pub use lock::InstanceLock;
+pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use tags::HandTag;
 

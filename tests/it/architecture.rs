@@ -10,7 +10,7 @@ const MAY_USE: [(&str, &[&str]); 10] = [
     ("fit", &["domain", "numerics", "model"]),
     ("store", &["domain"]),
     ("ingest", &["domain", "store"]),
-    ("analysis", &["domain", "store"]),
+    ("analysis", &["domain", "numerics", "store"]),
     ("report", &["domain", "analysis", "store"]),
     (
         "pipeline",
