@@ -1,6 +1,7 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
 mod completions;
+mod dma;
 mod effects;
 mod exit;
 mod export;
@@ -82,6 +83,7 @@ enum Verb {
     Watch(watch::WatchArgs),
     Ingest(ingest::IngestArgs),
     Fit(fit::FitArgs),
+    Dma(dma::DmaArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
     Status(status::StatusArgs),
@@ -154,6 +156,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Watch(args) => watch::run(args, global, output),
         Verb::Ingest(args) => ingest::run(args, global, output),
         Verb::Fit(args) => fit::run(args, global, output),
+        Verb::Dma(args) => dma::run(args, global, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Status(args) => status::run(args, output),

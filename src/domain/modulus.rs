@@ -83,6 +83,26 @@ impl ModulusAnalysis {
     pub fn estimate(&self, key: &str) -> Option<&Estimate> {
         find(&self.estimates, key)
     }
+
+    /// Part of the change that the way back has undone, percent; none where the log has no step.
+    pub fn recovery(&self) -> Option<&Estimate> {
+        self.estimate(log_keys::RECOVERY)
+    }
+
+    /// The hysteresis at each humidity, percent, that was held on both ways: one without a humidity where there is
+    /// none.
+    pub fn hysteresis(&self) -> Vec<(Option<f64>, &Estimate)> {
+        let mut humidity_percent = None;
+        let mut found = Vec::new();
+        for parameter in &self.estimates {
+            match parameter.key.as_str() {
+                log_keys::HYSTERESIS_HUMIDITY => humidity_percent = parameter.estimate.value,
+                log_keys::HYSTERESIS => found.push((humidity_percent.take(), &parameter.estimate)),
+                _ => {}
+            }
+        }
+        found
+    }
 }
 
 fn find<'a>(estimates: &'a [Parameter], key: &str) -> Option<&'a Estimate> {

@@ -1,10 +1,10 @@
-//! The main job, once: ingest, fit, render.
+//! The main job, once: ingest, fit, analyse, render.
 
 use serde::Serialize;
 
 use super::{
-    Context, FitChoice, FitRuns, FitSummary, Ingest, IngestSummary, Observer, PipelineError, RenderReport,
-    ReportSummary,
+    AnalyseModulus, Context, FitChoice, FitRuns, FitSummary, Ingest, IngestSummary, ModulusSummary, Observer,
+    PipelineError, RenderReport, ReportSummary,
 };
 use crate::ingest::scan::SeenFile;
 
@@ -22,6 +22,8 @@ pub struct RunSummary {
     pub ingest: IngestSummary,
     /// Fits.
     pub fit: FitSummary,
+    /// Modulus logs.
+    pub modulus: ModulusSummary,
     /// The report.
     pub report: ReportSummary,
 }
@@ -52,7 +54,13 @@ impl Run {
             again: false,
         }
         .run(context, observer)?;
+        let modulus = AnalyseModulus::default().run(context, observer)?;
         let report = RenderReport::default().run(context, observer)?;
-        Ok(RunSummary { ingest, fit, report })
+        Ok(RunSummary {
+            ingest,
+            fit,
+            modulus,
+            report,
+        })
     }
 }

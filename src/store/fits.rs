@@ -98,11 +98,7 @@ impl Store {
     pub fn save_fit_failure(&mut self, now: &str, stamp: &FitStamp, issue: &Issue) -> Result<(), StoreError> {
         self.write("storing a fit's failure", now, |transaction| {
             retire_fit(transaction, now, stamp.run_id)?;
-            let issue = to_json("a fit's issue", issue)?;
-            transaction
-                .prepare_cached("INSERT OR REPLACE INTO fit_failure VALUES (?1, ?2, ?3, ?4)")?
-                .execute(params![stamp.run_id, stamp.input_hash, issue, now])?;
-            Ok(())
+            insert_failure(transaction, now, stamp.run_id, &stamp.input_hash, issue)
         })
     }
 
@@ -207,6 +203,21 @@ impl CurveSource for Store {
             .map(|c| c.drawn())
             .collect())
     }
+}
+
+/// Records why a run, or a modulus log, came to nothing.
+pub(super) fn insert_failure(
+    transaction: &Transaction<'_>,
+    now: &str,
+    run_id: i64,
+    input_hash: &str,
+    issue: &Issue,
+) -> Result<(), StepError> {
+    let issue = to_json("a fit's issue", issue)?;
+    transaction
+        .prepare_cached("INSERT OR REPLACE INTO fit_failure VALUES (?1, ?2, ?3, ?4)")?
+        .execute(params![run_id, input_hash, issue, now])?;
+    Ok(())
 }
 
 /// Marks the current fit and failure of a run as no longer current.

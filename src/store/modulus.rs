@@ -2,9 +2,9 @@
 
 use rusqlite::{OptionalExtension, Transaction, params};
 
-use super::fits::{finite, read_curve, read_estimate};
+use super::fits::{finite, insert_failure, read_curve, read_estimate};
 use super::{StepError, Store, StoreError, blob::pack_f64, from_json, to_json};
-use crate::domain::{ModulusAnalysis, ModulusLog, ModulusStep, Parameter, RunCurve};
+use crate::domain::{Issue, ModulusAnalysis, ModulusLog, ModulusStep, Parameter, RunCurve};
 
 /// What an analysis was made from and by.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,19 +31,20 @@ impl Store {
         .collect()
     }
 
-    /// Input hash of the current analysis of a log.
+    /// Input hash of the current analysis of a log, or of the attempt that failed.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn modulus_input_hash(&self, run_id: i64) -> Result<Option<String>, StoreError> {
-        let sql = "SELECT input_hash FROM modulus_analysis WHERE run_id = ?1 AND superseded_at IS NULL";
+        let sql = "SELECT input_hash FROM modulus_analysis WHERE run_id = ?1 AND superseded_at IS NULL
+                   UNION ALL SELECT input_hash FROM fit_failure WHERE run_id = ?1";
         self.connection
             .prepare_cached(sql)
             .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)).optional())
             .map_err(|e| self.failed("looking for an analysis", e))
     }
 
-    /// Stores an analysis as the current one of its log; without one, retires the current one.
+    /// Stores an analysis as the current one of its log, or the reason why there is none.
     ///
     /// # Errors
     /// See [`StoreError`].
@@ -51,15 +52,14 @@ impl Store {
         &mut self,
         now: &str,
         stamp: &ModulusStamp,
-        analysis: Option<&ModulusAnalysis>,
+        analysis: Result<&ModulusAnalysis, &Issue>,
     ) -> Result<(), StoreError> {
         self.write("storing an analysis", now, |transaction| {
-            let sql =
-                "UPDATE modulus_analysis SET superseded_at = ?2 WHERE run_id = ?1 AND superseded_at IS NULL";
-            transaction
-                .prepare_cached(sql)?
-                .execute(params![stamp.run_id, now])?;
-            analysis.map_or(Ok(()), |analysis| insert(transaction, now, stamp, analysis))
+            retire_analysis(transaction, now, stamp.run_id)?;
+            match analysis {
+                Ok(analysis) => insert(transaction, now, stamp, analysis),
+                Err(issue) => insert_failure(transaction, now, stamp.run_id, &stamp.input_hash, issue),
+            }
         })
     }
 
@@ -133,6 +133,20 @@ impl Store {
                    FROM modulus_curve WHERE analysis_id = ?1 ORDER BY ordinal";
         self.rows_of(id, sql, read_curve)
     }
+}
+
+/// Marks the current analysis of a log, and a failure to make one, as no longer current.
+pub(super) fn retire_analysis(
+    transaction: &Transaction<'_>,
+    now: &str,
+    run_id: i64,
+) -> Result<(), StepError> {
+    let sql = "UPDATE modulus_analysis SET superseded_at = ?2 WHERE run_id = ?1 AND superseded_at IS NULL";
+    transaction.prepare_cached(sql)?.execute(params![run_id, now])?;
+    transaction
+        .prepare_cached("DELETE FROM fit_failure WHERE run_id = ?1")?
+        .execute([run_id])?;
+    Ok(())
 }
 
 fn insert(

@@ -8,6 +8,7 @@ use rusqlite::{OptionalExtension, Row, params};
 use super::blob::{unpack_f64, unpack_u32};
 use super::files::upsert_file;
 use super::fits::retire_fit;
+use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging};
 use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
 use crate::domain::{
@@ -59,6 +60,7 @@ impl Store {
             ])?;
             if tagging.state != RunState::Ready {
                 retire_fit(transaction, now, run_id)?;
+                retire_analysis(transaction, now, run_id)?;
             }
             insert_tagging(transaction, run_id, tagging)
         })
@@ -99,7 +101,7 @@ impl Store {
             .map_err(|e| self.failed(doing, e))
     }
 
-    /// Names of current runs that lack tags.
+    /// Names of current runs and modulus logs that lack tags.
     ///
     /// # Errors
     /// See [`StoreError`].
