@@ -261,6 +261,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
             })
             .collect(),
         runs,
+        modulus_logs: vec![],
         superseded: vec![],
         files: vec![],
         origin: Origin {
