@@ -75,7 +75,7 @@ fn range(channel: &Channel) -> Option<(f64, f64)> {
 }
 
 /// Stretches of time that a drawn curve is thinned over.
-const DRAWN_STRETCHES: usize = 120;
+const DRAWN_STRETCHES: usize = 200;
 
 /// |E*| with the fitted relaxations, and the other channels as they are drawn.
 fn curves(channels: &[Channel], moduli: &Moduli, steps: &[step::MeasuredStep]) -> Vec<RunCurve> {

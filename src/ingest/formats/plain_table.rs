@@ -28,7 +28,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

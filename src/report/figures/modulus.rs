@@ -78,7 +78,7 @@ pub fn normalised(id: &str, logs: &[NormalisedLog], title: &str, desc: &str) -> 
         }
         let (above, below) = rest.split_vertically(FIRST_HEIGHT as i32 * TENTHS);
         draw_lines(&above, &x, &y, &modulus, false)?;
-        let y = value_axis(humidity.iter().flatten().map(|point| point.1), "Humidity", "%");
+        let y = value_axis(humidity.iter().flatten().map(|point| point.1), "RH", "%");
         draw_lines(&below, &x, &y, &humidity, true)
     })
 }
@@ -142,7 +142,8 @@ fn axis_name(quantity: Quantity) -> (&'static str, &'static str) {
         Quantity::StorageModulus => ("E′", "MPa"),
         Quantity::LossModulus => ("E″", "MPa"),
         Quantity::LossFactor => ("tan δ", ""),
-        Quantity::RelativeHumidity => ("Humidity", "%"),
+        Quantity::RelativeHumidity => ("RH", "%"),
+        Quantity::Temperature => ("T", "°C"),
         other => (other.label(), other.unit()),
     }
 }
@@ -338,12 +339,12 @@ mod tests {
             log("fourth", None),
         ];
         let drawn = normalised("n", &logs, "t", "d").unwrap();
-        for text in ["Humidity (%)", "|E*| relative to before (%)", "(min)", "dry", "…"] {
+        for text in ["RH (%)", "|E*| relative to before (%)", "(min)", "dry", "…"] {
             assert!(drawn.contains(text), "{text}");
         }
         assert!(!drawn.contains("<b>") && !drawn.contains("NaN"));
         let without = normalised("n", &logs[1..2], "t", "d").unwrap();
-        assert!(!without.contains("Humidity"));
+        assert!(!without.contains("RH (%)"));
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::domain::{Estimate, Issue, ModulusAnalysis, ModulusLog, ModulusStep, Q
 use crate::report::error::ReportError;
 use crate::report::figures::Ink;
 use crate::report::figures::modulus::{NormalisedLog, log_panels, normalised};
-use crate::report::number::{fixed, plain, significant};
+use crate::report::number::{fixed, measured, plain};
 use crate::report::site::Site;
 
 const PER_MINUTE: f64 = 1.0 / 60.0;
@@ -160,7 +160,7 @@ pub fn findings(site: &Site) -> Vec<String> {
                     "|E*| of {} {} by {}\u{a0}% from {}.",
                     name(log),
                     if value < 0.0 { "falls" } else { "rises" },
-                    EstimateText::of(change, value.signum()).text,
+                    measured(value.abs(), change.standard_error.unwrap_or(0.0)),
                     humidity(step)
                 ),
             };
@@ -371,7 +371,7 @@ const STEP_NUMBERS: [(&str, &str, f64); 7] = [
 ];
 
 fn step_row(step: &ModulusStep) -> StepRow {
-    let minutes = |seconds: f64| significant(seconds * PER_MINUTE, 4);
+    let minutes = |seconds: f64| plain((10.0 * seconds * PER_MINUTE).round() / 10.0);
     let number = |&(name, key, factor): &(&str, &str, f64)| {
         let estimate = step.estimate(key);
         let missing = || EstimateText::missing("not looked for");
