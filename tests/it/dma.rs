@@ -517,7 +517,7 @@ fn humidity_of_real_chambers_gives_steps_only_where_the_level_changes() {
     assert_eq!(logs, 15);
 }
 
-/// `1	14-12-2022 11:14:01	19.2	48.9	8.1`: the humidity.
+/// `"14-12-2022 11:14:01","19.9","48.7","8.79"`: the humidity.
 fn humidity_of_box(line: &str) -> Option<f64> {
     let cells: Vec<&str> = line.split([',', '\t', ';']).map(str::trim).collect();
     let date = cells

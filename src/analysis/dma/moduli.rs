@@ -61,7 +61,7 @@ impl Row {
         match (self.storage, self.loss, self.complex) {
             (Some(storage), Some(loss), _) => Some(loss / storage),
             (Some(storage), None, Some(complex)) if complex >= storage && storage > 0.0 => {
-                Some((complex / storage).powi(2) - 1.0).map(f64::sqrt)
+                Some(((complex / storage).powi(2) - 1.0).sqrt())
             }
             _ => None,
         }

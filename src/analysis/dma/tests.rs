@@ -23,7 +23,34 @@ struct Recipe {
     every_s: f64,
     hold_s: f64,
     humidity_lag_s: f64,
+    diffuses: bool,
     seed: u64,
+}
+
+/// What is left of a change after `since_s`: an exponential, or the mean of a strip that something diffuses into
+/// (Crank, The Mathematics of Diffusion, equation 4.18).
+fn left(since_s: f64, tau_s: f64, diffuses: bool) -> f64 {
+    if !diffuses {
+        return (-since_s / tau_s).exp();
+    }
+    let term = |n: u32| {
+        let odd = f64::from(2 * n + 1).powi(2);
+        (-odd * since_s / tau_s).exp() / odd
+    };
+    8.0 / std::f64::consts::PI.powi(2) * (0..200).map(term).sum::<f64>()
+}
+
+/// Time after which a twentieth is left.
+fn equilibrium_s(tau_s: f64, diffuses: bool) -> f64 {
+    let (mut low, mut high) = (0.0, 10.0 * tau_s);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match left(middle, tau_s, diffuses) > relaxation::REMAINDER {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    high
 }
 
 impl Recipe {
@@ -39,6 +66,7 @@ impl Recipe {
             every_s: 30.0,
             hold_s: 7200.0,
             humidity_lag_s: 60.0,
+            diffuses: false,
             seed: 1,
         }
     }
@@ -48,7 +76,7 @@ impl Recipe {
         let (wet_s, dry_s) = (3600.0, 3600.0 + self.hold_s);
         let wetting = |since_s: f64| {
             self.equilibrium_mpa
-                + (self.before_mpa - self.equilibrium_mpa) * (-since_s / self.wetting_s).exp()
+                + (self.before_mpa - self.equilibrium_mpa) * left(since_s, self.wetting_s, self.diffuses)
         };
         if time_s <= wet_s {
             self.before_mpa
@@ -56,7 +84,7 @@ impl Recipe {
             wetting(time_s - wet_s)
         } else {
             let wet = wetting(self.hold_s);
-            self.before_mpa + (wet - self.before_mpa) * (-(time_s - dry_s) / self.drying_s).exp()
+            self.before_mpa + (wet - self.before_mpa) * left(time_s - dry_s, self.drying_s, self.diffuses)
         }
     }
 
@@ -122,10 +150,6 @@ impl Recipe {
 
 fn number<'a>(step: &'a ModulusStep, key: &str) -> &'a Estimate {
     step.estimate(key).unwrap()
-}
-
-fn holds(estimate: &Estimate, truth: f64) -> bool {
-    estimate.low_95.is_some_and(|low| low <= truth) && estimate.high_95.is_some_and(|high| truth <= high)
 }
 
 fn near(estimate: &Estimate, truth: f64, within: f64) {
@@ -238,17 +262,14 @@ fn one_frequency_of_several_is_used_and_a_sweep_is_refused() {
     assert_eq!(sweep.code, "frequency-sweep");
 }
 
-/// How often the stated 95 % intervals hold the truth, over logs drawn at random. `IEAP_LONG=1` draws 300.
-#[test]
-fn stated_intervals_hold_the_truth() {
-    let logs = if std::env::var_os("IEAP_LONG").is_some() {
-        300
-    } else {
-        60
-    };
+/// How often statements hold: of all made.
+type Counts = std::collections::BTreeMap<&'static str, (usize, usize)>;
+
+/// How often what is stated of logs drawn at random holds the truth.
+fn counts(logs: usize, diffuses: bool) -> Counts {
     let mut generator = ChaCha8Rng::seed_from_u64(20_260_704);
     let mut between = |low: f64, high: f64| Uniform::new(low, high).unwrap().sample(&mut generator);
-    let mut counts: std::collections::BTreeMap<&str, (usize, usize)> = std::collections::BTreeMap::new();
+    let mut counts = Counts::new();
     for seed in 0..logs {
         let before_mpa = between(20.0, 800.0);
         let recipe = Recipe {
@@ -259,60 +280,90 @@ fn stated_intervals_hold_the_truth() {
             noise_mpa: before_mpa * between(0.001, 0.01),
             correlation: between(0.0, 0.7),
             every_s: [10.0, 30.0, 60.0][seed % 3],
+            diffuses,
             seed: seed as u64,
             ..Recipe::thesis(0.0, 0.0, 1.0, 1.0)
         };
-        let found = analyse(&recipe.channels()).unwrap();
-        assert_eq!(found.steps.len(), 2, "{recipe:?}");
-        let mut count = |key, estimate: &Estimate, truth: f64| {
-            if estimate.value.is_some() {
-                let entry = counts.entry(key).or_default();
-                *entry = (entry.0 + usize::from(holds(estimate, truth)), entry.1 + 1);
-            }
+        count(&recipe, &mut counts);
+    }
+    counts
+}
+
+fn count(recipe: &Recipe, counts: &mut Counts) {
+    let found = analyse(&recipe.channels()).unwrap();
+    assert_eq!(found.steps.len(), 2, "{recipe:?}");
+    let mut count = |key, estimate: &Estimate, truth: f64| {
+        let (low, high) = (estimate.low_95, estimate.high_95);
+        let holds = low.is_none_or(|low| low <= truth) && high.is_none_or(|high| truth <= high);
+        let key = match (estimate.value, low.or(high)) {
+            (Some(_), _) => key,
+            (None, Some(_)) => "bounds",
+            (None, None) => return,
         };
-        for step in &found.steps {
-            let (before, after) = (recipe.modulus_mpa(step.start_s), recipe.modulus_mpa(step.end_s));
-            count("before", number(step, step_keys::MODULUS_BEFORE), before);
-            count("after", number(step, step_keys::MODULUS_AFTER), after);
-            count(
-                "change",
-                number(step, step_keys::RELATIVE_CHANGE),
-                100.0 * (after / before - 1.0),
-            );
-        }
-        let wetting = &found.steps[0];
-        let time = number(wetting, step_keys::EQUILIBRIUM_TIME);
-        let late_s = 3600.0 - wetting.start_s;
-        count("equilibrium time", time, recipe.wetting_s * 20f64.ln() + late_s);
+        let entry = counts.entry(key).or_default();
+        *entry = (entry.0 + usize::from(holds), entry.1 + 1);
+    };
+    for step in &found.steps {
+        let (before, after) = (recipe.modulus_mpa(step.start_s), recipe.modulus_mpa(step.end_s));
+        count("before", number(step, step_keys::MODULUS_BEFORE), before);
+        count("after", number(step, step_keys::MODULUS_AFTER), after);
+        let change = 100.0 * (after / before - 1.0);
+        count("change", number(step, step_keys::RELATIVE_CHANGE), change);
+    }
+    for (step, (start_s, tau_s)) in found.steps.iter().zip([
+        (3600.0, recipe.wetting_s),
+        (3600.0 + recipe.hold_s, recipe.drying_s),
+    ]) {
+        let time_s = equilibrium_s(tau_s, recipe.diffuses) + start_s - step.start_s;
         count(
-            "equilibrium",
-            number(wetting, step_keys::MODULUS_EQUILIBRIUM),
-            recipe.equilibrium_mpa,
-        );
-        let (first, far, last) = (
-            before_mpa,
-            recipe.modulus_mpa(3600.0 + 7200.0),
-            recipe.modulus_mpa(3600.0 + 14_400.0),
-        );
-        count(
-            "recovery",
-            found.estimate(log_keys::RECOVERY).unwrap(),
-            100.0 * (last - far) / (first - far),
+            "equilibrium time",
+            number(step, step_keys::EQUILIBRIUM_TIME),
+            time_s,
         );
     }
-    for (key, (held, all)) in &counts {
-        println!(
-            "{key}: {held} of {all}, {:.1} %",
-            100.0 * *held as f64 / *all as f64
-        );
+    let wet = number(&found.steps[0], step_keys::MODULUS_EQUILIBRIUM);
+    count("equilibrium", wet, recipe.equilibrium_mpa);
+    let far = recipe.modulus_mpa(3600.0 + recipe.hold_s);
+    let last = recipe.modulus_mpa(3600.0 + 2.0 * recipe.hold_s);
+    let recovery = 100.0 * (last - far) / (recipe.before_mpa - far);
+    count("recovery", found.estimate(log_keys::RECOVERY).unwrap(), recovery);
+}
+
+/// Logs drawn: 300 where `IEAP_LONG` is set.
+fn logs_drawn() -> usize {
+    if std::env::var_os("IEAP_LONG").is_some() {
+        300
+    } else {
+        60
     }
+}
+
+/// Whether counts are as `share` makes them, within three standard deviations and one part in a hundred for what is
+/// approximate.
+fn check(logs: usize, counts: Counts, share: impl Fn(&str) -> f64) {
     for (key, (held, all)) in counts {
-        // 95 % within three standard deviations of a count, and one part in a hundred for what is approximate.
-        let (held, all) = (held as f64, all as f64);
-        let least = 0.94 - 3.0 * (0.95 * 0.05 / all).sqrt();
+        let (held, all, share) = (held as f64, all as f64, share(key));
+        println!("{key}: {held} of {all}, {:.1} %", 100.0 * held / all);
+        let least = share - 0.01 - 3.0 * (share * (1.0 - share) / all).sqrt();
         assert!(
-            all > 0.3 * logs as f64 && held / all >= least,
+            all > 0.1 * logs as f64 && held / all >= least,
             "{key}: {held} of {all}"
         );
     }
+}
+
+#[test]
+fn stated_intervals_hold_the_truth() {
+    check(logs_drawn(), counts(logs_drawn(), false), |_| 0.95);
+}
+
+/// A relaxation by diffusion is no sum of two exponentials: where it ends is then stated too narrowly (docs/dma.md), what
+/// the modulus is before and after is not.
+#[test]
+fn stated_intervals_under_diffusion() {
+    check(logs_drawn(), counts(logs_drawn(), true), |key| match key {
+        "equilibrium" => 0.90,
+        "equilibrium time" => 0.86,
+        _ => 0.95,
+    });
 }
