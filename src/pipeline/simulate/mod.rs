@@ -74,8 +74,10 @@ impl Simulate {
                 observer.advance();
             }
         }
-        let key = root.with_file_name("truth.json");
-        written.push(self.write(&key, &answer_key(&spec, &self.spec))?);
+        if !spec.run.is_empty() {
+            let key = root.with_file_name("truth.json");
+            written.push(self.write(&key, &answer_key(&spec, &self.spec))?);
+        }
         observer.end();
         Ok(written)
     }
