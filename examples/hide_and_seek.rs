@@ -21,6 +21,14 @@ fn main() {
     let count: u64 = arguments.get(1).and_then(|n| n.parse().ok()).unwrap_or(20);
     match arguments.first().map(String::as_str) {
         Some("null") => nulls(count),
+        Some("outside") => {
+            let strengths = arguments
+                .get(2)
+                .map_or("16", String::as_str)
+                .split(',')
+                .filter_map(|d| d.parse().ok());
+            strengths.for_each(|d| outside(count, d));
+        }
         Some("effects") => {
             let strengths: Vec<f64> = arguments
                 .get(2)
@@ -126,11 +134,16 @@ fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
 /// The same by the truth simulator, which shares no code with the library.
 fn true_responses(case: &Case, applied: &Applied) -> Option<Vec<Responses>> {
     let about = applied.effect.about();
-    let parameters = about
-        .parameters
-        .iter()
-        .map(|p| p.key.to_owned())
-        .zip(applied.parameters.iter().copied());
+    let keys = about.parameters.iter().map(|p| p.key.to_owned());
+    let hidden = HiddenEffect {
+        id: about.id.to_owned(),
+        variant: about.variants.get(applied.variant).map(|v| (*v).to_owned()),
+        parameters: keys.zip(applied.parameters.iter().copied()).collect(),
+    };
+    truly(case, hidden)
+}
+
+fn truly(case: &Case, hidden: HiddenEffect) -> Option<Vec<Responses>> {
     let truth = Truth {
         branches: case.base.branches.clone(),
         steady_state_resistance_ohm_cm2: case.base.steady_state_resistance_ohm_cm2,
@@ -139,11 +152,7 @@ fn true_responses(case: &Case, applied: &Applied) -> Option<Vec<Responses>> {
         area_cm2: AREA,
         length_cm: Some(LENGTH),
         width_cm: None,
-        effects: vec![HiddenEffect {
-            id: about.id.to_owned(),
-            variant: about.variants.get(applied.variant).map(|v| (*v).to_owned()),
-            parameters: parameters.collect(),
-        }],
+        effects: vec![hidden.clone()],
     };
     let each = case.design.iter().enumerate().map(|(index, run)| {
         let found = simulate(
@@ -153,7 +162,7 @@ fn true_responses(case: &Case, applied: &Applied) -> Option<Vec<Responses>> {
             &run.curvature_time_s,
             index,
         );
-        let found = found.map_err(|error| eprintln!("{}: {error}", about.id)).ok()?;
+        let found = found.map_err(|error| eprintln!("{}: {error}", hidden.id)).ok()?;
         Some(Responses {
             current_a: found.current_a,
             curvature_per_cm: found.curvature_per_cm,
@@ -306,6 +315,14 @@ fn hidden(case: &mut Case, effect: &'static dyn Effect, d: f64) -> Option<(Appli
         )
     };
     let limits = search.limits[0];
+    if limits.held {
+        // A law without free strength: the noise is made to fit instead.
+        applied.parameters[0] = 1.0;
+        let factor = at(case, &applied) / d;
+        case.noise.current_a *= factor;
+        case.noise.curvature_per_cm *= factor;
+        return (factor > 0.0).then_some((applied, d));
+    }
     for _ in 0..8 {
         let now = at(case, &applied);
         if now <= 0.0 {
@@ -386,7 +403,7 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                 .collect();
             let mut row = [0usize; 6];
             let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
-            for (found, applied, apart) in &found {
+            for (found, applied, _) in &found {
                 row[0] += 1;
                 row[1] += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
                 let inset = found.set.iter().any(|s| s == id);
@@ -429,5 +446,68 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
             "{:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5}",
             "all", total[0], total[1], total[2], total[3], total[4], total[5]
         );
+    }
+}
+
+/// Effects that no library holds: they must come back unknown.
+fn outside(count: u64, d: f64) {
+    let kinds: [(&str, &str, f64, Option<(&str, f64)>); 4] = [
+        (
+            "x-current-oscillation",
+            "amplitude_a",
+            1e-5,
+            Some(("period_s", 50.0)),
+        ),
+        ("x-charge-hysteresis", "width_c_per_cm2", 1e-3, None),
+        ("x-dead-time", "dead_time_s", 0.5, None),
+        ("x-limit-cycle", "modulation", 0.05, Some(("period_s", 80.0))),
+    ];
+    for (id, key, start, other) in kinds {
+        let found: Vec<_> = (0..count)
+            .into_par_iter()
+            .filter_map(|seed| {
+                let mut case = case(5000 + seed);
+                let mut strength = start;
+                let hidden = |strength: f64| HiddenEffect {
+                    id: id.to_owned(),
+                    variant: None,
+                    parameters: other
+                        .iter()
+                        .map(|(k, v)| ((*k).to_owned(), *v))
+                        .chain([(key.to_owned(), strength)])
+                        .collect(),
+                };
+                let size = |case: &Case, with: &[Responses]| {
+                    sigmas_after_refit(&case.base, &case.design, with, case.noise)
+                };
+                for _ in 0..6 {
+                    let with = truly(&case, hidden(strength))?;
+                    strength *= (d / size(&case, &with)).clamp(0.1, 10.0);
+                    if id == "x-limit-cycle" {
+                        strength = strength.min(0.85);
+                    }
+                }
+                let with = truly(&case, hidden(strength))?;
+                let reached = size(&case, &with);
+                if (reached / d - 1.0).abs() > 0.2 {
+                    return None;
+                }
+                Some(diagnose(&mut case, &with))
+            })
+            .collect();
+        let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+        for found in &found {
+            *verdicts.entry(found.verdict.key()).or_default() += 1;
+            if std::env::var_os("SHOW").is_some() {
+                println!(
+                    "    {} {:?} leftover {:?} {}",
+                    found.verdict.key(),
+                    found.set,
+                    found.p_leftover,
+                    found.sentence
+                );
+            }
+        }
+        println!("{id:25} d {d:>4} n {:>3} {verdicts:?}", found.len());
     }
 }

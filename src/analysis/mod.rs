@@ -4,7 +4,9 @@ pub mod conditions;
 pub mod design;
 pub mod dma;
 pub mod export;
+pub mod false_discovery;
 pub mod findings;
+pub mod groups;
 pub mod parameters;
 pub mod same_tags;
 #[cfg(test)]

@@ -37,6 +37,7 @@ pub fn campaign() -> Campaign {
         dma_folder: "dma".to_owned(),
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
+        group_by: Vec::new(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
 mod completions;
+mod diagnose;
 mod dma;
 mod effects;
 mod exit;
@@ -84,6 +85,7 @@ enum Verb {
     Ingest(ingest::IngestArgs),
     Fit(fit::FitArgs),
     Dma(dma::DmaArgs),
+    Diagnose(diagnose::DiagnoseArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
     Status(status::StatusArgs),
@@ -157,6 +159,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Ingest(args) => ingest::run(args, global, output),
         Verb::Fit(args) => fit::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),
+        Verb::Diagnose(args) => diagnose::run(args, global, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Status(args) => status::run(args, output),

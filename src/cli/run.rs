@@ -6,16 +6,19 @@ use serde_json::json;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
-use super::{CampaignArg, Global, ingest};
+use super::{CampaignArg, Global, diagnose, ingest};
 use crate::pipeline::{Context, Run, RunSummary};
 
-/// Take in new files, fit every run and render the report; once. Running again does only what is new
+/// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]
 pub struct RunArgs {
     #[command(flatten)]
     campaign: CampaignArg,
     #[command(flatten)]
     fit: FitChoiceArgs,
+    /// Leave the diagnosis for later (`ieap diagnose`)
+    #[arg(long)]
+    no_diagnose: bool,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -26,6 +29,7 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .for_each(|issue| output.issue("campaign.toml", issue));
     let summary = Run {
         fit: args.fit.choice(global),
+        skip_diagnosis: args.no_diagnose,
     }
     .run(&mut context, output)?;
     print(&summary, output);
@@ -71,6 +75,12 @@ pub fn print(summary: &RunSummary, output: &Output) {
             .iter()
             .for_each(|(path, issue)| output.issue(path, issue));
     }
+    let diagnosed = &summary.diagnose;
+    diagnose::say(diagnosed, output);
+    output.result(&format!(
+        "diagnoses: {} new, {} up to date",
+        diagnosed.diagnosed, diagnosed.up_to_date
+    ));
     let state = if summary.report.rendered {
         ""
     } else {

@@ -25,6 +25,9 @@ pub struct WatchArgs {
     poll_s: Option<f64>,
     #[command(flatten)]
     fit: FitChoiceArgs,
+    /// Leave the diagnosis for later (`ieap diagnose`)
+    #[arg(long)]
+    no_diagnose: bool,
 }
 
 pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -52,6 +55,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
         settings,
         job: Run {
             fit: args.fit.choice(global),
+            skip_diagnosis: args.no_diagnose,
         },
     };
     watch.run(&mut context, output, &stop, &mut |summary| {

@@ -12,6 +12,8 @@ use super::spikes::without_spikes;
 const NEEDED: usize = 12;
 /// Readings of a channel beyond which neighbours are averaged: the diagnosis asks about shapes, not about sampling.
 const MOST: usize = 1500;
+/// A channel with a memory so many times as long as the middle one's kind is not believed.
+const BEYOND: f64 = 5.0;
 
 /// A run as it is given to a diagnosis.
 #[derive(Debug, Clone, Copy)]
@@ -76,18 +78,52 @@ impl<'a> Group<'a> {
         Group { runs, blocks }
     }
 
-    /// The same readings with the noise that `model` leaves.
+    /// The same readings with the noise that `model` leaves. A channel whose memory cannot be told from its misfit
+    /// (short stretches, and a correlation beyond all others of its kind) takes that of the middle run.
     pub(super) fn renoised(&self, model: &ExtendedModel) -> Group<'a> {
         let mut group = self.clone();
-        for (index, run) in group.runs.iter_mut().enumerate() {
-            let context = run.context(index, None);
-            let found = model.responses(&context, run.times(0), run.times(1));
-            let fitted = [found.current_a, found.curvature_per_cm];
-            for (channel, fitted) in run.channels.iter_mut().zip(&fitted) {
-                *channel = channel.as_ref().map(|channel| channel.renoised(fitted));
+        let fitted: Vec<[Vec<f64>; 2]> = (self.runs.iter().enumerate())
+            .map(|(index, run)| {
+                let found = model.responses(&run.context(index, None), run.times(0), run.times(1));
+                [found.current_a, found.curvature_per_cm]
+            })
+            .collect();
+        for kind in 0..2 {
+            for (run, fitted) in group.runs.iter_mut().zip(&fitted) {
+                run.channels[kind] = run.channels[kind]
+                    .as_ref()
+                    .map(|c| c.renoised(&fitted[kind], None));
+            }
+            let Some(middle) = group.middle(kind) else {
+                continue;
+            };
+            for (run, fitted) in group.runs.iter_mut().zip(&fitted) {
+                let Some(channel) = &run.channels[kind] else {
+                    continue;
+                };
+                if channel.readings_per_independent() > BEYOND * middle.readings_per_independent().max(2.0) {
+                    run.channels[kind] = Some(channel.renoised(&fitted[kind], Some(&middle)));
+                }
             }
         }
         group
+    }
+
+    /// The channel of that kind with the middle memory.
+    fn middle(&self, kind: usize) -> Option<WhitenedChannel> {
+        let mut channels: Vec<&WhitenedChannel> = self
+            .runs
+            .iter()
+            .filter_map(|run| run.channels[kind].as_ref())
+            .collect();
+        channels.sort_by(|a, b| {
+            a.readings_per_independent()
+                .total_cmp(&b.readings_per_independent())
+        });
+        channels
+            .get(channels.len() / 2)
+            .filter(|_| channels.len() > 1)
+            .map(|channel| (*channel).clone())
     }
 
     /// Number of rows of whitened residuals.

@@ -30,6 +30,9 @@ use crate::model::FitModel;
 pub use group::RunInput;
 pub use sigmas::{DesignRun, KnownNoise, sigmas_after_refit};
 
+/// Version of the procedure; a change makes earlier diagnoses out of date.
+pub const VERSION: u32 = 1;
+
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
 pub struct DiagnoseOptions {
@@ -81,7 +84,7 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     };
     let (null, directions) = ground.null(&base, 0);
     let residuals = base.residuals();
-    let observed = null.observe(&residuals, &directions);
+    let observed = null.observe(&group, &residuals, &directions);
     let shown = outcome::Shown {
         name,
         group: &group,

@@ -14,8 +14,8 @@ use super::tangent::Tangent;
 
 /// A direction whose part beyond those before it is smaller than this is drawn with them.
 const DEPENDENT: f64 = 1e-3;
-/// Weights of the three statistics in the smallest p: candidates first, then single stretches, then all of them.
-const WEIGHTS: [f64; 3] = [0.85, 0.05, 0.10];
+/// Weights of the statistics in the smallest p: candidates first, then single stretches, all of them, and lines.
+const WEIGHTS: [f64; 4] = [0.80, 0.05, 0.10, 0.05];
 
 /// Statistics of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -26,6 +26,8 @@ pub(super) struct Statistics {
     pub(super) stretch: f64,
     /// Square of all stretches together.
     pub(super) together: f64,
+    /// Largest line in the periodogram of any channel, in units of its mean.
+    pub(super) line: f64,
 }
 
 impl Statistics {
@@ -42,6 +44,8 @@ pub(super) struct Null {
     /// Rows of the factor of the pivots among themselves.
     factor: Vec<Vec<f64>>,
     draws: Vec<Statistics>,
+    tails: Vec<Tail>,
+    lines: usize,
     smallest_p: Vec<f64>,
 }
 
@@ -69,6 +73,11 @@ impl Null {
             .iter()
             .map(|block| group.channel(block).map_or(1e6, |channel| channel.freedom()))
             .collect();
+        let lines: usize = group
+            .blocks
+            .iter()
+            .map(|block| frequencies(block.end - block.first).count())
+            .sum();
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let draws = (0..count)
             .map(|_| {
@@ -108,6 +117,7 @@ impl Null {
                     x * x * size
                 };
                 found.together = pivots[..from_stretches].iter().zip(&unit).map(of_pivot).sum();
+                found.line = chance_line(lines, &mut generator);
                 found
             })
             .collect::<Vec<Statistics>>();
@@ -119,7 +129,11 @@ impl Null {
             stretch_units,
             pivots: pivots[..from_stretches].to_vec(),
             factor: rows,
+            tails: (0..3)
+                .map(|k| Tail::of(draws.iter().map(|draw| draw.all()[k]).collect()))
+                .collect(),
             draws,
+            lines,
             smallest_p: Vec::new(),
         };
         null.smallest_p = null.draws.iter().map(|draw| null.weighted_p(draw)).collect();
@@ -128,7 +142,7 @@ impl Null {
     }
 
     /// Statistics of refitted residuals.
-    pub(super) fn observe(&self, residuals: &[f64], directions: &[Direction]) -> Statistics {
+    pub(super) fn observe(&self, group: &Group, residuals: &[f64], directions: &[Direction]) -> Statistics {
         let means: Vec<f64> = self
             .stretch_units
             .iter()
@@ -147,6 +161,11 @@ impl Null {
                 .fold(0.0, f64::max),
             stretch: means.iter().map(|z| z * z).fold(0.0, f64::max),
             together: dot(&solved, &solved),
+            line: group
+                .blocks
+                .iter()
+                .map(|b| largest_line(&residuals[b.first..b.end]))
+                .fold(0.0, f64::max),
         }
     }
 
@@ -182,18 +201,46 @@ impl Null {
     }
 
     fn weighted_p(&self, of: &Statistics) -> f64 {
-        let mut above = [0usize; 3];
-        for draw in &self.draws {
-            for ((above, drawn), own) in above.iter_mut().zip(draw.all()).zip(of.all()) {
-                *above += usize::from(drawn >= own);
-            }
-        }
-        let p = |(above, weight): (usize, f64)| (1 + above) as f64 / (1 + self.draws.len()) as f64 / weight;
-        above
-            .into_iter()
+        let by_draws = self.tails.iter().zip(of.all()).map(|(tail, own)| tail.p(own));
+        let by_line = 1.0 - (1.0 - (-of.line).exp()).powi(self.lines as i32);
+        let weighted = by_draws
+            .chain([by_line])
             .zip(WEIGHTS)
-            .map(p)
-            .fold(f64::INFINITY, f64::min)
+            .map(|(p, weight)| p / weight);
+        weighted.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Distribution of a statistic: by its draws, and beyond most of them by their exponential tail.
+struct Tail {
+    sorted: Vec<f64>,
+    from: f64,
+    mean_excess: f64,
+}
+
+/// Part of the draws from which the tail goes on.
+const TAIL: f64 = 0.05;
+
+impl Tail {
+    fn of(mut draws: Vec<f64>) -> Tail {
+        draws.sort_unstable_by(f64::total_cmp);
+        let first = draws.len() - (draws.len() as f64 * TAIL) as usize;
+        let from = draws.get(first.saturating_sub(1)).copied().unwrap_or(0.0);
+        let excess: Vec<f64> = draws[first..].iter().map(|x| x - from).collect();
+        let mean_excess = excess.iter().sum::<f64>() / excess.len().max(1) as f64;
+        Tail {
+            sorted: draws,
+            from,
+            mean_excess: mean_excess.max(f64::MIN_POSITIVE),
+        }
+    }
+
+    fn p(&self, value: f64) -> f64 {
+        if value > self.from {
+            return TAIL * (-(value - self.from) / self.mean_excess).exp();
+        }
+        let above = self.sorted.len() - self.sorted.partition_point(|x| *x < value);
+        (1 + above) as f64 / (1 + self.sorted.len()) as f64
     }
 }
 
@@ -211,6 +258,37 @@ pub(super) fn gain(direction: &Direction, residuals: &[f64]) -> f64 {
 fn size_factor(freedom: f64, generator: &mut ChaCha8Rng) -> f64 {
     let nu = freedom.max(4.0);
     ChiSquared::new(nu).map_or(1.0, |chi| nu / chi.sample(generator).max(1e-3 * nu))
+}
+
+/// Numbers of cycles over the record that are looked at: slower ones are trends, faster ones the noise's own.
+fn frequencies(readings: usize) -> std::ops::Range<usize> {
+    2..(readings / 4).clamp(2, 64)
+}
+
+/// Largest ordinate of the periodogram of white residuals, whose mean is 1 where nothing is wrong.
+fn largest_line(residuals: &[f64]) -> f64 {
+    let n = residuals.len();
+    let ordinate = |cycles: usize| {
+        let turn = std::f64::consts::TAU * cycles as f64 / n as f64;
+        let (mut sine, mut cosine) = (0.0, 0.0);
+        for (k, r) in residuals.iter().enumerate() {
+            let (s, c) = (turn * k as f64).sin_cos();
+            sine += r * s;
+            cosine += r * c;
+        }
+        (sine * sine + cosine * cosine) / n as f64
+    };
+    frequencies(n).map(ordinate).fold(0.0, f64::max)
+}
+
+/// The largest of so many ordinates by chance: each is exponential.
+fn chance_line(count: usize, generator: &mut ChaCha8Rng) -> f64 {
+    let uniform: f64 = rand::RngExt::random_range(generator, 0.0..1.0);
+    if count == 0 {
+        0.0
+    } else {
+        -(-(uniform.ln() / count as f64).exp_m1()).ln()
+    }
 }
 
 /// Share of a unit column's square in every block.

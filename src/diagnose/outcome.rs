@@ -22,7 +22,7 @@ use crate::numerics::sums::dot;
 /// The simulation is called wrong below this p, and right from the second on.
 pub(super) const WRONG: f64 = 0.01;
 const RIGHT: f64 = 0.05;
-/// An extension that explains less than this part of the misfit names no cause.
+/// Where a misfit is left, a first cause that explains less than this part of everything names nothing.
 const MOST_OF_IT: f64 = 0.8;
 /// Spikes beyond this part of the readings make the readings themselves the problem.
 const SPIKED: f64 = 0.05;
@@ -49,28 +49,13 @@ pub(super) struct Shown<'a, 'g> {
 
 /// A group without readings that could be diagnosed.
 pub(super) fn nothing(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
-    GroupDiagnosis {
-        group: name.to_owned(),
-        runs: runs.iter().map(|run| run.name.to_owned()).collect(),
-        base_model: options.model.id.to_owned(),
-        verdict: Verdict::DataProblem,
-        sentence:
-            "No run of this group has enough readings of current or curvature after the step to be diagnosed."
-                .into(),
-        p_misfit: None,
-        p_leftover: None,
-        effects: Vec::new(),
-        set: Vec::new(),
-        candidates: Vec::new(),
-        gain: None,
-        whereabouts: None,
-        next_run: None,
-        shifts: Vec::new(),
-        gain_at_5_percent: None,
-        noise: Vec::new(),
-        residuals: Vec::new(),
-        remarks: Vec::new(),
-    }
+    GroupDiagnosis::data_problem(
+        name,
+        runs.iter().map(|run| run.name.to_owned()).collect(),
+        options.model.id,
+        "No run of this group has enough readings of current or curvature after the step to be diagnosed."
+            .into(),
+    )
 }
 
 impl<'g> Shown<'_, 'g> {
@@ -121,7 +106,12 @@ impl<'g> Shown<'_, 'g> {
         let rest = (selection.leftover.together - self.expected_together())
             .max(selection.leftover.candidate)
             .max(0.0);
-        let explained = total / (total + rest).max(1e-300);
+        let first = selection
+            .steps
+            .first()
+            .and_then(|step| step.looked.first())
+            .map_or(0.0, |looked| looked.gain);
+        let explained = first / (total + rest).max(1e-300);
         found.verdict = match () {
             () if self.is_spiked() => Verdict::DataProblem,
             () if taken.is_empty() || !passed => Verdict::Unknown,
@@ -198,12 +188,17 @@ impl<'g> Shown<'_, 'g> {
     }
 
     fn is_spiked(&self) -> bool {
-        self.group.runs.iter().any(|run| {
-            run.channels.iter().zip(run.spikes).any(|(channel, spikes)| {
-                let readings = channel.as_ref().map_or(0, |channel| channel.len());
-                spikes as f64 > SPIKED * readings.max(1) as f64
-            })
-        })
+        let (mut spikes, mut readings) = (0, 0);
+        for run in &self.group.runs {
+            spikes += run.spikes.iter().sum::<usize>();
+            readings += run
+                .channels
+                .iter()
+                .flatten()
+                .map(|channel| channel.len())
+                .sum::<usize>();
+        }
+        spikes as f64 > SPIKED * readings.max(1) as f64
     }
 
     fn expected_together(&self) -> f64 {
@@ -332,6 +327,11 @@ impl<'g> Shown<'_, 'g> {
     fn stand_ins(&self, selection: &Selection<'g>, place: usize) -> Vec<&'static str> {
         let model = &selection.model;
         let own = model.problem.effects[place].effect.about().id;
+        let step = selection
+            .steps
+            .iter()
+            .find_map(|step| step.looked.first().filter(|best| best.effect == own));
+        let own_gain = step.map_or(0.0, |best| best.gain);
         let mut set = vec![own];
         let taken: Vec<&str> = model
             .problem
@@ -360,7 +360,7 @@ impl<'g> Shown<'_, 'g> {
             let Some(found) = Fitted::search(problem, &[start], &[]).map(Fitted::settled) else {
                 continue;
             };
-            let margin = AS_GOOD + INEXACT * (self.base.square - model.square);
+            let margin = AS_GOOD + INEXACT * own_gain;
             if found.square + PRICE * extra < model.square + margin {
                 set.push(looked.effect);
             }

@@ -99,7 +99,7 @@ impl<'g> Ground<'_, 'g> {
         let mut steps: Vec<Step<'g>> = Vec::new();
         let mut later: Option<(Null, Vec<Direction>)> = None;
         let residuals = model.residuals();
-        let mut leftover = null.observe(&residuals, beside_base);
+        let mut leftover = null.observe(self.group, &residuals, beside_base);
         let mut p_leftover = null.p_misfit(&leftover);
         while steps.len() < MOST_EFFECTS {
             let (null, directions) = later
@@ -126,7 +126,7 @@ impl<'g> Ground<'_, 'g> {
             let Some(taken) = taken else { break };
             model = taken;
             let beside = self.null(&model, steps.len() as u64);
-            leftover = beside.0.observe(&model.residuals(), &beside.1);
+            leftover = beside.0.observe(self.group, &model.residuals(), &beside.1);
             p_leftover = beside.0.p_misfit(&leftover);
             later = Some(beside);
             if p_leftover >= TAKEN {

@@ -9,6 +9,8 @@ use crate::domain::{Channel, Drive};
 const FAR: f64 = 6.0;
 /// Readings after an edge of the drive in which a fast decay may look like a spike.
 const AFTER_EDGE: usize = 4;
+/// Readings of a stretch whose surroundings tell the spread.
+const AROUND: usize = 16;
 /// Readings from which the spread of a channel is known.
 const ENOUGH: usize = 30;
 
@@ -26,10 +28,10 @@ pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
             k => values[k] - (values[k - 1] + values[k + 1]) / 2.0,
         })
         .collect();
-    let spread = robust_spread(&off);
-    if spread <= 0.0 {
+    if robust_spread(&off) <= 0.0 {
         return (channel.clone(), 0);
     }
+    let spread = spreads(&off);
     let near_edge = |k: usize| {
         drive.segments.iter().any(|segment| {
             let first = time_s.partition_point(|&t| t < segment.start_s);
@@ -38,7 +40,7 @@ pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
     };
     let is_spike = |k: &usize| {
         let own = off[*k].abs();
-        own > FAR * spread && own >= off[*k - 1].abs() && own >= off[*k + 1].abs() && !near_edge(*k)
+        own > FAR * spread[*k] && own >= off[*k - 1].abs() && own >= off[*k + 1].abs() && !near_edge(*k)
     };
     let spikes: Vec<usize> = (1..n - 1).filter(is_spike).collect();
     if spikes.is_empty() {
@@ -50,6 +52,18 @@ pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
     cleaned.time_s = keep.iter().map(|&k| time_s[k]).collect();
     cleaned.values = keep.iter().map(|&k| values[k]).collect();
     (cleaned, spikes.len())
+}
+
+/// Spread around every value: that of its surroundings where it is wider than the whole's, for noise may grow.
+fn spreads(values: &[f64]) -> Vec<f64> {
+    let whole = robust_spread(values);
+    let around = |stretch: usize| {
+        let first = (stretch * AROUND).saturating_sub(AROUND);
+        let end = ((stretch + 2) * AROUND).min(values.len());
+        robust_spread(&values[first..end]).max(whole)
+    };
+    let per_stretch: Vec<f64> = (0..values.len().div_ceil(AROUND)).map(around).collect();
+    (0..values.len()).map(|k| per_stretch[k / AROUND]).collect()
 }
 
 /// Standard deviation of Gaussian values with that median distance from zero.

@@ -99,6 +99,9 @@ pub struct Campaign {
     pub dma_name_pattern: Option<String>,
     /// Model that runs are fitted with.
     pub model: String,
+    /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
+    #[serde(default)]
+    pub group_by: Vec<String>,
 }
 
 impl Campaign {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Parameter;
+use super::{Parameter, number_or_null};
 
 /// What is said of a run or a group of runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -48,6 +48,16 @@ impl Verdict {
             Verdict::DataProblem => "data-problem",
         }
     }
+
+    /// The verdict stored under `key`.
+    pub fn from_key(key: &str) -> Option<Verdict> {
+        Verdict::ALL.into_iter().find(|verdict| verdict.key() == key)
+    }
+
+    /// Whether it says that something is wrong with the simulation, and what.
+    pub fn names_a_cause(self) -> bool {
+        matches!(self, Verdict::Named | Verdict::Set | Verdict::Partial)
+    }
 }
 
 /// An effect that was accepted, with its parameters in the extended model.
@@ -75,6 +85,7 @@ pub struct Candidate {
     /// Form that it takes, where it has several.
     pub variant: Option<String>,
     /// Fall of the sum of squares that its signature promises, in units of the noise.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub forecast_gain: f64,
     /// Fall that the full fit gave; none where it was not fitted.
     pub fitted_gain: Option<f64>,
@@ -83,10 +94,13 @@ pub struct Candidate {
     /// Fall on runs that took no part in the fit; none where it was not asked.
     pub held_out_gain: Option<f64>,
     /// Share of its signature that a refit of the base leaves.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub left_after_refit: f64,
     /// Strength at which it would have been seen with a probability of 80 %, in the unit of its strength.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub detectable_strength: f64,
     /// Cosine between its signature after the refit and that of the best candidate.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub likeness: f64,
     /// Whether it was accepted.
     pub accepted: bool,
@@ -98,10 +112,13 @@ pub struct Gain {
     /// What was held out: `run` or `time`.
     pub held_out: String,
     /// Fall of the sum of squares on the held-out readings, in units of the noise.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub deviance: f64,
     /// Its standard error over the held-out parts.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub standard_error: f64,
     /// Fall for every held-out part, by name.
+    #[serde(deserialize_with = "number_or_null::named")]
     pub parts: Vec<(String, f64)>,
     /// Root mean square deviation of the held-out current over its range, by the base model.
     pub nrmse_current_before: Option<f64>,
@@ -112,8 +129,10 @@ pub struct Gain {
     /// The same by the extended model.
     pub nrmse_curvature_after: Option<f64>,
     /// Root mean square of the whitened residuals of the fit to all readings, by the base model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub residual_rms_sigma_before: f64,
     /// The same by the extended model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub residual_rms_sigma_after: f64,
 }
 
@@ -125,10 +144,13 @@ pub struct MisfitStretch {
     /// `current` or `curvature`.
     pub channel: String,
     /// First time, s since the start of the drive.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub from_s: f64,
     /// Last time, s since the start of the drive.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub to_s: f64,
     /// Mean of measured minus simulated there, in its standard errors.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub sigma: f64,
 }
 
@@ -149,6 +171,7 @@ pub struct NextRun {
     /// Ids of the effects that it would split.
     pub splits: Vec<String>,
     /// Members that the set is expected to have after it.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub expected_set_size: f64,
 }
 
@@ -158,10 +181,13 @@ pub struct ParameterShift {
     /// Key, `alpha_per_c_cm`.
     pub key: String,
     /// Value of the base model fitted to the group.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub before: f64,
     /// Value in the extended model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub after: f64,
     /// Standard error in the extended model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub standard_error: f64,
 }
 
@@ -173,10 +199,13 @@ pub struct ResidualCurve {
     /// `current` or `curvature`.
     pub channel: String,
     /// Times, s.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub time_s: Vec<f64>,
     /// Measured minus base model in standard deviations of the noise, averaged between the times.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub before_sigma: Vec<f64>,
     /// The same for the extended model; empty where there is none.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub after_sigma: Vec<f64>,
 }
 
@@ -188,17 +217,53 @@ pub struct DiagnosisNoise {
     /// `current` or `curvature`.
     pub channel: String,
     /// Standard deviation, canonical unit of the channel.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub standard_deviation: f64,
     /// Autoregression by reading order, lag 1 first.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub autoregression: Vec<f64>,
     /// Correlation time, s, where memory goes by time.
     pub correlation_time_s: Option<f64>,
     /// Readings used.
     pub readings: usize,
     /// Independent readings that carry as much.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub independent_readings: f64,
     /// Root mean square of the whitened residuals of the base model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub residual_rms_sigma: f64,
+}
+
+impl GroupDiagnosis {
+    /// A group whose readings allow no finding, for the reason that `sentence` gives.
+    pub fn data_problem(
+        group: &str,
+        runs: Vec<String>,
+        base_model: &str,
+        sentence: String,
+    ) -> GroupDiagnosis {
+        GroupDiagnosis {
+            group: group.to_owned(),
+            runs,
+            base_model: base_model.to_owned(),
+            verdict: Verdict::DataProblem,
+            sentence,
+            p_misfit: None,
+            q_misfit: None,
+            p_leftover: None,
+            effects: Vec::new(),
+            set: Vec::new(),
+            candidates: Vec::new(),
+            gain: None,
+            whereabouts: None,
+            next_run: None,
+            shifts: Vec::new(),
+            gain_at_5_percent: None,
+            noise: Vec::new(),
+            residuals: Vec::new(),
+            remarks: Vec::new(),
+        }
+    }
 }
 
 /// Everything that was found out about a group of runs.
@@ -216,6 +281,9 @@ pub struct GroupDiagnosis {
     pub sentence: String,
     /// Probability of residuals at least as bad where the base model is right; none where it could not be asked.
     pub p_misfit: Option<f64>,
+    /// The same over all groups of the campaign (Benjamini and Hochberg); none until the campaign is looked at.
+    #[serde(default)]
+    pub q_misfit: Option<f64>,
     /// The same for what the extended model leaves.
     pub p_leftover: Option<f64>,
     /// Accepted effects.

@@ -9,6 +9,7 @@ pub mod estimate;
 pub mod fit;
 pub mod issue;
 pub mod modulus;
+mod number_or_null;
 pub mod quantity;
 pub mod run;
 pub mod tag;

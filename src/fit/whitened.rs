@@ -34,13 +34,19 @@ impl WhitenedChannel {
 
     /// The same readings with noise found anew from what `fitted` leaves of them. Smooth misfit is not taken for
     /// noise; fast transients, which no free smooth curve follows, are taken out by the fit.
-    pub fn renoised(&self, fitted: &[f64]) -> WhitenedChannel {
+    ///
+    /// `like` lends its memory where the readings' own cannot be told.
+    pub fn renoised(&self, fitted: &[f64], like: Option<&WhitenedChannel>) -> WhitenedChannel {
         let sampled = self.response.sampled.clone();
         let rest: Vec<f64> = sampled.values.iter().zip(fitted).map(|(y, f)| y - f).collect();
         let mut left = sampled.clone();
         left.values = rest.into();
         let least = self.response.noise.quantum / 12.0_f64.sqrt();
-        let noise = Noise::of_rest(&left, least.max(f64::MIN_POSITIVE));
+        let least = least.max(f64::MIN_POSITIVE);
+        let noise = match like {
+            Some(like) => Noise::of_rest_with(&left, least, &like.response.noise.memory),
+            None => Noise::of_rest(&left, least),
+        };
         let quantum = self.response.noise.quantum;
         let response = Response::with_noise(sampled, Noise { quantum, ..noise });
         let readings_per_independent = response.sampled.len() as f64 / response.effective_readings();

@@ -250,10 +250,10 @@ impl Rosenbrock {
         }
         let mut worst: f64 = 0.0;
         let mut finite = true;
-        for k in 0..n {
+        for (k, before) in y.iter().enumerate() {
             let error = self.stages[5][k];
             self.argument[k] += error;
-            let size = self.scale[k].max(self.argument[k].abs()).max(y[k].abs());
+            let size = self.scale[k].max(self.argument[k].abs()).max(before.abs());
             finite &= error.is_finite() && self.argument[k].is_finite();
             worst = worst.max(error.abs() / (self.relative * size + self.absolute));
         }

@@ -18,8 +18,6 @@ pub struct Context {
     pub folder: PathBuf,
     /// What campaign.toml says.
     pub campaign: Campaign,
-    /// Tag keys that runs are grouped by; empty for the usual ones.
-    pub group_by: Vec<String>,
     /// What is odd in campaign.toml but no error.
     pub warnings: Vec<Issue>,
     /// BLAKE3 of campaign.toml's text.
@@ -74,7 +72,6 @@ impl Context {
         let loaded = campaign_file::read(&self.folder)?;
         self.campaign_digest = digest(&loaded.text);
         self.campaign = loaded.campaign;
-        self.group_by = loaded.group_by;
         self.warnings = loaded.warnings;
         Ok(())
     }
@@ -89,7 +86,6 @@ impl Context {
             folder: folder.to_owned(),
             campaign_digest: digest(&loaded.text),
             campaign: loaded.campaign,
-            group_by: loaded.group_by,
             warnings: loaded.warnings,
             store,
             _lock: lock,

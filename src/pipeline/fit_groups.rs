@@ -96,7 +96,7 @@ impl FitGroups {
         let found = groups(
             &context.store.runs()?,
             context.store.fit_tasks()?,
-            &context.group_by,
+            &context.campaign.group_by,
         );
         observer.begin("fitting groups", found.len() as u64);
         let mut entries = Vec::with_capacity(found.len());

@@ -2,6 +2,8 @@
 
 mod context;
 pub mod dma_document;
+mod diagnose;
+pub mod diagnosis_document;
 mod error;
 pub mod export;
 mod fit;
@@ -24,6 +26,7 @@ mod watch;
 
 pub use crate::numerics::global::methods;
 pub use context::{CODE_VERSION, Context};
+pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};
 pub use error::PipelineError;
 pub use fit::{FitChoice, FitRuns, FitSummary};
 pub use fit_groups::{FitGroups, Sharing};

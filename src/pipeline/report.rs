@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::context::CODE_VERSION;
+use super::diagnosis_document::current_findings;
 use super::swap::replace_folder;
 use super::{Context, Observer, PipelineError};
 use crate::analysis::{same_tags, sequence};
+use crate::model::effects::{self, Effect};
 use crate::report;
 
 /// Folder of the report inside a campaign.
@@ -136,6 +138,36 @@ fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::In
         },
         news,
         runs,
+        findings: findings(context)?,
+    })
+}
+
+fn findings(context: &Context) -> Result<report::Findings, PipelineError> {
+    let found = current_findings(context)?;
+    let of_effect = |effect: &&dyn Effect| {
+        let about = effect.about();
+        report::EffectText {
+            id: about.id.to_owned(),
+            summary: about.summary.to_owned(),
+            equation: about.equation.to_owned(),
+            signature: about.signature.to_owned(),
+            separated_by: about.separated_by.to_owned(),
+            parameters: about
+                .parameters
+                .iter()
+                .map(|parameter| report::EffectParameterText {
+                    key: parameter.key.to_owned(),
+                    symbol: parameter.symbol.to_owned(),
+                    unit: parameter.unit.to_owned(),
+                    meaning: parameter.meaning.to_owned(),
+                })
+                .collect(),
+        }
+    };
+    Ok(report::Findings {
+        groups: found.groups,
+        runs: found.runs,
+        effects: effects::ALL.iter().map(of_effect).collect(),
     })
 }
 

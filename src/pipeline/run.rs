@@ -1,10 +1,10 @@
-//! The main job, once: ingest, fit, analyse, render.
+//! The main job, once: ingest, fit, diagnose, analyse modulus logs, render.
 
 use serde::Serialize;
 
 use super::{
-    AnalyseModulus, Context, FitChoice, FitRuns, FitSummary, Ingest, IngestSummary, ModulusSummary, Observer,
-    PipelineError, RenderReport, ReportSummary,
+    AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary, Ingest,
+    IngestSummary, ModulusSummary, Observer, PipelineError, RenderReport, ReportSummary,
 };
 use crate::ingest::scan::SeenFile;
 
@@ -13,6 +13,8 @@ use crate::ingest::scan::SeenFile;
 pub struct Run {
     /// How runs are fitted.
     pub fit: FitChoice,
+    /// Whether the diagnosis is left for later; stored findings stay.
+    pub skip_diagnosis: bool,
 }
 
 /// What `run` did.
@@ -22,6 +24,8 @@ pub struct RunSummary {
     pub ingest: IngestSummary,
     /// Fits.
     pub fit: FitSummary,
+    /// Diagnoses.
+    pub diagnose: DiagnoseSummary,
     /// Modulus logs.
     pub modulus: ModulusSummary,
     /// The report.
@@ -54,13 +58,29 @@ impl Run {
             again: false,
         }
         .run(context, observer)?;
+        let diagnose = match self.skip_diagnosis {
+            true => DiagnoseSummary::default(),
+            false => self.diagnosis().run(context, observer)?,
+        };
         let modulus = AnalyseModulus::default().run(context, observer)?;
         let report = RenderReport::default().run(context, observer)?;
         Ok(RunSummary {
             ingest,
             fit,
             modulus,
+            diagnose,
             report,
         })
+    }
+
+    fn diagnosis(&self) -> DiagnoseRuns {
+        DiagnoseRuns {
+            choice: DiagnoseChoice {
+                model: self.fit.model.clone(),
+                seed: self.fit.seed,
+                draws: None,
+            },
+            ..DiagnoseRuns::default()
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Everything a report is made of, except the curves.
 
-use crate::domain::{Campaign, ModulusLog, RunRecord, SourceFile};
+use crate::domain::{Campaign, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,56 @@ pub struct Input {
     pub origin: Origin,
     /// What came in last, newest first; the index shows the first few.
     pub news: Vec<News>,
+    /// What the simulation gets wrong.
+    pub findings: Findings,
+}
+
+/// What diagnoses found, and what is known of the effects that they name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Findings {
+    /// Of groups, by name.
+    pub groups: Vec<GroupDiagnosis>,
+    /// Of single runs, by name.
+    pub runs: Vec<GroupDiagnosis>,
+    /// Every effect that was looked for.
+    pub effects: Vec<EffectText>,
+}
+
+impl Findings {
+    /// What is known of an effect.
+    pub fn effect(&self, id: &str) -> Option<&EffectText> {
+        self.effects.iter().find(|effect| effect.id == id)
+    }
+}
+
+/// What is known of an effect, as pages print it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EffectText {
+    /// Id, `faradaic-leak`.
+    pub id: String,
+    /// What it is, in one line.
+    pub summary: String,
+    /// Governing equation.
+    pub equation: String,
+    /// What it leaves in the residual.
+    pub signature: String,
+    /// Run or instrument that tells it from its twins.
+    pub separated_by: String,
+    /// Parameters, the strength first.
+    pub parameters: Vec<EffectParameterText>,
+}
+
+/// A parameter of an effect, as pages print it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EffectParameterText {
+    /// Stored key.
+    pub key: String,
+    /// Symbol in the equation.
+    pub symbol: String,
+    /// Unit; empty for a pure number.
+    pub unit: String,
+    /// What it is, in one line.
+    pub meaning: String,
 }
 
 /// What a report was generated from, printed at the foot of every page.

@@ -11,5 +11,5 @@ pub mod slug;
 pub mod visible;
 
 pub use error::ReportError;
-pub use input::{Input, News, Origin};
+pub use input::{EffectParameterText, EffectText, Findings, Input, News, Origin};
 pub use site::{Rendered, Site, render};

@@ -9,7 +9,7 @@ use tera::Tera;
 
 use super::error::ReportError;
 use super::input::Input;
-use super::pages::{Content, PAGES, Page, RUN_TEMPLATE, run_content};
+use super::pages::{Content, FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, finding_content, run_content};
 use super::slug::slugs;
 use super::visible::write_escaped;
 use crate::analysis::dma::table::modulus_table;
@@ -34,6 +34,7 @@ pub struct Site<'a> {
     /// Conditions of its runs.
     pub conditions: Conditions,
     slugs: Vec<String>,
+    finding_slugs: Vec<String>,
 }
 
 impl<'a> Site<'a> {
@@ -43,12 +44,30 @@ impl<'a> Site<'a> {
             input,
             conditions: conditions(&input.runs, &input.campaign),
             slugs: slugs(input.runs.iter().map(|run| run.path.as_str())),
+            finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
         }
     }
 
     /// Address of a run's page, relative to the site's root.
     pub fn run_href(&self, run: usize) -> String {
         format!("runs/{}.html", self.slugs[run])
+    }
+
+    /// Address of a group's page, relative to the site's root.
+    pub fn finding_href(&self, group: usize) -> String {
+        format!("findings/{}.html", self.finding_slugs[group])
+    }
+
+    /// The current run of that path.
+    pub fn run_of(&self, path: &str) -> Option<usize> {
+        self.input.runs.iter().position(|run| run.path == path)
+    }
+
+    /// The group that a run was diagnosed in.
+    pub fn finding_of_run(&self, run: usize) -> Option<usize> {
+        let path = &self.input.runs[run].path;
+        let groups = &self.input.findings.groups;
+        groups.iter().position(|found| found.runs.contains(path))
     }
 
     /// Name of a run as lists show it: its path without the folder that all runs share.
@@ -82,12 +101,22 @@ pub fn render(
     let templates = templates()?;
     make_folder(&out_dir.join("runs"))?;
     let pages: Vec<&Page> = PAGES.iter().filter(|page| (page.is_shown)(input)).collect();
-    let total = pages.len() + input.runs.len();
+    let groups = input.findings.groups.len();
+    let total = pages.len() + groups + input.runs.len();
     let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
     for (done, page) in pages.iter().enumerate() {
         let html = filled(&templates, &site, page.file, page.title, (page.content)(&site)?)?;
         bytes += write(&out_dir.join(page.file), &html)?;
         progress(done + 1, total);
+    }
+    if groups > 0 {
+        make_folder(&out_dir.join("findings"))?;
+        let sizes: Result<Vec<u64>, ReportError> = (0..groups)
+            .into_par_iter()
+            .map(|group| finding_page(&templates, &site, group, out_dir))
+            .collect();
+        bytes += sizes?.iter().sum::<u64>();
+        progress(pages.len() + groups, total);
     }
     for first in (0..input.runs.len()).step_by(BATCH) {
         let batch = first..input.runs.len().min(first + BATCH);
@@ -98,7 +127,7 @@ pub fn render(
         let page = |(run, drawn): &(usize, Vec<RunCurve>)| run_page(&templates, &site, *run, drawn, out_dir);
         let sizes: Result<Vec<u64>, ReportError> = drawn?.par_iter().map(page).collect();
         bytes += sizes?.iter().sum::<u64>();
-        progress(pages.len() + batch.end, total);
+        progress(pages.len() + groups + batch.end, total);
     }
     bytes += write_tables(input, out_dir)?;
     Ok(Rendered {
@@ -108,6 +137,8 @@ pub fn render(
     })
 }
 
+/// Pages that lie in a folder of their own.
+const BELOW: [&str; 2] = ["run.html", "finding.html"];
 const STYLE: &str = include_str!("../../templates/style.css");
 const LAYOUT: &str = include_str!("../../templates/layout.html");
 
@@ -116,9 +147,13 @@ fn templates() -> Result<Tera, ReportError> {
     let mut tera = Tera::new();
     tera.set_escape_fn(write_escaped);
     let pages = PAGES.iter().map(|page| (page.file, page.template));
-    let all = [("layout.html", LAYOUT), ("run.html", RUN_TEMPLATE)]
-        .into_iter()
-        .chain(pages);
+    let all = [
+        ("layout.html", LAYOUT),
+        ("run.html", RUN_TEMPLATE),
+        ("finding.html", FINDING_TEMPLATE),
+    ]
+    .into_iter()
+    .chain(pages);
     tera.add_raw_templates(all)
         .map_err(|source| template_error("templates", source))?;
     Ok(tera)
@@ -144,6 +179,13 @@ fn run_page(
     write(&out_dir.join(site.run_href(run)), &html)
 }
 
+fn finding_page(templates: &Tera, site: &Site, group: usize, out_dir: &Path) -> Result<u64, ReportError> {
+    let content = finding_content(site, group)?;
+    let name = &site.input.findings.groups[group].group;
+    let html = filled(templates, site, "finding.html", name, content)?;
+    write(&out_dir.join(site.finding_href(group)), &html)
+}
+
 /// The page `file` with its content and what the layout needs.
 fn filled(
     templates: &Tera,
@@ -164,7 +206,7 @@ fn filled(
         .map(|(id, svg)| (id, Value::String(svg)))
         .collect();
     let context = json!({
-        "root": if file == "run.html" { "../" } else { "" },
+        "root": if BELOW.contains(&file) { "../" } else { "" },
         "page_title": title,
         "campaign_title": campaign.title,
         "campaign_id": campaign.id,

@@ -5,6 +5,7 @@
 //! is ever visible.
 
 mod blob;
+mod diagnoses;
 mod error;
 mod files;
 mod fits;
@@ -20,6 +21,7 @@ use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 
+pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
 pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};

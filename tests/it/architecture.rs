@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 /// What each module may use beside itself. `fit` stands for identification, `cli` for the command line.
-const MAY_USE: [(&str, &[&str]); 10] = [
+const MAY_USE: [(&str, &[&str]); 11] = [
     ("domain", &[]),
     ("numerics", &["domain"]),
     ("model", &["domain", "numerics"]),
     ("fit", &["domain", "numerics", "model"]),
+    ("diagnose", &["domain", "numerics", "model", "fit"]),
     ("store", &["domain"]),
     ("ingest", &["domain", "store"]),
     ("analysis", &["domain", "numerics", "store"]),
@@ -15,7 +16,7 @@ const MAY_USE: [(&str, &[&str]); 10] = [
     (
         "pipeline",
         &[
-            "domain", "numerics", "model", "fit", "store", "ingest", "analysis", "report",
+            "domain", "numerics", "model", "fit", "diagnose", "store", "ingest", "analysis", "report",
         ],
     ),
     ("cli", &["domain", "pipeline", "model", "ingest"]),

@@ -68,7 +68,7 @@ fn refused_files_name_place_reason_and_mend_and_the_rest_goes_on() {
     for (name, bytes, _) in &cases {
         folder.write(&format!("runs/{name}"), bytes);
     }
-    let ended = folder.ieap(&["run"]).expect(3);
+    let ended = folder.ieap(&["run", "--no-diagnose"]).expect(3);
     for (name, _, reason) in &cases {
         assert!(
             ended.stderr.contains(&format!("runs/{name}")),
@@ -229,7 +229,7 @@ fn names_tags_and_headers_are_shown_as_text_everywhere() {
         "operator = \"<img src=x onerror=alert(1)>\"\nnote = \"\\u001b[31mred\"\n",
     );
     folder.write("runs/bad<b>.csv", "no table\n\u{1b}[2J");
-    let ended = folder.ieap(&["run", "--verbose"]).expect(3);
+    let ended = folder.ieap(&["run", "--verbose", "--no-diagnose"]).expect(3);
     assert!(
         !ended.stdout.contains('\u{1b}') && !ended.stderr.contains('\u{1b}'),
         "{ended:?}"
@@ -266,7 +266,7 @@ fn names_that_are_no_utf8_and_links_out_of_the_campaign() {
     std::fs::write(outside.path().join("secret.csv"), run_table(2)).unwrap();
     std::os::unix::fs::symlink(outside.path().join("secret.csv"), folder.join("runs/link.csv")).unwrap();
     std::os::unix::fs::symlink(outside.path(), folder.join("runs/linked")).unwrap();
-    let ended = folder.ieap(&["run"]).expect(3);
+    let ended = folder.ieap(&["run", "--no-diagnose"]).expect(3);
     assert!(
         ended.stderr.contains("runs/link.csv") && ended.stderr.contains("runs/linked"),
         "{ended:?}"
@@ -283,7 +283,7 @@ fn thousands_of_irrelevant_files_do_not_drown_the_run() {
     for n in 0..irrelevant {
         folder.write(&format!("runs/junk/{n}.log"), format!("entry {n}\n"));
     }
-    let ended = folder.ieap(&["run"]).expect(3);
+    let ended = folder.ieap(&["run", "--no-diagnose"]).expect(3);
     assert!(
         ended.stdout.contains("1 new") && ended.stderr.lines().count() < 60,
         "{}",
@@ -302,17 +302,35 @@ fn thousands_of_irrelevant_files_do_not_drown_the_run() {
 fn a_campaign_file_that_is_wrong_is_refused_with_its_place() {
     let folder = CampaignFolder::new();
     folder.write("campaign.toml", "[campaign\nid = 3");
-    assert!(folder.ieap(&["run"]).expect(2).stderr.contains("line"));
+    assert!(
+        folder
+            .ieap(&["run", "--no-diagnose"])
+            .expect(2)
+            .stderr
+            .contains("line")
+    );
     folder.write(
         "campaign.toml",
         CAMPAIGN_TOML.replace("Europe/Tallinn", "Europe/Nowhere"),
     );
-    assert!(folder.ieap(&["run"]).expect(2).stderr.contains("Europe/Nowhere"));
+    assert!(
+        folder
+            .ieap(&["run", "--no-diagnose"])
+            .expect(2)
+            .stderr
+            .contains("Europe/Nowhere")
+    );
     folder.write(
         "campaign.toml",
         CAMPAIGN_TOML.replace("[campaign]", "[campaign]\nmodel = \"lumped-9\""),
     );
-    assert!(folder.ieap(&["run"]).expect(2).stderr.contains("lumped-9"));
+    assert!(
+        folder
+            .ieap(&["run", "--no-diagnose"])
+            .expect(2)
+            .stderr
+            .contains("lumped-9")
+    );
     std::fs::remove_file(folder.join("campaign.toml")).unwrap();
     assert!(
         folder
@@ -331,21 +349,21 @@ fn a_database_that_is_none_newer_or_locked_is_refused_with_status_4() {
         "campaign.db",
         "this is no database, whatever its name says; it is long enough to look at",
     );
-    let none = folder.ieap(&["run"]).expect(4);
+    let none = folder.ieap(&["run", "--no-diagnose"]).expect(4);
     assert!(none.stderr.contains("not a readable SQLite database"), "{none:?}");
     std::fs::remove_file(folder.join("campaign.db")).unwrap();
-    folder.ieap(&["run"]).expect(0);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
 
     let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
     database.execute_batch("BEGIN EXCLUSIVE").unwrap();
     folder.write("runs/b.csv", run_table(2));
-    let locked = folder.ieap(&["run"]).expect(4);
+    let locked = folder.ieap(&["run", "--no-diagnose"]).expect(4);
     assert!(locked.stderr.contains("locked"), "{locked:?}");
     database.execute_batch("ROLLBACK").unwrap();
 
     database.pragma_update(None, "user_version", 999).unwrap();
     drop(database);
-    let newer = folder.ieap(&["run"]).expect(4);
+    let newer = folder.ieap(&["run", "--no-diagnose"]).expect(4);
     assert!(newer.stderr.contains("999"), "{newer:?}");
     folder.ieap(&["status"]).expect(4);
 }
@@ -361,7 +379,7 @@ fn a_second_instance_is_refused_while_the_first_works() {
         .spawn()
         .unwrap();
     crate::watch::until("the watch has fitted", || crate::watch::fitted(&folder) == 1);
-    let second = folder.ieap(&["run"]).expect(4);
+    let second = folder.ieap(&["run", "--no-diagnose"]).expect(4);
     assert!(
         second.stderr.contains("another ieap") && second.stderr.contains("process"),
         "{second:?}"
@@ -371,7 +389,7 @@ fn a_second_instance_is_refused_while_the_first_works() {
     folder.ieap(&["tag", "runs/a.csv", "note=seen"]).expect(0);
     watch.kill().unwrap();
     watch.wait().unwrap();
-    folder.ieap(&["run"]).expect(0);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
 }
 
 #[test]

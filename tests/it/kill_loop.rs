@@ -80,7 +80,7 @@ fn killed_at_any_moment_nothing_is_lost_doubled_or_half_done() {
             folder.write(&format!("runs/{files}.csv"), run_table(files));
             files += 1;
         }
-        let mut child = command(folder.path(), &["run"])
+        let mut child = command(folder.path(), &["run", "--no-diagnose"])
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()

@@ -6,6 +6,8 @@ mod campaign;
 mod distributed;
 mod dma;
 mod effects;
+mod findings;
+mod findings_fixture;
 mod fit_groups;
 mod folder;
 mod formats_fixtures;

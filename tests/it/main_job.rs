@@ -110,7 +110,7 @@ fn copies_are_aliases_new_content_is_a_revision_and_a_moved_file_keeps_its_run()
 fn a_removed_file_leaves_its_run_and_a_missing_runs_folder_removes_nothing() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));
-    folder.ieap(&["run"]).expect(0);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
     std::fs::remove_file(folder.join("runs/a.csv")).unwrap();
     let summary = folder.run_json();
     assert_eq!(summary["ingest"]["gone"], serde_json::json!(["runs/a.csv"]));
@@ -122,7 +122,7 @@ fn a_removed_file_leaves_its_run_and_a_missing_runs_folder_removes_nothing() {
         1
     );
     std::fs::rename(folder.join("runs"), folder.join("away")).unwrap();
-    let offline = folder.ieap(&["run"]);
+    let offline = folder.ieap(&["run", "--no-diagnose"]);
     assert_ne!(offline.status, 0);
     assert!(offline.stderr.contains("runs folder is not there"), "{offline:?}");
 }
@@ -218,14 +218,14 @@ fn a_tip_displacement_gives_curvature_through_the_length() {
 fn init_makes_a_campaign_that_runs() {
     let root = tempfile::tempdir().unwrap();
     ieap(root.path(), &["init", "new"]).expect(0);
-    let ended = ieap(root.path(), &["run", "new"]).expect(0);
+    let ended = ieap(root.path(), &["run", "new", "--no-diagnose"]).expect(0);
     assert!(
         ended.stdout.contains("Report: new/report/index.html"),
         "{ended:?}"
     );
     assert!(root.path().join("new/report/index.html").exists());
     ieap(root.path(), &["init", "new"]).expect(2);
-    let nowhere = ieap(root.path(), &["run"]).expect(2);
+    let nowhere = ieap(root.path(), &["run", "--no-diagnose"]).expect(2);
     assert!(nowhere.stderr.contains("ieap init"), "{nowhere:?}");
 }
 
@@ -233,7 +233,7 @@ fn init_makes_a_campaign_that_runs() {
 fn exports_hold_every_fit_and_reading() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));
-    folder.ieap(&["run"]).expect(0);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
     folder
         .ieap(&["export", "--what", "fits", "-o", "fits.csv"])
         .expect(0);

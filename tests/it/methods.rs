@@ -111,7 +111,7 @@ fn the_method_is_chosen_on_the_command_line_and_part_of_what_is_up_to_date() {
         "sample = \"S1\"\nenvironment = \"air\"\nvoltage_v = 2.0\n",
     );
     let fit = |arguments: &[&str]| {
-        let mut all = vec!["run", "--json"];
+        let mut all = vec!["run", "--json", "--no-diagnose"];
         all.extend(arguments);
         let document = ieap(folder.path(), &all).expect(0).json();
         document["run"]["fit"]["fitted"].as_u64().unwrap()

@@ -6,7 +6,7 @@ use ieap::domain::{
     Parameter, Quantity, RunCurve, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample, SourceFile, Tag,
     TagSource,
 };
-use ieap::report::{Input, News, Origin};
+use ieap::report::{Findings, Input, News, Origin};
 
 /// Readings of each drawn curve.
 const DRAWN: usize = 450;
@@ -46,6 +46,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         dma_folder: "dma".to_owned(),
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
+        group_by: Vec::new(),
     }
 }
 
@@ -264,6 +265,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         modulus_logs: vec![],
         superseded: vec![],
         files: vec![],
+        findings: Findings::default(),
         origin: Origin {
             program: "ieap 0.1.0".to_owned(),
             database: "change 412 of 2026-11-20T06:00:00Z".to_owned(),

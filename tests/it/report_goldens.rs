@@ -1,10 +1,11 @@
 //! What the pages say, as text: goldens of the contexts that the templates print.
 
 use ieap::domain::CurveSource;
-use ieap::report::pages::{PAGES, run_content};
+use ieap::report::pages::{PAGES, finding_content, run_content};
 use ieap::report::{Input, Site};
 use serde_json::Value;
 
+use super::findings_fixture::input_with_findings;
 use super::report_fixture::{MadeUpCurves, current_only_input, troubled_input};
 
 fn page(input: &Input, file: &str) -> Value {
@@ -50,4 +51,19 @@ fn runs_fitted_revised_hostile_and_untagged() {
     insta::assert_json_snapshot!("run_revised", run_page(&input, 2));
     insta::assert_json_snapshot!("run_hostile", run_page(&input, 18));
     insta::assert_json_snapshot!("run_untagged", run_page(&input, 19));
+}
+
+#[test]
+fn findings_of_a_campaign_and_of_its_groups() {
+    let input = input_with_findings();
+    insta::assert_json_snapshot!("findings", page(&input, "findings.html"));
+    insta::assert_json_snapshot!("findings_none", page(&current_only_input(), "findings.html"));
+    for (place, verdict) in ["named", "set", "consistent", "data_problem"]
+        .into_iter()
+        .enumerate()
+    {
+        let content = finding_content(&Site::new(&input), place).expect("its content");
+        insta::assert_json_snapshot!(format!("finding_{verdict}"), content.context);
+        assert!(content.figures.contains_key("gains") == (verdict != "data_problem"));
+    }
 }

@@ -13,7 +13,7 @@ fn sidecars_are_neither_runs_nor_refused() {
     folder.write("runs/step.mpl", "EC-Lab LOG FILE\r\n\r\nRun on channel : 1\r\n");
     folder.write("runs/step.mps", "EC-LAB SETTING FILE\r\n");
     folder.write("runs/step.tdms_index", b"TDSh\x0e\0\0\0");
-    folder.ieap(&["run"]).expect(0);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
     let status = folder.ieap(&["status", "--json"]).expect(0).json();
     for state in ["refused", "pending"] {
         assert_eq!(status["status"][state], serde_json::json!([]), "{state}");

@@ -22,7 +22,7 @@ struct Watching {
 
 impl Watching {
     fn start(folder: &CampaignFolder, options: &[&str]) -> Watching {
-        let arguments = [&["watch", "--quiet-s", "0.3"], options].concat();
+        let arguments = [&["watch", "--quiet-s", "0.3", "--no-diagnose"], options].concat();
         let child = command(folder.path(), &arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -57,6 +57,24 @@ impl Noise {
         Noise::of_smoothed(&Smooth::of(rest), rest, &even, least)
     }
 
+    /// Even noise of what a fit has left, with a memory known from elsewhere.
+    pub(in crate::fit) fn of_rest_with(rest: &Sampled, least: f64, memory: &Memory) -> Noise {
+        let even = vec![1.0; rest.len()];
+        let smooth = Smooth::of(rest);
+        let variance = smooth.deviance(rest, &even, memory).1;
+        let floor = variance.sqrt().max(least);
+        let (shortest_s, _) = rest.time_scales_s();
+        let crowding = memory.readings_per_independent(shortest_s).max(1.0);
+        Noise {
+            sd: vec![floor; rest.len()],
+            floor,
+            proportional: 0.0,
+            memory: memory.clone(),
+            quantum: 0.0,
+            freedom: ((rest.len() as f64 - smooth.terms()) / (1.0 + 2.0 * crowding)).max(1.0),
+        }
+    }
+
     fn of_smoothed(smooth: &Smooth, sampled: &Sampled, scale: &[f64], least: f64) -> Noise {
         let (memory, floor, terms) = smooth.memory(sampled, scale);
         let floor = floor.max(least);

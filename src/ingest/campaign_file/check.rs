@@ -22,12 +22,8 @@ pub(super) struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    /// The campaign and its `group_by` keys.
-    pub fn campaign(
-        &self,
-        file: raw::File,
-        warnings: &mut Vec<Issue>,
-    ) -> Result<(Campaign, Vec<String>), Error> {
+    /// The campaign.
+    pub fn campaign(&self, file: raw::File, warnings: &mut Vec<Issue>) -> Result<Campaign, Error> {
         let head = file.campaign.ok_or_else(|| self.missing("[campaign]", "id"))?;
         let id = self.filled(head.id, "[campaign]", "id")?;
         let samples = self.samples(file.sample, warnings)?;
@@ -51,6 +47,7 @@ impl Checker<'_> {
             dma_folder: self.dma_folder(file.dma.folder)?,
             dma_name_pattern,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
+            group_by: self.group_by(head.group_by)?,
         };
         // A run below the folder of modulus logs would be taken for one.
         if campaign.kind_of(&format!("{}/", campaign.runs_folder)) == RunKind::Dma {
@@ -60,7 +57,26 @@ impl Checker<'_> {
                 reason: "it lies in the folder of modulus logs",
             });
         }
-        Ok((campaign, head.group_by))
+        Ok(campaign)
+    }
+
+    /// Tag keys without blanks, each once.
+    fn group_by(&self, keys: Vec<String>) -> Result<Vec<String>, Error> {
+        for (place, key) in keys.iter().enumerate() {
+            let reason = match () {
+                () if key.trim() != key || key.is_empty() => {
+                    "a tag key is no empty text and has no blanks around it"
+                }
+                () if keys[..place].contains(key) => "it stands there twice",
+                () => continue,
+            };
+            return Err(Error::BadGroupBy {
+                path: self.path.into(),
+                found: key.clone(),
+                reason,
+            });
+        }
+        Ok(keys)
     }
 
     fn samples(

@@ -95,6 +95,16 @@ pub enum CampaignFileError {
         /// The name found.
         found: String,
     },
+    /// A key to group by that is none.
+    #[error("{}, [campaign] group_by: \"{found}\": {reason}; write tag keys, such as [\"sample\", \"environment\"]", path.display())]
+    BadGroupBy {
+        /// The file.
+        path: PathBuf,
+        /// The key found.
+        found: String,
+        /// Why it is refused.
+        reason: &'static str,
+    },
     /// A name pattern that cannot be used.
     #[error("{}, [runs] name_pattern: {source}", path.display())]
     BadNamePattern {

@@ -27,8 +27,6 @@ pub const DEFAULT_MODEL: &str = "lumped-2";
 pub struct Loaded {
     /// The campaign as stated.
     pub campaign: Campaign,
-    /// Tag keys that runs are grouped by, where `group_by` gives any.
-    pub group_by: Vec<String>,
     /// What is odd but does not stop: unknown keys, no samples yet.
     pub warnings: Vec<Issue>,
     /// The file's text, for a digest of what the campaign was read from.
@@ -107,10 +105,9 @@ fn from_text(text: String, path: &Path) -> Result<Loaded, CampaignFileError> {
         }
     })?;
     let checked = check::Checker { path, text: &text };
-    let (campaign, group_by) = checked.campaign(raw, &mut warnings)?;
+    let campaign = checked.campaign(raw, &mut warnings)?;
     Ok(Loaded {
         campaign,
-        group_by,
         warnings,
         text,
     })

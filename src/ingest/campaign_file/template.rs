@@ -14,6 +14,7 @@ title = {id}                            # what stands above the report
 # timezone = "Europe/Tallinn"            # for times in files that state no offset
 # notice = "simulated, not measured"     # printed on every page of the report
 # model = "lumped-2"                     # model that runs are fitted with
+# Runs that `ieap diagnose` takes together, one parameter set for all: those that agree in these tags.
 # group_by = ["sample", "environment", "relative_humidity_percent"]
 
 # One entry for each strip. Runs name it by the tag `sample`.

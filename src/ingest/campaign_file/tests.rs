@@ -51,7 +51,7 @@ fn a_whole_file_is_read() {
     let loaded = load(WHOLE).unwrap();
     let campaign = &loaded.campaign;
     assert_eq!(loaded.warnings, []);
-    assert_eq!(loaded.group_by, ["sample", "laboratory"]);
+    assert_eq!(loaded.campaign.group_by, ["sample", "laboratory"]);
     assert_eq!(campaign.title, "CNaf under humidity");
     assert_eq!(campaign.runs_folder, "data/runs");
     assert_eq!(campaign.model, "lumped-2");

@@ -35,6 +35,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         dma_folder: "dma".to_owned(),
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
+        group_by: Vec::new(),
     }
 }
 

@@ -125,12 +125,12 @@ impl Network {
         };
         let n = self.cells;
         for _ in 0..60 {
-            for k in 0..n {
+            for (k, pushed) in pushed.iter().enumerate() {
                 let u = self.voltage_v[k];
                 let (drawn, slope) = cell.draws(u);
                 let left = if k == 0 { inward } else { self.along };
                 let right = if k + 1 < n { self.along } else { 0.0 };
-                let mut rest = pushed[k] - drawn;
+                let mut rest = pushed - drawn;
                 rest += if k == 0 {
                     supplied - inward * u
                 } else {

@@ -4,7 +4,9 @@ pub mod axis;
 pub mod canvas;
 pub mod comparison;
 pub mod modulus;
+pub mod gain_bars;
 pub mod panel;
+pub mod residual;
 pub mod response;
 
 pub use canvas::{Ink, svg};

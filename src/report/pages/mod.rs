@@ -2,6 +2,9 @@
 
 pub mod comparison;
 pub mod dma;
+pub mod finding;
+pub mod finding_words;
+pub mod findings;
 pub mod index;
 pub mod run;
 pub mod run_evidence;
@@ -17,6 +20,7 @@ use super::error::ReportError;
 use super::input::Input;
 use super::site::Site;
 
+pub use finding::content as finding_content;
 pub use run::content as run_content;
 
 /// What a page shows: formatted text, and figures apart, so that goldens of the text stay readable.
@@ -61,7 +65,7 @@ pub struct Page {
 }
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 4] = [
+pub const PAGES: [Page; 5] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -90,7 +94,16 @@ pub const PAGES: [Page; 4] = [
         is_shown: |input| !input.modulus_logs.is_empty(),
         content: dma::content,
     },
+    Page {
+        file: "findings.html",
+        title: "Findings",
+        template: include_str!("../../../templates/pages/findings.html"),
+        is_shown: |_| true,
+        content: findings::content,
+    },
 ];
 
 /// Template of the pages that every run has.
 pub const RUN_TEMPLATE: &str = include_str!("../../../templates/pages/run.html");
+/// Template of the pages that every diagnosed group has.
+pub const FINDING_TEMPLATE: &str = include_str!("../../../templates/pages/finding.html");

@@ -37,7 +37,15 @@ struct RunPage {
     fit: Option<FitText>,
     issues: Vec<IssueText>,
     same_condition: Vec<RunLink>,
+    diagnosis: Option<DiagnosisLine>,
     evidence: Evidence,
+}
+
+/// What the diagnosis says of the run alone, and where its group's page is.
+#[derive(Debug, Serialize)]
+struct DiagnosisLine {
+    alone: String,
+    group: Option<RunLink>,
 }
 
 #[derive(Debug, Serialize)]
@@ -87,6 +95,7 @@ pub fn content(site: &Site, run: usize, curves: &[RunCurve]) -> Result<Content, 
         fit: record.fit.as_ref().map(|fit| fit_text(fit, record)),
         issues,
         same_condition: same_condition(site, run),
+        diagnosis: diagnosis(site, run),
         evidence: evidence(site, record),
     };
     Content::new("run.html", &page, figures)
@@ -138,6 +147,18 @@ fn summary(record: &RunRecord) -> Vec<String> {
         ));
     }
     sentences
+}
+
+fn diagnosis(site: &Site, run: usize) -> Option<DiagnosisLine> {
+    let findings = &site.input.findings;
+    let path = &site.input.runs[run].path;
+    let alone = findings.runs.iter().find(|found| found.group == *path);
+    let group = site.finding_of_run(run).map(|place| RunLink {
+        href: site.finding_href(place),
+        name: findings.groups[place].group.clone(),
+    });
+    let alone = alone.map_or_else(String::new, |found| found.sentence.clone());
+    (group.is_some() || !alone.is_empty()).then_some(DiagnosisLine { alone, group })
 }
 
 /// How the residual of one channel compares with its noise.

@@ -16,7 +16,7 @@ const ENOUGH_FOR_ORDER: usize = 300;
 
 impl Smooth {
     /// Minus twice the restricted log likelihood of that memory, with the best size of the noise.
-    fn deviance(&self, sampled: &Sampled, scale: &[f64], memory: &Memory) -> (f64, f64) {
+    pub(super) fn deviance(&self, sampled: &Sampled, scale: &[f64], memory: &Memory) -> (f64, f64) {
         let whitener = Whitener::new(sampled, scale, memory);
         let mut square = 0.0;
         let mut determinant = whitener.log_determinant(sampled);

@@ -1,0 +1,141 @@
+//! `ieap diagnose`.
+
+use clap::Args;
+
+use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::output::{Output, counted};
+use super::{CampaignArg, Global};
+use crate::model::effects;
+use crate::pipeline::diagnosis_document::{EffectEntry, GroupEntry, diagnosis_document};
+use crate::pipeline::fits_document::ParameterEntry;
+use crate::pipeline::{Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, Ingest};
+
+/// Say what the simulation gets wrong in each group of runs, name the cause, and measure what the extended
+/// model gains; after taking in new files
+#[derive(Debug, Args)]
+pub struct DiagnoseArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Base model [default: the campaign's]
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
+    /// Diagnose again even where nothing changed
+    #[arg(long)]
+    again: bool,
+    /// Draws of what chance does; a p-value is never below 1 in N + 1 [default: 999]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(99..=100_000))]
+    draws: Option<u32>,
+    /// Only the group of that name
+    #[arg(long, value_name = "NAME")]
+    group: Option<String>,
+}
+
+pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
+    ingest
+        .refused
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
+    let choice = DiagnoseChoice {
+        model: args.model.clone(),
+        draws: args.draws.map(|draws| draws as usize),
+        seed: global.seed,
+    };
+    let summary = DiagnoseRuns {
+        choice: choice.clone(),
+        again: args.again,
+        group: args.group.clone(),
+    }
+    .run(&mut context, output)?;
+    say(&summary, output);
+    output.message(&format!(
+        "{} diagnosed, {} up to date",
+        summary.diagnosed, summary.up_to_date
+    ));
+    let document = diagnosis_document(&context, &choice, args.group.as_deref())?;
+    document.groups.iter().for_each(|group| print(group, output));
+    output.document(&document)?;
+    Ok(if ingest.refused.is_empty() {
+        DONE
+    } else {
+        SOME_REFUSED
+    })
+}
+
+/// What went wrong on the way.
+pub fn say(summary: &DiagnoseSummary, output: &Output) {
+    for key in &summary.unknown_keys {
+        output.message(&format!(
+            "campaign.toml, group_by: no run carries the tag \"{key}\"; check its spelling"
+        ));
+    }
+    for name in &summary.failed {
+        output.message(&format!(
+            "  {name}: the diagnosis stopped on an internal fault; report it with the runs' files"
+        ));
+    }
+}
+
+fn print(group: &GroupEntry, output: &Output) {
+    let count = counted(group.runs.len(), "run");
+    output.result(&format!("{} ({count}): {}", group.group, group.verdict.key()));
+    output.result(&format!("    {}", group.sentence));
+    group
+        .effects
+        .iter()
+        .for_each(|effect| print_effect(effect, output));
+    if group.set.len() > 1 {
+        output.result(&format!("    as good: {}", group.set.join(", ")));
+    }
+    if let Some(gain) = &group.gain {
+        output.result(&format!(
+            "    on held-out {}s the sum of squares falls by {:.4} +- {:.2}; residuals {:.3} -> {:.3} sigma",
+            gain.held_out,
+            gain.deviance,
+            gain.standard_error,
+            gain.residual_rms_sigma_before,
+            gain.residual_rms_sigma_after
+        ));
+    }
+    if let Some(next) = &group.next_run {
+        output.result(&format!(
+            "    measure next: {}; tells apart {}",
+            next.drive,
+            next.splits.join(", ")
+        ));
+    }
+    for remark in &group.remarks {
+        output.result(&format!("    note: {remark}"));
+    }
+}
+
+fn print_effect(effect: &EffectEntry, output: &Output) {
+    let variant = effect
+        .variant
+        .as_ref()
+        .map_or_else(String::new, |variant| format!(" ({variant})"));
+    let q = effect.q.map_or_else(String::new, |q| format!(", q = {q:.2}"));
+    output.result(&format!("    {}{variant}  p = {:.2}{q}", effect.effect, effect.p));
+    let about = effects::effect(&effect.effect).map(|effect| effect.about());
+    for (key, parameter) in &effect.parameters {
+        let unit = about
+            .and_then(|about| about.parameters.iter().find(|known| known.key == key))
+            .map_or("", |known| known.unit);
+        output.result(&format!("        {key:<26} {} {unit}", value(parameter)));
+    }
+}
+
+fn value(parameter: &ParameterEntry) -> String {
+    let interval = match (parameter.low_95, parameter.high_95) {
+        (Some(low), Some(high)) => format!(" (95 %: {low:.4e} to {high:.4e})"),
+        (Some(low), None) => format!(" (above {low:.4e})"),
+        (None, Some(high)) => format!(" (below {high:.4e})"),
+        (None, None) => String::new(),
+    };
+    match (parameter.value, parameter.standard_error) {
+        (Some(value), Some(error)) => format!("{value:.5e} +- {error:.1e}{interval}"),
+        (Some(value), None) => format!("{value:.5e}{interval}"),
+        _ => format!("not determined{interval}"),
+    }
+}

@@ -1,0 +1,281 @@
+//! Diagnoses every group of runs, and every run alone, that is new or whose input changed.
+
+mod input_hash;
+mod subject;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+
+use super::context::{CODE_VERSION, now};
+use super::{Context, Observer, PipelineError};
+use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group};
+use crate::domain::{Campaign, Channel, GroupDiagnosis};
+use crate::fit::{FitError, FitInput, FitOptions, distributed};
+use crate::ingest::derived;
+use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
+use input_hash::input_hash;
+pub(super) use input_hash::library_hash;
+use subject::{Subject, subjects};
+
+/// Subjects diagnosed between two commits: bounds memory, and what an interruption costs.
+const BATCH: usize = 8;
+
+/// How to diagnose.
+#[derive(Debug, Clone, Default)]
+pub struct DiagnoseChoice {
+    /// Base model; none takes the campaign's.
+    pub model: Option<String>,
+    /// Draws of what chance does; none takes the default.
+    pub draws: Option<usize>,
+    /// Seed of the draws; none takes the default.
+    pub seed: Option<u64>,
+}
+
+impl DiagnoseChoice {
+    /// As options of a diagnosis. A model of the strip along its length has no extended form: the default model
+    /// of the strip as a whole stands in for it.
+    pub(super) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
+        let default = DiagnoseOptions::default();
+        let stated = FitOptions::for_model(self.model.as_deref().unwrap_or(&campaign.model))?.model;
+        Ok(DiagnoseOptions {
+            model: if stated.id == distributed::MODEL_ID {
+                default.model
+            } else {
+                stated
+            },
+            draws: self.draws.unwrap_or(default.draws),
+            seed: self.seed.unwrap_or(default.seed),
+        })
+    }
+}
+
+/// The verb `diagnose`.
+#[derive(Debug, Clone, Default)]
+pub struct DiagnoseRuns {
+    /// How to diagnose.
+    pub choice: DiagnoseChoice,
+    /// Diagnose again even where nothing changed.
+    pub again: bool,
+    /// Only the group of that name, and its runs.
+    pub group: Option<String>,
+}
+
+/// What `diagnose` did.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct DiagnoseSummary {
+    /// Groups and single runs diagnosed.
+    pub diagnosed: usize,
+    /// Groups and single runs whose diagnosis was up to date.
+    pub up_to_date: usize,
+    /// Groups and single runs whose diagnosis stopped on an internal fault.
+    pub failed: Vec<String>,
+    /// Keys of `group_by` that no run carries.
+    pub unknown_keys: Vec<String>,
+}
+
+/// A finding to be made, with the hash of all that it depends on.
+type Due<'a> = (String, &'a [usize], Vec<&'a Subject>);
+
+impl DiagnoseRuns {
+    /// Diagnoses what is missing or out of date. The outcome does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The model or the group is not known, or the database fails; a group that cannot be diagnosed is no error.
+    pub fn run(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<DiagnoseSummary, PipelineError> {
+        let options = self.choice.options(&context.campaign)?;
+        let tasks = context.store.fit_tasks()?;
+        let (all, unknown_keys) = subjects(context, &tasks)?;
+        retire_gone(context, &all)?;
+        let asked = self.asked(&all)?;
+        let library = library_hash();
+        let known: BTreeMap<(DiagnosisKind, String), String> = context
+            .store
+            .diagnoses()?
+            .into_iter()
+            .map(|stored| ((stored.kind, stored.name), stored.input_hash))
+            .collect();
+        let mut summary = DiagnoseSummary {
+            unknown_keys,
+            ..DiagnoseSummary::default()
+        };
+        // A group of one run and that run alone are one question.
+        let mut due: Vec<Due> = Vec::new();
+        let mut places: BTreeMap<String, usize> = BTreeMap::new();
+        for subject in asked {
+            let hash = input_hash(subject, &tasks, &options, &library);
+            let up_to_date = known.get(&(subject.kind, subject.name.clone())) == Some(&hash);
+            if up_to_date && !self.again {
+                summary.up_to_date += 1;
+                continue;
+            }
+            summary.diagnosed += 1;
+            match places.get(&hash) {
+                Some(&place) => due[place].2.push(subject),
+                None => {
+                    places.insert(hash.clone(), due.len());
+                    due.push((hash, &subject.members, vec![subject]));
+                }
+            }
+        }
+        observer.begin("diagnosing", due.len() as u64);
+        for batch in due.chunks(BATCH) {
+            let found = diagnose_batch(context, batch, &tasks, &options, observer)?;
+            save_batch(context, batch, found, (&tasks, &options, &library), &mut summary)?;
+        }
+        observer.end();
+        Ok(summary)
+    }
+
+    /// The subjects that are asked for.
+    fn asked<'a>(&self, all: &'a [Subject]) -> Result<Vec<&'a Subject>, PipelineError> {
+        let Some(name) = &self.group else {
+            return Ok(all.iter().collect());
+        };
+        let is_it = |subject: &&Subject| subject.kind == DiagnosisKind::Group && subject.name == *name;
+        let Some(group) = all.iter().find(is_it) else {
+            let names: Vec<&str> = all
+                .iter()
+                .filter(|subject| subject.kind == DiagnosisKind::Group)
+                .map(|subject| subject.name.as_str())
+                .collect();
+            return Err(PipelineError::BadArgument {
+                what: "--group",
+                found: name.clone(),
+                needed: format!("one of the groups {}", names.join(" | ")),
+            });
+        };
+        let belongs = |subject: &&Subject| {
+            std::ptr::eq(*subject, group)
+                || (subject.kind == DiagnosisKind::Run && group.members.contains(&subject.members[0]))
+        };
+        Ok(all.iter().filter(belongs).collect())
+    }
+}
+
+/// Retires diagnoses of groups and runs that are no more.
+fn retire_gone(context: &mut Context, all: &[Subject]) -> Result<(), PipelineError> {
+    let there: BTreeSet<(DiagnosisKind, &str)> = all
+        .iter()
+        .map(|subject| (subject.kind, subject.name.as_str()))
+        .collect();
+    let gone: Vec<(DiagnosisKind, String)> = context
+        .store
+        .diagnoses()?
+        .into_iter()
+        .filter(|stored| !there.contains(&(stored.kind, stored.name.as_str())))
+        .map(|stored| (stored.kind, stored.name))
+        .collect();
+    Ok(context.store.retire_diagnoses(&now(), &gone)?)
+}
+
+fn diagnose_batch(
+    context: &Context,
+    batch: &[Due],
+    tasks: &[FitTask],
+    options: &DiagnoseOptions,
+    observer: &dyn Observer,
+) -> Result<Vec<GroupDiagnosis>, PipelineError> {
+    let load = |(_, members, subjects): &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
+        if subjects[0].set_apart.is_some() {
+            return Ok(Vec::new());
+        }
+        let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
+        members.iter().map(channels).collect()
+    };
+    let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    Ok(batch
+        .par_iter()
+        .zip(loaded)
+        .map(|((_, members, subjects), channels)| {
+            let found = diagnose_one(subjects[0], members, tasks, &channels, options);
+            observer.advance();
+            found
+        })
+        .collect())
+}
+
+/// Diagnoses one group; a panic in a kernel is that group's failure, not the program's.
+fn diagnose_one(
+    subject: &Subject,
+    members: &[usize],
+    tasks: &[FitTask],
+    channels: &[Vec<Channel>],
+    options: &DiagnoseOptions,
+) -> GroupDiagnosis {
+    let names = || members.iter().map(|&index| tasks[index].path.clone()).collect();
+    if let Some(issue) = &subject.set_apart {
+        let sentence = format!("Set apart, not diagnosed: {}.", issue.message);
+        let mut found = GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, sentence);
+        found
+            .remarks
+            .extend((!issue.mend.is_empty()).then(|| issue.mend.clone()));
+        return found;
+    }
+    let diagnosed = std::panic::catch_unwind(|| {
+        let responses: Vec<Vec<Channel>> = members
+            .iter()
+            .zip(channels)
+            .map(|(&index, channels)| derived::responses(channels, tasks[index].length_cm))
+            .collect();
+        let inputs: Vec<RunInput> = members
+            .iter()
+            .zip(&responses)
+            .map(|(&index, channels)| RunInput {
+                name: &tasks[index].path,
+                input: FitInput {
+                    channels,
+                    drive: &tasks[index].drive,
+                    area_cm2: tasks[index].area_cm2,
+                },
+                length_cm: tasks[index].length_cm,
+            })
+            .collect();
+        diagnose_group(&subject.name, &inputs, options)
+    });
+    diagnosed.unwrap_or_else(|_| {
+        GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, FAULT.to_owned())
+    })
+}
+
+/// What is said of a group whose diagnosis stopped.
+const FAULT: &str = "The diagnosis stopped on an internal fault: report it with the runs' files; other groups are not affected.";
+
+fn save_batch(
+    context: &mut Context,
+    batch: &[Due],
+    found: Vec<GroupDiagnosis>,
+    (tasks, options, library): (&[FitTask], &DiagnoseOptions, &str),
+    summary: &mut DiagnoseSummary,
+) -> Result<(), PipelineError> {
+    let mut rows = Vec::new();
+    for ((hash, members, subjects), found) in batch.iter().zip(found) {
+        for subject in subjects {
+            if found.sentence == FAULT {
+                summary.failed.push(subject.name.clone());
+            }
+            let stamp = DiagnosisStamp {
+                kind: subject.kind,
+                name: subject.name.clone(),
+                run_ids: members.iter().map(|&index| tasks[index].run_id).collect(),
+                input_hash: hash.clone(),
+                library: library.to_owned(),
+                seed: options.seed,
+                draws: options.draws,
+                code_version: CODE_VERSION.to_owned(),
+            };
+            let mut found = found.clone();
+            found.group.clone_from(&subject.name);
+            if subject.kind == DiagnosisKind::Run {
+                // Residuals are drawn on the pages of groups only.
+                found.residuals.clear();
+            }
+            rows.push((stamp, found));
+        }
+    }
+    Ok(context.store.save_diagnoses(&now(), &rows)?)
+}

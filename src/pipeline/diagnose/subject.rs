@@ -1,0 +1,62 @@
+//! What is diagnosed: every group of runs, and every run alone.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::groups::groups;
+use crate::domain::{Issue, RunRecord};
+use crate::pipeline::{Context, PipelineError};
+use crate::store::{DiagnosisKind, FitTask};
+
+/// A group of runs, or one run alone.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Subject {
+    pub(super) kind: DiagnosisKind,
+    /// Name of the group or the run.
+    pub(super) name: String,
+    /// Indices of its tasks; never empty.
+    pub(super) members: Vec<usize>,
+    /// Why it is set apart, where it is.
+    pub(super) set_apart: Option<Issue>,
+}
+
+/// All groups, then all runs; and the keys of `group_by` that no run carries.
+pub(super) fn subjects(
+    context: &Context,
+    tasks: &[FitTask],
+) -> Result<(Vec<Subject>, Vec<String>), PipelineError> {
+    let runs = context.store.runs()?;
+    let places: BTreeMap<i64, usize> = tasks
+        .iter()
+        .enumerate()
+        .map(|(place, task)| (task.run_id, place))
+        .collect();
+    let group_by = &context.campaign.group_by;
+    let ready = |run: &RunRecord| places.contains_key(&run.id);
+    let mut found: Vec<Subject> = groups(&runs, group_by, &ready)
+        .into_iter()
+        .map(|group| Subject {
+            kind: DiagnosisKind::Group,
+            name: group.name,
+            members: group
+                .runs
+                .iter()
+                .filter_map(|&index| places.get(&runs[index].id).copied())
+                .collect(),
+            set_apart: group.set_apart,
+        })
+        .collect();
+    let alone: Vec<Subject> = found
+        .iter()
+        .flat_map(|group| {
+            group.members.iter().map(|&member| Subject {
+                kind: DiagnosisKind::Run,
+                name: tasks[member].path.clone(),
+                members: vec![member],
+                set_apart: group.set_apart.clone(),
+            })
+        })
+        .collect();
+    found.extend(alone);
+    let unknown = |key: &&String| !runs.is_empty() && runs.iter().all(|run| run.tag(key).is_none());
+    Ok((found, group_by.iter().filter(unknown).cloned().collect()))
+}

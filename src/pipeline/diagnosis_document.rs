@@ -1,0 +1,226 @@
+//! The document that `ieap diagnose --json` prints: the current findings of a campaign.
+
+use serde::Serialize;
+
+use super::diagnose::library_hash;
+use super::fits_document::{ParameterEntry, as_object, parameter_entries};
+use super::{Context, DiagnoseChoice, PipelineError};
+use crate::analysis::false_discovery::judge_together;
+use crate::domain::{
+    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift, Verdict,
+    Whereabouts,
+};
+use crate::store::DiagnosisKind;
+
+/// Every current finding.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DiagnosisDocument {
+    /// Always `ieap/diagnosis/1`.
+    pub schema: &'static str,
+    /// Hash of the library of effects.
+    pub library: String,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Draws of what chance does.
+    pub draws: usize,
+    /// Id of the base model.
+    pub base_model: &'static str,
+    /// Every run alone, by name.
+    pub runs: Vec<RunEntry>,
+    /// Every group, by name.
+    pub groups: Vec<GroupEntry>,
+    /// Effects that only a comparison of groups shows.
+    pub campaign: Vec<CampaignEntry>,
+}
+
+/// One run alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunEntry {
+    /// Path relative to the campaign.
+    pub run: String,
+    /// What is said.
+    pub verdict: Verdict,
+    /// The finding in one plain sentence.
+    pub sentence: String,
+    /// Probability of residuals at least as bad by chance.
+    pub p_misfit: Option<f64>,
+    /// The same over all runs of the campaign.
+    pub q_misfit: Option<f64>,
+    /// Accepted effects.
+    pub effects: Vec<EffectEntry>,
+    /// Ids of the effects that may be the cause.
+    pub set: Vec<String>,
+}
+
+/// One group.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GroupEntry {
+    /// Name of the group.
+    pub group: String,
+    /// Runs in it.
+    pub runs: Vec<String>,
+    /// Id of the base model.
+    pub base_model: String,
+    /// What is said.
+    pub verdict: Verdict,
+    /// The finding in one plain sentence.
+    pub sentence: String,
+    /// Probability of residuals at least as bad by chance.
+    pub p_misfit: Option<f64>,
+    /// The same over all groups of the campaign.
+    pub q_misfit: Option<f64>,
+    /// Probability of what the extended model leaves.
+    pub p_leftover: Option<f64>,
+    /// Accepted effects.
+    pub effects: Vec<EffectEntry>,
+    /// Ids of the effects that may be the cause.
+    pub set: Vec<String>,
+    /// Candidates, the most promising first.
+    pub candidates: Vec<Candidate>,
+    /// Gain of the extended model.
+    pub gain: Option<Gain>,
+    /// Where the base model is wrong.
+    #[serde(rename = "where")]
+    pub whereabouts: Option<Whereabouts>,
+    /// What to measure next.
+    pub next_run: Option<NextRun>,
+    /// Base parameters that the extension moves.
+    pub shifts: Vec<ParameterShift>,
+    /// Gain that chance passes in 5 % of groups in which nothing is wrong.
+    pub gain_at_5_percent: Option<f64>,
+    /// Noise of every channel.
+    pub noise: Vec<DiagnosisNoise>,
+    /// What a reader must know of the readings.
+    pub remarks: Vec<String>,
+}
+
+/// An accepted effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectEntry {
+    /// Id of the effect.
+    pub effect: String,
+    /// Form that it takes, where it has several.
+    pub variant: Option<String>,
+    /// Parameters by key; an object in JSON.
+    #[serde(serialize_with = "as_object")]
+    pub parameters: Vec<(String, ParameterEntry)>,
+    /// Probability of such a gain by chance, over all candidates.
+    pub p: f64,
+    /// The same over all groups of the campaign.
+    pub q: Option<f64>,
+    /// Ids of effects that explain the readings as well.
+    pub twins: Vec<String>,
+}
+
+/// An effect that only a comparison of groups shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CampaignEntry {
+    /// Id of the effect.
+    pub effect: String,
+}
+
+/// The current findings, with what holds over the whole campaign: of groups, and of single runs.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CurrentFindings {
+    /// Of groups, by name.
+    pub groups: Vec<GroupDiagnosis>,
+    /// Of single runs, by name.
+    pub runs: Vec<GroupDiagnosis>,
+}
+
+/// Reads the current findings and judges each kind together.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineError> {
+    let (groups, runs): (Vec<_>, Vec<_>) = context
+        .store
+        .diagnoses()?
+        .into_iter()
+        .partition(|stored| stored.kind == DiagnosisKind::Group);
+    let mut findings = CurrentFindings {
+        groups: groups.into_iter().map(|stored| stored.found).collect(),
+        runs: runs.into_iter().map(|stored| stored.found).collect(),
+    };
+    judge_together(&mut findings.groups);
+    judge_together(&mut findings.runs);
+    Ok(findings)
+}
+
+/// The document of the current findings; of one group and its runs where one is named.
+///
+/// # Errors
+/// The model is not known, or the database cannot be read.
+pub fn diagnosis_document(
+    context: &Context,
+    choice: &DiagnoseChoice,
+    group: Option<&str>,
+) -> Result<DiagnosisDocument, PipelineError> {
+    let options = choice.options(&context.campaign)?;
+    let mut findings = current_findings(context)?;
+    if let Some(name) = group {
+        findings.groups.retain(|found| found.group == name);
+        let members: Vec<String> = findings
+            .groups
+            .iter()
+            .flat_map(|found| found.runs.clone())
+            .collect();
+        findings.runs.retain(|found| members.contains(&found.group));
+    }
+    Ok(DiagnosisDocument {
+        schema: "ieap/diagnosis/1",
+        library: library_hash(),
+        seed: options.seed,
+        draws: options.draws,
+        base_model: options.model.id,
+        runs: findings.runs.into_iter().map(run_entry).collect(),
+        groups: findings.groups.into_iter().map(group_entry).collect(),
+        campaign: Vec::new(),
+    })
+}
+
+fn run_entry(found: GroupDiagnosis) -> RunEntry {
+    RunEntry {
+        run: found.group,
+        verdict: found.verdict,
+        sentence: found.sentence,
+        p_misfit: found.p_misfit,
+        q_misfit: found.q_misfit,
+        effects: found.effects.into_iter().map(effect_entry).collect(),
+        set: found.set,
+    }
+}
+
+fn group_entry(found: GroupDiagnosis) -> GroupEntry {
+    GroupEntry {
+        group: found.group,
+        runs: found.runs,
+        base_model: found.base_model,
+        verdict: found.verdict,
+        sentence: found.sentence,
+        p_misfit: found.p_misfit,
+        q_misfit: found.q_misfit,
+        p_leftover: found.p_leftover,
+        effects: found.effects.into_iter().map(effect_entry).collect(),
+        set: found.set,
+        candidates: found.candidates,
+        gain: found.gain,
+        whereabouts: found.whereabouts,
+        next_run: found.next_run,
+        shifts: found.shifts,
+        gain_at_5_percent: found.gain_at_5_percent,
+        noise: found.noise,
+        remarks: found.remarks,
+    }
+}
+
+fn effect_entry(finding: EffectFinding) -> EffectEntry {
+    EffectEntry {
+        effect: finding.effect,
+        variant: finding.variant,
+        parameters: parameter_entries(&finding.parameters),
+        p: finding.p,
+        q: finding.q,
+        twins: finding.twins,
+    }
+}

@@ -1,0 +1,410 @@
+//! The page of one group: what the simulation gets wrong there, the cause, the extended model and its gain.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::finding_words::{lead, probability, shift_words, test_words, verdict_word};
+use super::wording::{EstimateText, RunLink, listed};
+use crate::analysis::ParameterInfo;
+use crate::domain::{Candidate, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
+use crate::report::error::ReportError;
+use crate::report::figures::gain_bars::gain_bars;
+use crate::report::figures::residual::residual;
+use crate::report::input::{EffectText, Findings};
+use crate::report::number::{fixed, measured, significant};
+use crate::report::site::Site;
+
+/// Residual figures on one page; a page with more takes long to open. The worst runs come first.
+const DRAWN: usize = 16;
+/// Bars of the figure of gains.
+const BARS: usize = 12;
+
+#[derive(Debug, Serialize)]
+struct FindingPage {
+    name: String,
+    verdict: &'static str,
+    key: &'static str,
+    /// Plain sentence first.
+    summary: Vec<String>,
+    runs: Vec<NamedRun>,
+    effects: Vec<EffectBlock>,
+    set: Vec<SetMember>,
+    next_run: Option<NextRunText>,
+    shifts: Vec<ShiftRow>,
+    shift_words: Vec<String>,
+    gain: Option<GainBlock>,
+    bars: Option<String>,
+    chance_gain: String,
+    candidates: Vec<CandidateRow>,
+    residuals: Vec<ResidualBlock>,
+    not_drawn: String,
+    stretches: Vec<StretchRow>,
+    remarks: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct NamedRun {
+    /// None where the run is gone.
+    link: Option<RunLink>,
+    path: String,
+}
+
+#[derive(Debug, Serialize)]
+struct EffectBlock {
+    id: String,
+    variant: String,
+    summary: String,
+    equation: String,
+    parameters: Vec<ParameterRow>,
+    p: String,
+    q: String,
+    twins: String,
+    separated_by: String,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterRow {
+    symbol: String,
+    meaning: String,
+    unit: String,
+    estimate: EstimateText,
+}
+
+#[derive(Debug, Serialize)]
+struct SetMember {
+    id: String,
+    summary: String,
+    separated_by: String,
+}
+
+#[derive(Debug, Serialize)]
+struct NextRunText {
+    drive: String,
+    splits: String,
+    expected: String,
+}
+
+#[derive(Debug, Serialize)]
+struct ShiftRow {
+    symbol: String,
+    unit: String,
+    before: String,
+    after: String,
+}
+
+#[derive(Debug, Serialize)]
+struct GainBlock {
+    sentence: String,
+    parts: Vec<(String, String)>,
+    total: String,
+    rows: Vec<(String, String, String)>,
+}
+
+#[derive(Debug, Serialize)]
+struct CandidateRow {
+    effect: String,
+    variant: String,
+    forecast: String,
+    fitted: String,
+    held_out: String,
+    extra: usize,
+    left: String,
+    likeness: String,
+    detectable: String,
+    accepted: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct ResidualBlock {
+    heading: String,
+    figure: String,
+}
+
+#[derive(Debug, Serialize)]
+struct StretchRow {
+    run: String,
+    channel: String,
+    times: String,
+    sigma: String,
+}
+
+/// Makes the page of group number `place`.
+pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
+    let findings = &site.input.findings;
+    let found = &findings.groups[place];
+    let mut figures = BTreeMap::new();
+    let residuals = residuals(found, &mut figures)?;
+    let bars = bars(found, &mut figures)?;
+    let shifts = found.shifts.iter();
+    let drawn_of = found.residuals.len();
+    let page = FindingPage {
+        name: found.group.clone(),
+        verdict: verdict_word(found.verdict),
+        key: found.verdict.key(),
+        summary: summary(found, findings),
+        runs: found.runs.iter().map(|path| named_run(site, path)).collect(),
+        effects: found
+            .effects
+            .iter()
+            .map(|effect| effect_block(effect, findings))
+            .collect(),
+        set: set(found, findings),
+        next_run: found.next_run.as_ref().map(|next| NextRunText {
+            drive: next.drive.clone(),
+            splits: listed(&next.splits),
+            expected: significant(next.expected_set_size, 2),
+        }),
+        shift_words: shifts
+            .clone()
+            .filter_map(|s| shift_words(s, &symbol(&s.key).0))
+            .collect(),
+        shifts: shifts.map(shift_row).collect(),
+        gain: found
+            .gain
+            .as_ref()
+            .filter(|_| found.verdict != Verdict::DataProblem)
+            .map(gain_block),
+        bars,
+        chance_gain: found
+            .gain_at_5_percent
+            .map_or_else(String::new, |gain| significant(gain, 2)),
+        candidates: found
+            .candidates
+            .iter()
+            .map(|c| candidate_row(c, findings))
+            .collect(),
+        not_drawn: match drawn_of > residuals.len() {
+            true => format!(
+                "{} of {drawn_of} residuals are drawn, the largest first.",
+                residuals.len()
+            ),
+            false => String::new(),
+        },
+        residuals,
+        stretches: stretches(found),
+        remarks: found.remarks.clone(),
+    };
+    Content::new("finding.html", &page, figures)
+}
+
+fn summary(found: &GroupDiagnosis, findings: &Findings) -> Vec<String> {
+    let mut sentences = vec![lead(found, findings), found.sentence.clone()];
+    sentences.extend(test_words(found));
+    sentences
+}
+
+fn named_run(site: &Site, path: &str) -> NamedRun {
+    NamedRun {
+        link: site.run_of(path).map(|run| RunLink::to(site, run)),
+        path: path.to_owned(),
+    }
+}
+
+fn effect_block(finding: &EffectFinding, findings: &Findings) -> EffectBlock {
+    let known = findings.effect(&finding.effect);
+    let text = |of: fn(&EffectText) -> &String| known.map_or_else(String::new, |effect| of(effect).clone());
+    let parameter = |parameter: &crate::domain::Parameter| {
+        let known = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == parameter.key));
+        ParameterRow {
+            symbol: known.map_or_else(|| parameter.key.clone(), |p| p.symbol.clone()),
+            meaning: known.map_or_else(String::new, |p| p.meaning.clone()),
+            unit: known.map_or_else(String::new, |p| p.unit.clone()),
+            estimate: EstimateText::of(&parameter.estimate, 1.0),
+        }
+    };
+    EffectBlock {
+        id: finding.effect.clone(),
+        variant: finding.variant.clone().unwrap_or_default(),
+        summary: text(|effect| &effect.summary),
+        equation: text(|effect| &effect.equation),
+        parameters: finding.parameters.iter().map(parameter).collect(),
+        p: probability(Some(finding.p)),
+        q: probability(finding.q),
+        twins: listed(&finding.twins),
+        separated_by: text(|effect| &effect.separated_by),
+    }
+}
+
+/// Members of a set of several; a single cause stands above.
+fn set(found: &GroupDiagnosis, findings: &Findings) -> Vec<SetMember> {
+    if found.set.len() < 2 {
+        return Vec::new();
+    }
+    let member = |id: &String| {
+        let known = findings.effect(id);
+        SetMember {
+            id: id.clone(),
+            summary: known.map_or_else(String::new, |effect| effect.summary.clone()),
+            separated_by: known.map_or_else(String::new, |effect| effect.separated_by.clone()),
+        }
+    };
+    found.set.iter().map(member).collect()
+}
+
+/// Symbol, unit and factor under which a base parameter is shown.
+fn symbol(key: &str) -> (String, String, f64) {
+    match ParameterInfo::of(key) {
+        Some(known) => (
+            known.symbol.to_owned(),
+            known.shown_unit.to_owned(),
+            known.shown_factor,
+        ),
+        None => (key.to_owned(), String::new(), 1.0),
+    }
+}
+
+fn shift_row(shift: &ParameterShift) -> ShiftRow {
+    let (symbol, unit, factor) = symbol(&shift.key);
+    ShiftRow {
+        symbol,
+        unit,
+        before: significant(shift.before * factor, 4),
+        after: measured(shift.after * factor, shift.standard_error * factor),
+    }
+}
+
+fn gain_block(gain: &Gain) -> GainBlock {
+    let percent = |part: Option<f64>| part.map(|part| format!("{} %", significant(100.0 * part, 2)));
+    let nrmse = [
+        (
+            "Error of predicted current, in % of its range",
+            percent(gain.nrmse_current_before),
+            percent(gain.nrmse_current_after),
+        ),
+        (
+            "Error of predicted curvature, in % of its range",
+            percent(gain.nrmse_curvature_before),
+            percent(gain.nrmse_curvature_after),
+        ),
+    ];
+    let mut rows: Vec<(String, String, String)> = nrmse
+        .into_iter()
+        .filter_map(|(name, before, after)| Some((name.to_owned(), before?, after?)))
+        .collect();
+    rows.push((
+        "Residuals of the fit to all readings, in σ of the noise".to_owned(),
+        significant(gain.residual_rms_sigma_before, 3),
+        significant(gain.residual_rms_sigma_after, 3),
+    ));
+    let what = match gain.held_out.as_str() {
+        "run" => "runs that took no part in the fit",
+        "time" => "later times from earlier ones",
+        other => other,
+    };
+    let better = gain.deviance > 2.0 * gain.standard_error;
+    let verb = match (better, gain.deviance > 0.0) {
+        (true, _) => "predicts better",
+        (false, true) => "predicts no clearly better",
+        (false, false) => "predicts worse",
+    };
+    GainBlock {
+        sentence: format!("Asked to predict {what}, the extended model {verb} than the base model."),
+        parts: gain
+            .parts
+            .iter()
+            .map(|(name, fall)| (name.clone(), significant(*fall, 3)))
+            .collect(),
+        total: measured(gain.deviance, gain.standard_error),
+        rows,
+    }
+}
+
+fn bars(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Option<String>, ReportError> {
+    let id = "gains".to_owned();
+    let shown: Vec<&Candidate> = found.candidates.iter().take(BARS).collect();
+    let drawn = gain_bars(
+        &id,
+        &shown,
+        found.gain_at_5_percent,
+        "Gain of each candidate",
+        "Thin bars: forecast; thick bars: full fit; grey: what chance gives in 95 of 100 groups where nothing is wrong.",
+    )
+    .map_err(|reason| ReportError::Figure {
+        figure: id.clone(),
+        reason,
+    })?;
+    Ok(drawn.map(|svg| {
+        figures.insert(id.clone(), svg);
+        id
+    }))
+}
+
+fn candidate_row(candidate: &Candidate, findings: &Findings) -> CandidateRow {
+    let unit = findings
+        .effect(&candidate.effect)
+        .and_then(|effect| effect.parameters.first())
+        .map_or("", |strength| strength.unit.as_str());
+    let strength = candidate.detectable_strength.abs();
+    let optional = |gain: Option<f64>| gain.map_or_else(|| "–".to_owned(), |gain| significant(gain, 3));
+    CandidateRow {
+        effect: candidate.effect.clone(),
+        variant: candidate.variant.clone().unwrap_or_default(),
+        forecast: significant(candidate.forecast_gain, 3),
+        fitted: optional(candidate.fitted_gain),
+        held_out: optional(candidate.held_out_gain),
+        extra: candidate.extra_parameters,
+        left: format!("{} %", significant(100.0 * candidate.left_after_refit, 2)),
+        likeness: fixed(candidate.likeness, 2),
+        detectable: match strength.is_finite() {
+            true => format!("{} {unit}", significant(strength, 2))
+                .trim_end()
+                .to_owned(),
+            false => "–".to_owned(),
+        },
+        accepted: candidate.accepted,
+    }
+}
+
+/// The residuals that are drawn, the largest first; over time as well as its logarithm where something is wrong.
+fn residuals(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<ResidualBlock>, ReportError> {
+    let size = |curve: &ResidualCurve| {
+        let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
+        finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
+    };
+    let mut curves: Vec<&ResidualCurve> = found.residuals.iter().collect();
+    if curves.len() > DRAWN {
+        curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        curves.truncate(DRAWN);
+    }
+    let wrong = found.verdict != Verdict::Consistent;
+    let mut blocks = Vec::new();
+    for (place, curve) in curves.iter().enumerate() {
+        let id = format!("residual-{}", place + 1);
+        let heading = format!("{}: {}", curve.run, curve.channel);
+        let title = format!("Residual of the {} of {}", curve.channel, curve.run);
+        let desc = "Dots: measured minus base model; line: measured minus extended model; band: two standard deviations of single readings.";
+        let drawn = residual(&id, curve, wrong, &title, desc).map_err(|reason| ReportError::Figure {
+            figure: id.clone(),
+            reason,
+        })?;
+        if let Some(svg) = drawn {
+            figures.insert(id.clone(), svg);
+            blocks.push(ResidualBlock { heading, figure: id });
+        }
+    }
+    Ok(blocks)
+}
+
+fn stretches(found: &GroupDiagnosis) -> Vec<StretchRow> {
+    let segments = found.whereabouts.iter().flat_map(|place| &place.segments);
+    segments
+        .map(|segment| StretchRow {
+            run: segment.run.clone(),
+            channel: segment.channel.clone(),
+            times: format!(
+                "{} to {} s",
+                significant(segment.from_s, 3),
+                significant(segment.to_s, 3)
+            ),
+            sigma: fixed(segment.sigma, 1),
+        })
+        .collect()
+}

@@ -1,0 +1,133 @@
+//! The list of groups with what was found in each, and the ledger of every test made.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::finding_words::{campaign_lead, probability, verdict_word};
+use super::wording::{RunLink, counted};
+use crate::domain::GroupDiagnosis;
+use crate::report::error::ReportError;
+use crate::report::site::Site;
+
+#[derive(Debug, Serialize)]
+struct FindingsPage {
+    /// Findings first.
+    summary: Vec<String>,
+    groups: Vec<GroupRow>,
+    ledger: Vec<LedgerRow>,
+    runs: Vec<RunRow>,
+}
+
+#[derive(Debug, Serialize)]
+struct GroupRow {
+    link: RunLink,
+    runs: String,
+    verdict: &'static str,
+    /// Stored name: class.
+    key: &'static str,
+    sentence: String,
+    set: Vec<String>,
+    p: String,
+    q: String,
+}
+
+/// One test: what was asked, and how often chance answers as strongly.
+#[derive(Debug, Serialize)]
+struct LedgerRow {
+    group: String,
+    question: String,
+    p: String,
+    q: String,
+}
+
+#[derive(Debug, Serialize)]
+struct RunRow {
+    /// Link to the run's page; none where the run is gone.
+    link: Option<RunLink>,
+    path: String,
+    verdict: &'static str,
+    set: Vec<String>,
+    p: String,
+    q: String,
+}
+
+/// Makes the page.
+pub fn content(site: &Site) -> Result<Content, ReportError> {
+    let findings = &site.input.findings;
+    let groups = &findings.groups;
+    let mut summary = vec![campaign_lead(groups)];
+    if !groups.is_empty() {
+        summary.push(format!(
+            "{} and each of {} alone were asked whether the simulation leaves more than noise; {} effects were looked for.",
+            counted(groups.len(), "group"),
+            counted(findings.runs.len(), "run"),
+            findings.effects.len()
+        ));
+    }
+    let page = FindingsPage {
+        summary,
+        groups: (0..groups.len()).map(|place| group_row(site, place)).collect(),
+        ledger: groups.iter().flat_map(ledger).collect(),
+        runs: findings.runs.iter().map(|found| run_row(site, found)).collect(),
+    };
+    Content::new("findings.html", &page, BTreeMap::new())
+}
+
+fn group_row(site: &Site, place: usize) -> GroupRow {
+    let found = &site.input.findings.groups[place];
+    GroupRow {
+        link: RunLink {
+            href: site.finding_href(place),
+            name: found.group.clone(),
+        },
+        runs: counted(found.runs.len(), "run"),
+        verdict: verdict_word(found.verdict),
+        key: found.verdict.key(),
+        sentence: found.sentence.clone(),
+        set: found.set.clone(),
+        p: probability(found.p_misfit),
+        q: probability(found.q_misfit),
+    }
+}
+
+fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
+    let row = |question: String, p: Option<f64>, q: Option<f64>| LedgerRow {
+        group: found.group.clone(),
+        question,
+        p: probability(p),
+        q: probability(q),
+    };
+    let mut rows = Vec::new();
+    if found.p_misfit.is_some() {
+        rows.push(row(
+            "Does the simulation leave more than noise?".to_owned(),
+            found.p_misfit,
+            found.q_misfit,
+        ));
+    }
+    for effect in &found.effects {
+        let question = format!(
+            "Does {} describe the readings better than chance would?",
+            effect.effect
+        );
+        rows.push(row(question, Some(effect.p), effect.q));
+    }
+    if found.p_leftover.is_some() {
+        let question = "Does the extended simulation leave more than noise?";
+        rows.push(row(question.to_owned(), found.p_leftover, None));
+    }
+    rows
+}
+
+fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
+    RunRow {
+        link: site.run_of(&found.group).map(|run| RunLink::to(site, run)),
+        path: found.group.clone(),
+        verdict: verdict_word(found.verdict),
+        set: found.set.clone(),
+        p: probability(found.p_misfit),
+        q: probability(found.q_misfit),
+    }
+}

@@ -1,0 +1,240 @@
+//! The whole way of a finding: files of the truth simulator with an effect hidden in them, the command, the JSON
+//! document and the pages.
+
+use serde_json::Value;
+
+use crate::campaign::{CampaignFolder, ieap, run_table};
+
+const CAMPAIGN: &str = r#"
+[campaign]
+id = "hidden"
+title = "A leak hidden in one of two samples"
+
+[[sample]]
+id = "leaky"
+material = "CNaf"
+length_mm = 5.0
+width_mm = 2.0
+
+[[sample]]
+id = "clean"
+material = "CNaf"
+length_mm = 5.0
+width_mm = 2.0
+"#;
+
+/// Three steps of each sample; electrolysis above 1.2 V in those of `leaky`.
+fn spec() -> String {
+    let mut spec = String::from(
+        r#"[simulation]
+seed = 5
+folder = "runs"
+statement = ["SIMULATED, not measured."]
+baseline_s = 8.0
+
+[noise]
+current_a = 1e-6
+curvature_per_cm = 2e-3
+
+[[sampling]]
+until_s = 400.0
+every_s = 2.0
+
+[[effect]]
+id = "faradaic-leak"
+variant = "terminal"
+runs = ["leaky*"]
+leak_current_a_per_cm2 = 2e-5
+onset_v = 1.2
+slope_v = 0.25
+"#,
+    );
+    for sample in ["leaky", "clean"] {
+        for voltage_v in ["1.0", "1.6", "2.2"] {
+            spec += &format!(
+                r#"
+[[run]]
+file = "{sample}_{voltage_v}V.csv"
+area_cm2 = 0.1
+length_cm = 0.5
+voltage_v = {voltage_v}
+parameters = {{ r1_ohm_cm2 = 520.0, c1_f_per_cm2 = 0.04, r2_ohm_cm2 = 1000.0, c2_f_per_cm2 = 0.13, rss_ohm_cm2 = 5600.0, alpha_per_c_cm = 14.0, lambda_per_s = 4e-3 }}
+tags = {{ sample = "{sample}", environment = "air" }}
+"#
+            );
+        }
+    }
+    spec
+}
+
+fn group<'a>(document: &'a Value, name: &str) -> &'a Value {
+    let groups = document["groups"].as_array().unwrap();
+    groups
+        .iter()
+        .find(|group| group["group"] == name)
+        .unwrap_or_else(|| panic!("no group {name} in {groups:#?}"))
+}
+
+/// Addresses of the pages of groups that a page links to.
+fn finding_links(html: &str) -> Vec<&str> {
+    html.split("href=\"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .filter(|href| href.contains("findings/"))
+        .collect()
+}
+
+#[test]
+fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_consistent() {
+    let folder = CampaignFolder::new();
+    folder.write("campaign.toml", CAMPAIGN);
+    std::fs::remove_file(folder.join("runs/tags.toml")).unwrap();
+    folder.write("simulation.toml", spec());
+    ieap(folder.path(), &["simulate", "simulation.toml"]).expect(0);
+    let summary = folder.ieap(&["run", "--json"]).expect(0).json();
+    assert_eq!(
+        summary["run"]["diagnose"]["diagnosed"], 8,
+        "two groups and six runs"
+    );
+
+    let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
+    assert_eq!(document["schema"], "ieap/diagnosis/1");
+    assert_eq!((&document["seed"], &document["draws"]), (&1.into(), &999.into()));
+    let leaky = group(&document, "sample=leaky,environment=air");
+    let verdict = leaky["verdict"].as_str().unwrap();
+    assert!(["named", "set"].contains(&verdict), "{leaky:#}");
+    let set = leaky["set"].as_array().unwrap();
+    assert!(set.contains(&"faradaic-leak".into()) && set.len() <= 5, "{set:?}");
+    assert!(leaky["p_misfit"].as_f64().unwrap() < 0.01 && leaky["q_misfit"].as_f64().unwrap() < 0.05);
+    assert!(
+        leaky["gain"]["deviance"].as_f64().unwrap() > 0.0,
+        "{:#}",
+        leaky["gain"]
+    );
+    let effect = &leaky["effects"][0];
+    assert!(
+        effect["q"].as_f64().unwrap() <= 0.05 && effect["p"].as_f64().unwrap() <= 0.01,
+        "{effect:#}"
+    );
+    assert!(!effect["parameters"].as_object().unwrap().is_empty());
+    let clean = group(&document, "sample=clean,environment=air");
+    assert_eq!(clean["verdict"], "consistent", "{clean:#}");
+    assert!(clean["effects"].as_array().unwrap().is_empty() && clean["gain"].is_null());
+    assert_eq!(document["runs"].as_array().unwrap().len(), 6);
+
+    let list = folder.report("findings.html");
+    assert!(
+        list.contains("The simulation is wrong in 1 of 2 groups"),
+        "{list}"
+    );
+    let links = finding_links(&list);
+    assert_eq!(links.len(), 2);
+    let page = folder.report(links.iter().find(|href| href.contains("leaky")).unwrap());
+    assert!(page.contains("faradaic-leak") && page.contains("<svg"));
+    let overview = folder.report("index.html");
+    let run = overview
+        .split("href=\"")
+        .find(|rest| rest.starts_with("runs/leaky"))
+        .unwrap();
+    let run = folder.report(run.split('"').next().unwrap());
+    assert_eq!(finding_links(&run).len(), 1, "the run leads to its group");
+
+    let again = folder.ieap(&["diagnose", "--json"]).expect(0);
+    assert!(
+        again.stderr.contains("0 diagnosed, 8 up to date"),
+        "{}",
+        again.stderr
+    );
+    assert_eq!(again.json(), document);
+}
+
+#[test]
+fn runs_of_another_date_are_a_data_problem_of_their_own_and_only_new_runs_are_diagnosed_again() {
+    let folder = CampaignFolder::new();
+    for (number, date) in [(1, "2024-07-17"), (2, "2024-07-17"), (3, "2024-02-13")] {
+        let name = format!("runs/step_{number}.csv");
+        folder.write(&name, run_table(number));
+        folder.write(
+            &format!("{name}.toml"),
+            format!("started_at = \"{date}T10:00:00Z\"\n"),
+        );
+    }
+    let arguments = ["diagnose", "--json", "--draws", "199"];
+    let document = folder
+        .ieap(&[&arguments[..], &["--threads", "1"]].concat())
+        .expect(0)
+        .json();
+    let apart = group(&document, "sample=S1,environment=air,started_at=2024-02-13");
+    assert_eq!(apart["verdict"], "data-problem");
+    assert_eq!(apart["runs"], serde_json::json!(["runs/step_3.csv"]));
+    let sentence = apart["sentence"].as_str().unwrap();
+    assert!(sentence.contains("not the same series"), "{sentence}");
+    let joined = group(&document, "sample=S1,environment=air");
+    assert_eq!(
+        joined["runs"],
+        serde_json::json!(["runs/step_1.csv", "runs/step_2.csv"])
+    );
+    assert!(joined["p_misfit"].is_number());
+
+    let afresh = folder
+        .ieap(&[&arguments[..], &["--again", "--threads", "2"]].concat())
+        .expect(0)
+        .json();
+    assert_eq!(afresh, document, "the same at any number of threads");
+
+    folder.write("runs/other.csv", run_table(9));
+    folder.write("runs/other.csv.toml", "environment = \"vacuum\"\n");
+    let more = folder.ieap(&arguments).expect(0);
+    assert!(
+        more.stderr.contains("2 diagnosed, 5 up to date"),
+        "{}",
+        more.stderr
+    );
+    let one = folder
+        .ieap(&[
+            "diagnose",
+            "--json",
+            "--draws",
+            "199",
+            "--group",
+            "sample=S1,environment=vacuum",
+        ])
+        .expect(0)
+        .json();
+    assert_eq!(one["groups"].as_array().unwrap().len(), 1);
+    assert_eq!(one["runs"][0]["run"], "runs/other.csv");
+    let unknown = folder.ieap(&["diagnose", "--group", "nothing"]).expect(2);
+    assert!(
+        unknown.stderr.contains("sample=S1,environment=vacuum"),
+        "{}",
+        unknown.stderr
+    );
+}
+
+#[test]
+fn group_by_is_checked_and_a_key_that_no_run_carries_is_said() {
+    let folder = CampaignFolder::new();
+    let toml = |keys: &str| {
+        crate::campaign::CAMPAIGN_TOML.replace("id = \"test\"", &format!("id = \"test\"\ngroup_by = {keys}"))
+    };
+    folder.write("campaign.toml", toml("[\"sample\", \"sample\"]"));
+    let refused = folder.ieap(&["diagnose"]).expect(2);
+    assert!(
+        refused.stderr.contains("group_by") && refused.stderr.contains("twice"),
+        "{}",
+        refused.stderr
+    );
+    folder.write("campaign.toml", toml("[\"sample\", \"labratory\"]"));
+    folder.write("runs/a.csv", run_table(1));
+    let said = folder.ieap(&["diagnose", "--draws", "99"]).expect(0);
+    assert!(
+        said.stderr.contains("no run carries the tag \"labratory\""),
+        "{}",
+        said.stderr
+    );
+    assert!(
+        said.stdout.contains("sample=S1,labratory= (1 run)"),
+        "{}",
+        said.stdout
+    );
+}

@@ -1,0 +1,187 @@
+//! Made-up findings for the tests of the report: every verdict that a page words differently.
+
+use ieap::domain::{
+    Candidate, EffectFinding, Estimate, Gain, GroupDiagnosis, MisfitStretch, NextRun, Parameter,
+    ParameterShift, ResidualCurve, Verdict, Whereabouts,
+};
+use ieap::report::{EffectParameterText, EffectText, Findings, Input};
+
+use super::report_fixture::troubled_input;
+
+fn parameter_text(key: &str, symbol: &str, unit: &str, meaning: &str) -> EffectParameterText {
+    EffectParameterText {
+        key: key.to_owned(),
+        symbol: symbol.to_owned(),
+        unit: unit.to_owned(),
+        meaning: meaning.to_owned(),
+    }
+}
+
+fn effects() -> Vec<EffectText> {
+    vec![
+        EffectText {
+            id: "faradaic-leak".to_owned(),
+            summary: "electrolysis current above an onset voltage".to_owned(),
+            equation: "i_F = i_0 (e^((|w| - E_on)/s) - 1)".to_owned(),
+            signature: "the end current grows faster than the voltage".to_owned(),
+            separated_by: "four or more voltages around the onset".to_owned(),
+            parameters: vec![
+                parameter_text("leak_current_a_per_cm2", "i_0", "A/cm2", "scale of the current"),
+                parameter_text("onset_v", "E_on", "V", "voltage above which it flows"),
+            ],
+        },
+        EffectText {
+            id: "partial-relaxation".to_owned(),
+            summary: "a share of the strain that stays".to_owned(),
+            equation: "kappa = alpha ((1 - f) H q + f q)".to_owned(),
+            signature: "a plateau above zero".to_owned(),
+            separated_by: "reversed polarity".to_owned(),
+            parameters: vec![parameter_text("fraction", "f", "", "share that stays")],
+        },
+    ]
+}
+
+fn candidate(effect: &str, forecast_gain: f64, fitted_gain: Option<f64>, accepted: bool) -> Candidate {
+    Candidate {
+        effect: effect.to_owned(),
+        variant: None,
+        forecast_gain,
+        fitted_gain,
+        extra_parameters: 2,
+        held_out_gain: accepted.then_some(150.1),
+        left_after_refit: 0.314,
+        detectable_strength: if accepted { 3.1e-7 } else { f64::NAN },
+        likeness: if accepted { 1.0 } else { 0.42 },
+        accepted,
+    }
+}
+
+fn residual(run: &str) -> ResidualCurve {
+    let time_s: Vec<f64> = (1..60).map(|k| f64::from(k) * 5.0).collect();
+    ResidualCurve {
+        run: run.to_owned(),
+        channel: "current".to_owned(),
+        before_sigma: time_s.iter().map(|t| 0.02 * t - 1.0).collect(),
+        after_sigma: time_s.iter().map(|t| (0.1 * t).sin()).collect(),
+        time_s,
+    }
+}
+
+fn shift(key: &str, before: f64, after: f64, standard_error: f64) -> ParameterShift {
+    ParameterShift {
+        key: key.to_owned(),
+        before,
+        after,
+        standard_error,
+    }
+}
+
+/// A cause with everything that is known of it, in the runs given.
+fn named(runs: &[&str]) -> GroupDiagnosis {
+    let parameter = |key: &str, estimate| Parameter {
+        key: key.to_owned(),
+        estimate,
+    };
+    GroupDiagnosis {
+        verdict: Verdict::Named,
+        p_misfit: Some(0.001),
+        q_misfit: Some(0.004),
+        p_leftover: Some(0.62),
+        effects: vec![EffectFinding {
+            effect: "faradaic-leak".to_owned(),
+            variant: Some("terminal".to_owned()),
+            parameters: vec![
+                parameter(
+                    "leak_current_a_per_cm2",
+                    Estimate::determined(2.13e-5, 1.2e-6, 1.9e-5, 2.4e-5),
+                ),
+                parameter("onset_v", Estimate::below(1.3, "no run stays below the onset")),
+            ],
+            p: 0.001,
+            q: Some(0.004),
+            twins: Vec::new(),
+        }],
+        set: vec!["faradaic-leak".to_owned()],
+        candidates: vec![
+            candidate("faradaic-leak", 812.0, Some(790.2), true),
+            candidate("partial-relaxation", 12.4, None, false),
+        ],
+        gain: Some(Gain {
+            held_out: "run".to_owned(),
+            deviance: 150.1,
+            standard_error: 12.0,
+            parts: runs.iter().map(|run| ((*run).to_owned(), 75.05)).collect(),
+            nrmse_current_before: Some(0.0812),
+            nrmse_current_after: Some(0.0103),
+            nrmse_curvature_before: None,
+            nrmse_curvature_after: None,
+            residual_rms_sigma_before: 6.12,
+            residual_rms_sigma_after: 1.021,
+        }),
+        whereabouts: Some(Whereabouts {
+            text: "current too small after 200 s at 2.0 and 2.5 V".to_owned(),
+            segments: vec![MisfitStretch {
+                run: runs[0].to_owned(),
+                channel: "current".to_owned(),
+                from_s: 200.0,
+                to_s: 600.0,
+                sigma: -7.13,
+            }],
+        }),
+        shifts: vec![
+            shift("alpha_per_c_cm", 12.04, 14.0, 0.392),
+            shift("lambda_per_s", 1.1e-4, 1.11e-4, 2e-6),
+        ],
+        gain_at_5_percent: Some(8.2),
+        residuals: runs.iter().map(|run| residual(run)).collect(),
+        ..GroupDiagnosis::data_problem(
+            "sample=CNaf-01,environment=air",
+            runs.iter().map(|run| (*run).to_owned()).collect(),
+            "lumped-2",
+            "The simulation misses faradaic-leak: current too small after 200 s.".to_owned(),
+        )
+    }
+}
+
+/// The troubled campaign with a group for each of four verdicts; one of a hostile name.
+pub fn input_with_findings() -> Input {
+    let mut input = troubled_input();
+    let path = |k: usize| input.runs[k].path.clone();
+    let (a, b, c, d) = (path(0), path(1), path(2), path(3));
+    let mut set = named(&[&b]);
+    set.group = "sample=CNaf-01,environment=<b>vacuum</b>".to_owned();
+    set.verdict = Verdict::Set;
+    set.set.push("partial-relaxation".to_owned());
+    set.effects[0].twins = vec!["partial-relaxation".to_owned()];
+    set.next_run = Some(NextRun {
+        drive: "reverse the voltage for 600 s".to_owned(),
+        splits: vec!["faradaic-leak".to_owned(), "partial-relaxation".to_owned()],
+        expected_set_size: 1.0,
+    });
+    let consistent = GroupDiagnosis {
+        verdict: Verdict::Consistent,
+        p_misfit: Some(0.31),
+        q_misfit: Some(0.41),
+        candidates: vec![candidate("faradaic-leak", 3.0, None, false)],
+        ..GroupDiagnosis::data_problem(
+            "sample=CPvf-01,environment=air",
+            vec![c.clone()],
+            "lumped-2",
+            "The simulation is right to within the noise (p = 0.31).".to_owned(),
+        )
+    };
+    let apart = GroupDiagnosis::data_problem(
+        "sample=CPvf-01,environment=air,started_at=2020-02-03",
+        vec![d, "runs/gone.csv".to_owned()],
+        "lumped-2",
+        "Set apart, not diagnosed: not the same series.".to_owned(),
+    );
+    let mut alone = consistent.clone();
+    alone.group = c;
+    input.findings = Findings {
+        groups: vec![named(&[&a]), set, consistent, apart],
+        runs: vec![alone],
+        effects: effects(),
+    };
+    input
+}
