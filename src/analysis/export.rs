@@ -271,19 +271,19 @@ fn standard_deviation(values: &[f64]) -> Option<f64> {
     Some((squares / (values.len() - 1) as f64).sqrt())
 }
 
-fn texts(name: &str, values: impl Iterator<Item = Option<String>>) -> Column {
+pub(super) fn texts(name: &str, values: impl Iterator<Item = Option<String>>) -> Column {
     Series::new(name.into(), values.collect::<Vec<_>>()).into_column()
 }
 
-fn numbers(name: &str, values: impl Iterator<Item = Option<f64>>) -> Column {
+pub(super) fn numbers(name: &str, values: impl Iterator<Item = Option<f64>>) -> Column {
     Series::new(name.into(), values.collect::<Vec<_>>()).into_column()
 }
 
-fn flags(name: &str, values: impl Iterator<Item = bool>) -> Column {
+pub(super) fn flags(name: &str, values: impl Iterator<Item = bool>) -> Column {
     Series::new(name.into(), values.collect::<Vec<_>>()).into_column()
 }
 
-fn frame(table: &str, columns: Vec<Column>) -> Result<DataFrame, ExportError> {
+pub(super) fn frame(table: &str, columns: Vec<Column>) -> Result<DataFrame, ExportError> {
     DataFrame::new_infer_height(columns).map_err(|source| ExportError::Table {
         table: table.to_owned(),
         source,

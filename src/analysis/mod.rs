@@ -2,6 +2,7 @@
 
 pub mod conditions;
 pub mod design;
+pub mod dma;
 pub mod export;
 pub mod false_discovery;
 pub mod findings;

@@ -2,8 +2,8 @@
 
 use crate::domain::tag::keys;
 use crate::domain::{
-    Campaign, Environment, Estimate, Fit, Parameter, RunFile, RunRecord, RunState, RunStatus, Sample, Tag,
-    TagSource,
+    Campaign, Environment, Estimate, Fit, Parameter, RunFile, RunKind, RunRecord, RunState, RunStatus,
+    Sample, Tag, TagSource,
 };
 
 /// Two materials, the built-in environments.
@@ -34,6 +34,8 @@ pub fn campaign() -> Campaign {
         environments: ["vacuum", "inert", "air"].map(environment).to_vec(),
         runs_folder: "runs".to_owned(),
         name_pattern: None,
+        dma_folder: "dma".to_owned(),
+        dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
     }
@@ -48,6 +50,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
     ];
     tags.extend(humidity.map(|rh| tag(keys::RELATIVE_HUMIDITY_PERCENT, &rh.to_string())));
     RunRecord {
+        kind: RunKind::Actuation,
         id: 0,
         path: format!("runs/{name}.csv"),
         revision: 1,

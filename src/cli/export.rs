@@ -12,7 +12,7 @@ use crate::pipeline::Context;
 use crate::pipeline::export::{Export, Table};
 use crate::pipeline::fits_document::fits_document;
 
-/// Write fits, conditions or traces as CSV or Parquet, units in the column names
+/// Write fits, conditions, traces or modulus logs as CSV or Parquet, units in the column names
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     #[command(flatten)]
@@ -38,6 +38,8 @@ enum What {
     Conditions,
     /// Every reading of every run, one row a reading
     Traces,
+    /// Modulus logs: one row a humidity step and number
+    Dma,
 }
 
 pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
@@ -51,6 +53,7 @@ pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
         What::FitsWide => (Table::FitsWide, "fits-wide.csv"),
         What::Conditions => (Table::Conditions, "conditions.csv"),
         What::Traces => (Table::Traces, "traces.csv"),
+        What::Dma => (Table::Dma, "dma.csv"),
     };
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
     let rows = Export {

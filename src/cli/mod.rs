@@ -2,6 +2,7 @@
 
 mod completions;
 mod diagnose;
+mod dma;
 mod effects;
 mod exit;
 mod export;
@@ -83,6 +84,7 @@ enum Verb {
     Watch(watch::WatchArgs),
     Ingest(ingest::IngestArgs),
     Fit(fit::FitArgs),
+    Dma(dma::DmaArgs),
     Diagnose(diagnose::DiagnoseArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
@@ -156,6 +158,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Watch(args) => watch::run(args, global, output),
         Verb::Ingest(args) => ingest::run(args, global, output),
         Verb::Fit(args) => fit::run(args, global, output),
+        Verb::Dma(args) => dma::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),

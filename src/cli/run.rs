@@ -62,6 +62,19 @@ pub fn print(summary: &RunSummary, output: &Output) {
     for path in &fit.not_converged {
         output.message(&format!("  {path}: the search did not converge; see its page"));
     }
+    let modulus = &summary.modulus;
+    if modulus.analysed + modulus.up_to_date + modulus.failed.len() > 0 {
+        output.result(&format!(
+            "modulus logs: {} analysed, {} up to date, {} could not be analysed",
+            modulus.analysed,
+            modulus.up_to_date,
+            modulus.failed.len()
+        ));
+        modulus
+            .failed
+            .iter()
+            .for_each(|(path, issue)| output.issue(path, issue));
+    }
     let diagnosed = &summary.diagnose;
     diagnose::say(diagnosed, output);
     output.result(&format!(

@@ -36,12 +36,21 @@ fn print(status: &Status, output: &Output) {
         status.runs,
         states.join(", ")
     ));
+    if !status.modulus_logs_by_state.is_empty() {
+        let states = status.modulus_logs_by_state.iter();
+        let states: Vec<String> = states
+            .map(|(state, count)| format!("{count} {}", state.replace('_', " ")))
+            .collect();
+        output.result(&format!("modulus logs: {}", states.join(", ")));
+    }
     section(output, "file", "refused", &status.refused);
     let waiting = "waiting (empty, header only, or still growing)";
     section(output, "file", waiting, &status.pending);
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
     section(output, "run", "that could not be fitted", &status.not_fitted);
+    let logs = &status.modulus_logs_not_analysed;
+    section(output, "modulus log", "not analysed", logs);
     if status.aliases > 0 {
         let aliases = counted(status.aliases, "file");
         output.result(&format!("{aliases} with the bytes of a run's file"));

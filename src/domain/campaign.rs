@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::RunKind;
+
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
@@ -91,6 +93,10 @@ pub struct Campaign {
     pub runs_folder: String,
     /// Pattern that reads tags from file names.
     pub name_pattern: Option<String>,
+    /// Folder with the modulus logs, relative to the campaign; it need not be there.
+    pub dma_folder: String,
+    /// Pattern that reads tags from the file names of modulus logs.
+    pub dma_name_pattern: Option<String>,
     /// Model that runs are fitted with.
     pub model: String,
     /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
@@ -102,6 +108,28 @@ impl Campaign {
     /// The sample of that id.
     pub fn sample(&self, id: &str) -> Option<&Sample> {
         self.samples.iter().find(|sample| sample.id == id)
+    }
+
+    /// What the file at `path` (relative, with `/`) measures.
+    pub fn kind_of(&self, path: &str) -> RunKind {
+        let rest = path.strip_prefix(self.dma_folder.as_str());
+        match rest.is_some_and(|rest| rest.starts_with('/')) {
+            true => RunKind::Dma,
+            false => RunKind::Actuation,
+        }
+    }
+
+    /// Folders beside the runs folder that are looked through where they are there.
+    pub fn optional_folders(&self) -> [&str; 1] {
+        [self.dma_folder.as_str()]
+    }
+
+    /// The pattern for the file names of that kind.
+    pub fn name_pattern_of(&self, kind: RunKind) -> Option<&str> {
+        match kind {
+            RunKind::Actuation => self.name_pattern.as_deref(),
+            RunKind::Dma => self.dma_name_pattern.as_deref(),
+        }
     }
 
     /// The environment of that id.

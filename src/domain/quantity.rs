@@ -26,13 +26,23 @@ pub enum Quantity {
     RelativeHumidity,
     /// Pressure around the sample, Pa.
     Pressure,
+    /// Storage modulus E', MPa.
+    StorageModulus,
+    /// Loss modulus E'', MPa.
+    LossModulus,
+    /// Magnitude of the complex modulus |E*|, MPa.
+    ComplexModulus,
+    /// Loss factor tan delta = E''/E', a pure number.
+    LossFactor,
+    /// Frequency of the oscillation, Hz.
+    Frequency,
     /// A column that is kept under its own name and not interpreted.
     Other,
 }
 
 impl Quantity {
     /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 11] = [
+    pub const ALL: [Quantity; 16] = [
         Quantity::Time,
         Quantity::Voltage,
         Quantity::Current,
@@ -43,6 +53,11 @@ impl Quantity {
         Quantity::Temperature,
         Quantity::RelativeHumidity,
         Quantity::Pressure,
+        Quantity::StorageModulus,
+        Quantity::LossModulus,
+        Quantity::ComplexModulus,
+        Quantity::LossFactor,
+        Quantity::Frequency,
         Quantity::Other,
     ];
 
@@ -59,6 +74,11 @@ impl Quantity {
             Quantity::Temperature => "temperature",
             Quantity::RelativeHumidity => "relative_humidity",
             Quantity::Pressure => "pressure",
+            Quantity::StorageModulus => "storage_modulus",
+            Quantity::LossModulus => "loss_modulus",
+            Quantity::ComplexModulus => "complex_modulus",
+            Quantity::LossFactor => "loss_factor",
+            Quantity::Frequency => "frequency",
             Quantity::Other => "other",
         }
     }
@@ -80,7 +100,9 @@ impl Quantity {
             Quantity::Temperature => "°C",
             Quantity::RelativeHumidity => "%",
             Quantity::Pressure => "Pa",
-            Quantity::OpenCircuit | Quantity::Other => "",
+            Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => "MPa",
+            Quantity::Frequency => "Hz",
+            Quantity::OpenCircuit | Quantity::LossFactor | Quantity::Other => "",
         }
     }
 
@@ -97,6 +119,11 @@ impl Quantity {
             Quantity::Temperature => "temperature_c",
             Quantity::RelativeHumidity => "relative_humidity_percent",
             Quantity::Pressure => "pressure_pa",
+            Quantity::StorageModulus => "storage_modulus_mpa",
+            Quantity::LossModulus => "loss_modulus_mpa",
+            Quantity::ComplexModulus => "complex_modulus_mpa",
+            Quantity::LossFactor => "loss_factor",
+            Quantity::Frequency => "frequency_hz",
             Quantity::Other => "",
         }
     }
@@ -114,6 +141,11 @@ impl Quantity {
             Quantity::Temperature => "Temperature",
             Quantity::RelativeHumidity => "Relative humidity",
             Quantity::Pressure => "Pressure",
+            Quantity::StorageModulus => "Storage modulus",
+            Quantity::LossModulus => "Loss modulus",
+            Quantity::ComplexModulus => "Complex modulus",
+            Quantity::LossFactor => "Loss factor",
+            Quantity::Frequency => "Frequency",
             Quantity::Other => "Other",
         }
     }
@@ -123,6 +155,14 @@ impl Quantity {
         matches!(
             self,
             Quantity::Current | Quantity::Curvature | Quantity::TipDisplacement
+        )
+    }
+
+    /// Whether a modulus log can be analysed with it: a modulus by itself.
+    pub fn is_modulus(self) -> bool {
+        matches!(
+            self,
+            Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus
         )
     }
 }

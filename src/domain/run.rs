@@ -2,7 +2,43 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::tag::keys;
 use super::{ChannelSummary, Drive, Fit, Issue, Tag};
+
+/// What is measured, told by the folder that the file lies in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RunKind {
+    /// A drive and the responses of an actuator to it.
+    Actuation,
+    /// A modulus log: dynamic mechanical analysis of a sample.
+    Dma,
+}
+
+impl RunKind {
+    /// Stored name.
+    pub fn key(self) -> &'static str {
+        match self {
+            RunKind::Actuation => "actuation",
+            RunKind::Dma => "dma",
+        }
+    }
+
+    /// Tags without which nothing can be made of such a measurement.
+    pub fn needed_tags(self) -> &'static [&'static str] {
+        match self {
+            RunKind::Actuation => &[keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V],
+            RunKind::Dma => &[keys::SAMPLE],
+        }
+    }
+
+    /// The kind stored under `key`.
+    pub fn from_key(key: &str) -> Option<RunKind> {
+        [RunKind::Actuation, RunKind::Dma]
+            .into_iter()
+            .find(|kind| kind.key() == key)
+    }
+}
 
 /// Whether a run can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -99,6 +135,8 @@ pub struct RunFile {
 pub struct RunRecord {
     /// Row id in the database.
     pub id: i64,
+    /// What is measured.
+    pub kind: RunKind,
     /// Path relative to the campaign, with `/`: the run's name for people and scripts.
     pub path: String,
     /// 1 for the first content under this name, 2 for the next, ...

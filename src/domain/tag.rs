@@ -45,6 +45,8 @@ pub mod keys {
         INSTRUMENT,
         OPERATOR,
     ];
+    /// Ending of keys that say what a column of an instrument measures: `storage_modulus_column = "E'/MPa"`.
+    pub const COLUMN: &str = "_column";
     /// Keys whose value must be a number.
     pub const NUMERIC: [&str; 6] = [
         VOLTAGE_V,

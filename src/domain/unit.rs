@@ -26,6 +26,12 @@ pub enum Dimension {
     Ratio,
     /// Canonical Pa.
     Pressure,
+    /// Canonical MPa: moduli.
+    Modulus,
+    /// Canonical Hz.
+    Frequency,
+    /// A pure number, which needs no unit.
+    Number,
 }
 
 /// Conversion of a reading to the canonical unit: `(value + before) * numerator / denominator + after`.
@@ -116,6 +122,9 @@ pub fn dimension(quantity: Quantity) -> Option<Dimension> {
         Quantity::Temperature => Dimension::Temperature,
         Quantity::RelativeHumidity => Dimension::Ratio,
         Quantity::Pressure => Dimension::Pressure,
+        Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => Dimension::Modulus,
+        Quantity::Frequency => Dimension::Frequency,
+        Quantity::LossFactor => Dimension::Number,
         Quantity::OpenCircuit | Quantity::Other => return None,
     })
 }
@@ -131,7 +140,7 @@ pub fn conversion(quantity: Quantity, unit: &str) -> Result<Conversion, UnitErro
     };
     let (label, known) = (quantity.label(), known_units(wanted));
     let spelled = normalise(unit);
-    if matches!(spelled.as_str(), "" | "-") {
+    if wanted != Dimension::Number && matches!(spelled.as_str(), "" | "-") {
         return Err(UnitError::Missing {
             quantity: label,
             known,
@@ -197,6 +206,12 @@ mod tests {
             (Quantity::RelativeHumidity, "%RH", 34.0, 34.0),
             (Quantity::Pressure, "mbar", 1013.25, 101_325.0),
             (Quantity::Pressure, "Torr", 760.0, 101_325.0),
+            (Quantity::StorageModulus, "GPa", 0.46, 460.0),
+            (Quantity::LossModulus, "Pa", 5e6, 5.0),
+            (Quantity::ComplexModulus, "N/mm\u{b2}", 55.0, 55.0),
+            (Quantity::LossFactor, "-", 0.08, 0.08),
+            (Quantity::LossFactor, "", 0.08, 0.08),
+            (Quantity::Frequency, "mHz", 500.0, 0.5),
         ] {
             assert_eq!(convert(quantity, unit, value), canonical, "{unit}");
         }

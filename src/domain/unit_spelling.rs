@@ -48,6 +48,9 @@ pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion
         Dimension::Temperature => temperature(spelled, &word),
         Dimension::Ratio => named(&word, &["%", "percent", "%rh", "rh%", "%r.h.", "pct"]),
         Dimension::Pressure => pressure(spelled, &word),
+        Dimension::Modulus => modulus(spelled),
+        Dimension::Frequency => frequency(spelled),
+        Dimension::Number => named(spelled, &["", "-", "1"]),
     }
 }
 
@@ -161,6 +164,27 @@ fn pressure(spelled: &str, word: &str) -> Option<Conversion> {
     Some(Conversion::scale(pascals, 1.0))
 }
 
+/// `mPa` is left out: as a modulus it is a misspelt MPa.
+fn modulus(spelled: &str) -> Option<Conversion> {
+    Some(match spelled {
+        "Pa" | "N/m2" | "N/m\u{b2}" => Conversion::scale(1.0, 1e6),
+        "kPa" => Conversion::scale(1.0, 1e3),
+        "MPa" | "N/mm2" | "N/mm\u{b2}" => Conversion::IDENTITY,
+        "GPa" => Conversion::scale(1e3, 1.0),
+        _ => return None,
+    })
+}
+
+fn frequency(spelled: &str) -> Option<Conversion> {
+    Some(match spelled {
+        "Hz" | "1/s" => Conversion::IDENTITY,
+        "mHz" => Conversion::scale(1.0, 1e3),
+        "kHz" => Conversion::scale(1e3, 1.0),
+        "rad/s" => Conversion::scale(1.0, std::f64::consts::TAU),
+        _ => return None,
+    })
+}
+
 /// The spellings an error offers; every one is accepted (a test sees to it).
 pub(super) fn known_units(dimension: Dimension) -> &'static str {
     match dimension {
@@ -173,5 +197,8 @@ pub(super) fn known_units(dimension: Dimension) -> &'static str {
         Dimension::Temperature => "°C, degC, C, K, °F, degF",
         Dimension::Ratio => "%, percent, %RH",
         Dimension::Pressure => "Pa, hPa, kPa, MPa, mbar, bar, atm, Torr",
+        Dimension::Modulus => "MPa, GPa, kPa, Pa, N/mm2",
+        Dimension::Frequency => "Hz, mHz, kHz, rad/s",
+        Dimension::Number => "1, -",
     }
 }

@@ -10,6 +10,7 @@ pub mod global;
 pub mod gram;
 pub mod jacobi;
 pub mod levenberg;
+pub mod linear;
 pub mod noise;
 pub mod nonnegative;
 pub mod ode;

@@ -16,6 +16,8 @@ pub enum Table {
     Conditions,
     /// One row a reading.
     Traces,
+    /// One row a number of a modulus log.
+    Dma,
 }
 
 /// The verb `export`.
@@ -47,6 +49,7 @@ impl Export {
             Table::Fits => analysis::fits_long(&runs, campaign)?,
             Table::FitsWide => analysis::fits_wide(&runs, campaign)?,
             Table::Conditions => analysis::conditions_table(&runs, campaign)?,
+            Table::Dma => analysis::dma::table::modulus_table(&context.store.modulus_logs()?, campaign)?,
             Table::Traces => {
                 let mut writer = analysis::TraceWriter::create(&self.path, format)?;
                 for run in &runs {

@@ -6,7 +6,7 @@ use super::groups_document::GroupEntry;
 use super::{Context, PipelineError};
 use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
-use crate::domain::{ChannelNoise, Issue, Parameter, RunRecord};
+use crate::domain::{ChannelNoise, Estimate, Issue, Parameter, RunRecord};
 
 /// Every current fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -85,6 +85,21 @@ pub struct ParameterEntry {
     pub reason: Option<String>,
 }
 
+impl ParameterEntry {
+    /// What is known of a parameter.
+    pub fn of(estimate: &Estimate) -> ParameterEntry {
+        ParameterEntry {
+            value: estimate.value,
+            standard_error: estimate.standard_error,
+            low_95: estimate.low_95,
+            high_95: estimate.high_95,
+            at_bound: estimate.at_bound,
+            reason: estimate.reason.clone(),
+        }
+    }
+}
+
+/// Pairs as an object.
 pub(super) fn as_object<S: Serializer>(
     entries: &[(String, ParameterEntry)],
     serializer: S,
@@ -126,18 +141,7 @@ pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
 
 /// Parameters by key.
 pub(super) fn parameter_entries(parameters: &[Parameter]) -> Vec<(String, ParameterEntry)> {
-    let one = |parameter: &Parameter| {
-        let estimate = parameter.estimate.clone();
-        let entry = ParameterEntry {
-            value: estimate.value,
-            standard_error: estimate.standard_error,
-            low_95: estimate.low_95,
-            high_95: estimate.high_95,
-            at_bound: estimate.at_bound,
-            reason: estimate.reason,
-        };
-        (parameter.key.clone(), entry)
-    };
+    let one = |parameter: &Parameter| (parameter.key.clone(), ParameterEntry::of(&parameter.estimate));
     parameters.iter().map(one).collect()
 }
 

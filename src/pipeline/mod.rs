@@ -1,6 +1,7 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 
 mod context;
+pub mod dma_document;
 mod diagnose;
 pub mod diagnosis_document;
 mod error;
@@ -13,6 +14,7 @@ pub mod groups_document;
 mod ingest;
 mod init;
 pub mod inspect;
+mod modulus;
 mod observer;
 mod report;
 mod run;
@@ -30,6 +32,7 @@ pub use fit::{FitChoice, FitRuns, FitSummary};
 pub use fit_groups::{FitGroups, Sharing};
 pub use ingest::{Ingest, IngestSummary};
 pub use init::init;
+pub use modulus::{AnalyseModulus, ModulusSummary};
 pub use observer::{Observer, Silent};
 pub use report::{REPORT_FOLDER, RenderReport, ReportSummary};
 pub use run::{Run, RunSummary};

@@ -124,6 +124,7 @@ fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::In
     news.sort_by(|a, b| b.at.cmp(&a.at).then_with(|| a.run_path.cmp(&b.run_path)));
     Ok(report::Input {
         campaign: context.campaign.clone(),
+        modulus_logs: context.store.modulus_logs()?,
         superseded: context.store.superseded_runs()?,
         files: context
             .store

@@ -1,10 +1,10 @@
-//! The main job, once: ingest, fit, diagnose, render.
+//! The main job, once: ingest, fit, diagnose, analyse modulus logs, render.
 
 use serde::Serialize;
 
 use super::{
-    Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary, Ingest,
-    IngestSummary, Observer, PipelineError, RenderReport, ReportSummary,
+    AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary, Ingest,
+    IngestSummary, ModulusSummary, Observer, PipelineError, RenderReport, ReportSummary,
 };
 use crate::ingest::scan::SeenFile;
 
@@ -26,6 +26,8 @@ pub struct RunSummary {
     pub fit: FitSummary,
     /// Diagnoses.
     pub diagnose: DiagnoseSummary,
+    /// Modulus logs.
+    pub modulus: ModulusSummary,
     /// The report.
     pub report: ReportSummary,
 }
@@ -60,10 +62,12 @@ impl Run {
             true => DiagnoseSummary::default(),
             false => self.diagnosis().run(context, observer)?,
         };
+        let modulus = AnalyseModulus::default().run(context, observer)?;
         let report = RenderReport::default().run(context, observer)?;
         Ok(RunSummary {
             ingest,
             fit,
+            modulus,
             diagnose,
             report,
         })

@@ -18,6 +18,10 @@ pub struct Status {
     pub runs: usize,
     /// Current runs by state; fitted ones counted as `fitted`.
     pub runs_by_state: BTreeMap<&'static str, usize>,
+    /// Current modulus logs by state; analysed ones counted as `analysed`.
+    pub modulus_logs_by_state: BTreeMap<&'static str, usize>,
+    /// Modulus logs that are not analysed, with the reason.
+    pub modulus_logs_not_analysed: Vec<Reasoned>,
     /// Runs that wait for tags, with what is missing.
     pub untagged: Vec<Reasoned>,
     /// Runs that are tagged but could not be fitted, with the reason.
@@ -83,6 +87,23 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         };
         *runs_by_state.entry(state).or_insert(0) += 1;
     }
+    let logs = context.store.modulus_logs()?;
+    let mut modulus_logs_by_state = BTreeMap::new();
+    for log in &logs {
+        let state = match (&log.analysis, log.run.state) {
+            (Some(_), _) => "analysed",
+            (None, RunState::Untagged) => "untagged",
+            (None, _) => "not_analysed",
+        };
+        *modulus_logs_by_state.entry(state).or_insert(0) += 1;
+    }
+    let not_analysed = logs.iter().filter(|log| log.analysis.is_none());
+    let modulus_logs_not_analysed = not_analysed
+        .map(|log| Reasoned {
+            path: log.run.path.clone(),
+            issues: log.run.issues.clone(),
+        })
+        .collect();
     let missing = files
         .iter()
         .filter(|file| file.state == FileState::Run && file.missing_since.is_some());
@@ -90,6 +111,8 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         campaign: context.campaign.id.clone(),
         runs: runs.len(),
         runs_by_state,
+        modulus_logs_by_state,
+        modulus_logs_not_analysed,
         untagged: reasoned(&runs, |run| run.state == RunState::Untagged),
         not_fitted: reasoned(&runs, |run| run.state != RunState::Untagged && run.fit.is_none()),
         refused: file_list(FileState::Refused),

@@ -51,8 +51,8 @@ impl SetTags {
             .store
             .add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
         retag_runs(context, observer)?;
-        let runs = context.store.runs()?;
-        let found = runs.into_iter().find(|run| run.path == run_path);
+        let mut runs = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
+        let found = runs.find(|run| run.path == run_path);
         let Some(run) = found else {
             return Err(unknown(&run_path, ""));
         };

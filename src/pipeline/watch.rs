@@ -54,7 +54,12 @@ impl Watch {
             quiet: self.settings.quiet,
             ..WatchOptions::default()
         };
-        let (watcher, issues) = Watcher::start(&context.folder, &context.campaign.runs_folder, options)?;
+        let (watcher, issues) = Watcher::start(
+            &context.folder,
+            &context.campaign.runs_folder,
+            &context.campaign.optional_folders(),
+            options,
+        )?;
         issues
             .iter()
             .for_each(|issue| observer.warn(&format!("{} {}", issue.message, issue.mend)));

@@ -1,6 +1,6 @@
 //! Everything a report is made of, except the curves.
 
-use crate::domain::{Campaign, GroupDiagnosis, RunRecord, SourceFile};
+use crate::domain::{Campaign, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,8 @@ pub struct Input {
     pub runs: Vec<RunRecord>,
     /// Earlier revisions of the same paths, for the history on the run pages.
     pub superseded: Vec<RunRecord>,
+    /// Current modulus logs with what was found in them.
+    pub modulus_logs: Vec<ModulusLog>,
     /// Every file that the last scan saw.
     pub files: Vec<SourceFile>,
     /// What the report was generated from.

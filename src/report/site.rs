@@ -9,9 +9,10 @@ use tera::Tera;
 
 use super::error::ReportError;
 use super::input::Input;
-use super::pages::{Content, FINDING_TEMPLATE, PAGES, RUN_TEMPLATE, finding_content, run_content};
+use super::pages::{Content, FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, finding_content, run_content};
 use super::slug::slugs;
 use super::visible::write_escaped;
+use crate::analysis::dma::table::modulus_table;
 use crate::analysis::{Conditions, TableFormat, conditions, conditions_table, fits_wide, write_table};
 use crate::domain::{CurveSource, RunCurve};
 
@@ -99,10 +100,11 @@ pub fn render(
     let site = Site::new(input);
     let templates = templates()?;
     make_folder(&out_dir.join("runs"))?;
+    let pages: Vec<&Page> = PAGES.iter().filter(|page| (page.is_shown)(input)).collect();
     let groups = input.findings.groups.len();
-    let total = PAGES.len() + groups + input.runs.len();
+    let total = pages.len() + groups + input.runs.len();
     let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
-    for (done, page) in PAGES.iter().enumerate() {
+    for (done, page) in pages.iter().enumerate() {
         let html = filled(&templates, &site, page.file, page.title, (page.content)(&site)?)?;
         bytes += write(&out_dir.join(page.file), &html)?;
         progress(done + 1, total);
@@ -114,7 +116,7 @@ pub fn render(
             .map(|group| finding_page(&templates, &site, group, out_dir))
             .collect();
         bytes += sizes?.iter().sum::<u64>();
-        progress(PAGES.len() + groups, total);
+        progress(pages.len() + groups, total);
     }
     for first in (0..input.runs.len()).step_by(BATCH) {
         let batch = first..input.runs.len().min(first + BATCH);
@@ -125,7 +127,7 @@ pub fn render(
         let page = |(run, drawn): &(usize, Vec<RunCurve>)| run_page(&templates, &site, *run, drawn, out_dir);
         let sizes: Result<Vec<u64>, ReportError> = drawn?.par_iter().map(page).collect();
         bytes += sizes?.iter().sum::<u64>();
-        progress(PAGES.len() + groups + batch.end, total);
+        progress(pages.len() + groups + batch.end, total);
     }
     bytes += write_tables(input, out_dir)?;
     Ok(Rendered {
@@ -195,6 +197,7 @@ fn filled(
     let campaign = &site.input.campaign;
     let nav: Vec<Value> = PAGES
         .iter()
+        .filter(|page| (page.is_shown)(site.input))
         .map(|page| json!({ "href": page.file, "title": page.title, "current": page.file == file }))
         .collect();
     let figures: Map<String, Value> = content
@@ -228,10 +231,13 @@ fn template_error(page: &str, source: tera::Error) -> ReportError {
 }
 
 fn write_tables(input: &Input, out_dir: &Path) -> Result<u64, ReportError> {
-    let tables = [
+    let mut tables = vec![
         ("table5.csv", fits_wide(&input.runs, &input.campaign)?),
         ("conditions.csv", conditions_table(&input.runs, &input.campaign)?),
     ];
+    if !input.modulus_logs.is_empty() {
+        tables.push(("dma.csv", modulus_table(&input.modulus_logs, &input.campaign)?));
+    }
     let mut bytes = 0;
     for (name, mut table) in tables {
         let path = out_dir.join(name);

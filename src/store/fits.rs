@@ -50,7 +50,7 @@ impl Store {
                           run.electrode_resistance_ohm_per_sq
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
-                   WHERE run.superseded_at IS NULL AND run.state = 'ready'
+                   WHERE run.superseded_at IS NULL AND run.state = 'ready' AND run.kind = 'actuation'
                      AND run.drive IS NOT NULL AND run.area_cm2 IS NOT NULL
                    ORDER BY run.path";
         let mut statement = self
@@ -98,11 +98,7 @@ impl Store {
     pub fn save_fit_failure(&mut self, now: &str, stamp: &FitStamp, issue: &Issue) -> Result<(), StoreError> {
         self.write("storing a fit's failure", now, |transaction| {
             retire_fit(transaction, now, stamp.run_id)?;
-            let issue = to_json("a fit's issue", issue)?;
-            transaction
-                .prepare_cached("INSERT OR REPLACE INTO fit_failure VALUES (?1, ?2, ?3, ?4)")?
-                .execute(params![stamp.run_id, stamp.input_hash, issue, now])?;
-            Ok(())
+            insert_failure(transaction, now, stamp.run_id, &stamp.input_hash, issue)
         })
     }
 
@@ -177,20 +173,7 @@ impl Store {
             .prepare_cached(sql)
             .map_err(|e| self.failed(doing, e))?;
         let rows = statement
-            .query_map([fit_id], |row| {
-                let estimate = Estimate {
-                    value: row.get(1)?,
-                    standard_error: row.get(2)?,
-                    low_95: row.get(3)?,
-                    high_95: row.get(4)?,
-                    at_bound: row.get(5)?,
-                    reason: row.get(6)?,
-                };
-                Ok(Parameter {
-                    key: row.get(0)?,
-                    estimate,
-                })
-            })
+            .query_map([fit_id], read_estimate)
             .map_err(|e| self.failed(doing, e))?;
         rows.collect::<rusqlite::Result<_>>()
             .map_err(|e| self.failed(doing, e))
@@ -220,6 +203,21 @@ impl CurveSource for Store {
             .map(|c| c.drawn())
             .collect())
     }
+}
+
+/// Records why a run, or a modulus log, came to nothing.
+pub(super) fn insert_failure(
+    transaction: &Transaction<'_>,
+    now: &str,
+    run_id: i64,
+    input_hash: &str,
+    issue: &Issue,
+) -> Result<(), StepError> {
+    let issue = to_json("a fit's issue", issue)?;
+    transaction
+        .prepare_cached("INSERT OR REPLACE INTO fit_failure VALUES (?1, ?2, ?3, ?4)")?
+        .execute(params![run_id, input_hash, issue, now])?;
+    Ok(())
 }
 
 /// Marks the current fit and failure of a run as no longer current.
@@ -293,6 +291,22 @@ fn insert_parameter(
     Ok(())
 }
 
+/// A parameter from the columns key, value, standard_error, low_95, high_95, at_bound, reason.
+pub(super) fn read_estimate(row: &rusqlite::Row<'_>) -> rusqlite::Result<Parameter> {
+    let estimate = Estimate {
+        value: row.get(1)?,
+        standard_error: row.get(2)?,
+        low_95: row.get(3)?,
+        high_95: row.get(4)?,
+        at_bound: row.get(5)?,
+        reason: row.get(6)?,
+    };
+    Ok(Parameter {
+        key: row.get(0)?,
+        estimate,
+    })
+}
+
 /// SQLite stores NaN as NULL without a word and infinities as numbers: neither may pass for a measured value.
 pub(super) fn finite(number: Option<f64>) -> Option<f64> {
     number.filter(|number| number.is_finite())
@@ -319,7 +333,7 @@ fn insert_curve(
     Ok(())
 }
 
-fn read_curve(row: &rusqlite::Row<'_>) -> Result<RunCurve, StepError> {
+pub(super) fn read_curve(row: &rusqlite::Row<'_>) -> Result<RunCurve, StepError> {
     let series =
         |column: &str| -> Result<Vec<f64>, StepError> { Ok(unpack_f64(&row.get::<_, Vec<u8>>(column)?)?) };
     Ok(RunCurve {

@@ -11,6 +11,7 @@ mod files;
 mod fits;
 mod lock;
 mod migration;
+mod modulus;
 mod new_run;
 mod runs;
 mod tags;
@@ -25,6 +26,7 @@ pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};
 pub use lock::InstanceLock;
+pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use tags::HandTag;
 

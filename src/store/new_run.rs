@@ -4,7 +4,7 @@ use rusqlite::{Transaction, params};
 
 use super::blob::{pack_f64, pack_u32};
 use super::{StepError, to_json};
-use crate::domain::{Channel, Drive, Issue, RunState, RunStatus, Tag};
+use crate::domain::{Channel, Drive, Issue, RunKind, RunState, RunStatus, Tag};
 
 /// Raw bytes that are archived.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,6 +45,8 @@ pub struct Tagging {
 /// A run that was read from one or several files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewRun {
+    /// What is measured.
+    pub kind: RunKind,
     /// The run's name.
     pub path: String,
     /// Raw files.
@@ -89,8 +91,9 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
     let sql =
         "INSERT INTO run (path, revision, state, status, status_evidence, format, reader_version, technique,
                  is_step_response, encoding, time_zero_is_step, original_metadata, drive, area_cm2, length_cm,
-                 data_hash, tag_digest, ingested_at, electrode_resistance_ohm_per_sq)
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)";
+                 data_hash, tag_digest, ingested_at, electrode_resistance_ohm_per_sq, kind)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19,
+                 ?20)";
     transaction.prepare_cached(sql)?.execute(params![
         run.path,
         revision,
@@ -111,6 +114,7 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
         tagging.digest,
         now,
         tagging.electrode_resistance_ohm_per_sq,
+        run.kind.key(),
     ])?;
     let run_id = transaction.last_insert_rowid();
     insert_contents(transaction, now, run_id, &run.contents)?;

@@ -8,11 +8,12 @@ use rusqlite::{OptionalExtension, Row, params};
 use super::blob::{unpack_f64, unpack_u32};
 use super::files::upsert_file;
 use super::fits::retire_fit;
+use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging};
 use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
 use crate::domain::{
-    Channel, ChannelSummary, Issue, Quantity, RunFile, RunRecord, RunState, RunStatus, Severity, Tag,
-    TagSource,
+    Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunRecord, RunState, RunStatus, Severity,
+    Tag, TagSource,
 };
 
 impl Store {
@@ -59,6 +60,7 @@ impl Store {
             ])?;
             if tagging.state != RunState::Ready {
                 retire_fit(transaction, now, run_id)?;
+                retire_analysis(transaction, now, run_id)?;
             }
             insert_tagging(transaction, run_id, tagging)
         })
@@ -99,7 +101,7 @@ impl Store {
             .map_err(|e| self.failed(doing, e))
     }
 
-    /// Names of current runs that lack tags.
+    /// Names of current runs and modulus logs that lack tags.
     ///
     /// # Errors
     /// See [`StoreError`].
@@ -206,27 +208,35 @@ impl Store {
         Ok(channels)
     }
 
-    /// Every current run with tags, issues, channels (without readings) and its current fit, by path.
+    /// Every current actuation run with tags, issues, channels (without readings) and its current fit, by path.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NULL")
+        self.records("superseded_at IS NULL AND kind = 'actuation'")
     }
 
-    /// Every superseded revision, by path and revision.
+    /// Every current modulus log with tags, issues and channels (without readings), by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn dma_logs(&self) -> Result<Vec<RunRecord>, StoreError> {
+        self.records("superseded_at IS NULL AND kind = 'dma'")
+    }
+
+    /// Every superseded revision of an actuation run, by path and revision.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NOT NULL")
+        self.records("superseded_at IS NOT NULL AND kind = 'actuation'")
     }
 
     fn records(&self, condition: &str) -> Result<Vec<RunRecord>, StoreError> {
         let doing = "reading runs";
         let sql = format!(
             "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
-                    area_cm2, data_hash, ingested_at FROM run WHERE {condition} ORDER BY path, revision"
+                    area_cm2, data_hash, ingested_at, kind FROM run WHERE {condition} ORDER BY path, revision"
         );
         let mut statement = self
             .connection
@@ -329,7 +339,7 @@ impl Store {
     }
 
     /// Rows of `sql` (one parameter: the run's id), read one by one.
-    fn rows_of<T>(
+    pub(super) fn rows_of<T>(
         &self,
         run_id: i64,
         sql: &str,
@@ -393,6 +403,7 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
     let drive: Option<String> = row.get("drive")?;
     Ok(RunRecord {
         id: row.get("id")?,
+        kind: from_key("a run's kind", &row.get::<_, String>("kind")?, RunKind::from_key)?,
         path: row.get("path")?,
         revision: row.get("revision")?,
         state: from_key(

@@ -11,7 +11,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
     ("diagnose", &["domain", "numerics", "model", "fit"]),
     ("store", &["domain"]),
     ("ingest", &["domain", "store"]),
-    ("analysis", &["domain", "store"]),
+    ("analysis", &["domain", "numerics", "store"]),
     ("report", &["domain", "analysis", "store"]),
     (
         "pipeline",

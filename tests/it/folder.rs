@@ -8,7 +8,7 @@ use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use ieap::domain::{Severity, tag::keys};
+use ieap::domain::{RunKind, Severity, tag::keys};
 use ieap::ingest::archive::{Archive, ArchiveError, Outcome};
 use ieap::ingest::campaign_file;
 use ieap::ingest::scan::{
@@ -32,13 +32,13 @@ fn watch(campaign: &Path) -> Watcher {
         quiet: Duration::from_millis(300),
         ..WatchOptions::default()
     };
-    let (watcher, issues) = Watcher::start(campaign, "runs", options).unwrap();
+    let (watcher, issues) = Watcher::start(campaign, "runs", &[], options).unwrap();
     assert_eq!((watcher.mode(), issues.len()), (WatchMode::Events, 0));
     watcher
 }
 
 fn look(campaign: &Path) -> Scan {
-    scan(campaign, "runs", ScanLimits::default()).unwrap()
+    scan(campaign, "runs", &[], ScanLimits::default()).unwrap()
 }
 
 /// Scans whenever the watcher says so, as the program does, until `count` files are seen.
@@ -441,7 +441,7 @@ fn the_limit_of_watches_makes_the_start_poll_and_say_so() {
     let Some(folder) = in_namespace(test, "-Ur", script) else {
         return;
     };
-    let (watcher, issues) = Watcher::start(&folder, "runs", WatchOptions::default()).unwrap();
+    let (watcher, issues) = Watcher::start(&folder, "runs", &[], WatchOptions::default()).unwrap();
     assert!(matches!(watcher.mode(), WatchMode::Polling(_)));
     assert_eq!(issues.len(), 1);
     assert!(issues[0].message.contains("inotify limit"), "{issues:?}");
@@ -461,7 +461,7 @@ fn the_campaigns_with_known_answers_are_tagged() {
     {
         let loaded = campaign_file::read(&folder).unwrap();
         assert_eq!(loaded.warnings, [], "{}", folder.display());
-        let found = scan(&folder, &loaded.campaign.runs_folder, ScanLimits::default()).unwrap();
+        let found = scan(&folder, &loaded.campaign.runs_folder, &[], ScanLimits::default()).unwrap();
         assert_eq!(found.issues, []);
         for file in &found.files {
             let resolved = resolve(&TagRequest {
@@ -469,6 +469,8 @@ fn the_campaigns_with_known_answers_are_tagged() {
                 folder: &folder,
                 data_files: std::slice::from_ref(&file.relative),
                 stem: &stem(&file.relative),
+                name_pattern: loaded.campaign.name_pattern.as_deref(),
+                needed: RunKind::Actuation.needed_tags(),
                 hand: &[],
                 header: &[],
                 channel_voltage_v: Some(5.0),

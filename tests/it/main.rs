@@ -4,6 +4,7 @@ mod architecture;
 mod bad_input;
 mod campaign;
 mod distributed;
+mod dma;
 mod effects;
 mod findings;
 mod findings_fixture;

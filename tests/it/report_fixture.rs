@@ -3,7 +3,7 @@
 use ieap::domain::tag::keys;
 use ieap::domain::{
     Campaign, ChannelNoise, ChannelSummary, CurveSource, Drive, Environment, Estimate, FileState, Fit, Issue,
-    Parameter, Quantity, RunCurve, RunFile, RunRecord, RunState, RunStatus, Sample, SourceFile, Tag,
+    Parameter, Quantity, RunCurve, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample, SourceFile, Tag,
     TagSource,
 };
 use ieap::report::{Findings, Input, News, Origin};
@@ -43,6 +43,8 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         environments: ["vacuum", "inert", "air"].map(environment).to_vec(),
         runs_folder: "runs".to_owned(),
         name_pattern: None,
+        dma_folder: "dma".to_owned(),
+        dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
     }
@@ -123,6 +125,7 @@ pub fn run(index: usize, material: &str, surroundings: usize, voltage_v: f64, re
     let water = if humidity.is_some() { 1.0 } else { 0.0 };
     let truth = truth(material == "CNaf", water, voltage_v);
     RunRecord {
+        kind: RunKind::Actuation,
         id: index as i64 + 1,
         path: path.clone(),
         revision: 1,
@@ -259,6 +262,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
             })
             .collect(),
         runs,
+        modulus_logs: vec![],
         superseded: vec![],
         files: vec![],
         findings: Findings::default(),

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::error::CampaignFileError as Error;
 use super::{DEFAULT_MODEL, line_and_column, raw};
 use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
-use crate::domain::{Campaign, Environment, Issue, Material, Sample};
+use crate::domain::{Campaign, Environment, Issue, Material, RunKind, Sample};
 use crate::ingest::name_pattern::NamePattern;
 use crate::ingest::scan::is_own_product;
 
@@ -27,14 +27,14 @@ impl Checker<'_> {
         let head = file.campaign.ok_or_else(|| self.missing("[campaign]", "id"))?;
         let id = self.filled(head.id, "[campaign]", "id")?;
         let samples = self.samples(file.sample, warnings)?;
-        let name_pattern = file.runs.name_pattern;
-        if let Some(pattern) = &name_pattern {
+        let (name_pattern, dma_name_pattern) = (file.runs.name_pattern, file.dma.name_pattern);
+        for pattern in name_pattern.iter().chain(&dma_name_pattern) {
             NamePattern::compile(pattern).map_err(|source| Error::BadNamePattern {
                 path: self.path.into(),
                 source,
             })?;
         }
-        Ok(Campaign {
+        let campaign = Campaign {
             title: head.title.unwrap_or_else(|| id.clone()),
             id,
             timezone: self.timezone(head.timezone)?,
@@ -42,11 +42,22 @@ impl Checker<'_> {
             samples,
             materials: self.materials(file.material)?,
             environments: self.environments(file.environment)?,
-            runs_folder: self.runs_folder(file.runs.folder)?,
+            runs_folder: self.folder(file.runs.folder, "runs")?,
             name_pattern,
+            dma_folder: self.dma_folder(file.dma.folder)?,
+            dma_name_pattern,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,
-        })
+        };
+        // A run below the folder of modulus logs would be taken for one.
+        if campaign.kind_of(&format!("{}/", campaign.runs_folder)) == RunKind::Dma {
+            return Err(Error::FolderOutside {
+                path: self.path.into(),
+                found: campaign.runs_folder,
+                reason: "it lies in the folder of modulus logs",
+            });
+        }
+        Ok(campaign)
     }
 
     /// Tag keys without blanks, each once.
@@ -194,10 +205,23 @@ impl Checker<'_> {
         }
     }
 
-    /// The runs folder in its plain form: `data/runs`, without `./` and `/` at the end.
-    fn runs_folder(&self, folder: Option<String>) -> Result<String, Error> {
+    /// The folder of modulus logs, which cannot be the whole campaign: it tells them from runs.
+    fn dma_folder(&self, folder: Option<String>) -> Result<String, Error> {
+        let folder = self.folder(folder, "dma")?;
+        match folder.as_str() {
+            "." => Err(Error::FolderOutside {
+                path: self.path.into(),
+                found: folder,
+                reason: "modulus logs need a folder of their own",
+            }),
+            _ => Ok(folder),
+        }
+    }
+
+    /// A folder in its plain form, `data/runs`, without `./` and `/` at the end; `usual` where none is stated.
+    fn folder(&self, folder: Option<String>, usual: &str) -> Result<String, Error> {
         let Some(found) = folder else {
-            return Ok("runs".to_owned());
+            return Ok(usual.to_owned());
         };
         let refuse = |reason| {
             Err(Error::FolderOutside {

@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 5] = [
+const KNOWN: [(&str, &[&str]); 6] = [
     (
         "campaign",
         &["id", "title", "timezone", "notice", "model", "group_by"],
@@ -43,6 +43,7 @@ const KNOWN: [(&str, &[&str]); 5] = [
         &["id", "relative_humidity_percent", "temperature_c", "pressure_pa"],
     ),
     ("runs", &["folder", "name_pattern"]),
+    ("dma", &["folder", "name_pattern"]),
 ];
 
 /// One warning for each key that is not known, in the file's order.

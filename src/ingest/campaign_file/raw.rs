@@ -14,7 +14,9 @@ pub(super) struct File {
     #[serde(default)]
     pub environment: Vec<Spanned<Environment>>,
     #[serde(default)]
-    pub runs: Runs,
+    pub runs: Folder,
+    #[serde(default)]
+    pub dma: Folder,
 }
 
 /// `[campaign]`.
@@ -64,9 +66,9 @@ pub(super) struct Environment {
     pub pressure_pa: Option<f64>,
 }
 
-/// `[runs]`.
+/// `[runs]`, `[dma]`.
 #[derive(Deserialize, Default)]
-pub(super) struct Runs {
+pub(super) struct Folder {
     pub folder: Option<String>,
     pub name_pattern: Option<String>,
 }

@@ -50,6 +50,10 @@ title = {id}                            # what stands above the report
 folder = "runs"                          # every file in it and below it is looked at
 # Reads tags from file names, here CNaf-01_air_rh34_2.5V_1.csv:
 # name_pattern = "{{sample}}_{{environment}}_rh{{relative_humidity_percent}}_{{voltage_v}}V_{{cycle}}"
+
+# [dma]
+# folder = "dma"                         # modulus logs of dynamic mechanical analysis, where there are any
+# name_pattern = "{{sample}}_{{cycle}}"    # reads tags from their file names
 "#
     )
 }

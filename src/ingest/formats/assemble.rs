@@ -28,8 +28,10 @@ pub struct Raw {
     pub excluded_rows: Vec<u32>,
     /// Whether time zero is the voltage step.
     pub time_zero_is_step: bool,
-    /// Whether the table must be a run: without a time column or a response it is refused then.
+    /// Whether the table must be a run: without a time column it is refused then.
     pub must_be_run: bool,
+    /// Whether it is also refused without a response or a modulus.
+    pub must_respond: bool,
 }
 
 impl Raw {
@@ -42,6 +44,7 @@ impl Raw {
             excluded_rows: Vec::new(),
             time_zero_is_step: false,
             must_be_run: false,
+            must_respond: false,
         }
     }
 }
@@ -87,7 +90,8 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
         });
     }
     let channels = channels(&raw, &meanings, time_index, &axis, issues);
-    if raw.must_be_run && !channels.iter().any(|channel| channel.is_response()) {
+    let responds = |channel: &Channel| channel.is_response() || channel.quantity.is_modulus();
+    if raw.must_respond && !channels.iter().any(responds) {
         return Err(no_response(&raw, &meanings));
     }
     Ok(RunTable {

@@ -28,7 +28,7 @@ impl Format for AutolabNova {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -104,6 +104,7 @@ pub fn table(
     let mut raw = Raw {
         name,
         must_be_run: !is_cyclic(&headers),
+        must_respond: !is_cyclic(&headers),
         headers,
         cells,
         excluded_rows: Vec::new(),

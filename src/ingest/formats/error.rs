@@ -97,7 +97,7 @@ pub enum ReadError {
         reason: String,
     },
     /// There is time, but nothing that responds.
-    #[error("no current, curvature or tip displacement among the columns {found}")]
+    #[error("no current, curvature, tip displacement or modulus among the columns {found}")]
     NoResponse {
         /// Line of the header.
         line: usize,
@@ -243,7 +243,7 @@ impl ReadError {
                 "write the unit into the header, as in Time (s), and only numbers below it"
             }
             ReadError::NoResponse { .. } => {
-                "name the response with its unit: Current (mA), curvature_per_cm or Displacement (mm)"
+                "name the response with its unit: Current (mA), curvature_per_cm, Displacement (mm) or storage_modulus_mpa"
             }
             ReadError::TimeOrder { .. } => {
                 "export the time with more digits and the rows in the order in which they were taken"

@@ -140,6 +140,7 @@ fn run_table(table: &Table<'_>, decimal: Decimal, issues: &mut Vec<Issue>) -> Re
         excluded_rows: Vec::new(),
         time_zero_is_step: false,
         must_be_run: false,
+        must_respond: false,
     };
     if let Some(index) = keep_text.iter().position(|keep| *keep) {
         overload::exclude(&mut raw, index, touches_current, issues);

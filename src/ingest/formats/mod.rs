@@ -11,6 +11,7 @@ pub mod climate;
 pub mod columns;
 pub mod date;
 pub mod delimited;
+pub mod eplexor_xls;
 pub mod error;
 pub mod gamry_dta;
 pub mod gamry_objects;
@@ -43,12 +44,16 @@ pub use recognition::{Candidate, FileHead, Match, recognise};
 pub struct ReadContext {
     /// Most bytes that a zipped spreadsheet may unpack to.
     pub max_unpacked_bytes: u64,
+    /// Whether a plain table must hold a response or a modulus, as a run does; a part of a run that is joined
+    /// from several files, such as the humidity of a modulus log, need not.
+    pub needs_response: bool,
 }
 
 impl Default for ReadContext {
     fn default() -> ReadContext {
         ReadContext {
             max_unpacked_bytes: 512 << 20,
+            needs_response: true,
         }
     }
 }
@@ -87,6 +92,7 @@ pub static ALL: &[&dyn Format] = &[
     &labview_tdms::LabviewTdms,
     &versastat_par::VersastatPar,
     &netzsch::Netzsch,
+    &eplexor_xls::EplexorXls,
     &ta_trios::TaTrios,
     &climate::Hobo,
     &climate::Toa5,

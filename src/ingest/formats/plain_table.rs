@@ -20,7 +20,7 @@ impl Format for PlainTable {
     }
 
     fn title(&self) -> &'static str {
-        "plain run table: time_s, voltage_v, current_a, curvature_per_cm (CSV, TSV)"
+        "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm) or of a modulus log (CSV, TSV)"
     }
 
     fn extensions(&self) -> &'static [&'static str] {
@@ -28,7 +28,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -58,7 +58,7 @@ impl Format for PlainTable {
         }
     }
 
-    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let mut issues = Vec::new();
         let text = delimited::read(bytes, is_flag, &mut issues)?;
         let raw = Raw {
@@ -68,6 +68,7 @@ impl Format for PlainTable {
             excluded_rows: Vec::new(),
             time_zero_is_step: true,
             must_be_run: true,
+            must_respond: context.needs_response,
         };
         let table = assemble(raw, &mut issues)?;
         let is_tag = |(key, value): &&(String, String)| is_comment_tag(key) && !value.is_empty();

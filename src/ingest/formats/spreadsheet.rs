@@ -32,7 +32,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -56,7 +56,10 @@ impl Format for Spreadsheet {
                     reason: "a zip archive with the extension of a spreadsheet",
                 }
             }
-            [0xD0, 0xCF, 0x11, 0xE0, ..] => Match::Certain("a compound file, as .xls is"),
+            [0xD0, 0xCF, 0x11, 0xE0, ..] => Match::Possible {
+                score: 0.7,
+                reason: "a compound file, as .xls is",
+            },
             _ => Match::No,
         }
     }
@@ -160,6 +163,7 @@ fn table(sheet: &Sheet, header_at: usize, issues: &mut Vec<Issue>) -> Result<(Ru
         excluded_rows: Vec::new(),
         time_zero_is_step: true,
         must_be_run: true,
+        must_respond: true,
     };
     Ok((assemble(raw, issues)?, true))
 }

@@ -116,7 +116,9 @@ pub enum ScanError {
     },
 }
 
-/// Looks through `runs_folder` (relative to `campaign`) and everything below it.
+/// Looks through `runs_folder` and the `optional` folders (relative to `campaign`) and everything below them.
+///
+/// An optional folder that is not there is no fault; what is known below it is out of sight, not gone.
 ///
 /// Hidden and passing files, `.toml` files and what the program writes itself are left out. Links are
 /// followed only to what lies inside the campaign, and no folder is looked into twice. A folder below that
@@ -124,7 +126,12 @@ pub enum ScanError {
 ///
 /// # Errors
 /// Where the runs folder is missing, unreadable or outside, or holds more files than the limit.
-pub fn scan(campaign: &Path, runs_folder: &str, limits: ScanLimits) -> Result<Scan, ScanError> {
+pub fn scan(
+    campaign: &Path,
+    runs_folder: &str,
+    optional: &[&str],
+    limits: ScanLimits,
+) -> Result<Scan, ScanError> {
     let path = campaign.join(runs_folder);
     let root = |source: io::Error| match source.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
@@ -153,11 +160,14 @@ pub fn scan(campaign: &Path, runs_folder: &str, limits: ScanLimits) -> Result<Sc
         links: Vec::new(),
         found: Scan::default(),
     };
-    let start: PathBuf = Path::new(runs_folder)
-        .components()
-        .filter(|part| matches!(part, std::path::Component::Normal(_)))
-        .collect();
-    let whole = walk.everything(start);
+    let mut starts = vec![plain(runs_folder)];
+    for folder in optional {
+        match walk.is_present(&plain(folder)) {
+            true => starts.push(plain(folder)),
+            false => walk.found.unreadable.push((*folder).to_owned()),
+        }
+    }
+    let whole = walk.everything(starts);
     if !whole {
         return Err(ScanError::TooManyFiles {
             path,
@@ -165,6 +175,14 @@ pub fn scan(campaign: &Path, runs_folder: &str, limits: ScanLimits) -> Result<Sc
         });
     }
     Ok(walk.sorted())
+}
+
+/// A folder's path by its names alone.
+fn plain(folder: &str) -> PathBuf {
+    let names = Path::new(folder).components();
+    names
+        .filter(|part| matches!(part, std::path::Component::Normal(_)))
+        .collect()
 }
 
 /// A scan under way.
@@ -183,8 +201,10 @@ struct Walk<'a> {
 impl Walk<'_> {
     /// Walks real folders first, then links in the order of their paths: a folder that is also reachable by
     /// a link is so always found under its own name. False where there are too many files.
-    fn everything(&mut self, start: PathBuf) -> bool {
-        self.folder_tree(start, 0);
+    fn everything(&mut self, starts: Vec<PathBuf>) -> bool {
+        for start in starts {
+            self.folder_tree(start, 0);
+        }
         while !self.links.is_empty() && self.found.files.len() <= self.limits.files {
             let mut links = std::mem::take(&mut self.links);
             links.sort();
@@ -193,6 +213,18 @@ impl Walk<'_> {
             }
         }
         self.found.files.len() <= self.limits.files
+    }
+
+    /// Whether an optional folder is there and lies in the campaign; a link that leads out of it is an issue.
+    fn is_present(&mut self, relative: &Path) -> bool {
+        let Ok(real) = self.campaign.join(relative).canonicalize() else {
+            return false;
+        };
+        let is_inside = real.starts_with(&self.campaign_real);
+        if !is_inside {
+            self.link_outside(relative, &real);
+        }
+        is_inside && real.is_dir()
     }
 
     fn folder_tree(&mut self, start: PathBuf, depth: usize) {

@@ -19,7 +19,7 @@ fn campaign(files: &[&str]) -> tempfile::TempDir {
 }
 
 fn look(folder: &tempfile::TempDir) -> Scan {
-    scan(folder.path(), "runs", ScanLimits::default()).unwrap()
+    scan(folder.path(), "runs", &[], ScanLimits::default()).unwrap()
 }
 
 fn shown(scan: &Scan) -> Vec<&str> {
@@ -67,18 +67,18 @@ fn the_campaign_itself_as_runs_folder_leaves_out_what_the_program_writes() {
         "report/t.csv",
         "archive/ab/x.csv",
     ]);
-    let found = scan(folder.path(), ".", ScanLimits::default()).unwrap();
+    let found = scan(folder.path(), ".", &[], ScanLimits::default()).unwrap();
     assert_eq!(shown(&found), ["a.csv"]);
 }
 
 #[test]
 fn a_missing_runs_folder_is_offline_and_not_empty() {
     let folder = tempfile::tempdir().unwrap();
-    let error = scan(folder.path(), "runs", ScanLimits::default()).unwrap_err();
+    let error = scan(folder.path(), "runs", &[], ScanLimits::default()).unwrap_err();
     assert!(matches!(error, ScanError::FolderMissing { .. }));
     assert!(error.to_string().contains("nothing known is taken for removed"));
     fs::write(folder.path().join("runs"), "a file").unwrap();
-    let error = scan(folder.path(), "runs", ScanLimits::default()).unwrap_err();
+    let error = scan(folder.path(), "runs", &[], ScanLimits::default()).unwrap_err();
     assert!(matches!(error, ScanError::FolderMissing { .. }), "{error}");
 }
 
@@ -147,13 +147,13 @@ fn limits_and_special_files_are_said() {
         rustix::fs::Mode::RWXU,
     )
     .unwrap();
-    let found = scan(folder.path(), "runs", ScanLimits { files: 9, depth: 2 }).unwrap();
+    let found = scan(folder.path(), "runs", &[], ScanLimits { files: 9, depth: 2 }).unwrap();
     assert_eq!(shown(&found), ["runs/y.csv", "runs/z.csv"]);
     assert_eq!(
         codes(&found),
         [("runs/a/b/c", "folder-too-deep"), ("runs/pipe", "not-a-file")]
     );
-    let error = scan(folder.path(), "runs", ScanLimits { files: 1, depth: 9 }).unwrap_err();
+    let error = scan(folder.path(), "runs", &[], ScanLimits { files: 1, depth: 9 }).unwrap_err();
     assert!(matches!(error, ScanError::TooManyFiles { limit: 1, .. }));
 }
 

@@ -25,6 +25,10 @@ pub struct TagRequest<'a> {
     pub data_files: &'a [PathBuf],
     /// The first file's name without what is no part of the run's name: what `name_pattern` is matched to.
     pub stem: &'a str,
+    /// Pattern that reads tags from file names of this kind of measurement.
+    pub name_pattern: Option<&'a str>,
+    /// Keys without which nothing can be made of the measurement.
+    pub needed: &'a [&'a str],
     /// Tags set by hand (source [`TagSource::Hand`]), the newest of each key first.
     pub hand: &'a [Tag],
     /// Tags of the file's header: tag key, value, and the header's own name of it.
@@ -43,7 +47,7 @@ pub struct Resolved {
     pub tags: Vec<Tag>,
     /// Disagreements, values that cannot be used, unknown samples and environments, missing tags.
     pub issues: Vec<Issue>,
-    /// Keys that the run lacks to be fitted: `sample`, `environment`, `voltage_v`. An issue `tag-missing`,
+    /// Those of the needed keys that the run lacks. An issue `tag-missing`,
     /// or `unknown-sample`, says why and how to mend it.
     pub missing: Vec<String>,
 }
@@ -95,7 +99,7 @@ pub fn resolve(request: &TagRequest) -> Resolved {
     };
     check_sample(request, &mut resolved);
     check_environment(request, &mut resolved);
-    for key in [keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V] {
+    for &key in request.needed {
         if resolved.value(key).is_none() {
             resolved.issues.push(missing_tag(request, key));
             resolved.missing.push(key.to_owned());

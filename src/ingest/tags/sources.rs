@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::domain::tag::keys;
-use crate::domain::{Campaign, Issue, Tag, TagSource};
+use crate::domain::{Campaign, Issue, Quantity, Tag, TagSource};
 use crate::ingest::campaign_file::{line_and_column, nearest};
 use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::ingest::scan::display_path;
@@ -204,7 +204,10 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
 /// A note on a free tag that looks like a misspelt key with a meaning.
 fn misspelt(key: &str, shown: &str) -> Option<Issue> {
     let known = keys::CONDITIONS.into_iter().chain([keys::OPEN_CIRCUIT]);
-    if key == keys::NOTE || known.clone().any(|with_meaning| with_meaning == key) {
+    let names_column = key
+        .strip_suffix(keys::COLUMN)
+        .is_some_and(|quantity| Quantity::from_key(quantity).is_some());
+    if names_column || key == keys::NOTE || known.clone().any(|with_meaning| with_meaning == key) {
         return None;
     }
     let meant = nearest(key, known)?;
@@ -214,7 +217,7 @@ fn misspelt(key: &str, shown: &str) -> Option<Issue> {
 }
 
 fn in_name(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
-    let Some(text) = &request.campaign.name_pattern else {
+    let Some(text) = request.name_pattern else {
         return Vec::new();
     };
     let pattern = match NamePattern::compile(text) {

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::*;
-use crate::domain::{Environment, Sample, Severity};
+use crate::domain::{Environment, RunKind, Sample, Severity};
 
 fn campaign(name_pattern: Option<&str>) -> Campaign {
     let sample = |id: &str| Sample {
@@ -32,6 +32,8 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         environments: vec![environment("vacuum", None), environment("air", Some(34.0))],
         runs_folder: "runs".to_owned(),
         name_pattern: name_pattern.map(str::to_owned),
+        dma_folder: "dma".to_owned(),
+        dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
     }
@@ -63,6 +65,8 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         folder: folder.path(),
         data_files: &data_files,
         stem: given.stem.unwrap_or(&stem),
+        name_pattern: campaign.name_pattern.as_deref(),
+        needed: RunKind::Actuation.needed_tags(),
         hand: &given.hand,
         header: &given.header,
         channel_voltage_v: given.channel_voltage_v,
@@ -333,6 +337,8 @@ proptest::proptest! {
             folder: folder.path(),
             data_files: &data_files,
             stem: &stem(&data_files[0]),
+            name_pattern: campaign.name_pattern.as_deref(),
+            needed: RunKind::Actuation.needed_tags(),
             hand: &[],
             header: &[],
             channel_voltage_v: None,

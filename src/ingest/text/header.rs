@@ -182,6 +182,16 @@ fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
         (Quantity::Pressure, "hpa") => "hPa",
         (Quantity::Pressure, "kpa") => "kPa",
         (Quantity::RelativeHumidity, "percent") => "%",
+        (Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus, modulus) => {
+            match modulus {
+                "mpa" => "MPa",
+                "gpa" => "GPa",
+                "kpa" => "kPa",
+                "pa" => "Pa",
+                _ => suffix,
+            }
+        }
+        (Quantity::Frequency, "hz") => "Hz",
         (Quantity::Curvature, "per_cm" | "per cm") => "1/cm",
         (Quantity::Curvature, "per_m" | "per m") => "1/m",
         (Quantity::Curvature, "per_mm" | "per mm") => "1/mm",
@@ -234,6 +244,13 @@ fn candidates(name: &str) -> &'static [Quantity] {
         "temperature" | "temp" | "temp." | "ambient temperature" => &[Quantity::Temperature],
         "relative humidity" | "humidity" | "rh" | "r.h." => &[Quantity::RelativeHumidity],
         "pressure" | "p" | "ambient pressure" => &[Quantity::Pressure],
+        "storage modulus" | "e'" | "e\u{2032}" => &[Quantity::StorageModulus],
+        "loss modulus" | "e''" | "e\"" | "e\u{2033}" => &[Quantity::LossModulus],
+        "complex modulus" | "|e*|" | "e*" => &[Quantity::ComplexModulus],
+        "loss factor" | "tan delta" | "tan(delta)" | "tan \u{3b4}" | "tan(\u{3b4})" => {
+            &[Quantity::LossFactor]
+        }
+        "frequency" => &[Quantity::Frequency],
         _ => &[],
     }
 }
@@ -276,6 +293,15 @@ mod tests {
             ("RH, %", Quantity::RelativeHumidity, "%"),
             ("relative_humidity_percent", Quantity::RelativeHumidity, "%"),
             ("pressure_pa", Quantity::Pressure, "Pa"),
+            ("storage_modulus_mpa", Quantity::StorageModulus, "MPa"),
+            ("Storage modulus (GPa)", Quantity::StorageModulus, "GPa"),
+            ("E'/MPa", Quantity::StorageModulus, "MPa"),
+            ("E'' (MPa)", Quantity::LossModulus, "MPa"),
+            ("|E*| [MPa]", Quantity::ComplexModulus, "MPa"),
+            ("tan delta", Quantity::LossFactor, ""),
+            ("loss_factor", Quantity::LossFactor, ""),
+            ("frequency_hz", Quantity::Frequency, "Hz"),
+            ("Frequency (rad/s)", Quantity::Frequency, "rad/s"),
         ] {
             let header = Header::parse(cell);
             assert_eq!(header.meaning.quantity(), Some(quantity), "{cell}: {header:?}");

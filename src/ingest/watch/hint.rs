@@ -26,6 +26,8 @@ pub struct Places {
     pub campaign: PathBuf,
     /// The runs folder in it.
     pub runs: PathBuf,
+    /// Further folders with data, which need not be there.
+    pub optional: Vec<PathBuf>,
 }
 
 impl Places {
@@ -37,15 +39,22 @@ impl Places {
         if is_own_product(relative) {
             return false;
         }
-        match path.strip_prefix(&self.runs) {
-            Ok(below) => !below.iter().any(is_passing_name),
-            Err(_) => self.runs.starts_with(path) || self.is_statement_above(path),
+        let mut folders = self.folders();
+        match folders.find_map(|folder| path.strip_prefix(folder).ok()) {
+            Some(below) => !below.iter().any(is_passing_name),
+            None => self.folders().any(|folder| folder.starts_with(path)) || self.is_statement_above(path),
         }
     }
 
-    /// campaign.toml, or a tags.toml in a folder above the runs.
+    /// The folders with data, that of the runs first.
+    pub(super) fn folders(&self) -> impl Iterator<Item = &PathBuf> {
+        std::iter::once(&self.runs).chain(&self.optional)
+    }
+
+    /// campaign.toml, or a tags.toml in a folder above the data.
     fn is_statement_above(&self, path: &Path) -> bool {
-        let above = path.parent().is_some_and(|folder| self.runs.starts_with(folder));
+        let is_above = |folder: &Path| self.folders().any(|data| data.starts_with(folder));
+        let above = path.parent().is_some_and(is_above);
         let name = path.file_name().unwrap_or_default();
         above && (name == "campaign.toml" || name == "tags.toml")
     }
@@ -90,6 +99,7 @@ mod tests {
         Places {
             campaign: PathBuf::from("/c"),
             runs: PathBuf::from("/c/data/runs"),
+            optional: vec![PathBuf::from("/c/dma")],
         }
     }
 
@@ -139,6 +149,9 @@ mod tests {
             "/c/data/runs/report/a.csv",
             "/c/data/tags.toml",
             "/c/data",
+            "/c/dma",
+            "/c/dma/a.txt",
+            "/c/dma/tags.toml",
             "/c/tags.toml",
             "/c/campaign.toml",
             "/c",
@@ -152,6 +165,8 @@ mod tests {
             "/c/archive/ab/x.csv",
             "/c/notes.txt",
             "/c/other/tags.toml",
+            "/c/dma-old/a.txt",
+            "/c/dma/a.txt.part",
             "/c/data/runs/a.csv.part",
             "/c/data/runs/.cache/a.csv",
             "/c/data/runs/~$book.xlsx",

@@ -104,6 +104,8 @@ struct State {
     signals: Arc<Signals>,
     /// Device and inode of the watched runs folder; none while it is gone.
     armed: Option<(u64, u64)>,
+    /// The same of the optional folders.
+    armed_optional: Vec<Option<(u64, u64)>>,
     next_check: Instant,
     next_full: Instant,
     next_poll: Instant,
@@ -113,7 +115,8 @@ struct State {
 }
 
 impl Watcher {
-    /// Starts to watch `runs_folder` (relative to `campaign`) and the campaign's statements.
+    /// Starts to watch `runs_folder` and the `optional` folders (relative to `campaign`) and the campaign's
+    /// statements. An optional folder is watched from when it is there.
     ///
     /// The issues say where polling stands in for events, and why.
     ///
@@ -122,15 +125,18 @@ impl Watcher {
     pub fn start(
         campaign: &Path,
         runs_folder: &str,
+        optional: &[&str],
         options: WatchOptions,
     ) -> Result<(Watcher, Vec<Issue>), WatchError> {
         let real = |path: PathBuf| match path.canonicalize() {
             Ok(real) => Ok(real),
             Err(source) => Err(WatchError::FolderMissing { path, source }),
         };
+        let root = real(campaign.to_path_buf())?;
         let places = Places {
-            campaign: real(campaign.to_path_buf())?,
             runs: real(campaign.join(runs_folder))?,
+            optional: optional.iter().map(|folder| root.join(folder)).collect(),
+            campaign: root,
         };
         let armed = folder_identity(&places.runs).map_err(|source| WatchError::FolderMissing {
             path: places.runs.clone(),
@@ -143,6 +149,7 @@ impl Watcher {
             source,
             signals,
             armed: Some(armed),
+            armed_optional: optional_identities(&places),
             next_check: now + CHECK_EVERY,
             next_full: now + options.full_scan_every,
             echoes: Vec::new(),
@@ -200,19 +207,22 @@ impl Watcher {
             return None;
         }
         state.next_check = now + CHECK_EVERY;
+        let optional = optional_identities(&self.places);
+        let same_optional = optional == state.armed_optional;
         match (folder_identity(&self.places.runs).ok(), state.armed) {
             (None, None) => None,
             (None, Some(_)) => {
                 state.armed = None;
                 Some(Wake::FolderGone)
             }
-            (Some(there), Some(armed)) if there == armed => None,
+            (Some(there), Some(armed)) if there == armed && same_optional => None,
             (Some(there), _) => {
                 let (source, signals, issues) = arm(&self.places, &self.options);
                 state.replace_source(source);
                 state.signals = signals;
                 state.issues.extend(issues);
                 state.armed = Some(there);
+                state.armed_optional = optional;
                 state.full_scan_follows(now, &self.options);
                 Some(Wake::Rescan)
             }
@@ -327,6 +337,11 @@ impl State {
         ];
         moments.into_iter().flatten().min().unwrap_or(self.next_check)
     }
+}
+
+fn optional_identities(places: &Places) -> Vec<Option<(u64, u64)>> {
+    let optional = places.optional.iter();
+    optional.map(|folder| folder_identity(folder).ok()).collect()
 }
 
 /// Device and inode of a folder; zeros where the operating system gives none.

@@ -68,6 +68,9 @@ fn subscribe(places: &Places, signals: Arc<Signals>) -> notify::Result<Recommend
         watcher.watch(folder, RecursiveMode::NonRecursive)?;
     }
     watcher.watch(&places.runs, RecursiveMode::Recursive)?;
+    for folder in places.optional.iter().filter(|folder| folder.is_dir()) {
+        watcher.watch(folder, RecursiveMode::Recursive)?;
+    }
     Ok(watcher)
 }
 

@@ -9,7 +9,7 @@ fn campaign() -> tempfile::TempDir {
 }
 
 fn start(folder: &tempfile::TempDir, options: WatchOptions) -> Watcher {
-    let (watcher, issues) = Watcher::start(folder.path(), "runs", options).unwrap();
+    let (watcher, issues) = Watcher::start(folder.path(), "runs", &["dma"], options).unwrap();
     assert_eq!(issues, []);
     watcher
 }
@@ -21,7 +21,7 @@ const LONG: Duration = Duration::from_secs(20);
 #[test]
 fn a_missing_runs_folder_cannot_be_watched() {
     let folder = tempfile::tempdir().unwrap();
-    let failed = Watcher::start(folder.path(), "runs", WatchOptions::default())
+    let failed = Watcher::start(folder.path(), "runs", &[], WatchOptions::default())
         .err()
         .unwrap();
     assert!(failed.to_string().contains("it is not there"), "{failed}");
@@ -187,4 +187,16 @@ fn a_new_folder_is_looked_at_again_soon_and_after_the_quiet_period() {
         assert!(started.elapsed() >= at_least, "{:?}", started.elapsed());
     }
     assert_eq!(watcher.wait(SHORT, &GO), Wake::Timeout);
+}
+
+#[test]
+fn an_optional_folder_is_watched_from_when_it_comes() {
+    let folder = campaign();
+    let watcher = start(&folder, WatchOptions::default());
+    fs::create_dir(folder.path().join("dma")).unwrap();
+    // Its coming is a hint by its event, a full look once the watch takes it up.
+    while watcher.wait(LONG, &GO) != Wake::Rescan {}
+    while watcher.wait(SHORT, &GO) != Wake::Timeout {}
+    fs::write(folder.path().join("dma/a.csv"), "x").unwrap();
+    assert_eq!(watcher.wait(LONG, &GO), Wake::Hint);
 }

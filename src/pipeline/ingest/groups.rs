@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 /// Parts that a run may be recorded in, `a.current.csv` beside `a.curvature.csv`.
-const PARTS: [&str; 9] = [
+const PARTS: [&str; 10] = [
     "current",
     "curvature",
     "voltage",
@@ -13,6 +13,7 @@ const PARTS: [&str; 9] = [
     "blocking_force",
     "temperature",
     "humidity",
+    "modulus",
 ];
 
 /// Name of the run that the file at `path` (relative, with `/`) belongs to: `runs/a.csv` for

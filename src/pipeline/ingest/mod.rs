@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::context::now;
 use super::{Context, Observer, PipelineError};
-use crate::domain::{FileState, Issue};
+use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::formats;
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::store::FileRow;
@@ -33,7 +33,7 @@ pub struct Ingest<'a> {
 /// What `ingest` did.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct IngestSummary {
-    /// Files in the runs folder.
+    /// Files in the folders with data.
     pub files: usize,
     /// Runs that came in for the first time.
     pub new: Vec<String>,
@@ -80,14 +80,20 @@ impl Ingest<'_> {
         observer: &dyn Observer,
     ) -> Result<IngestSummary, PipelineError> {
         let runs_folder = context.campaign.runs_folder.clone();
-        let seen = scan::scan(&context.folder, &runs_folder, scan::ScanLimits::default())?;
+        let seen = scan::scan(
+            &context.folder,
+            &runs_folder,
+            &context.campaign.optional_folders(),
+            scan::ScanLimits::default(),
+        )?;
         let stored = context.store.files()?;
         let changes = scan::diff(&known(&stored), &seen);
         let mut summary = IngestSummary {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
-        let groups = self.due(&stored, &seen, &changes, &mut summary);
+        let kind_of = |path: &str| context.campaign.kind_of(path);
+        let groups = self.due(&stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
         for batch in groups.chunks(READ_AHEAD) {
             let prepared: Vec<Prepared> = batch
@@ -112,6 +118,7 @@ impl Ingest<'_> {
         stored: &[FileRow],
         seen: &Scan,
         changes: &Changes,
+        kind_of: impl Fn(&str) -> RunKind,
         summary: &mut IngestSummary,
     ) -> Vec<Group> {
         let outdated = outdated(stored);
@@ -133,6 +140,7 @@ impl Ingest<'_> {
             .filter(|(_, paths)| paths.iter().any(|path| due.contains(path)))
             .filter(|(_, paths)| !paths.iter().any(|path| summary.waiting.iter().any(|w| w == path)))
             .map(|(run_name, paths)| Group {
+                kind: kind_of(&run_name),
                 run_name,
                 files: paths.iter().map(|path| by_path[path].clone()).collect(),
             })

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::domain::{Channel, Issue, Quantity};
+use crate::domain::{Channel, Issue, Quantity, RunKind};
 use crate::ingest::formats::{self, ReadContext};
 use crate::ingest::scan::{self, ReadFileError, SeenFile};
 use crate::ingest::{Reading, RunTable, archive};
@@ -15,6 +15,8 @@ const LARGEST_FILE_BYTES: u64 = 1 << 30;
 pub struct Group {
     /// The run's name.
     pub run_name: String,
+    /// What is measured.
+    pub kind: RunKind,
     /// Its files, in order of their paths.
     pub files: Vec<SeenFile>,
 }
@@ -48,6 +50,8 @@ pub enum Outcome {
 pub struct Prepared {
     /// The run's name.
     pub run_name: String,
+    /// What is measured.
+    pub kind: RunKind,
     /// Its files.
     pub files: Vec<PreparedFile>,
 }
@@ -56,15 +60,16 @@ pub struct Prepared {
 pub fn prepare(campaign: &Path, group: &Group) -> Prepared {
     Prepared {
         run_name: group.run_name.clone(),
+        kind: group.kind,
         files: group
             .files
             .iter()
-            .map(|file| prepare_file(campaign, file))
+            .map(|file| prepare_file(campaign, group.kind, file))
             .collect(),
     }
 }
 
-fn prepare_file(campaign: &Path, file: &SeenFile) -> PreparedFile {
+fn prepare_file(campaign: &Path, kind: RunKind, file: &SeenFile) -> PreparedFile {
     let location = file.location(campaign);
     let bytes = match scan::read_stable(&location, LARGEST_FILE_BYTES) {
         Ok(bytes) => bytes,
@@ -86,7 +91,7 @@ fn prepare_file(campaign: &Path, file: &SeenFile) -> PreparedFile {
         }
     };
     let hash = archive::hash(&bytes);
-    let outcome = read(file, &bytes);
+    let outcome = read(kind, file, &bytes);
     PreparedFile {
         file: file.clone(),
         bytes: Some((bytes, hash)),
@@ -94,9 +99,14 @@ fn prepare_file(campaign: &Path, file: &SeenFile) -> PreparedFile {
     }
 }
 
-fn read(file: &SeenFile, bytes: &[u8]) -> Outcome {
+fn read(kind: RunKind, file: &SeenFile, bytes: &[u8]) -> Outcome {
+    let context = ReadContext {
+        // A modulus log may have its humidity in a file of its own.
+        needs_response: kind == RunKind::Actuation,
+        ..ReadContext::default()
+    };
     let name = file.display.rsplit('/').next().unwrap_or(&file.display);
-    match std::panic::catch_unwind(|| formats::read(name, bytes, &ReadContext::default())) {
+    match std::panic::catch_unwind(|| formats::read(name, bytes, &context)) {
         Ok(Ok(reading)) => Outcome::Read(Box::new(reading)),
         Ok(Err(error)) if error.is_pending() => Outcome::Pending(error.issue()),
         Ok(Err(error)) if error.is_sidecar() => Outcome::Sidecar(error.issue()),
@@ -121,9 +131,14 @@ pub struct RunPart {
     pub time_zero_is_step: bool,
 }
 
-/// The runs that a reading holds: every table with a response, or all tables where none has one.
-pub fn run_parts(reading: &Reading) -> Vec<RunPart> {
-    let has_response = |table: &&RunTable| table.channels.iter().any(|c| c.is_response());
+/// The runs that a reading holds: every table with a response (of a modulus log: with a modulus), or all tables
+/// where none has one.
+pub fn run_parts(reading: &Reading, kind: RunKind) -> Vec<RunPart> {
+    let responds = |channel: &Channel| match kind {
+        RunKind::Actuation => channel.is_response(),
+        RunKind::Dma => channel.quantity.is_modulus(),
+    };
+    let has_response = |table: &&RunTable| table.channels.iter().any(responds);
     let mut tables: Vec<&RunTable> = reading.tables.iter().filter(has_response).collect();
     if tables.is_empty() {
         tables = reading.tables.iter().collect();

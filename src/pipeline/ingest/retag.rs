@@ -28,6 +28,7 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         .store
         .runs()?
         .into_iter()
+        .chain(context.store.dma_logs()?)
         .filter(|run| due.contains(&run.id))
     {
         retag(context, &run)?;
@@ -52,6 +53,7 @@ fn retag(context: &mut Context, run: &RunRecord) -> Result<(), PipelineError> {
     });
     let input = TaggingInput {
         run_path: &run.path,
+        kind: run.kind,
         file_path: run
             .files
             .first()

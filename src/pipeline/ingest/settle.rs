@@ -3,7 +3,7 @@
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
 use super::tagging::{TaggingInput, tagging};
 use super::{IngestSummary, all_readers_stamp, file_row, now, reader_stamp};
-use crate::domain::{FileState, Issue, RunStatus};
+use crate::domain::{FileState, Issue, RunKind, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::archive::Archive;
 use crate::ingest::data_hash::data_hash;
@@ -19,7 +19,7 @@ pub fn settle(
     summary: &mut IngestSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let mut readable = Vec::new();
+    let (mut readable, kind) = (Vec::new(), prepared.kind);
     for file in prepared.files {
         match &file.outcome {
             Outcome::Read(_) => readable.push(file),
@@ -34,9 +34,9 @@ pub fn settle(
             if is_known(context, single, changes, summary)? {
                 return Ok(());
             }
-            store_runs(context, &prepared.run_name, &readable, summary, observer)
+            store_runs(context, &prepared.run_name, kind, &readable, summary, observer)
         }
-        _ => store_runs(context, &prepared.run_name, &readable, summary, observer),
+        _ => store_runs(context, &prepared.run_name, kind, &readable, summary, observer),
     }
 }
 
@@ -77,7 +77,10 @@ fn is_known(
         return Ok(false);
     };
     let path = prepared.file.display.clone();
-    let holders = context.store.runs_with_content(hash)?;
+    let mut holders = context.store.runs_with_content(hash)?;
+    // Bytes that moved between the folders are measured anew: what they are is told by the folder.
+    let kind = context.campaign.kind_of(&path);
+    holders.retain(|(run, _)| context.campaign.kind_of(run) == kind);
     let reader = reader_stamp(reading.format, reading.reader_version);
     let row = |state| file_row(&prepared.file, Some(hash.clone()), state, reader.clone(), None);
     let Some((run_path, file_path)) = holders.iter().find(|(_, file)| *file == path).or(holders.first())
@@ -110,6 +113,7 @@ fn is_known(
 fn store_runs(
     context: &mut Context,
     run_name: &str,
+    kind: RunKind,
     files: &[PreparedFile],
     summary: &mut IngestSummary,
     observer: &dyn Observer,
@@ -125,7 +129,7 @@ fn store_runs(
         return Ok(());
     };
     let (parts, join_issues) = if readings.len() == 1 {
-        (run_parts(first), Vec::new())
+        (run_parts(first, kind), Vec::new())
     } else {
         let (part, issues) = joined(&readings);
         (vec![part], issues)
@@ -148,6 +152,7 @@ fn store_runs(
             new_run(
                 context,
                 format!("{base}{}", part.suffix),
+                kind,
                 part,
                 &readings,
                 &contents,
@@ -204,6 +209,7 @@ fn run_row(file: &PreparedFile, reading: &Reading) -> Option<FileRow> {
 fn new_run(
     context: &Context,
     path: String,
+    kind: RunKind,
     part: RunPart,
     readings: &[&Reading],
     contents: &[RunContent],
@@ -217,6 +223,7 @@ fn new_run(
         .unwrap_or(&first);
     let input = TaggingInput {
         run_path: &path,
+        kind,
         file_path: &contents[0].path,
         channels: &part.channels,
         time_zero_is_step: part.time_zero_is_step,
@@ -249,6 +256,7 @@ fn new_run(
             .collect(),
         channels: part.channels,
         contents: contents.to_vec(),
+        kind,
         path,
     })
 }

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Issue, Quantity, RunState, Tag, TagSource};
+use crate::domain::{Channel, Issue, Quantity, RunKind, RunState, Tag, TagSource};
+use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, Resolved, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, drive};
@@ -16,6 +17,8 @@ use crate::store::{HandTag, Tagging};
 pub struct TaggingInput<'a> {
     /// The run's name.
     pub run_path: &'a str,
+    /// What is measured.
+    pub kind: RunKind,
     /// Path of its first file, as the scan displays it.
     pub file_path: &'a str,
     /// Readings.
@@ -45,23 +48,79 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
     } else {
         input.run_path
     };
-    let from_channel = drive::find(input.channels, input.time_zero_is_step, None, &[]);
+    let channel_voltage_v = match input.kind {
+        RunKind::Actuation => voltage_of_channel(input),
+        RunKind::Dma => None,
+    };
     let request = TagRequest {
         campaign: &context.campaign,
         folder: &context.folder,
         data_files: &files,
         stem: &tags::stem(&parse_display_path(named)),
+        name_pattern: context.campaign.name_pattern_of(input.kind),
+        needed: input.kind.needed_tags(),
         hand: &hand,
         header: &header,
-        channel_voltage_v: from_channel
-            .drive
-            .as_ref()
-            .map(|d| rounded_level(d.nominal_step_v())),
+        channel_voltage_v,
         ambient: &[],
     };
     let resolved = tags::resolve(&request);
     let digest = digest(context, input.run_path, &files)?;
-    Ok(conclude(context, input, resolved, digest))
+    Ok(match input.kind {
+        RunKind::Actuation => conclude(context, input, resolved, digest),
+        RunKind::Dma => conclude_dma(input, resolved, digest),
+    })
+}
+
+/// Level that the voltage channel steps to, V.
+fn voltage_of_channel(input: &TaggingInput<'_>) -> Option<f64> {
+    let found = drive::find(input.channels, input.time_zero_is_step, None, &[]);
+    Some(rounded_level(found.drive.as_ref()?.nominal_step_v()))
+}
+
+/// What follows from the tags of a modulus log: it can be analysed where its sample is known and a column is a
+/// modulus, by its name or by a tag that says so.
+fn conclude_dma(input: &TaggingInput<'_>, resolved: Resolved, digest: String) -> Tagging {
+    let chosen = chosen(&resolved);
+    let (channels, mut issues) = named_columns(input.channels, &resolved.tags[..chosen]);
+    let has_modulus = channels.iter().any(|c| c.quantity.is_modulus() && !c.is_empty());
+    if !has_modulus {
+        issues.push(no_modulus(&channels));
+    }
+    let state = match (resolved.missing.is_empty(), has_modulus) {
+        (false, _) => RunState::Untagged,
+        (true, true) => RunState::Ready,
+        (true, false) => RunState::NotFitted,
+    };
+    Tagging {
+        state,
+        chosen,
+        tags: resolved.tags,
+        issues: resolved.issues.into_iter().chain(issues).collect(),
+        drive: None,
+        area_cm2: None,
+        length_cm: None,
+        electrode_resistance_ohm_per_sq: None,
+        digest,
+    }
+}
+
+fn no_modulus(channels: &[Channel]) -> Issue {
+    let names: Vec<String> = channels.iter().map(|c| format!("\"{}\"", c.raw_name)).collect();
+    let message = format!(
+        "no column is known to be a modulus; there are {}",
+        names.join(", ")
+    );
+    let mend = "say which one is, as in storage_modulus_column = \"E'/MPa\" in the file's tags, or name the \
+                column storage_modulus_mpa, loss_modulus_mpa or complex_modulus_mpa";
+    Issue::error("no-modulus", message).mend(mend)
+}
+
+/// Number of the tags that are chosen: the first of each key, which stand first.
+fn chosen(resolved: &Resolved) -> usize {
+    let mut seen = BTreeSet::new();
+    let chosen = resolved.tags.iter();
+    chosen.take_while(|tag| seen.insert(tag.key.clone())).count()
 }
 
 /// BLAKE3 over everything that the tags of a run come from, but the file itself.
@@ -154,15 +213,9 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         (true, true) => RunState::Ready,
         (true, false) => RunState::NotFitted,
     };
-    let mut keys_seen = BTreeSet::new();
-    let chosen = resolved
-        .tags
-        .iter()
-        .take_while(|tag| keys_seen.insert(tag.key.clone()))
-        .count();
     Tagging {
         state,
-        chosen,
+        chosen: chosen(&resolved),
         tags: resolved.tags,
         issues,
         drive: found.drive,

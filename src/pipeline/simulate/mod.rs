@@ -1,7 +1,9 @@
-//! Writes run files of a model with noise and sampling, seeded: the same spec gives the same bytes. Effects that the
-//! spec names are hidden in them by the truth simulator; truth.json says which.
+//! Writes run files of a model and modulus logs, with noise and sampling, seeded: the same spec gives the same bytes.
+//! Effects that the spec names are hidden in the runs by the truth simulator; truth.json says which.
 
 mod answer_key;
+mod dma_log;
+mod dma_spec;
 mod effect_spec;
 mod noise_spec;
 mod run_spec;
@@ -13,6 +15,8 @@ mod tests;
 use std::path::{Path, PathBuf};
 
 pub use answer_key::answer_key;
+pub use dma_log::dma_log;
+pub use dma_spec::{DmaNoise, DmaSpec, Hold, LogSpec};
 pub use effect_spec::{EffectSpec, hidden_effects};
 pub use noise_spec::Noise;
 pub use run_spec::{Pulses, RunSpec, SegmentSpec};
@@ -33,7 +37,7 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Writes the run files, their sidecars, the folders' tags.toml, and the answer key truth.json beside the output
+    /// Writes the run files and modulus logs, their sidecars, the folders' tags.toml, and the answer key truth.json beside the output
     /// folder; gives the paths written.
     ///
     /// # Errors
@@ -47,7 +51,8 @@ impl Simulate {
             .unwrap_or(Path::new(""))
             .join(&spec.simulation.folder);
         let mut written = Vec::new();
-        observer.begin("simulating", spec.run.len() as u64);
+        let logs = spec.dma.iter().map(|dma| dma.log.len()).sum::<usize>();
+        observer.begin("simulating", (spec.run.len() + logs) as u64);
         for folder in spec.folder.iter().filter(|folder| !folder.tags.is_empty()) {
             written.push(self.write(
                 &root.join(&folder.path).join("tags.toml"),
@@ -58,17 +63,37 @@ impl Simulate {
             let path = root.join(&run.file);
             let table = run_table(&spec, run, number);
             let table = table.map_err(|error| Spec::unsolved(&self.spec, run, &error))?;
-            written.push(self.write(&path, &table)?);
-            if !run.tags.is_empty() {
-                let mut sidecar = path.into_os_string();
-                sidecar.push(".toml");
-                written.push(self.write(Path::new(&sidecar), &run.tags.to_string())?);
-            }
+            written.extend(self.with_sidecar(&path, &table, &run.tags)?);
             observer.advance();
         }
-        let key = root.with_file_name("truth.json");
-        written.push(self.write(&key, &answer_key(&spec, &self.spec))?);
+        if let Some(dma) = &spec.dma {
+            let root = self.spec.parent().unwrap_or(Path::new("")).join(&dma.folder);
+            for (number, log) in dma.log.iter().enumerate() {
+                let text = dma_log(dma, log, number, spec.simulation.seed);
+                written.extend(self.with_sidecar(&root.join(&log.file), &text, &log.tags)?);
+                observer.advance();
+            }
+        }
+        if !spec.run.is_empty() {
+            let key = root.with_file_name("truth.json");
+            written.push(self.write(&key, &answer_key(&spec, &self.spec))?);
+        }
         observer.end();
+        Ok(written)
+    }
+
+    fn with_sidecar(
+        &self,
+        path: &Path,
+        text: &str,
+        tags: &toml::Table,
+    ) -> Result<Vec<PathBuf>, PipelineError> {
+        let mut written = vec![self.write(path, text)?];
+        if !tags.is_empty() {
+            let mut sidecar = path.as_os_str().to_owned();
+            sidecar.push(".toml");
+            written.push(self.write(Path::new(&sidecar), &tags.to_string())?);
+        }
         Ok(written)
     }
 

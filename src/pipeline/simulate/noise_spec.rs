@@ -44,6 +44,25 @@ fn eight() -> f64 {
     8.0
 }
 
+impl Default for Noise {
+    /// None at all.
+    fn default() -> Noise {
+        Noise {
+            current_a: 0.0,
+            curvature_per_cm: 0.0,
+            autocorrelation: 0.0,
+            current_autocorrelation: None,
+            curvature_autocorrelation: None,
+            current_proportional: 0.0,
+            curvature_proportional: 0.0,
+            current_step_a: 0.0,
+            curvature_step_per_cm: 0.0,
+            outlier_fraction: 0.0,
+            outlier_size_sigma: eight(),
+        }
+    }
+}
+
 impl Noise {
     pub(super) fn check(&self) -> Result<(), Wrong> {
         let correlations = [

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use thiserror::Error;
 
+use super::dma_spec::DmaSpec;
 use super::effect_spec::{EffectSpec, hidden_effects};
 use super::noise_spec::Noise;
 use super::run_spec::RunSpec;
@@ -17,8 +18,10 @@ pub struct Spec {
     /// What holds for all runs.
     pub simulation: Simulation,
     /// Standard deviations and correlation of the noise.
+    #[serde(default)]
     pub noise: Noise,
     /// How the potentiostat samples after the step, in order of time.
+    #[serde(default)]
     pub sampling: Vec<Sampling>,
     /// How the camera samples after the step; empty: with the potentiostat.
     #[serde(default)]
@@ -30,7 +33,10 @@ pub struct Spec {
     #[serde(default)]
     pub effect: Vec<EffectSpec>,
     /// The runs.
+    #[serde(default)]
     pub run: Vec<RunSpec>,
+    /// Modulus logs.
+    pub dma: Option<DmaSpec>,
 }
 
 /// What holds for all runs.
@@ -136,6 +142,11 @@ impl Spec {
     }
 
     fn check(&self) -> Result<(), Wrong> {
+        if self.run.is_empty() && self.dma.as_ref().is_none_or(|dma| dma.log.is_empty()) {
+            let needed = "a [[run]] or a [[dma.log]]";
+            return Err(Wrong::new("spec", "nothing to simulate".into(), needed));
+        }
+        self.dma.as_ref().map_or(Ok(()), DmaSpec::check)?;
         self.noise.check()?;
         for sampling in self.sampling.iter().chain(&self.camera) {
             if sampling.every_s.is_nan() || sampling.every_s <= 0.0 {
@@ -150,9 +161,10 @@ impl Spec {
         let paths = self
             .run
             .iter()
-            .map(|run| &run.file)
-            .chain(self.folder.iter().map(|folder| &folder.path));
-        for path in paths.chain([&self.simulation.folder]) {
+            .map(|run| run.file.as_path())
+            .chain(self.folder.iter().map(|folder| folder.path.as_path()))
+            .chain(self.dma.iter().flat_map(DmaSpec::paths));
+        for path in paths.chain([self.simulation.folder.as_path()]) {
             if !safe(path) {
                 let place = path.display().to_string();
                 return Err(Wrong::new(

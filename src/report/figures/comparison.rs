@@ -204,7 +204,7 @@ fn arrow(chart: &mut Chart, at: (f64, f64), down: i32, style: ShapeStyle) -> Res
 }
 
 /// Marker shapes differ as well as colours; a value outside the range shown is hollow.
-fn marker(chart: &mut Chart, at: (f64, f64), style: usize, within: bool) -> Result<(), String> {
+pub(super) fn marker(chart: &mut Chart, at: (f64, f64), style: usize, within: bool) -> Result<(), String> {
     use plotters::element::{EmptyElement, Polygon};
     let color = ink(style).color();
     let filled = color.filled();

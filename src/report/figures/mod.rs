@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod canvas;
 pub mod comparison;
+pub mod modulus;
 pub mod gain_bars;
 pub mod panel;
 pub mod residual;

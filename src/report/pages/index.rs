@@ -27,6 +27,8 @@ const NOTABLE_RATIO: f64 = 1.5;
 struct Index {
     findings: Vec<String>,
     caution: Vec<String>,
+    /// What the modulus logs say; empty where there are none.
+    modulus: Vec<String>,
     counts: Vec<Count>,
     voltages: Vec<String>,
     many_voltages: bool,
@@ -98,6 +100,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let index = Index {
         findings: findings(site),
         caution: caution(site),
+        modulus: modulus(site),
         counts: counts(site),
         voltages: voltage_labels(&site.conditions.voltages_v),
         many_voltages: site.conditions.voltages_v.len() > MANY,
@@ -116,6 +119,23 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         problems: problems(site),
     };
     Content::new("index.html", &index, BTreeMap::new())
+}
+
+/// Sentences shown here of the modulus logs; their page has all.
+const MODULUS_SENTENCES: usize = 3;
+
+fn modulus(site: &Site) -> Vec<String> {
+    let mut sentences = super::dma::findings(site);
+    sentences.truncate(MODULUS_SENTENCES);
+    let logs = site.input.modulus_logs.iter();
+    let waiting = logs.filter(|log| log.analysis.is_none()).count();
+    if waiting > 0 {
+        sentences.push(format!(
+            "{} could not be analysed.",
+            counted(waiting, "modulus log")
+        ));
+    }
+    sentences
 }
 
 fn findings(site: &Site) -> Vec<String> {
@@ -196,6 +216,7 @@ fn counts(site: &Site) -> Vec<Count> {
         count(files(site, FileState::Refused).len(), "files refused"),
         count(files(site, FileState::Pending).len(), "files waiting"),
         count(site.input.superseded.len(), "earlier revisions kept"),
+        count(site.input.modulus_logs.len(), "modulus logs"),
     ];
     // The first two are always of interest, the others where there are any.
     all.into_iter()

@@ -1,6 +1,7 @@
 //! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
 
 pub mod comparison;
+pub mod dma;
 pub mod finding;
 pub mod finding_words;
 pub mod findings;
@@ -16,6 +17,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::error::ReportError;
+use super::input::Input;
 use super::site::Site;
 
 pub use finding::content as finding_content;
@@ -56,34 +58,47 @@ pub struct Page {
     pub title: &'static str,
     /// Template text.
     pub template: &'static str,
+    /// Whether a report of that input has the page.
+    pub is_shown: fn(&Input) -> bool,
     /// Makes the content.
     pub content: fn(&Site) -> Result<Content, ReportError>,
 }
 
-/// Every page that the site has once, in the order of the navigation.
-pub const PAGES: [Page; 4] = [
+/// Every page that a site can have once, in the order of the navigation.
+pub const PAGES: [Page; 5] = [
     Page {
         file: "index.html",
         title: "Overview",
         template: include_str!("../../../templates/pages/index.html"),
+        is_shown: |_| true,
         content: index::content,
     },
     Page {
         file: "comparison.html",
         title: "Comparison",
         template: include_str!("../../../templates/pages/comparison.html"),
+        is_shown: |_| true,
         content: comparison::content,
     },
     Page {
         file: "table5.html",
         title: "Parameters",
         template: include_str!("../../../templates/pages/table5.html"),
+        is_shown: |_| true,
         content: table5::content,
+    },
+    Page {
+        file: "dma.html",
+        title: "Modulus (DMA)",
+        template: include_str!("../../../templates/pages/dma.html"),
+        is_shown: |input| !input.modulus_logs.is_empty(),
+        content: dma::content,
     },
     Page {
         file: "findings.html",
         title: "Findings",
         template: include_str!("../../../templates/pages/findings.html"),
+        is_shown: |_| true,
         content: findings::content,
     },
 ];

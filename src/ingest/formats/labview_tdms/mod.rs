@@ -58,7 +58,7 @@ impl Format for LabviewTdms {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

@@ -39,7 +39,7 @@ impl Format for PalmsensSession {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

@@ -1,0 +1,90 @@
+//! `ieap dma`.
+
+use clap::Args;
+
+use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::output::Output;
+use super::{CampaignArg, Global};
+use crate::pipeline::dma_document::{LogEntry, dma_document};
+use crate::pipeline::fits_document::ParameterEntry;
+use crate::pipeline::{AnalyseModulus, Context, Ingest};
+
+/// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files
+#[derive(Debug, Args)]
+pub struct DmaArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Analyse again even where nothing changed
+    #[arg(long)]
+    again: bool,
+}
+
+pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
+    ingest
+        .refused
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
+    let summary = AnalyseModulus { again: args.again }.run(&mut context, output)?;
+    output.message(&format!(
+        "{} analysed, {} up to date, {} could not be analysed",
+        summary.analysed,
+        summary.up_to_date,
+        summary.failed.len()
+    ));
+    summary
+        .failed
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
+    let document = dma_document(&context)?;
+    document.logs.iter().for_each(|log| print(log, output));
+    output.document(&document)?;
+    Ok(if ingest.refused.is_empty() {
+        DONE
+    } else {
+        SOME_REFUSED
+    })
+}
+
+fn print(log: &LogEntry, output: &Output) {
+    let sample = log.sample.as_deref().unwrap_or("no sample");
+    let steps = match (&log.modulus_source, log.steps.len()) {
+        (None, _) => format!("not analysed ({})", log.state.replace('_', " ")),
+        (Some(_), 1) => "1 humidity step".to_owned(),
+        (Some(_), count) => format!("{count} humidity steps"),
+    };
+    output.result(&format!("{}  {sample}  {steps}", log.log));
+    for step in &log.steps {
+        output.result(&format!("  at {:.0} s:", step.start_s));
+        for (key, entry) in &step.estimates {
+            output.result(&format!("    {key:<34} {}", shown(entry)));
+        }
+    }
+    if let Some(recovery) = &log.recovery_percent {
+        output.result(&format!("  {:<36} {}", "recovery_percent", shown(recovery)));
+    }
+    for entry in &log.hysteresis {
+        let at = entry
+            .relative_humidity_percent
+            .map_or(String::new(), |percent| format!(" at {percent:.0} % RH"));
+        let name = format!("hysteresis_percent{at}");
+        output.result(&format!("  {name:<36} {}", shown(&entry.hysteresis_percent)));
+    }
+}
+
+/// A value with its standard error, a bound, or that it is not determined, with the reason.
+fn shown(entry: &ParameterEntry) -> String {
+    match (entry.value, entry.standard_error, entry.low_95, entry.high_95) {
+        (Some(value), Some(error), ..) => format!("{value:.5} +- {error:.2}"),
+        (Some(value), None, ..) => format!("{value:.5}"),
+        (None, _, low, high) => {
+            let bound = match (low, high) {
+                (Some(low), None) => format!("above {low:.0}"),
+                (None, Some(high)) => format!("below {high:.0}"),
+                _ => "not determined".to_owned(),
+            };
+            format!("{bound}: {}", entry.reason.as_deref().unwrap_or_default())
+        }
+    }
+}
