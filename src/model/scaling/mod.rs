@@ -124,7 +124,7 @@ fn dependence(key: &str) -> Option<Dependence> {
         "mu_per_c" => Some(Dependence::InverseWidth),
         "re_ohm_per_sq" => Some(Dependence::None),
         // R per area times C per area: the area cancels.
-        _ if key.starts_with("tau") && key.ends_with("_s") => Some(Dependence::None),
+        "tau1_s" | "tau2_s" | "tau3_s" | "tau4_s" => Some(Dependence::None),
         _ if key.ends_with("_per_s") => Some(Dependence::None),
         _ if key.ends_with("_ohm_cm2") || key.ends_with("_f_per_cm2") => Some(Dependence::ThroughArea),
         _ => None,
