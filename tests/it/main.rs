@@ -7,6 +7,7 @@ mod distributed;
 mod effects;
 mod fit_groups;
 mod folder;
+mod formats_expected;
 mod formats_fixtures;
 mod formats_properties;
 mod formats_real_files;
