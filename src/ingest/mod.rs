@@ -8,6 +8,7 @@ pub mod drive;
 pub mod filesystem;
 pub mod formats;
 pub mod name_pattern;
+pub mod profiles;
 pub mod reading;
 pub mod scan;
 pub mod tags;

@@ -63,6 +63,10 @@ pub trait Format: Sync {
     fn extensions(&self) -> &'static [&'static str];
     /// Version of the reader: raised when the same bytes would read differently.
     fn version(&self) -> u32;
+    /// Whether it reads tables of any source by the names of their columns: a saved profile goes before it.
+    fn is_generic(&self) -> bool {
+        false
+    }
     /// Whether a file is of this format, judged by how it begins.
     fn recognise(&self, head: &FileHead<'_>) -> Match;
     /// Reads a whole file.

@@ -31,6 +31,10 @@ impl Format for PlainTable {
         2
     }
 
+    fn is_generic(&self) -> bool {
+        true
+    }
+
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let Some(text) = head.text() else {
             return Match::No;

@@ -96,7 +96,7 @@ pub fn recognise(head: &FileHead<'_>) -> Result<(&'static dyn Format, Vec<Candid
         let bonus = candidate.format.extensions().contains(&extension.as_str());
         candidate.score + if bonus { EXTENSION } else { 0.0 }
     };
-    let mut candidates: Vec<Candidate> = ALL.iter().filter_map(|&format| candidate(format, head)).collect();
+    let mut candidates = candidates(head);
     candidates.sort_by(|a, b| with_extension(b).total_cmp(&with_extension(a)));
     match candidates.as_slice() {
         [] => Err(unknown(head)),
@@ -110,6 +110,11 @@ pub fn recognise(head: &FileHead<'_>) -> Result<(&'static dyn Format, Vec<Candid
                 .join(", "),
         }),
     }
+}
+
+/// Every format that fits, in no order; no file is too small or a sidecar here.
+pub fn candidates(head: &FileHead<'_>) -> Vec<Candidate> {
+    ALL.iter().filter_map(|&format| candidate(format, head)).collect()
 }
 
 /// Whether the first leads by content, or is as good by content and has the extension for it.

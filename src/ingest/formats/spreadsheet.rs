@@ -35,6 +35,10 @@ impl Format for Spreadsheet {
         1
     }
 
+    fn is_generic(&self) -> bool {
+        true
+    }
+
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let holds = |mark: &[u8]| head.bytes.windows(mark.len()).any(|window| window == mark);
         /// Bytes before the name of the first member of a zip archive.
@@ -198,7 +202,7 @@ fn cells(sheet: &Sheet, header_at: usize, places: &[u32], keep_text: &[bool]) ->
 }
 
 /// Decimal sign of numbers that a sheet stores as text: a comma where only that makes them numbers.
-fn decimal_of_texts<'a>(cells: impl Iterator<Item = &'a SheetCell>) -> Decimal {
+pub fn decimal_of_texts<'a>(cells: impl Iterator<Item = &'a SheetCell>) -> Decimal {
     let (mut point, mut comma) = (false, false);
     for cell in cells {
         if let SheetCell::Text(text) = cell {
