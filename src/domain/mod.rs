@@ -8,6 +8,7 @@ pub mod drive;
 pub mod estimate;
 pub mod fit;
 pub mod issue;
+pub mod origin;
 pub mod quantity;
 pub mod run;
 pub mod tag;
@@ -25,6 +26,9 @@ pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
 pub use fit::{ChannelNoise, Fit, NoiseCharacter, Parameter};
 pub use issue::{Issue, Severity};
+pub use origin::{
+    ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
+};
 pub use quantity::Quantity;
 pub use run::{FileState, RunFile, RunRecord, RunState, RunStatus, SourceFile};
 pub use tag::{Tag, TagSource};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ChannelSummary, Drive, Fit, Issue, Tag};
+use super::{ChannelSummary, Drive, Fit, Issue, RunOrigin, Tag};
 
 /// Whether a run can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -121,6 +121,8 @@ pub struct RunRecord {
     pub tags: Vec<Tag>,
     /// Channels without readings.
     pub channels: Vec<ChannelSummary>,
+    /// Clocks, flags and profiles that the readings rest on.
+    pub origin: RunOrigin,
     /// The drive, where it is known.
     pub drive: Option<Drive>,
     /// Sample's active area used, cm2.

@@ -12,6 +12,7 @@ mod ingest;
 mod init;
 pub mod inspect;
 mod observer;
+pub mod profile;
 mod report;
 mod run;
 pub mod simulate;

@@ -8,7 +8,10 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 1] = [include_str!("../../migrations/0001_initial.sql")];
+const HISTORY: [&str; 2] = [
+    include_str!("../../migrations/0001_initial.sql"),
+    include_str!("../../migrations/0004_origin.sql"),
+];
 
 /// Schema version that this program writes.
 pub(super) const NEWEST: i64 = HISTORY.len() as i64;

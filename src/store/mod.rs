@@ -11,6 +11,7 @@ mod fits;
 mod lock;
 mod migration;
 mod new_run;
+mod origin;
 mod runs;
 mod tags;
 

@@ -13,6 +13,7 @@ mod formats_properties;
 mod formats_real_files;
 mod hidden_effects;
 mod kill_loop;
+mod lab_origin;
 mod lumped_reference;
 mod main_job;
 mod methods;

@@ -8,7 +8,7 @@ use super::error::{ReadError, quoted};
 use super::plausible::implausible;
 use super::time_axis::{self, TimeAxis};
 use crate::domain::unit::Conversion;
-use crate::domain::{Channel, Issue, Quantity};
+use crate::domain::{Channel, FlaggedStretch, Issue, Quantity};
 use crate::ingest::RunTable;
 use crate::ingest::text::header::{Header, Meaning};
 
@@ -24,12 +24,27 @@ pub struct Raw {
     pub headers: Vec<Header>,
     /// The cells.
     pub cells: CellTable,
-    /// Rows (increasing) whose current is no measurement, such as an overload.
-    pub excluded_rows: Vec<u32>,
+    /// Rows that the instrument marks, in order.
+    pub flags: Vec<RowFlag>,
+    /// Column with the printed time, where the table is timed by another one.
+    pub printed_time: Option<String>,
     /// Whether time zero is the voltage step.
     pub time_zero_is_step: bool,
     /// Whether the table must be a run: without a time column or a response it is refused then.
     pub must_be_run: bool,
+}
+
+/// The mark of one row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowFlag {
+    /// The row.
+    pub row: u32,
+    /// Name of the column of flags.
+    pub column: String,
+    /// The flag as the file has it.
+    pub flag: String,
+    /// Whether the row's current is no measurement, as in an overload.
+    pub excludes: bool,
 }
 
 impl Raw {
@@ -39,7 +54,8 @@ impl Raw {
             name,
             headers,
             cells,
-            excluded_rows: Vec::new(),
+            flags: Vec::new(),
+            printed_time: None,
             time_zero_is_step: false,
             must_be_run: false,
         }
@@ -91,6 +107,8 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
         return Err(no_response(&raw, &meanings));
     }
     Ok(RunTable {
+        flags: flagged_stretches(&raw.flags, &axis),
+        printed_time: raw.printed_time,
         name: raw.name,
         rows,
         channels,
@@ -210,6 +228,8 @@ fn channels(
     issues: &mut Vec<Issue>,
 ) -> Vec<Channel> {
     let all: Arc<[f64]> = axis.time_s.as_slice().into();
+    let mut excluded_rows: Vec<u32> = raw.flags.iter().filter(|f| f.excludes).map(|f| f.row).collect();
+    excluded_rows.sort_unstable();
     let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
     let mut channels: Vec<Channel> = Vec::new();
     for (index, header) in raw.headers.iter().enumerate() {
@@ -262,7 +282,7 @@ fn channels(
             raw_unit: header.raw_unit.clone(),
             position_mm: header.position_mm.filter(|_| quantity != Quantity::Other),
             excluded: match quantity {
-                Quantity::Current => excluded(&raw.excluded_rows, axis, &rows),
+                Quantity::Current => excluded(&excluded_rows, axis, &rows),
                 _ => Arc::from([]),
             },
             time_s: time_of(rows, &all, &mut shared),
@@ -296,6 +316,38 @@ fn excluded(excluded_rows: &[u32], axis: &TimeAxis, rows: &[u32]) -> Arc<[u32]> 
             .is_ok()
     };
     (0..rows.len() as u32).filter(is_excluded).collect()
+}
+
+/// Rows with the same mark that follow each other, as stretches of time; rows without a time have none.
+fn flagged_stretches(flags: &[RowFlag], axis: &TimeAxis) -> Vec<FlaggedStretch> {
+    let mut stretches: Vec<(usize, FlaggedStretch)> = Vec::new();
+    for flag in flags {
+        let Ok(at) = axis.rows.binary_search(&flag.row) else {
+            continue;
+        };
+        let time_s = axis.time_s[at];
+        match stretches.last_mut() {
+            Some((last, stretch))
+                if *last + 1 == at && stretch.column == flag.column && stretch.flag == flag.flag =>
+            {
+                *last = at;
+                stretch.to_s = time_s;
+                stretch.readings += 1;
+            }
+            _ => stretches.push((
+                at,
+                FlaggedStretch {
+                    column: flag.column.clone(),
+                    flag: flag.flag.clone(),
+                    from_s: time_s,
+                    to_s: time_s,
+                    readings: 1,
+                    excludes: flag.excludes,
+                },
+            )),
+        }
+    }
+    stretches.into_iter().map(|(_, stretch)| stretch).collect()
 }
 
 fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {

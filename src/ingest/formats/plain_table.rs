@@ -69,7 +69,8 @@ impl Format for PlainTable {
             name: String::new(),
             headers: text.headers,
             cells: text.cells,
-            excluded_rows: Vec::new(),
+            flags: Vec::new(),
+            printed_time: None,
             time_zero_is_step: true,
             must_be_run: true,
         };

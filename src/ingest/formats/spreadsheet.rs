@@ -161,7 +161,8 @@ fn table(sheet: &Sheet, header_at: usize, issues: &mut Vec<Issue>) -> Result<(Ru
         name,
         headers,
         cells,
-        excluded_rows: Vec::new(),
+        flags: Vec::new(),
+        printed_time: None,
         time_zero_is_step: true,
         must_be_run: true,
     };

@@ -33,7 +33,8 @@ impl Profile {
             name: String::new(),
             headers,
             cells: found.cells,
-            excluded_rows: Vec::new(),
+            flags: Vec::new(),
+            printed_time: None,
             time_zero_is_step: self.time_zero_is_step,
             must_be_run: false,
         };

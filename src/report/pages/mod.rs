@@ -3,7 +3,8 @@
 pub mod comparison;
 pub mod index;
 pub mod run;
-pub mod run_evidence;
+pub mod run_clocks;
+mod run_evidence;
 pub mod table5;
 pub mod wording;
 
