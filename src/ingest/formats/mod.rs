@@ -20,6 +20,7 @@ pub mod labview_tdms;
 pub mod netzsch;
 pub mod overload;
 pub mod palmsens;
+pub mod parquet;
 pub mod plain_table;
 pub mod plausible;
 pub mod recognition;
@@ -33,6 +34,7 @@ pub mod stamp;
 pub mod ta_trios;
 pub mod time_axis;
 pub mod unpacking;
+pub mod unread;
 pub mod versastat_par;
 
 pub use error::ReadError;
@@ -96,6 +98,7 @@ pub static ALL: &[&dyn Format] = &[
     &climate::Toa5,
     &climate::Picolog,
     &spreadsheet::Spreadsheet,
+    &parquet::Parquet,
     &plain_table::PlainTable,
 ];
 

@@ -202,17 +202,21 @@ fn judge(grid: &Grid) -> Option<(usize, Guess)> {
     Some((counts.iter().sum(), guess))
 }
 
-/// Whether the row at `at` holds numbers where most of the rows below it do.
+/// Whether the row at `at` holds numbers where nearly all rows below it do, and words where nearly all do.
 fn shapes_agree(grid: &Grid, at: usize) -> bool {
     let is_number = |cell: &String| matches!(number::parse(cell, grid.decimal), Cell::Number(_));
     let below = &grid.rows[at + 1..];
-    let typical = below.get(below.len() / 2);
-    typical.is_none_or(|typical| {
-        let same = grid.rows[at]
+    grid.rows[at].iter().enumerate().all(|(column, cell)| {
+        let filled = below
             .iter()
-            .zip(typical)
-            .all(|(a, b)| a.is_empty() || b.is_empty() || is_number(a) == is_number(b));
-        same
+            .filter_map(|row| row.get(column))
+            .filter(|c| !c.is_empty());
+        let (all, numbers) = filled.fold((0usize, 0usize), |(all, numbers), cell| {
+            (all + 1, numbers + usize::from(is_number(cell)))
+        });
+        let of_numbers = 10 * numbers >= 9 * all;
+        let of_words = 10 * numbers <= all;
+        all == 0 || cell.is_empty() || (is_number(cell) && !of_words) || (!is_number(cell) && !of_numbers)
     })
 }
 
@@ -270,7 +274,9 @@ fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String
         let known = Header::parse(name).meaning.named_quantity() == Some(Quantity::Time);
         known || WORDS.iter().any(|word| lower.contains(word))
     };
-    let candidates: Vec<usize> = (0..names.len()).filter(|&at| speaks(&names[at])).collect();
+    let mut candidates: Vec<usize> = (0..names.len()).filter(|&at| speaks(&names[at])).collect();
+    // A letter such as T may be a temperature as well: words go before it.
+    candidates.sort_by_key(|&at| names[at].chars().count() == 1);
     let cells = |at: usize| {
         rows.iter()
             .filter_map(move |row| row.get(at))

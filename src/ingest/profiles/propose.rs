@@ -213,8 +213,8 @@ fn column(text: &mut String, guess: &Guess, index: usize, name: &str, open: &mut
         _ => {
             let _ = writeln!(
                 text,
-                "# [[column]]                 # kept under its own name\n# column = {reference}\n# quantity = \
-                 \"tip_displacement\"\n# unit = {}\n",
+                "# [[column]]                 # kept under its own name\n# column = {reference}\n# quantity = \"\"             # \
+                 current, voltage, curvature, tip_displacement, ...\n# unit = {}\n",
                 quoted(&header.raw_unit)
             );
             false
