@@ -42,9 +42,11 @@ impl Store {
     }
 }
 
+type Times = Arc<[f64]>;
+
 /// Adds `offset_s` to the times of channels; those that shared their times still do.
 pub(super) fn shift(channels: &mut [Channel], offset_s: f64) {
-    let mut shifted: Vec<(Arc<[f64]>, Arc<[f64]>)> = Vec::new();
+    let mut shifted: Vec<(Times, Times)> = Vec::new();
     for channel in channels {
         let known = shifted.iter().find(|(old, _)| Arc::ptr_eq(old, &channel.time_s));
         let moved = match known {

@@ -18,6 +18,7 @@ mod lumped_reference;
 mod main_job;
 mod methods;
 mod models_reference;
+mod mutations;
 mod real_campaigns;
 mod report_fixture;
 mod report_goldens;

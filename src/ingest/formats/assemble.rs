@@ -69,6 +69,10 @@ impl Raw {
 /// # Errors
 /// No row; too many ragged rows; no usable time column; time out of order; no response.
 pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+    table_of(&mut raw, issues)
+}
+
+fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
     let rows = raw.cells.rows();
     if rows == 0 {
         return Err(ReadError::HeaderOnly {
@@ -76,10 +80,10 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
             found: "no row of numbers".to_owned(),
         });
     }
-    check_ragged(&raw, issues)?;
-    read_flags(&mut raw);
-    let meanings = judge_columns(&raw, issues);
-    let time_index = time_column(&raw, &meanings)?;
+    check_ragged(raw, issues)?;
+    read_flags(raw);
+    let meanings = judge_columns(raw, issues);
+    let time_index = time_column(raw, &meanings)?;
     let axis = match time_index {
         Some(index) => {
             let conversion = conversion_of(&meanings[index]);
@@ -102,14 +106,14 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
             found: "no row with a time".to_owned(),
         });
     }
-    let channels = channels(&raw, &meanings, time_index, &axis, issues);
+    let channels = channels(raw, &meanings, time_index, &axis, issues);
     if raw.must_be_run && !channels.iter().any(|channel| channel.is_response()) {
-        return Err(no_response(&raw, &meanings));
+        return Err(no_response(raw, &meanings));
     }
     Ok(RunTable {
         flags: flagged_stretches(&raw.flags, &axis),
-        printed_time: raw.printed_time,
-        name: raw.name,
+        printed_time: raw.printed_time.clone(),
+        name: raw.name.clone(),
         rows,
         channels,
         time_column: time_index.map(|index| {
@@ -128,7 +132,7 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
 /// No row, or too many ragged rows.
 pub fn assemble_untimed(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
     let mut found = Vec::new();
-    let first = assemble(raw.clone(), &mut found);
+    let first = table_of(&mut raw, &mut found);
     let Err(error @ ReadError::TimeOrder { .. }) = first else {
         issues.extend(found);
         return first;
@@ -140,7 +144,7 @@ pub fn assemble_untimed(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTabl
             header.meaning = Meaning::Other;
         }
     }
-    assemble(raw, issues)
+    table_of(&mut raw, issues)
 }
 
 fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {
@@ -221,7 +225,7 @@ fn conversion_of(meaning: &Meaning) -> Conversion {
 }
 
 fn channels(
-    raw: &Raw,
+    raw: &mut Raw,
     meanings: &[Meaning],
     time_index: Option<usize>,
     axis: &TimeAxis,
@@ -233,7 +237,7 @@ fn channels(
     let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
     let mut channels: Vec<Channel> = Vec::new();
     for (index, header) in raw.headers.iter().enumerate() {
-        let column = &raw.cells.columns[index];
+        let column = &mut raw.cells.columns[index];
         let is_texts = column.keep_text && header.meaning.quantity() != Some(Quantity::OpenCircuit);
         if Some(index) == time_index || is_texts || holds_text(column) {
             continue;
@@ -259,15 +263,7 @@ fn channels(
             Quantity::Other => Conversion::IDENTITY,
             _ => conversion_of(&meanings[index]),
         };
-        let mut rows = Vec::with_capacity(axis.rows.len());
-        let mut values = Vec::with_capacity(axis.rows.len());
-        for (k, &row) in axis.rows.iter().enumerate() {
-            let value = conversion.apply(column.numbers[row as usize]);
-            if value.is_finite() {
-                rows.push(k as u32);
-                values.push(value);
-            }
-        }
+        let (rows, values) = finite(std::mem::take(&mut column.numbers), conversion, axis);
         if values.is_empty() {
             if quantity != Quantity::Other {
                 let message = format!("column {} holds no number", quoted(&header.raw_name));
@@ -290,6 +286,29 @@ fn channels(
         });
     }
     channels
+}
+
+/// Indices on the axis with a finite number, and those numbers converted.
+fn finite(mut numbers: Vec<f64>, conversion: Conversion, axis: &TimeAxis) -> (Vec<u32>, Vec<f64>) {
+    if axis.rows.len() == numbers.len() {
+        // Every row has its time, and mostly every cell its number.
+        if conversion != Conversion::IDENTITY {
+            numbers
+                .iter_mut()
+                .for_each(|number| *number = conversion.apply(*number));
+        }
+        if numbers.iter().all(|number| number.is_finite()) {
+            return ((0..numbers.len() as u32).collect(), numbers);
+        }
+        let found = numbers
+            .into_iter()
+            .enumerate()
+            .filter(|(_, number)| number.is_finite());
+        return found.map(|(row, number)| (row as u32, number)).unzip();
+    }
+    let at = |(k, &row): (usize, &u32)| (k as u32, conversion.apply(numbers[row as usize]));
+    let all = axis.rows.iter().enumerate().map(at);
+    all.filter(|(_, value)| value.is_finite()).unzip()
 }
 
 /// Times of the channel with readings at `rows` of the axis: one array for all channels with the same rows.

@@ -2,6 +2,7 @@
 //! where their own headers do not say it. See docs/profiles.md.
 
 mod check;
+mod check_time;
 mod choose;
 mod definition;
 mod error;

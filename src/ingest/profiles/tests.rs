@@ -224,7 +224,7 @@ fn a_cut_at_any_byte_never_changes_a_number() {
 #[test]
 fn proposals_read_the_file_they_were_made_from() {
     let with_names = b"made by hand\nTime (s);I/mA;kappa (1/m)\n0;1,5;0\n0,5;1,25;1\n1;1;2\n";
-    for (name, bytes) in [("a.csv", &LOG[..]), ("b.csv", &with_names[..])] {
+    for (name, bytes) in [("a.csv", LOG), ("b.csv", with_names.as_slice())] {
         let proposal = propose(name, bytes).unwrap();
         println!("{}\n{:?}", proposal.text, proposal.open);
         if name == "b.csv" {
