@@ -75,7 +75,10 @@ fn fixtures_read_as_expected() {
 #[test]
 fn every_text_format_has_fixtures() {
     let fixtures = fixtures();
-    for format in ALL.iter().filter(|format| !["spreadsheet", "parquet"].contains(&format.id())) {
+    for format in ALL
+        .iter()
+        .filter(|format| !["spreadsheet", "parquet"].contains(&format.id()))
+    {
         assert!(
             fixtures.iter().any(|(folder, _, _)| folder == format.id()),
             "{}",
