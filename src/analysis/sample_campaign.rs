@@ -68,6 +68,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
         }],
         tags,
         channels: vec![],
+        origin: Default::default(),
         drive: Some(crate::domain::Drive::step(voltage_v)),
         area_cm2: Some(0.1),
         data_hash: "0".repeat(64),

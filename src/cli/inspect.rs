@@ -27,11 +27,20 @@ pub fn run(args: &InspectArgs, output: &Output) -> Result<u8, CliError> {
     })
 }
 
-fn print(inspection: &Inspection, output: &Output) {
+/// Prints what was seen, for people.
+pub fn print(inspection: &Inspection, output: &Output) {
     let format = inspection.format.as_deref().unwrap_or("no format");
     output.result(&format!("{}: {format}, {}", inspection.file, inspection.status));
     if inspection.format.is_some() {
         output.result(&format!("  status: {}", inspection.status_evidence));
+    }
+    if let Some(profile) = &inspection.profile {
+        output.result(&format!(
+            "  profile: {} version {} ({})",
+            profile.id,
+            profile.version,
+            &profile.digest[..12]
+        ));
     }
     for candidate in &inspection.candidates {
         output.result(&format!(
@@ -49,13 +58,29 @@ fn print(inspection: &Inspection, output: &Output) {
     }
     if let Some(started) = &inspection.started_at {
         let local = started.local.as_deref().unwrap_or("not certain");
-        output.result(&format!("  date: {} -> {local} ({})", started.raw, started.basis));
+        let zone = started.offset.as_deref().unwrap_or(", no zone stated");
+        output.result(&format!(
+            "  date: {} -> {} {local}{zone} ({})",
+            started.raw,
+            started.kind.key(),
+            started.basis
+        ));
     }
     for (key, value, origin) in &inspection.header_tags {
         output.result(&format!("  tag {key} = {value} (from {origin})"));
     }
     for table in &inspection.runs {
         output.result(&format!("  table {} with {} rows", table.name, table.rows));
+        if let Some(printed) = &table.printed_time {
+            output.result(&format!("    the time is rebuilt; {printed} holds it as printed"));
+        }
+        for flag in &table.flags {
+            let effect = if flag.excludes { "left out of fits" } else { "kept" };
+            output.result(&format!(
+                "    {} {} from {} s to {} s: {} readings, {effect}",
+                flag.column, flag.flag, flag.from_s, flag.to_s, flag.readings
+            ));
+        }
         for column in &table.columns {
             let canonical = column.canonical.unwrap_or("kept under its own name");
             let ends = match (column.first, column.last) {

@@ -16,6 +16,7 @@ mod inspect;
 mod models;
 mod output;
 mod printable;
+mod profile;
 mod report;
 mod run;
 mod simulate;
@@ -90,6 +91,7 @@ enum Verb {
     Tag(tag::TagArgs),
     Status(status::StatusArgs),
     Inspect(inspect::InspectArgs),
+    Profile(profile::ProfileArgs),
     Simulate(simulate::SimulateArgs),
     Export(export::ExportArgs),
     Formats(formats::FormatsArgs),
@@ -164,6 +166,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Status(args) => status::run(args, output),
         Verb::Inspect(args) => inspect::run(args, output),
+        Verb::Profile(args) => profile::run(args, output),
         Verb::Simulate(args) => simulate::run(args, global, output),
         Verb::Export(args) => export::run(args, output),
         Verb::Formats(args) => formats::run(args, output),

@@ -10,6 +10,7 @@ pub mod fit;
 pub mod issue;
 pub mod modulus;
 mod number_or_null;
+pub mod origin;
 pub mod quantity;
 pub mod run;
 pub mod tag;
@@ -28,6 +29,9 @@ pub use estimate::Estimate;
 pub use fit::{ChannelNoise, Fit, NoiseCharacter, Parameter};
 pub use issue::{Issue, Severity};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
+pub use origin::{
+    ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
+};
 pub use quantity::Quantity;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
 pub use tag::{Tag, TagSource};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
-use super::{ChannelSummary, Drive, Fit, Issue, Tag};
+use super::{ChannelSummary, Drive, Fit, Issue, RunOrigin, Tag};
 
 /// What is measured, told by the folder that the file lies in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -159,6 +159,8 @@ pub struct RunRecord {
     pub tags: Vec<Tag>,
     /// Channels without readings.
     pub channels: Vec<ChannelSummary>,
+    /// Clocks, flags and profiles that the readings rest on.
+    pub origin: RunOrigin,
     /// The drive, where it is known.
     pub drive: Option<Drive>,
     /// Sample's active area used, cm2.

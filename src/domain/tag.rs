@@ -30,8 +30,10 @@ pub mod keys {
     pub const NOTE: &str = "note";
     /// Stretches of open circuit, s: `600-1200, 1800-2400`; the only tag whose value may be a list.
     pub const OPEN_CIRCUIT: &str = "open_circuit";
-    /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, and [`OPEN_CIRCUIT`],
-    /// which may be a list.
+    /// Seconds to add to the times of every clock of a run but the one of its voltage (or current).
+    pub const CLOCK_OFFSET_S: &str = "clock_offset_s";
+    /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, [`OPEN_CIRCUIT`],
+    /// which may be a list, and [`CLOCK_OFFSET_S`], which speaks of the record and not of the run.
     pub const CONDITIONS: [&str; 11] = [
         SAMPLE,
         ENVIRONMENT,
@@ -48,13 +50,14 @@ pub mod keys {
     /// Ending of keys that say what a column of an instrument measures: `storage_modulus_column = "E'/MPa"`.
     pub const COLUMN: &str = "_column";
     /// Keys whose value must be a number.
-    pub const NUMERIC: [&str; 6] = [
+    pub const NUMERIC: [&str; 7] = [
         VOLTAGE_V,
         RELATIVE_HUMIDITY_PERCENT,
         TEMPERATURE_C,
         PRESSURE_PA,
         REST_BEFORE_S,
         CYCLE,
+        CLOCK_OFFSET_S,
     ];
 }
 

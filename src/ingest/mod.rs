@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod campaign_file;
+pub mod clocks;
 pub mod data_hash;
 pub mod derived;
 pub mod drive;
@@ -9,6 +10,7 @@ pub mod filesystem;
 pub mod formats;
 pub mod name_pattern;
 pub mod named_columns;
+pub mod profiles;
 pub mod reading;
 pub mod scan;
 pub mod tags;

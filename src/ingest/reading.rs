@@ -2,34 +2,9 @@
 
 use serde::Serialize;
 
-use crate::domain::{Channel, Issue, Quantity, RunStatus};
+use crate::domain::{Channel, FlaggedStretch, Issue, Quantity, RunStatus};
 
-/// Which moment a time stamp of a file means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Timestamp {
-    /// Start of the measurement.
-    Start,
-    /// End of the measurement.
-    End,
-    /// Moment of the export.
-    Export,
-}
-
-/// A date and time as a file states it, with the reading of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct StartedAt {
-    /// The text of the file, unchanged.
-    pub raw: String,
-    /// Which moment it means.
-    pub kind: Timestamp,
-    /// Local date and time, `2024-07-17T10:52:53`; none where the order of day and month is not certain.
-    pub local: Option<String>,
-    /// Offset where the file states one, `+03:00`.
-    pub offset: Option<String>,
-    /// How the order of day and month was decided, in words.
-    pub basis: String,
-}
+pub use crate::domain::{StartedAt, Timestamp};
 
 /// One table of a file that can be a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +17,10 @@ pub struct RunTable {
     pub channels: Vec<Channel>,
     /// Name and unit of the time column as the file has them; none where there is none.
     pub time_column: Option<(String, String)>,
+    /// Column with the printed time, kept beside a time that was rebuilt; none where the time is as printed.
+    pub printed_time: Option<String>,
+    /// Stretches of readings that the instrument itself marks.
+    pub flags: Vec<FlaggedStretch>,
     /// Numbers of the time column: first and last, s.
     pub time_first_last_s: Option<(f64, f64)>,
     /// Whether time zero of the file is known to be the voltage step (the plain run table's contract), or

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::domain::{Campaign, Issue};
+use crate::ingest::profiles::{self, Profile};
 use crate::ingest::{campaign_file, filesystem};
 use crate::store::{InstanceLock, Store, StoreError};
 
@@ -20,6 +21,8 @@ pub struct Context {
     pub campaign: Campaign,
     /// What is odd in campaign.toml but no error.
     pub warnings: Vec<Issue>,
+    /// Saved profiles of the campaign, by id.
+    pub profiles: Vec<Profile>,
     /// BLAKE3 of campaign.toml's text.
     pub campaign_digest: String,
     /// The database.
@@ -31,13 +34,13 @@ impl Context {
     /// Opens a campaign to work on it; takes the lock that keeps a second instance out.
     ///
     /// # Errors
-    /// campaign.toml is missing or wrong; another instance works; the database cannot be used.
+    /// campaign.toml or a profile is wrong or missing; another instance works; the database cannot be used.
     pub fn open(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
         let lock = InstanceLock::take(folder)?;
         let store = Store::open(folder)?;
-        Ok(Context::with(folder, loaded, store, Some(lock)))
+        Context::with(folder, loaded, store, Some(lock))
     }
 
     /// Opens a campaign beside a working instance, for changes that do not read files or fit.
@@ -48,28 +51,29 @@ impl Context {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
         let store = Store::open(folder)?;
-        Ok(Context::with(folder, loaded, store, None))
+        Context::with(folder, loaded, store, None)
     }
 
     /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in.
     ///
     /// # Errors
-    /// campaign.toml is missing or wrong; the database cannot be read.
+    /// campaign.toml or a profile is wrong or missing; the database cannot be read.
     pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         let store = match Store::open_read_only(folder)? {
             Some(store) => store,
             None => Store::in_memory()?,
         };
-        Ok(Context::with(folder, loaded, store, None))
+        Context::with(folder, loaded, store, None)
     }
 
-    /// Reads campaign.toml again, after it changed.
+    /// Reads campaign.toml and the profiles again, after they changed.
     ///
     /// # Errors
-    /// It is missing or wrong; the context keeps what it knew.
+    /// One is missing or wrong; the context keeps what it knew.
     pub fn reload(&mut self) -> Result<(), PipelineError> {
         let loaded = campaign_file::read(&self.folder)?;
+        self.profiles = profiles::load(&self.folder)?;
         self.campaign_digest = digest(&loaded.text);
         self.campaign = loaded.campaign;
         self.warnings = loaded.warnings;
@@ -81,15 +85,16 @@ impl Context {
         loaded: campaign_file::Loaded,
         store: Store,
         lock: Option<InstanceLock>,
-    ) -> Context {
-        Context {
+    ) -> Result<Context, PipelineError> {
+        Ok(Context {
             folder: folder.to_owned(),
+            profiles: profiles::load(folder)?,
             campaign_digest: digest(&loaded.text),
             campaign: loaded.campaign,
             warnings: loaded.warnings,
             store,
             _lock: lock,
-        }
+        })
     }
 }
 

@@ -9,6 +9,7 @@ use crate::analysis::ExportError;
 use crate::fit::FitError;
 use crate::ingest::archive::ArchiveError;
 use crate::ingest::campaign_file::CampaignFileError;
+use crate::ingest::profiles::ProfileError;
 use crate::ingest::scan::ScanError;
 use crate::ingest::watch::WatchError;
 use crate::report::ReportError;
@@ -20,6 +21,9 @@ pub enum PipelineError {
     /// campaign.toml is missing or wrong.
     #[error(transparent)]
     Campaign(#[from] CampaignFileError),
+    /// A saved profile is wrong.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
     /// The database refused.
     #[error(transparent)]
     Store(#[from] StoreError),

@@ -6,7 +6,7 @@ use super::groups_document::GroupEntry;
 use super::{Context, PipelineError};
 use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
-use crate::domain::{ChannelNoise, Estimate, Issue, Parameter, RunRecord};
+use crate::domain::{ChannelNoise, Estimate, Issue, Parameter, RunOrigin, RunRecord};
 
 /// Every current fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -64,6 +64,8 @@ pub struct FitEntry {
     pub r_squared_curvature: Option<f64>,
     /// Noise and residual per channel.
     pub noise: Vec<ChannelNoise>,
+    /// Clocks with their offsets, flags and profiles that the readings rest on.
+    pub origin: RunOrigin,
     /// Issues of the run and of the fit.
     pub issues: Vec<Issue>,
 }
@@ -172,6 +174,7 @@ fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
         r_squared_current: fit.r_squared_current,
         r_squared_curvature: fit.r_squared_curvature,
         noise: fit.noise.clone(),
+        origin: run.origin.clone(),
         issues: run.issues.iter().chain(&fit.issues).cloned().collect(),
     })
 }

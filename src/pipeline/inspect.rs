@@ -5,8 +5,10 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::PipelineError;
-use crate::domain::{Issue, Quantity};
-use crate::ingest::formats::{self, Candidate, FileHead, ReadContext};
+use crate::domain::{FlaggedStretch, Issue, Quantity};
+use crate::ingest::campaign_file;
+use crate::ingest::formats::{ReadContext, ReadError};
+use crate::ingest::profiles::{self, Choice, Claim, Profile, Reader};
 use crate::ingest::{Reading, RunTable, StartedAt};
 
 /// A file as a reader sees it.
@@ -20,6 +22,8 @@ pub struct Inspection {
     pub format: Option<String>,
     /// Version of the reader.
     pub reader_version: Option<u32>,
+    /// Saved profile that the file was read with; null where none was.
+    pub profile: Option<InspectedProfile>,
     /// Every format that may have written it, best first.
     pub candidates: Vec<CandidateScore>,
     /// Technique as the file names it.
@@ -38,6 +42,17 @@ pub struct Inspection {
     pub runs: Vec<InspectedTable>,
     /// What a reader must know.
     pub issues: Vec<Issue>,
+}
+
+/// A saved profile.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InspectedProfile {
+    /// Its id.
+    pub id: String,
+    /// Its version.
+    pub version: u32,
+    /// BLAKE3 of its text, hexadecimal.
+    pub digest: String,
 }
 
 /// A format and how well it fits.
@@ -60,6 +75,10 @@ pub struct InspectedTable {
     pub rows: usize,
     /// Columns, time first.
     pub columns: Vec<InspectedColumn>,
+    /// Column with the printed time, kept beside a time that was rebuilt from the sample interval.
+    pub printed_time: Option<String>,
+    /// Stretches of readings that the instrument itself marks.
+    pub flags: Vec<FlaggedStretch>,
 }
 
 /// One column; values in the canonical unit.
@@ -85,54 +104,67 @@ pub struct InspectedColumn {
     pub last: Option<f64>,
 }
 
-/// Reads `file` and says what was seen; a refusal is an answer, too.
+/// Reads `file` and says what was seen; a refusal is an answer, too. The profiles of the campaign that the file lies
+/// in are obeyed.
 ///
 /// # Errors
-/// The file cannot be opened.
+/// The file cannot be opened, or a profile is wrong.
 pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     let bytes = std::fs::read(file).map_err(|source| PipelineError::File {
         path: file.to_owned(),
         doing: "reading the file",
         source,
     })?;
+    let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+    let profiles = match absolute.parent().and_then(campaign_file::find) {
+        Some(campaign) => profiles::load(&campaign)?,
+        None => Vec::new(),
+    };
+    Ok(inspect_bytes(file, &bytes, &profiles))
+}
+
+/// As [`inspect`], for bytes that were read already.
+pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile]) -> Inspection {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shown = file.display().to_string();
-    let recognised = formats::recognise(&FileHead::of(&name, &bytes));
-    let candidates = recognised
-        .as_ref()
-        .map_or(Vec::new(), |(_, candidates)| candidates.clone());
-    let read = recognised.and_then(|(format, _)| format.read(&bytes, &ReadContext::default()));
-    Ok(match read {
-        Ok(reading) => of_reading(shown, &candidates, &reading),
-        Err(error) => {
-            let status = match &error {
-                error if error.is_pending() => "pending",
-                error if error.is_sidecar() => "sidecar",
-                _ => "refused",
-            };
-            refused(shown, &candidates, error.issue(), status)
-        }
-    })
+    let choice = match profiles::choose(profiles, &name, bytes) {
+        Ok(choice) => choice,
+        Err(error) => return refused(shown, &[], &error),
+    };
+    let context = ReadContext::default();
+    let read = match choice.reader {
+        Reader::Format(format) => format.read(bytes, &context),
+        Reader::Profile(profile) => profile.read(bytes, &context),
+    };
+    match read {
+        Ok(reading) => of_reading(shown, &choice, &reading),
+        Err(error) => refused(shown, &choice.claims, &error),
+    }
 }
 
-fn scores(candidates: &[Candidate]) -> Vec<CandidateScore> {
-    candidates
-        .iter()
-        .map(|c| CandidateScore {
-            format: c.format.id().to_owned(),
-            score: c.score,
-            reason: c.reason.to_owned(),
-        })
-        .collect()
+fn scores(claims: &[Claim]) -> Vec<CandidateScore> {
+    let score = |claim: &Claim| CandidateScore {
+        format: claim.id.clone(),
+        score: claim.score,
+        reason: claim.reason.clone(),
+    };
+    claims.iter().map(score).collect()
 }
 
-fn refused(file: String, candidates: &[Candidate], issue: Issue, status: &str) -> Inspection {
+fn refused(file: String, claims: &[Claim], error: &ReadError) -> Inspection {
+    let issue = error.issue();
+    let status = match error {
+        error if error.is_pending() => "pending",
+        error if error.is_sidecar() => "sidecar",
+        _ => "refused",
+    };
     Inspection {
         schema: "ieap/inspect/1",
         file,
         format: None,
         reader_version: None,
-        candidates: scores(candidates),
+        profile: None,
+        candidates: scores(claims),
         technique: None,
         status: status.to_owned(),
         status_evidence: issue.message.clone(),
@@ -144,13 +176,21 @@ fn refused(file: String, candidates: &[Candidate], issue: Issue, status: &str) -
     }
 }
 
-fn of_reading(file: String, candidates: &[Candidate], reading: &Reading) -> Inspection {
+fn of_reading(file: String, choice: &Choice<'_>, reading: &Reading) -> Inspection {
     Inspection {
         schema: "ieap/inspect/1",
         file,
         format: Some(reading.format.to_owned()),
         reader_version: Some(reading.reader_version),
-        candidates: scores(candidates),
+        profile: match choice.reader {
+            Reader::Profile(profile) => Some(InspectedProfile {
+                id: profile.id.clone(),
+                version: profile.version,
+                digest: profile.digest.clone(),
+            }),
+            Reader::Format(_) => None,
+        },
+        candidates: scores(&choice.claims),
         technique: reading.technique.clone(),
         status: reading.status.key().to_owned(),
         status_evidence: reading.status_evidence.clone(),
@@ -192,6 +232,8 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
     InspectedTable {
         name: table.name.clone(),
         rows: table.rows,
+        printed_time: table.printed_time.clone(),
+        flags: table.flags.clone(),
         columns: time.into_iter().chain(channels).collect(),
     }
 }

@@ -1,9 +1,9 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 
 mod context;
-pub mod dma_document;
 mod diagnose;
 pub mod diagnosis_document;
+pub mod dma_document;
 mod error;
 pub mod export;
 mod fit;
@@ -16,6 +16,7 @@ mod init;
 pub mod inspect;
 mod modulus;
 mod observer;
+pub mod profile;
 mod report;
 mod run;
 pub mod simulate;

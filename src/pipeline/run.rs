@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary, Ingest,
-    IngestSummary, ModulusSummary, Observer, PipelineError, RenderReport, ReportSummary,
+    AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary,
+    Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RenderReport, ReportSummary,
 };
 use crate::ingest::scan::SeenFile;
 

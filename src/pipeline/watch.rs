@@ -102,7 +102,7 @@ impl Watch {
     ) -> Result<RunSummary, PipelineError> {
         if let Err(error) = context.reload() {
             observer.warn(&format!(
-                "{error}; what campaign.toml said before goes on to hold"
+                "{error}; what campaign.toml and the profiles said before goes on to hold"
             ));
         }
         sightings.begin();

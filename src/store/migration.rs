@@ -8,9 +8,10 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 3] = [
+const HISTORY: [&str; 4] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
+    include_str!("../../migrations/0004_origin.sql"),
     include_str!("../../migrations/0005_diagnosis.sql"),
 ];
 

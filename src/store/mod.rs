@@ -13,6 +13,7 @@ mod lock;
 mod migration;
 mod modulus;
 mod new_run;
+mod origin;
 mod runs;
 mod tags;
 

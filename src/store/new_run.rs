@@ -3,8 +3,9 @@
 use rusqlite::{Transaction, params};
 
 use super::blob::{pack_f64, pack_u32};
+use super::origin::{insert_origin, insert_stated_offset};
 use super::{StepError, to_json};
-use crate::domain::{Channel, Drive, Issue, RunKind, RunState, RunStatus, Tag};
+use crate::domain::{Channel, Drive, Issue, RunKind, RunOrigin, RunState, RunStatus, Tag};
 
 /// Raw bytes that are archived.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,6 +39,8 @@ pub struct Tagging {
     pub length_cm: Option<f64>,
     /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
     pub electrode_resistance_ohm_per_sq: Option<f64>,
+    /// What the tag `clock_offset_s` states, s: added to the times of every clock but the reference.
+    pub clock_offset_s: Option<f64>,
     /// BLAKE3 over everything the tags came from.
     pub digest: String,
 }
@@ -73,6 +76,8 @@ pub struct NewRun {
     pub channels: Vec<Channel>,
     /// BLAKE3 of the readings.
     pub data_hash: String,
+    /// Clocks, flags and profiles that the readings rest on.
+    pub origin: RunOrigin,
     /// What the reader noticed.
     pub issues: Vec<Issue>,
     /// Tags and what follows from them.
@@ -119,6 +124,7 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
     let run_id = transaction.last_insert_rowid();
     insert_contents(transaction, now, run_id, &run.contents)?;
     insert_channels(transaction, run_id, &run.channels)?;
+    insert_origin(transaction, now, run_id, &run.origin)?;
     insert_issues(transaction, run_id, "read", 0, &run.issues)?;
     insert_tagging(transaction, run_id, tagging)
 }
@@ -211,6 +217,9 @@ pub(super) fn insert_tagging(
                 tag.detail,
                 ordinal < tagging.chosen
             ])?;
+    }
+    if let Some(offset_s) = tagging.clock_offset_s {
+        insert_stated_offset(transaction, run_id, offset_s)?;
     }
     let first: i64 = transaction
         .prepare_cached("SELECT coalesce(max(ordinal) + 1, 0) FROM run_issue WHERE run_id = ?1")?

@@ -10,10 +10,11 @@ use super::files::upsert_file;
 use super::fits::retire_fit;
 use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging};
+use super::origin::{delete_stated_offset, shift};
 use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
 use crate::domain::{
-    Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunRecord, RunState, RunStatus, Severity,
-    Tag, TagSource,
+    Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunOrigin, RunRecord, RunState, RunStatus,
+    Severity, Tag, TagSource,
 };
 
 impl Store {
@@ -44,6 +45,7 @@ impl Store {
             )?;
             let sql = "UPDATE run SET state = ?2, drive = ?3, area_cm2 = ?4, length_cm = ?5, tag_digest = ?6,
                        electrode_resistance_ohm_per_sq = ?7 WHERE id = ?1";
+            delete_stated_offset(transaction, run_id)?;
             let drive = tagging
                 .drive
                 .as_ref()
@@ -96,6 +98,25 @@ impl Store {
             .map_err(|e| self.failed(doing, e))?;
         let rows = statement
             .query_map([hash], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Paths and hashes of the files of the current run of that name, in order.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn contents_of(&self, path: &str) -> Result<Vec<(String, String)>, StoreError> {
+        let doing = "reading a run";
+        let sql = "SELECT run_file.path, run_file.hash FROM run_file JOIN run ON run.id = run_file.run_id
+                   WHERE run.path = ?1 AND run.superseded_at IS NULL ORDER BY run_file.ordinal";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([path], |row| Ok((row.get(0)?, row.get(1)?)))
             .map_err(|e| self.failed(doing, e))?;
         rows.collect::<rusqlite::Result<_>>()
             .map_err(|e| self.failed(doing, e))
@@ -161,15 +182,13 @@ impl Store {
             .map_err(|e| self.failed(doing, e))
     }
 
-    /// Path of a run's first file.
+    /// Paths of a run's files, in order.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn first_file(&self, run_id: i64) -> Result<Option<String>, StoreError> {
-        self.connection
-            .prepare_cached("SELECT path FROM run_file WHERE run_id = ?1 ORDER BY ordinal LIMIT 1")
-            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)).optional())
-            .map_err(|e| self.failed("reading a run", e))
+    pub fn file_paths(&self, run_id: i64) -> Result<Vec<String>, StoreError> {
+        let sql = "SELECT path FROM run_file WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, |row| Ok(row.get(0)?))
     }
 
     /// Whether the run's clock starts at the voltage step, and whether its technique is a step response.
@@ -186,11 +205,24 @@ impl Store {
             .map_err(|e| self.failed("reading a run", e))
     }
 
-    /// Readings of a run.
+    /// Readings of a run, with the clock offsets applied that are stated.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn channels(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
+        let mut channels = self.channels_as_read(run_id)?;
+        for (first, count, offset_s) in self.applied_offsets(run_id)? {
+            let timed = first.min(channels.len())..(first + count).min(channels.len());
+            shift(&mut channels[timed], offset_s);
+        }
+        Ok(channels)
+    }
+
+    /// Readings of a run with the times of their files.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn channels_as_read(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
         let doing = "reading channels";
         let sql =
             "SELECT quantity, raw_name, raw_unit, position_mm, time_of, time_blob, value_blob, excluded_blob
@@ -262,6 +294,7 @@ impl Store {
         record.files = self.run_files(record.id, aliases)?;
         record.tags = self.tags(record.id)?;
         record.channels = self.channel_summaries(record.id)?;
+        record.origin = self.origin(record.id)?;
         record.issues = self.run_issues(record.id)?;
         if let Some((fit, code_version)) = self.fit(record.id)? {
             record.fit = Some(fit);
@@ -423,6 +456,7 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         files: Vec::new(),
         tags: Vec::new(),
         channels: Vec::new(),
+        origin: RunOrigin::default(),
         drive: drive.map(|text| from_json("a run's drive", &text)).transpose()?,
         area_cm2: row.get("area_cm2")?,
         data_hash: row.get("data_hash")?,

@@ -81,9 +81,11 @@ fn every_module_is_in_the_table() {
 
 #[test]
 fn crates_stay_behind_their_doors() {
+    // Polars reads Parquet in one file of its own.
     let doors = [
         ("rusqlite", "store"),
         ("polars", "analysis"),
+        ("polars", "ingest/formats/parquet.rs"),
         ("tera", "report"),
         ("plotters", "report"),
         ("notify", "ingest"),
@@ -91,15 +93,14 @@ fn crates_stay_behind_their_doors() {
     ];
     for file in rust_files(&source()) {
         let text = std::fs::read_to_string(&file).unwrap();
-        for (name, module) in doors {
+        for (name, _) in doors {
             let uses = text.lines().any(|line| {
                 line.starts_with(&format!("use {name}::")) || line.starts_with(&format!("use {name}_"))
             });
-            assert!(
-                !uses || file.starts_with(source().join(module)),
-                "{} uses {name}",
-                file.display()
-            );
+            let may = doors
+                .iter()
+                .any(|(other, place)| *other == name && file.starts_with(source().join(place)));
+            assert!(!uses || may, "{} uses {name}", file.display());
         }
     }
 }

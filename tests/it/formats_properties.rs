@@ -3,8 +3,11 @@
 use ieap::ingest::formats::{ALL, ReadContext, read};
 use ieap::ingest::{Reading, RunTable};
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 use crate::formats_fixtures::fixtures;
+use crate::mutations::mutated;
 
 /// Reads with every format, whatever recognition says.
 fn read_with_all(bytes: &[u8]) {
@@ -70,6 +73,22 @@ fn a_cut_at_any_byte_never_changes_a_number() {
         survived += cuts(&path.file_name().unwrap().to_string_lossy(), &bytes);
     }
     assert!(survived > 1000, "only {survived} cuts could be read");
+}
+
+/// The short form of `cargo run --example fuzz_readers`, which measures time and memory, too.
+#[test]
+fn files_made_worse_never_panic() {
+    let fixtures = fixtures();
+    let mut random = ChaCha8Rng::seed_from_u64(20_261_120);
+    let context = ReadContext::default();
+    for _ in 0..crate::campaign::counted(3_000, 100_000) {
+        let (id, path, bytes) = &fixtures[random.random_range(0..fixtures.len())];
+        let (_, _, other) = &fixtures[random.random_range(0..fixtures.len())];
+        let worse = mutated(bytes, other, 64 << 10, &mut random);
+        let _ = read(&path.file_name().unwrap().to_string_lossy(), &worse, &context);
+        let own = ALL.iter().find(|format| format.id() == id).unwrap();
+        let _ = own.read(&worse, &context);
+    }
 }
 
 fn assert_prefix(name: &str, end: usize, cut: &Reading, whole: &Reading) {

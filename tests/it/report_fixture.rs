@@ -146,6 +146,7 @@ pub fn run(index: usize, material: &str, surroundings: usize, voltage_v: f64, re
             channel(Quantity::Current, 2e-5),
             channel(Quantity::Curvature, 0.31),
         ],
+        origin: Default::default(),
         drive: Some(Drive::step(voltage_v)),
         area_cm2: Some(0.1),
         data_hash: "5f".repeat(32),

@@ -8,7 +8,7 @@ use super::error::{ReadError, quoted};
 use super::plausible::implausible;
 use super::time_axis::{self, TimeAxis};
 use crate::domain::unit::Conversion;
-use crate::domain::{Channel, Issue, Quantity};
+use crate::domain::{Channel, FlaggedStretch, Issue, Quantity};
 use crate::ingest::RunTable;
 use crate::ingest::text::header::{Header, Meaning};
 
@@ -24,14 +24,29 @@ pub struct Raw {
     pub headers: Vec<Header>,
     /// The cells.
     pub cells: CellTable,
-    /// Rows (increasing) whose current is no measurement, such as an overload.
-    pub excluded_rows: Vec<u32>,
+    /// Rows that the instrument marks, in order.
+    pub flags: Vec<RowFlag>,
+    /// Column with the printed time, where the table is timed by another one.
+    pub printed_time: Option<String>,
     /// Whether time zero is the voltage step.
     pub time_zero_is_step: bool,
     /// Whether the table must be a run: without a time column it is refused then.
     pub must_be_run: bool,
     /// Whether it is also refused without a response or a modulus.
     pub must_respond: bool,
+}
+
+/// The mark of one row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowFlag {
+    /// The row.
+    pub row: u32,
+    /// Name of the column of flags.
+    pub column: String,
+    /// The flag as the file has it.
+    pub flag: String,
+    /// Whether the row's current is no measurement, as in an overload.
+    pub excludes: bool,
 }
 
 impl Raw {
@@ -41,7 +56,8 @@ impl Raw {
             name,
             headers,
             cells,
-            excluded_rows: Vec::new(),
+            flags: Vec::new(),
+            printed_time: None,
             time_zero_is_step: false,
             must_be_run: false,
             must_respond: false,
@@ -56,6 +72,10 @@ impl Raw {
 /// # Errors
 /// No row; too many ragged rows; no usable time column; time out of order; no response.
 pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+    table_of(&mut raw, issues)
+}
+
+fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
     let rows = raw.cells.rows();
     if rows == 0 {
         return Err(ReadError::HeaderOnly {
@@ -63,10 +83,10 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
             found: "no row of numbers".to_owned(),
         });
     }
-    check_ragged(&raw, issues)?;
-    read_flags(&mut raw);
-    let meanings = judge_columns(&raw, issues);
-    let time_index = time_column(&raw, &meanings)?;
+    check_ragged(raw, issues)?;
+    read_flags(raw);
+    let meanings = judge_columns(raw, issues);
+    let time_index = time_column(raw, &meanings)?;
     let axis = match time_index {
         Some(index) => {
             let conversion = conversion_of(&meanings[index]);
@@ -89,13 +109,15 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
             found: "no row with a time".to_owned(),
         });
     }
-    let channels = channels(&raw, &meanings, time_index, &axis, issues);
+    let channels = channels(raw, &meanings, time_index, &axis, issues);
     let responds = |channel: &Channel| channel.is_response() || channel.quantity.is_modulus();
     if raw.must_respond && !channels.iter().any(responds) {
-        return Err(no_response(&raw, &meanings));
+        return Err(no_response(raw, &meanings));
     }
     Ok(RunTable {
-        name: raw.name,
+        flags: flagged_stretches(&raw.flags, &axis),
+        printed_time: raw.printed_time.clone(),
+        name: raw.name.clone(),
         rows,
         channels,
         time_column: time_index.map(|index| {
@@ -114,7 +136,7 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
 /// No row, or too many ragged rows.
 pub fn assemble_untimed(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
     let mut found = Vec::new();
-    let first = assemble(raw.clone(), &mut found);
+    let first = table_of(&mut raw, &mut found);
     let Err(error @ ReadError::TimeOrder { .. }) = first else {
         issues.extend(found);
         return first;
@@ -126,7 +148,7 @@ pub fn assemble_untimed(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTabl
             header.meaning = Meaning::Other;
         }
     }
-    assemble(raw, issues)
+    table_of(&mut raw, issues)
 }
 
 fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {
@@ -207,17 +229,19 @@ fn conversion_of(meaning: &Meaning) -> Conversion {
 }
 
 fn channels(
-    raw: &Raw,
+    raw: &mut Raw,
     meanings: &[Meaning],
     time_index: Option<usize>,
     axis: &TimeAxis,
     issues: &mut Vec<Issue>,
 ) -> Vec<Channel> {
     let all: Arc<[f64]> = axis.time_s.as_slice().into();
+    let mut excluded_rows: Vec<u32> = raw.flags.iter().filter(|f| f.excludes).map(|f| f.row).collect();
+    excluded_rows.sort_unstable();
     let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
     let mut channels: Vec<Channel> = Vec::new();
     for (index, header) in raw.headers.iter().enumerate() {
-        let column = &raw.cells.columns[index];
+        let column = &mut raw.cells.columns[index];
         let is_texts = column.keep_text && header.meaning.quantity() != Some(Quantity::OpenCircuit);
         if Some(index) == time_index || is_texts || holds_text(column) {
             continue;
@@ -243,15 +267,7 @@ fn channels(
             Quantity::Other => Conversion::IDENTITY,
             _ => conversion_of(&meanings[index]),
         };
-        let mut rows = Vec::with_capacity(axis.rows.len());
-        let mut values = Vec::with_capacity(axis.rows.len());
-        for (k, &row) in axis.rows.iter().enumerate() {
-            let value = conversion.apply(column.numbers[row as usize]);
-            if value.is_finite() {
-                rows.push(k as u32);
-                values.push(value);
-            }
-        }
+        let (rows, values) = finite(std::mem::take(&mut column.numbers), conversion, axis);
         if values.is_empty() {
             if quantity != Quantity::Other {
                 let message = format!("column {} holds no number", quoted(&header.raw_name));
@@ -266,7 +282,7 @@ fn channels(
             raw_unit: header.raw_unit.clone(),
             position_mm: header.position_mm.filter(|_| quantity != Quantity::Other),
             excluded: match quantity {
-                Quantity::Current => excluded(&raw.excluded_rows, axis, &rows),
+                Quantity::Current => excluded(&excluded_rows, axis, &rows),
                 _ => Arc::from([]),
             },
             time_s: time_of(rows, &all, &mut shared),
@@ -274,6 +290,29 @@ fn channels(
         });
     }
     channels
+}
+
+/// Indices on the axis with a finite number, and those numbers converted.
+fn finite(mut numbers: Vec<f64>, conversion: Conversion, axis: &TimeAxis) -> (Vec<u32>, Vec<f64>) {
+    if axis.rows.len() == numbers.len() {
+        // Every row has its time, and mostly every cell its number.
+        if conversion != Conversion::IDENTITY {
+            numbers
+                .iter_mut()
+                .for_each(|number| *number = conversion.apply(*number));
+        }
+        if numbers.iter().all(|number| number.is_finite()) {
+            return ((0..numbers.len() as u32).collect(), numbers);
+        }
+        let found = numbers
+            .into_iter()
+            .enumerate()
+            .filter(|(_, number)| number.is_finite());
+        return found.map(|(row, number)| (row as u32, number)).unzip();
+    }
+    let at = |(k, &row): (usize, &u32)| (k as u32, conversion.apply(numbers[row as usize]));
+    let all = axis.rows.iter().enumerate().map(at);
+    all.filter(|(_, value)| value.is_finite()).unzip()
 }
 
 /// Times of the channel with readings at `rows` of the axis: one array for all channels with the same rows.
@@ -300,6 +339,38 @@ fn excluded(excluded_rows: &[u32], axis: &TimeAxis, rows: &[u32]) -> Arc<[u32]> 
             .is_ok()
     };
     (0..rows.len() as u32).filter(is_excluded).collect()
+}
+
+/// Rows with the same mark that follow each other, as stretches of time; rows without a time have none.
+fn flagged_stretches(flags: &[RowFlag], axis: &TimeAxis) -> Vec<FlaggedStretch> {
+    let mut stretches: Vec<(usize, FlaggedStretch)> = Vec::new();
+    for flag in flags {
+        let Ok(at) = axis.rows.binary_search(&flag.row) else {
+            continue;
+        };
+        let time_s = axis.time_s[at];
+        match stretches.last_mut() {
+            Some((last, stretch))
+                if *last + 1 == at && stretch.column == flag.column && stretch.flag == flag.flag =>
+            {
+                *last = at;
+                stretch.to_s = time_s;
+                stretch.readings += 1;
+            }
+            _ => stretches.push((
+                at,
+                FlaggedStretch {
+                    column: flag.column.clone(),
+                    flag: flag.flag.clone(),
+                    from_s: time_s,
+                    to_s: time_s,
+                    readings: 1,
+                    excludes: flag.excludes,
+                },
+            )),
+        }
+    }
+    stretches.into_iter().map(|(_, stretch)| stretch).collect()
 }
 
 fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {

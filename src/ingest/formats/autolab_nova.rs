@@ -107,11 +107,12 @@ pub fn table(
         must_respond: !is_cyclic(&headers),
         headers,
         cells,
-        excluded_rows: Vec::new(),
+        flags: Vec::new(),
+        printed_time: None,
         time_zero_is_step: false,
     };
     if let Some(index) = flags {
-        overload::exclude(&mut raw, index, is_overload, issues);
+        overload::exclude(&mut raw, index, is_overload, is_overload, issues);
     }
     assemble(raw, issues)
 }

@@ -44,6 +44,23 @@ pub struct CellColumn {
 }
 
 impl CellColumn {
+    /// A column of numbers with `rows` rows; numbers that are not finite are counted and left out.
+    fn of_numbers(mut numbers: Vec<f64>, rows: usize) -> CellColumn {
+        let mut column = CellColumn {
+            filled: numbers.len(),
+            ..CellColumn::default()
+        };
+        if numbers.iter().any(|number| !number.is_finite()) {
+            for (row, number) in numbers.iter_mut().enumerate().filter(|(_, n)| !n.is_finite()) {
+                column.not_finite.add(row + 1, || number.to_string());
+                *number = f64::NAN;
+            }
+        }
+        numbers.resize(rows, f64::NAN);
+        column.numbers = numbers;
+        column
+    }
+
     /// Adds the cell of the next row, which stands on `line`.
     pub fn push(&mut self, line: usize, cell: Cell, raw: impl Fn() -> String) {
         let row = self.numbers.len() as u32;
@@ -94,6 +111,19 @@ impl CellTable {
             columns: keep_text.iter().map(column).collect(),
             line_of_row: Vec::with_capacity(rows_expected),
             ragged: Tally::default(),
+        }
+    }
+
+    /// A table of numbers, as binary files hold them; columns that end before the longest one are empty from there.
+    pub fn of_numbers(columns: Vec<Vec<f64>>) -> CellTable {
+        let rows = columns.iter().map(Vec::len).max().unwrap_or(0);
+        CellTable {
+            columns: columns
+                .into_iter()
+                .map(|numbers| CellColumn::of_numbers(numbers, rows))
+                .collect(),
+            line_of_row: (1..=rows as u32).collect(),
+            ..CellTable::default()
         }
     }
 

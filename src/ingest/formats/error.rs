@@ -34,6 +34,16 @@ pub enum ReadError {
         /// What stands in the file, escaped.
         found: String,
     },
+    /// The kind of file is known, and there is no reader for it.
+    #[error("it is {kind}, which is not read ({sign})")]
+    NotRead {
+        /// What it is.
+        kind: &'static str,
+        /// What shows it.
+        sign: &'static str,
+        /// How to get its readings in.
+        mend: &'static str,
+    },
     /// The structure of a binary file breaks off or contradicts itself.
     #[error("at byte {offset}: {found}; needed {needed}")]
     Structure {
@@ -170,6 +180,7 @@ impl ReadError {
             ReadError::HeaderOnly { .. } => "header-only",
             ReadError::Sidecar { .. } => "sidecar",
             ReadError::NeverSeen { .. } => "never-seen",
+            ReadError::NotRead { .. } => "not-read-kind",
             ReadError::Structure { .. } => "broken-structure",
             ReadError::UnknownFormat { .. } => "unknown-format",
             ReadError::AmbiguousFormat { .. } => "ambiguous-format",
@@ -223,6 +234,7 @@ impl ReadError {
                 "wait until the instrument has written the file; it is looked at again when it changes"
             }
             ReadError::Sidecar { .. } => "nothing; keep it beside the run's file",
+            ReadError::NotRead { mend, .. } => mend,
             ReadError::NeverSeen { .. } => {
                 "export the run as text from the instrument's software, or as a plain table with units in its header"
             }

@@ -137,16 +137,22 @@ fn run_table(table: &Table<'_>, decimal: Decimal, issues: &mut Vec<Issue>) -> Re
         name: table.name.to_owned(),
         headers,
         cells,
-        excluded_rows: Vec::new(),
+        flags: Vec::new(),
+        printed_time: None,
         time_zero_is_step: false,
         must_be_run: false,
         must_respond: false,
     };
     if let Some(index) = keep_text.iter().position(|keep| *keep) {
-        overload::exclude(&mut raw, index, touches_current, issues);
+        overload::exclude(&mut raw, index, is_marked, touches_current, issues);
     }
     drop_missing_probe(&mut raw, issues);
     assemble(raw, issues)
+}
+
+/// Whether any of the flags is set.
+fn is_marked(flags: &str) -> bool {
+    flags.contains(|flag| flag != '.')
 }
 
 /// Whether overload flags concern the cell. The position of a flag says what it means (Gamry, Framework help,

@@ -21,6 +21,7 @@ pub mod labview_tdms;
 pub mod netzsch;
 pub mod overload;
 pub mod palmsens;
+pub mod parquet;
 pub mod plain_table;
 pub mod plausible;
 pub mod recognition;
@@ -34,6 +35,7 @@ pub mod stamp;
 pub mod ta_trios;
 pub mod time_axis;
 pub mod unpacking;
+pub mod unread;
 pub mod versastat_par;
 
 pub use error::ReadError;
@@ -68,6 +70,10 @@ pub trait Format: Sync {
     fn extensions(&self) -> &'static [&'static str];
     /// Version of the reader: raised when the same bytes would read differently.
     fn version(&self) -> u32;
+    /// Whether it reads tables of any source by the names of their columns: a saved profile goes before it.
+    fn is_generic(&self) -> bool {
+        false
+    }
     /// Whether a file is of this format, judged by how it begins.
     fn recognise(&self, head: &FileHead<'_>) -> Match;
     /// Reads a whole file.
@@ -98,6 +104,7 @@ pub static ALL: &[&dyn Format] = &[
     &climate::Toa5,
     &climate::Picolog,
     &spreadsheet::Spreadsheet,
+    &parquet::Parquet,
     &plain_table::PlainTable,
 ];
 

@@ -31,6 +31,10 @@ impl Format for PlainTable {
         3
     }
 
+    fn is_generic(&self) -> bool {
+        true
+    }
+
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let Some(text) = head.text() else {
             return Match::No;
@@ -65,7 +69,8 @@ impl Format for PlainTable {
             name: String::new(),
             headers: text.headers,
             cells: text.cells,
-            excluded_rows: Vec::new(),
+            flags: Vec::new(),
+            printed_time: None,
             time_zero_is_step: true,
             must_be_run: true,
             must_respond: context.needs_response,

@@ -1,7 +1,7 @@
 //! Which format a file has: by its content; the extension only breaks a tie.
 
 use super::error::{ReadError, quoted};
-use super::{ALL, Format, sidecar};
+use super::{ALL, Format, sidecar, unread};
 use crate::ingest::text::decode;
 
 /// Bytes of a file that recognition looks at.
@@ -96,8 +96,13 @@ pub fn recognise(head: &FileHead<'_>) -> Result<(&'static dyn Format, Vec<Candid
         let bonus = candidate.format.extensions().contains(&extension.as_str());
         candidate.score + if bonus { EXTENSION } else { 0.0 }
     };
-    let mut candidates: Vec<Candidate> = ALL.iter().filter_map(|&format| candidate(format, head)).collect();
+    let mut candidates = candidates(head);
     candidates.sort_by(|a, b| with_extension(b).total_cmp(&with_extension(a)));
+    if candidates.iter().all(|candidate| candidate.score < CERTAIN)
+        && let Some(refusal) = unread::refusal(head)
+    {
+        return Err(refusal);
+    }
     match candidates.as_slice() {
         [] => Err(unknown(head)),
         [first, second, ..] if leads(first, second, with_extension) => Ok((first.format, candidates)),
@@ -110,6 +115,11 @@ pub fn recognise(head: &FileHead<'_>) -> Result<(&'static dyn Format, Vec<Candid
                 .join(", "),
         }),
     }
+}
+
+/// Every format that fits, in no order; no file is too small or a sidecar here.
+pub fn candidates(head: &FileHead<'_>) -> Vec<Candidate> {
+    ALL.iter().filter_map(|&format| candidate(format, head)).collect()
 }
 
 /// Whether the first leads by content, or is as good by content and has the extension for it.
@@ -172,6 +182,6 @@ mod tests {
             message.contains(r#""\u{1b}[31mhello""#) && message.contains("gamry-dta, autolab-nova"),
             "{message}"
         );
-        assert!(id("a.parquet", b"PAR1\x15\0\x15").is_err());
+        assert!(id("a.avro", b"Obj\x01\x04\0\x15").is_err());
     }
 }

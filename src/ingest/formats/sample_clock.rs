@@ -83,6 +83,7 @@ fn replace(raw: &mut Raw, index: usize, clock: SampleClock, first: f64) {
         .map(|row| first + row as f64 * clock.interval_s)
         .collect();
     raw.headers[index].meaning = Meaning::Other;
+    raw.printed_time = Some(raw.headers[index].raw_name.clone());
     let name = format!("row number x {}", clock.name);
     let time = Header {
         raw_name: name,

@@ -35,6 +35,10 @@ impl Format for Spreadsheet {
         2
     }
 
+    fn is_generic(&self) -> bool {
+        true
+    }
+
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let holds = |mark: &[u8]| head.bytes.windows(mark.len()).any(|window| window == mark);
         /// Bytes before the name of the first member of a zip archive.
@@ -160,7 +164,8 @@ fn table(sheet: &Sheet, header_at: usize, issues: &mut Vec<Issue>) -> Result<(Ru
         name,
         headers,
         cells,
-        excluded_rows: Vec::new(),
+        flags: Vec::new(),
+        printed_time: None,
         time_zero_is_step: true,
         must_be_run: true,
         must_respond: true,
@@ -202,7 +207,7 @@ fn cells(sheet: &Sheet, header_at: usize, places: &[u32], keep_text: &[bool]) ->
 }
 
 /// Decimal sign of numbers that a sheet stores as text: a comma where only that makes them numbers.
-fn decimal_of_texts<'a>(cells: impl Iterator<Item = &'a SheetCell>) -> Decimal {
+pub fn decimal_of_texts<'a>(cells: impl Iterator<Item = &'a SheetCell>) -> Decimal {
     let (mut point, mut comma) = (false, false);
     for cell in cells {
         if let SheetCell::Text(text) = cell {

@@ -29,6 +29,16 @@ pub fn increasing(
     column: &str,
     issues: &mut Vec<Issue>,
 ) -> Result<TimeAxis, ReadError> {
+    let is_in_order =
+        time_s.iter().all(|time| time.is_finite()) && time_s.windows(2).all(|pair| pair[1] > pair[0]);
+    if is_in_order {
+        let axis = TimeAxis {
+            time_s: time_s.to_vec(),
+            rows: (0..time_s.len() as u32).collect(),
+        };
+        issues.extend(gaps(&axis, cells));
+        return Ok(axis);
+    }
     let mut axis = TimeAxis {
         time_s: Vec::with_capacity(time_s.len()),
         rows: Vec::with_capacity(time_s.len()),

@@ -203,7 +203,9 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
 
 /// A note on a free tag that looks like a misspelt key with a meaning.
 fn misspelt(key: &str, shown: &str) -> Option<Issue> {
-    let known = keys::CONDITIONS.into_iter().chain([keys::OPEN_CIRCUIT]);
+    let known = keys::CONDITIONS
+        .into_iter()
+        .chain([keys::OPEN_CIRCUIT, keys::CLOCK_OFFSET_S]);
     let names_column = key
         .strip_suffix(keys::COLUMN)
         .is_some_and(|quantity| Quantity::from_key(quantity).is_some());

@@ -5,6 +5,9 @@ use crate::domain::unit::{self, Conversion, UnitError};
 
 use super::number::unquote;
 
+/// Longest name of a column that is looked into, bytes: beyond it stands a text and no name.
+const LONGEST_NAME: usize = 400;
+
 /// What ieap makes of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Meaning {
@@ -61,6 +64,14 @@ impl Header {
     /// Reads a header cell such as `Time (s)`, `I/mA`, `Current [µA]`, `Temp, °C` or `curvature_per_m`.
     pub fn parse(cell: &str) -> Header {
         let raw_name = unquote(cell);
+        if raw_name.len() > LONGEST_NAME {
+            return Header {
+                raw_name: raw_name.to_owned(),
+                raw_unit: String::new(),
+                meaning: Meaning::Other,
+                position_mm: None,
+            };
+        }
         let (measured, position_mm) = placed(raw_name);
         let (name, unit) = split(measured);
         Header {
@@ -343,6 +354,13 @@ mod tests {
                 "{cell}"
             );
         }
+    }
+
+    #[test]
+    fn a_text_too_long_for_a_name_is_not_looked_into() {
+        let long = format!("time {}(s)", "x ".repeat(LONGEST_NAME));
+        let header = Header::parse(&long);
+        assert_eq!((header.meaning, header.raw_name), (Meaning::Other, long));
     }
 
     #[test]

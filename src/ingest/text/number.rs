@@ -33,13 +33,19 @@ pub enum Cell {
 
 /// Reads a cell, which may be padded by blanks or quoted.
 pub fn parse(cell: &str, decimal: Decimal) -> Cell {
-    let trimmed = unquote(cell);
+    let trimmed = match cell.as_bytes() {
+        [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() && *first != b'"' => cell,
+        _ => unquote(cell),
+    };
     if trimmed.is_empty() {
         return Cell::Empty;
     }
     match grammar(trimmed.as_bytes(), decimal.byte()) {
-        Some(false) => finite(trimmed.parse()),
-        Some(true) => finite(trimmed.replacen(',', ".", 1).parse()),
+        Some(digits) => match digits.exact() {
+            Some(number) => Cell::Number(number),
+            None if digits.comma => finite(trimmed.replacen(',', ".", 1).parse()),
+            None => finite(trimmed.parse()),
+        },
         None => word(trimmed, decimal),
     }
 }
@@ -64,45 +70,102 @@ fn finite(parsed: Result<f64, std::num::ParseFloatError>) -> Cell {
     }
 }
 
-/// Whether the bytes are `[+-] digits [sign digits] [e [+-] digits]` as a whole, and whether a comma stands in
-/// them. A comma needs a digit behind it, for `5,` is a list and not a number.
-fn grammar(bytes: &[u8], sign: u8) -> Option<bool> {
+/// A number as it is written: sign, digits without their decimal sign, power of ten.
+#[derive(Debug, Default)]
+struct Digits {
+    negative: bool,
+    /// The digits as a whole number, as far as `count` is small enough for it.
+    mantissa: u64,
+    /// Digits from the first that is not zero.
+    count: usize,
+    exponent: i32,
+    /// Whether a comma stands in it.
+    comma: bool,
+}
+
+/// Most digits that a whole number of 64 bits surely holds.
+const MOST_DIGITS: usize = 19;
+
+impl Digits {
+    /// The double nearest to it, where digits and power of ten are exact in doubles: one rounding then gives it
+    /// (W. D. Clinger, How to read floating point numbers accurately, PLDI 1990).
+    fn exact(&self) -> Option<f64> {
+        const POWERS: [f64; 23] = [
+            1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+            1e18, 1e19, 1e20, 1e21, 1e22,
+        ];
+        if self.count > MOST_DIGITS || self.mantissa > 1 << f64::MANTISSA_DIGITS {
+            return None;
+        }
+        let power = POWERS.get(self.exponent.unsigned_abs() as usize)?;
+        let whole = self.mantissa as f64;
+        let number = if self.exponent < 0 {
+            whole / power
+        } else {
+            whole * power
+        };
+        Some(if self.negative { -number } else { number })
+    }
+
+    /// Takes the digits at the beginning of `rest`; gives how many.
+    fn take(&mut self, rest: &mut &[u8]) -> usize {
+        let mut taken = 0;
+        while let Some(byte) = rest.get(taken).filter(|byte| byte.is_ascii_digit()) {
+            let digit = u64::from(byte - b'0');
+            self.count += usize::from(self.count > 0 || digit > 0);
+            self.mantissa = self.mantissa.wrapping_mul(10).wrapping_add(digit);
+            taken += 1;
+        }
+        *rest = &rest[taken..];
+        taken
+    }
+}
+
+/// The number that the bytes `[+-] digits [sign digits] [e [+-] digits]` write as a whole. A comma needs a digit
+/// behind it, for `5,` is a list and not a number.
+fn grammar(bytes: &[u8], sign: u8) -> Option<Digits> {
+    let mut digits = Digits::default();
     let mut rest = bytes;
-    if let [b'+' | b'-', tail @ ..] = rest {
+    if let [mark @ (b'+' | b'-'), tail @ ..] = rest {
+        digits.negative = *mark == b'-';
         rest = tail;
     }
-    let whole = digits(&mut rest);
+    let whole = digits.take(&mut rest);
     let mut fraction = 0;
-    let mut comma = false;
     if let [mark, tail @ ..] = rest
         && *mark == sign
     {
         rest = tail;
-        fraction = digits(&mut rest);
-        comma = sign == b',';
-        if comma && fraction == 0 {
+        fraction = digits.take(&mut rest);
+        digits.comma = sign == b',';
+        if digits.comma && fraction == 0 {
             return None;
         }
     }
     if whole + fraction == 0 {
         return None;
     }
+    let mut exponent = 0;
     if let [b'e' | b'E', tail @ ..] = rest {
-        rest = tail;
-        if let [b'+' | b'-', tail @ ..] = rest {
-            rest = tail;
-        }
-        if digits(&mut rest) == 0 {
-            return None;
-        }
+        exponent = power_of_ten(tail)?;
+        rest = &[];
     }
-    rest.is_empty().then_some(comma)
+    digits.exponent = exponent.saturating_sub(i32::try_from(fraction).unwrap_or(i32::MAX));
+    rest.is_empty().then_some(digits)
 }
 
-fn digits(rest: &mut &[u8]) -> usize {
-    let count = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    *rest = &rest[count..];
-    count
+/// The exponent `[+-] digits` as a whole; one of more digits than any double has counts as very large.
+fn power_of_ten(bytes: &[u8]) -> Option<i32> {
+    let (negative, digits) = match bytes {
+        [mark @ (b'+' | b'-'), digits @ ..] => (*mark == b'-', digits),
+        digits => (false, digits),
+    };
+    if digits.is_empty() || !digits.iter().all(u8::is_ascii_digit) {
+        return None;
+    }
+    let add = |sum: i32, byte: &u8| sum.saturating_mul(10).saturating_add(i32::from(byte - b'0'));
+    let power = digits.iter().fold(0, add);
+    Some(if negative { -power } else { power })
 }
 
 fn word(text: &str, decimal: Decimal) -> Cell {
@@ -127,7 +190,27 @@ fn word(text: &str, decimal: Decimal) -> Cell {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        #[test]
+        fn numbers_are_those_of_the_standard_library(
+            text in "[-+]?(0{0,3}[0-9]{1,22}(\\.[0-9]{0,22})?|\\.[0-9]{1,22})([eE][-+]?[0-9]{1,3})?",
+        ) {
+            let expected: f64 = text.parse().unwrap();
+            let found = parse(&text, Decimal::Point);
+            match expected.is_finite() {
+                true => prop_assert!(matches!(found, Cell::Number(n) if n.to_bits() == expected.to_bits()), "{text}: {found:?}, {expected}"),
+                false => prop_assert_eq!(found, Cell::NotFinite),
+            }
+            let comma = text.replace('.', ",");
+            if !comma.contains(",e") && !comma.contains(",E") && !comma.ends_with(',') {
+                prop_assert_eq!(parse(&comma, Decimal::Comma), found);
+            }
+        }
+    }
 
     #[test]
     fn numbers_are_read_whole() {

@@ -2,6 +2,7 @@
 
 mod groups;
 mod prepare;
+mod readers;
 mod retag;
 mod settle;
 pub(super) mod tagging;
@@ -14,10 +15,10 @@ use serde::Serialize;
 use super::context::now;
 use super::{Context, Observer, PipelineError};
 use crate::domain::{FileState, Issue, RunKind};
-use crate::ingest::formats;
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::store::FileRow;
 use prepare::{Group, Prepared};
+use readers::Readers;
 
 pub use retag::retag_runs;
 
@@ -93,20 +94,21 @@ impl Ingest<'_> {
             ..IngestSummary::default()
         };
         let kind_of = |path: &str| context.campaign.kind_of(path);
-        let groups = self.due(&stored, &seen, &changes, kind_of, &mut summary);
+        let readers = Readers::of(&context.profiles, &stored);
+        let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
         for batch in groups.chunks(READ_AHEAD) {
             let prepared: Vec<Prepared> = batch
                 .par_iter()
-                .map(|group| prepare::prepare(&context.folder, group))
+                .map(|group| prepare::prepare(&context.folder, &context.profiles, group))
                 .collect();
             for prepared in prepared {
-                settle::settle(context, prepared, &changes, &mut summary, observer)?;
+                settle::settle(context, &readers, prepared, &changes, &mut summary, observer)?;
                 observer.advance();
             }
         }
         observer.end();
-        settle::gone(context, &stored, &changes, &seen, &mut summary)?;
+        settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         summary.retagged = retag::retag_runs(context, observer)?;
         list_states(context, &mut summary)?;
         Ok(summary)
@@ -115,13 +117,14 @@ impl Ingest<'_> {
     /// The groups of files to be read: new or changed ones, and those that another version of a reader read.
     fn due(
         &mut self,
+        readers: &Readers,
         stored: &[FileRow],
         seen: &Scan,
         changes: &Changes,
         kind_of: impl Fn(&str) -> RunKind,
         summary: &mut IngestSummary,
     ) -> Vec<Group> {
-        let outdated = outdated(stored);
+        let outdated = readers.outdated(stored);
         let retry = changes
             .unchanged
             .iter()
@@ -157,40 +160,6 @@ fn known(stored: &[FileRow]) -> Vec<Known> {
         missing: file.missing_since.is_some(),
     };
     stored.iter().map(known).collect()
-}
-
-/// Files that this version of the readers would read anew: of runs, where their format's reader changed; of
-/// refused and waiting files and of sidecars, where any reader changed.
-fn outdated(stored: &[FileRow]) -> BTreeSet<&str> {
-    let current: BTreeSet<String> = formats::ALL
-        .iter()
-        .map(|f| reader_stamp(f.id(), f.version()))
-        .collect();
-    let all = all_readers_stamp();
-    let is_outdated = |file: &&FileRow| match file.state {
-        FileState::Run => !current.contains(&file.reader),
-        FileState::Refused | FileState::Pending | FileState::Sidecar => file.reader != all,
-        FileState::Alias => false,
-    };
-    stored
-        .iter()
-        .filter(is_outdated)
-        .map(|file| file.path.as_str())
-        .collect()
-}
-
-/// How a file records which reader decided.
-fn reader_stamp(id: &str, version: u32) -> String {
-    format!("{id}/{version}")
-}
-
-/// The same for files that every reader turned down.
-fn all_readers_stamp() -> String {
-    let stamps: Vec<String> = formats::ALL
-        .iter()
-        .map(|f| reader_stamp(f.id(), f.version()))
-        .collect();
-    stamps.join(" ")
 }
 
 /// Lists what stands refused, waits or lacks tags after this round.

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use crate::domain::{Channel, Issue, Quantity, RunKind};
-use crate::ingest::formats::{self, ReadContext};
+use crate::domain::{Channel, Issue, Quantity, RunClock, RunKind, RunOrigin};
+use crate::ingest::clocks::{self, FileClock};
+use crate::ingest::formats::ReadContext;
+use crate::ingest::profiles::{self, Profile};
 use crate::ingest::scan::{self, ReadFileError, SeenFile};
 use crate::ingest::{Reading, RunTable, archive};
 
@@ -30,6 +32,8 @@ pub struct PreparedFile {
     pub bytes: Option<(Vec<u8>, String)>,
     /// What the reader made of it.
     pub outcome: Outcome,
+    /// The profile that it was read with.
+    pub profile: Option<Profile>,
 }
 
 /// What a reader made of a file.
@@ -57,19 +61,19 @@ pub struct Prepared {
 }
 
 /// Reads every file of a group. Refusals are part of the outcome; a fault of a reader refuses its file only.
-pub fn prepare(campaign: &Path, group: &Group) -> Prepared {
+pub fn prepare(campaign: &Path, profiles: &[Profile], group: &Group) -> Prepared {
     Prepared {
         run_name: group.run_name.clone(),
         kind: group.kind,
         files: group
             .files
             .iter()
-            .map(|file| prepare_file(campaign, group.kind, file))
+            .map(|file| prepare_file(campaign, group.kind, profiles, file))
             .collect(),
     }
 }
 
-fn prepare_file(campaign: &Path, kind: RunKind, file: &SeenFile) -> PreparedFile {
+fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &SeenFile) -> PreparedFile {
     let location = file.location(campaign);
     let bytes = match scan::read_stable(&location, LARGEST_FILE_BYTES) {
         Ok(bytes) => bytes,
@@ -87,27 +91,30 @@ fn prepare_file(campaign: &Path, kind: RunKind, file: &SeenFile) -> PreparedFile
                 file: file.clone(),
                 bytes: None,
                 outcome,
+                profile: None,
             };
         }
     };
     let hash = archive::hash(&bytes);
-    let outcome = read(kind, file, &bytes);
+    let (outcome, profile) = read(kind, file, profiles, &bytes);
     PreparedFile {
         file: file.clone(),
         bytes: Some((bytes, hash)),
         outcome,
+        profile,
     }
 }
 
-fn read(kind: RunKind, file: &SeenFile, bytes: &[u8]) -> Outcome {
+fn read(kind: RunKind, file: &SeenFile, profiles: &[Profile], bytes: &[u8]) -> (Outcome, Option<Profile>) {
     let context = ReadContext {
         // A modulus log may have its humidity in a file of its own.
         needs_response: kind == RunKind::Actuation,
         ..ReadContext::default()
     };
     let name = file.display.rsplit('/').next().unwrap_or(&file.display);
-    match std::panic::catch_unwind(|| formats::read(name, bytes, &context)) {
-        Ok(Ok(reading)) => Outcome::Read(Box::new(reading)),
+    let read = || profiles::read(profiles, name, bytes, &context);
+    let outcome = match std::panic::catch_unwind(std::panic::AssertUnwindSafe(read)) {
+        Ok(Ok((reading, profile))) => return (Outcome::Read(Box::new(reading)), profile.cloned()),
         Ok(Err(error)) if error.is_pending() => Outcome::Pending(error.issue()),
         Ok(Err(error)) if error.is_sidecar() => Outcome::Sidecar(error.issue()),
         Ok(Err(error)) => Outcome::Refused(error.issue()),
@@ -115,7 +122,8 @@ fn read(kind: RunKind, file: &SeenFile, bytes: &[u8]) -> Outcome {
             Issue::error("reader-fault", "the reader stopped on an internal fault")
                 .mend("report it with this file; the other files are not affected"),
         ),
-    }
+    };
+    (outcome, None)
 }
 
 /// A table that becomes a run, with the name it adds to the file's.
@@ -127,6 +135,8 @@ pub struct RunPart {
     pub channels: Vec<Channel>,
     /// Rows of the table.
     pub rows: usize,
+    /// Clocks, one for each file, and the flags of the readings.
+    pub origin: RunOrigin,
     /// Whether time zero is the voltage step.
     pub time_zero_is_step: bool,
 }
@@ -154,9 +164,29 @@ pub fn run_parts(reading: &Reading, kind: RunKind) -> Vec<RunPart> {
             },
             channels: table.channels.clone(),
             rows: table.rows,
+            origin: RunOrigin {
+                clocks: vec![clock(reading, table, 0, table.channels.len())],
+                flags: table.flags.clone(),
+                ..RunOrigin::default()
+            },
             time_zero_is_step: table.time_zero_is_step,
         })
         .collect()
+}
+
+/// The clock of a table; the file's name comes with the run.
+fn clock(reading: &Reading, table: &RunTable, first_channel: usize, channels: usize) -> RunClock {
+    let (time_column, time_unit) = table.time_column.clone().unzip();
+    RunClock {
+        file: String::new(),
+        is_reference: true,
+        first_channel,
+        channels,
+        time_column,
+        time_unit: time_unit.unwrap_or_default(),
+        printed_column: table.printed_time.clone(),
+        stamp: reading.started_at.clone(),
+    }
 }
 
 /// Joins the tables of several files of one run: each gives the quantities that no file before it gave.
@@ -165,28 +195,67 @@ pub fn joined(readings: &[&Reading]) -> (RunPart, Vec<Issue>) {
         suffix: String::new(),
         channels: Vec::new(),
         rows: 0,
+        origin: RunOrigin::default(),
         time_zero_is_step: true,
     };
     let mut issues = Vec::new();
-    for table in readings.iter().flat_map(|reading| &reading.tables) {
-        part.rows += table.rows;
-        part.time_zero_is_step &= table.time_zero_is_step;
-        for channel in &table.channels {
-            let given = part
-                .channels
-                .iter()
-                .any(|c| c.quantity == channel.quantity && c.quantity != Quantity::Other);
-            if given {
-                let message = format!(
-                    "{} stands in several files of the run; the first one counts",
-                    channel.quantity.label()
-                );
-                issues
-                    .push(Issue::warning("joined-twice", message).at(format!("column {}", channel.raw_name)));
-            } else {
-                part.channels.push(channel.clone());
-            }
+    let mut zero_is_step = Vec::new();
+    for reading in readings {
+        let first_channel = part.channels.len();
+        let tables = &reading.tables;
+        for table in tables {
+            add(&mut part, table, &mut issues);
+        }
+        if let Some(table) = tables.first() {
+            let channels = part.channels.len() - first_channel;
+            part.origin
+                .clocks
+                .push(clock(reading, table, first_channel, channels));
+            zero_is_step.push(table.time_zero_is_step);
         }
     }
+    hold_clocks(&mut part, &zero_is_step);
     (part, issues)
+}
+
+fn add(part: &mut RunPart, table: &RunTable, issues: &mut Vec<Issue>) {
+    part.rows += table.rows;
+    part.time_zero_is_step &= table.time_zero_is_step;
+    part.origin.flags.extend(table.flags.iter().cloned());
+    for channel in &table.channels {
+        let given = part
+            .channels
+            .iter()
+            .any(|c| c.quantity == channel.quantity && c.quantity != Quantity::Other);
+        if given {
+            let message = format!(
+                "{} stands in several files of the run; the first one counts",
+                channel.quantity.label()
+            );
+            issues.push(Issue::warning("joined-twice", message).at(format!("column {}", channel.raw_name)));
+        } else {
+            part.channels.push(channel.clone());
+        }
+    }
+}
+
+/// Holds the clocks of a joined run against each other.
+fn hold_clocks(part: &mut RunPart, zero_is_step: &[bool]) {
+    let files: Vec<FileClock<'_>> = part
+        .origin
+        .clocks
+        .iter()
+        .zip(zero_is_step)
+        .map(|(clock, &time_zero_is_step)| FileClock {
+            channels: &part.channels[clock.first_channel..clock.first_channel + clock.channels],
+            stamp: clock.stamp.as_ref(),
+            time_zero_is_step,
+        })
+        .collect();
+    let reference = clocks::reference(&files);
+    let offsets = clocks::offsets(&files);
+    part.origin.offsets = offsets;
+    for (index, clock) in part.origin.clocks.iter_mut().enumerate() {
+        clock.is_reference = index == reference;
+    }
 }

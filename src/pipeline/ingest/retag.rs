@@ -1,10 +1,9 @@
 //! Tags runs again whose tag files, hand tags or campaign.toml changed. The readings are not touched.
 
 use super::now;
-use super::tagging::{TaggingInput, digest, tagging};
+use super::tagging::{TaggingInput, digest, tag_files, tagging};
 use crate::domain::tag::keys;
 use crate::domain::{RunRecord, TagSource};
-use crate::ingest::scan::parse_display_path;
 use crate::ingest::{StartedAt, Timestamp};
 use crate::pipeline::{Context, Observer, PipelineError};
 
@@ -15,8 +14,9 @@ use crate::pipeline::{Context, Observer, PipelineError};
 pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<String>, PipelineError> {
     let mut due = Vec::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
-        let file = context.store.first_file(run_id)?.unwrap_or_else(|| path.clone());
-        if digest(context, &path, &[parse_display_path(&file)])? != stored {
+        let files = context.store.file_paths(run_id)?;
+        let files: Vec<&str> = files.iter().map(String::as_str).collect();
+        if digest(context, &path, &tag_files(&path, &files))? != stored {
             due.push(run_id);
         }
     }
@@ -40,7 +40,7 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
 
 fn retag(context: &mut Context, run: &RunRecord) -> Result<(), PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
-    let channels = context.store.channels(run.id)?;
+    let channels = context.store.channels_as_read(run.id)?;
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
     let (starts, others): (Vec<_>, Vec<_>) = header.partition(|tag| tag.key == keys::STARTED_AT);
     // The stored start carries its offset already.
@@ -54,10 +54,8 @@ fn retag(context: &mut Context, run: &RunRecord) -> Result<(), PipelineError> {
     let input = TaggingInput {
         run_path: &run.path,
         kind: run.kind,
-        file_path: run
-            .files
-            .first()
-            .map_or(run.path.as_str(), |file| file.path.as_str()),
+        file_paths: run.files.iter().map(|file| file.path.as_str()).collect(),
+        origin: &run.origin,
         channels: &channels,
         time_zero_is_step,
         is_step_response,

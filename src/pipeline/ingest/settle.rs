@@ -1,9 +1,10 @@
 //! Decides what files that were read come to, and stores it: one transaction a run.
 
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
+use super::readers::{Readers, format_of, reader_of};
 use super::tagging::{TaggingInput, tagging};
-use super::{IngestSummary, all_readers_stamp, file_row, now, reader_stamp};
-use crate::domain::{FileState, Issue, RunKind, RunStatus};
+use super::{IngestSummary, file_row, now};
+use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::archive::Archive;
 use crate::ingest::data_hash::data_hash;
@@ -14,6 +15,7 @@ use crate::store::{FileRow, NewRun, RunContent};
 /// Stores a group: its runs, an alias, a new name, or why it was refused.
 pub fn settle(
     context: &mut Context,
+    readers: &Readers,
     prepared: Prepared,
     changes: &Changes,
     summary: &mut IngestSummary,
@@ -23,26 +25,72 @@ pub fn settle(
     for file in prepared.files {
         match &file.outcome {
             Outcome::Read(_) => readable.push(file),
-            Outcome::Refused(issue) => set_aside(context, &file, FileState::Refused, issue, observer)?,
-            Outcome::Pending(issue) => set_aside(context, &file, FileState::Pending, issue, observer)?,
-            Outcome::Sidecar(issue) => set_aside(context, &file, FileState::Sidecar, issue, observer)?,
-        }
-    }
-    match readable.as_slice() {
-        [] => Ok(()),
-        [single] => {
-            if is_known(context, single, changes, summary)? {
-                return Ok(());
+            Outcome::Refused(issue) => {
+                set_aside(context, readers, &file, FileState::Refused, issue, observer)?
             }
-            store_runs(context, &prepared.run_name, kind, &readable, summary, observer)
+            Outcome::Pending(issue) => {
+                set_aside(context, readers, &file, FileState::Pending, issue, observer)?
+            }
+            Outcome::Sidecar(issue) => {
+                set_aside(context, readers, &file, FileState::Sidecar, issue, observer)?
+            }
         }
-        _ => store_runs(context, &prepared.run_name, kind, &readable, summary, observer),
     }
+    let is_known = match readable.as_slice() {
+        [] => true,
+        [single] => is_known(context, readers, single, changes, summary)?,
+        several => are_known(context, readers, &prepared.run_name, several)?,
+    };
+    match is_known {
+        true => Ok(()),
+        false => store_runs(
+            context,
+            readers,
+            &prepared.run_name,
+            kind,
+            &readable,
+            summary,
+            observer,
+        ),
+    }
+}
+
+/// Whether the current run of several files holds these very bytes, read by these readers: a file that was only
+/// touched makes no new revision.
+fn are_known(
+    context: &mut Context,
+    readers: &Readers,
+    run_name: &str,
+    files: &[PreparedFile],
+) -> Result<bool, PipelineError> {
+    let held = context.store.contents_of(run_name)?;
+    let found: Vec<(String, String)> = files
+        .iter()
+        .filter_map(|file| Some((file.file.display.clone(), file.bytes.as_ref()?.1.clone())))
+        .collect();
+    let reader = files.first().and_then(|file| match &file.outcome {
+        Outcome::Read(reading) => Some(reader_of(reading, file.profile.as_ref())),
+        _ => None,
+    });
+    let same_reader = |file: &PreparedFile| match &file.outcome {
+        Outcome::Read(reading) => {
+            let reader = reader_of(reading, file.profile.as_ref());
+            readers.last_of(&file.file.display) == Some(reader.as_str())
+        }
+        _ => false,
+    };
+    if held != found || context.store.reader_of(run_name)? != reader || !files.iter().all(same_reader) {
+        return Ok(false);
+    }
+    let rows: Vec<FileRow> = files.iter().filter_map(|file| run_row(readers, file)).collect();
+    context.store.record_files(&now(), &rows)?;
+    Ok(true)
 }
 
 /// Records a file that was refused or waits. A run read from an earlier content of it stays.
 fn set_aside(
     context: &mut Context,
+    readers: &Readers,
     prepared: &PreparedFile,
     state: FileState,
     issue: &Issue,
@@ -55,13 +103,7 @@ fn set_aside(
         issue.message
     ));
     let hash = prepared.bytes.as_ref().map(|(_, hash)| hash.clone());
-    let row = file_row(
-        &prepared.file,
-        hash,
-        state,
-        all_readers_stamp(),
-        Some(issue.clone()),
-    );
+    let row = file_row(&prepared.file, hash, state, readers.all(), Some(issue.clone()));
     Ok(context.store.record_files(&now(), &[row])?)
 }
 
@@ -69,6 +111,7 @@ fn set_aside(
 /// the run takes the file's name because its own file was moved.
 fn is_known(
     context: &mut Context,
+    readers: &Readers,
     prepared: &PreparedFile,
     changes: &Changes,
     summary: &mut IngestSummary,
@@ -81,8 +124,9 @@ fn is_known(
     // Bytes that moved between the folders are measured anew: what they are is told by the folder.
     let kind = context.campaign.kind_of(&path);
     holders.retain(|(run, _)| context.campaign.kind_of(run) == kind);
-    let reader = reader_stamp(reading.format, reading.reader_version);
-    let row = |state| file_row(&prepared.file, Some(hash.clone()), state, reader.clone(), None);
+    let reader = reader_of(reading, prepared.profile.as_ref());
+    let stamp = readers.of_file(reading, prepared.profile.as_ref());
+    let row = |state| file_row(&prepared.file, Some(hash.clone()), state, stamp.clone(), None);
     let Some((run_path, file_path)) = holders.iter().find(|(_, file)| *file == path).or(holders.first())
     else {
         return Ok(false);
@@ -112,6 +156,7 @@ fn is_known(
 /// Archives the bytes, tags the runs and stores everything at once.
 fn store_runs(
     context: &mut Context,
+    readers: &Readers,
     run_name: &str,
     kind: RunKind,
     files: &[PreparedFile],
@@ -135,11 +180,7 @@ fn store_runs(
         (vec![part], issues)
     };
     let contents = archived(context, files)?;
-    let rows: Vec<FileRow> = files
-        .iter()
-        .zip(&readings)
-        .filter_map(|(file, reading)| run_row(file, reading))
-        .collect();
+    let rows: Vec<FileRow> = files.iter().filter_map(|file| run_row(readers, file)).collect();
     // A single file keeps its own name; a joined run takes that of the stem.
     let base = if files.len() == 1 {
         files[0].file.display.as_str()
@@ -154,6 +195,7 @@ fn store_runs(
                 format!("{base}{}", part.suffix),
                 kind,
                 part,
+                files,
                 &readings,
                 &contents,
                 &join_issues,
@@ -194,9 +236,11 @@ fn archived(context: &Context, files: &[PreparedFile]) -> Result<Vec<RunContent>
     Ok(contents)
 }
 
-fn run_row(file: &PreparedFile, reading: &Reading) -> Option<FileRow> {
-    let (_, hash) = file.bytes.as_ref()?;
-    let reader = reader_stamp(reading.format, reading.reader_version);
+fn run_row(readers: &Readers, file: &PreparedFile) -> Option<FileRow> {
+    let (Some((_, hash)), Outcome::Read(reading)) = (&file.bytes, &file.outcome) else {
+        return None;
+    };
+    let reader = readers.of_file(reading, file.profile.as_ref());
     Some(file_row(
         &file.file,
         Some(hash.clone()),
@@ -211,11 +255,13 @@ fn new_run(
     path: String,
     kind: RunKind,
     part: RunPart,
+    files: &[PreparedFile],
     readings: &[&Reading],
     contents: &[RunContent],
     join_issues: &[Issue],
 ) -> Result<NewRun, PipelineError> {
     let first = readings[0];
+    let origin = origin(part.origin, files);
     let is_step_response = readings.iter().all(|reading| reading.is_step_response);
     let worst = readings
         .iter()
@@ -224,7 +270,8 @@ fn new_run(
     let input = TaggingInput {
         run_path: &path,
         kind,
-        file_path: &contents[0].path,
+        file_paths: contents.iter().map(|content| content.path.as_str()).collect(),
+        origin: &origin,
         channels: &part.channels,
         time_zero_is_step: part.time_zero_is_step,
         is_step_response,
@@ -237,7 +284,8 @@ fn new_run(
     Ok(NewRun {
         tagging: tagging(context, &input)?,
         data_hash: data_hash(&part.channels),
-        format: first.format.to_owned(),
+        format: format_of(first, files[0].profile.as_ref()),
+        origin,
         reader_version: first.reader_version,
         technique: first.technique.clone(),
         is_step_response,
@@ -261,10 +309,38 @@ fn new_run(
     })
 }
 
+/// What the readings rest on, with the names of the files and the profiles that they were read with.
+fn origin(origin: RunOrigin, files: &[PreparedFile]) -> RunOrigin {
+    let clocks = origin
+        .clocks
+        .into_iter()
+        .zip(files)
+        .map(|(clock, file)| RunClock {
+            file: file.file.display.clone(),
+            ..clock
+        });
+    let profiles = files.iter().enumerate().filter_map(|(index, file)| {
+        let profile = file.profile.as_ref()?;
+        Some(ProfileUse {
+            file: index,
+            id: profile.id.clone(),
+            version: profile.version,
+            digest: profile.digest.clone(),
+            text: profile.text.clone(),
+        })
+    });
+    RunOrigin {
+        clocks: clocks.collect(),
+        profiles: profiles.collect(),
+        ..origin
+    }
+}
+
 /// Files that are no longer there: those of runs are marked, the others forgotten. Links that lead out of the
 /// campaign are listed as refused.
 pub fn gone(
     context: &mut Context,
+    readers: &Readers,
     stored: &[FileRow],
     changes: &Changes,
     seen: &Scan,
@@ -275,7 +351,7 @@ pub fn gone(
         .issues
         .iter()
         .filter(|issue| !issue.place.is_empty())
-        .map(refused_entry)
+        .map(|issue| refused_entry(readers, issue))
         .collect();
     let listed = |path: &String| outside.iter().any(|row| row.path == *path);
     let renamed = |path: &String| summary.renamed.iter().any(|(old, _)| old == path);
@@ -297,7 +373,7 @@ pub fn gone(
     Ok(context.store.record_files(&now, &fresh)?)
 }
 
-fn refused_entry(issue: &Issue) -> FileRow {
+fn refused_entry(readers: &Readers, issue: &Issue) -> FileRow {
     // The place is the path already.
     let path = issue.place.clone();
     let message = issue.message.replace(&format!("{}: ", issue.place), "");
@@ -313,7 +389,7 @@ fn refused_entry(issue: &Issue) -> FileRow {
         inode: 0,
         hash: None,
         state: FileState::Refused,
-        reader: all_readers_stamp(),
+        reader: readers.all(),
         issue: Some(issue),
         missing_since: None,
     }

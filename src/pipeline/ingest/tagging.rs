@@ -1,14 +1,14 @@
 //! Tags of a run and what follows from them: whether it can be fitted, its drive, its dimensions.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Issue, Quantity, RunKind, RunState, Tag, TagSource};
+use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Tag, TagSource};
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, Resolved, TagRequest};
-use crate::ingest::{StartedAt, Timestamp, drive};
+use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
 
@@ -19,8 +19,10 @@ pub struct TaggingInput<'a> {
     pub run_path: &'a str,
     /// What is measured.
     pub kind: RunKind,
-    /// Path of its first file, as the scan displays it.
-    pub file_path: &'a str,
+    /// Paths of its files, as the scan displays them.
+    pub file_paths: Vec<&'a str>,
+    /// Clocks, flags and profiles that the readings rest on.
+    pub origin: &'a RunOrigin,
     /// Readings.
     pub channels: &'a [Channel],
     /// Whether time zero is the voltage step.
@@ -41,13 +43,9 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
     let hand = hand_tags(context, input.run_path)?;
     let mut header = input.header_tags.clone();
     header.extend(input.started_at.as_ref().and_then(start_tag));
-    let files = [parse_display_path(input.file_path)];
+    let files = tag_files(input.run_path, &input.file_paths);
     // A table of a file with several has the file's name; a joined run has the name of the stem.
-    let named = if input.run_path.starts_with(input.file_path) {
-        input.file_path
-    } else {
-        input.run_path
-    };
+    let named = files.first().map_or(Path::new(input.run_path), PathBuf::as_path);
     let channel_voltage_v = match input.kind {
         RunKind::Actuation => voltage_of_channel(input),
         RunKind::Dma => None,
@@ -56,7 +54,7 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
         campaign: &context.campaign,
         folder: &context.folder,
         data_files: &files,
-        stem: &tags::stem(&parse_display_path(named)),
+        stem: &tags::stem(named),
         name_pattern: context.campaign.name_pattern_of(input.kind),
         needed: input.kind.needed_tags(),
         hand: &hand,
@@ -101,6 +99,7 @@ fn conclude_dma(input: &TaggingInput<'_>, resolved: Resolved, digest: String) ->
         area_cm2: None,
         length_cm: None,
         electrode_resistance_ohm_per_sq: None,
+        clock_offset_s: None,
         digest,
     }
 }
@@ -121,6 +120,15 @@ fn chosen(resolved: &Resolved) -> usize {
     let mut seen = BTreeSet::new();
     let chosen = resolved.tags.iter();
     chosen.take_while(|tag| seen.insert(tag.key.clone())).count()
+}
+
+/// The files beside which the tags of a run may stand: the run's own name first where it is joined from several, then
+/// each of its files.
+pub fn tag_files(run_path: &str, file_paths: &[&str]) -> Vec<PathBuf> {
+    let joined = file_paths.len() > 1;
+    let named = joined.then_some(run_path);
+    let paths = named.into_iter().chain(file_paths.iter().copied());
+    paths.map(parse_display_path).collect()
 }
 
 /// BLAKE3 over everything that the tags of a run come from, but the file itself.
@@ -206,6 +214,10 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         .and_then(|sample| sample.length_mm)
         .map(|length_mm| length_mm / 10.0);
     issues.extend(lengthless(input.channels, length_cm));
+    let clock_offset_s = resolved
+        .value(keys::CLOCK_OFFSET_S)
+        .and_then(|text| text.parse().ok());
+    issues.extend(clocks::remarks(input.origin, clock_offset_s));
     let fittable =
         input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input);
     let state = match (resolved.missing.is_empty(), fittable) {
@@ -221,6 +233,7 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         drive: found.drive,
         area_cm2,
         length_cm,
+        clock_offset_s,
         electrode_resistance_ohm_per_sq: sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq),
         digest,
     }

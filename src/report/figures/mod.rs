@@ -3,8 +3,8 @@
 pub mod axis;
 pub mod canvas;
 pub mod comparison;
-pub mod modulus;
 pub mod gain_bars;
+pub mod modulus;
 pub mod panel;
 pub mod residual;
 pub mod response;

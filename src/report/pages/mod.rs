@@ -7,7 +7,8 @@ pub mod finding_words;
 pub mod findings;
 pub mod index;
 pub mod run;
-pub mod run_evidence;
+pub mod run_clocks;
+mod run_evidence;
 pub mod table5;
 pub mod wording;
 

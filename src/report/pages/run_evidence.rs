@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::run_clocks::{self as clocks, ClockRow, FlagRow, OffsetRow};
 use super::wording::{in_unit, moment, voltage_label};
 use crate::domain::{ChannelSummary, Drive, Level, Quantity, RunRecord, RunStatus};
 use crate::report::number::{plain, significant};
@@ -17,6 +18,9 @@ pub struct Evidence {
     drive: String,
     tags: Vec<TagRow>,
     channels: Vec<ChannelRow>,
+    clocks: Vec<ClockRow>,
+    offsets: Vec<OffsetRow>,
+    flags: Vec<FlagRow>,
     files: Vec<FileRow>,
     facts: Vec<(String, String)>,
     history: Vec<Revision>,
@@ -67,6 +71,9 @@ pub fn evidence(site: &Site, record: &RunRecord) -> Evidence {
             .map_or_else(|| "not known".to_owned(), drive_text),
         tags: tags(record),
         channels: record.channels.iter().map(channel).collect(),
+        clocks: clocks::clocks(record),
+        offsets: clocks::offsets(record),
+        flags: clocks::flags(record),
         files: record.files.iter().map(file).collect(),
         facts: facts(record),
         history: history(site, record),
@@ -164,10 +171,7 @@ fn size(bytes: u64) -> String {
 
 fn facts(record: &RunRecord) -> Vec<(String, String)> {
     let mut facts = vec![
-        (
-            "Format",
-            format!("{}, reader version {}", record.format, record.reader_version),
-        ),
+        ("Format", clocks::format(record)),
         ("Taken in", moment(&record.ingested_at)),
         ("Data hash", record.data_hash.clone()),
     ];

@@ -69,6 +69,23 @@ impl<'a> Cursor<'a> {
         Some(number)
     }
 
+    /// Adds every whole number of that type up to the end.
+    pub fn numbers(&mut self, kind: DataType, into: &mut Vec<f64>) {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        // The types that long records have, without a decision for each value.
+        let read = match (kind, self.big_endian) {
+            (DataType::F64, false) => all(rest, into, f64::from_le_bytes),
+            (DataType::F32, false) => all(rest, into, |bytes| f64::from(f32::from_le_bytes(bytes))),
+            (DataType::I16, false) => all(rest, into, |bytes| f64::from(i16::from_le_bytes(bytes))),
+            (DataType::I32, false) => all(rest, into, |bytes| f64::from(i32::from_le_bytes(bytes))),
+            _ => 0,
+        };
+        self.at += read;
+        while let Some(number) = self.number(kind) {
+            into.push(number);
+        }
+    }
+
     /// A time stamp; its two parts stand in the other order where the most significant byte stands first.
     pub fn time(&mut self) -> Option<TimeStamp> {
         let (first, second) = (self.u64()?, self.u64()?);
@@ -82,6 +99,14 @@ impl<'a> Cursor<'a> {
             fractions,
         })
     }
+}
+
+/// Adds a number for every `N` bytes; gives how many bytes were read.
+fn all<const N: usize>(bytes: &[u8], into: &mut Vec<f64>, number: impl Fn([u8; N]) -> f64) -> usize {
+    let (whole, rest) = bytes.as_chunks::<N>();
+    into.reserve(whole.len());
+    into.extend(whole.iter().map(|bytes| number(*bytes)));
+    bytes.len() - rest.len()
 }
 
 /// Seconds since 1904-01-01 UTC, and parts of 2^64 of a second.

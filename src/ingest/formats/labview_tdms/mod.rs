@@ -20,7 +20,6 @@ use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, stamp};
 use crate::domain::tag::keys;
 use crate::domain::{Issue, Quantity, RunStatus};
-use crate::ingest::text::Cell;
 use crate::ingest::text::header::Header;
 use crate::ingest::{Reading, RunTable, StartedAt, Timestamp};
 
@@ -119,11 +118,11 @@ fn names(path: &str) -> Option<(String, String)> {
     Some((group.replace("''", "'"), channel.replace("''", "'")))
 }
 
-/// Channels of one group with the same sampling.
-struct Group<'a> {
+/// Channels of one group with the same sampling: their names and places among the objects.
+struct Group {
     name: String,
     sampling: Option<(f64, f64)>,
-    channels: Vec<(String, &'a Object)>,
+    channels: Vec<(String, usize)>,
 }
 
 fn tables(objects: &mut [Object], issues: &mut Vec<Issue>) -> Result<Vec<RunTable>, ReadError> {
@@ -136,8 +135,12 @@ fn tables(objects: &mut [Object], issues: &mut Vec<Issue>) -> Result<Vec<RunTabl
             refusal = refusal.or(Some(error));
         }
     }
-    let mut groups: Vec<Group<'_>> = Vec::new();
-    for object in objects.iter().filter(|object| !object.values.is_empty()) {
+    let mut groups: Vec<Group> = Vec::new();
+    let filled = objects
+        .iter()
+        .enumerate()
+        .filter(|(_, object)| !object.values.is_empty());
+    for (place, object) in filled {
         let Some((name, channel)) = names(&object.path) else {
             continue;
         };
@@ -151,11 +154,11 @@ fn tables(objects: &mut [Object], issues: &mut Vec<Issue>) -> Result<Vec<RunTabl
             .iter_mut()
             .find(|group| group.name == name && group.sampling == sampling)
         {
-            Some(group) => group.channels.push((channel, object)),
+            Some(group) => group.channels.push((channel, place)),
             None => groups.push(Group {
                 name,
                 sampling,
-                channels: vec![(channel, object)],
+                channels: vec![(channel, place)],
             }),
         }
     }
@@ -168,7 +171,7 @@ fn tables(objects: &mut [Object], issues: &mut Vec<Issue>) -> Result<Vec<RunTabl
             (_, false) => group.name.clone(),
             _ => format!("{} ({})", group.name, tables.len() + 1),
         };
-        tables.push(assemble_untimed(raw(name, group), issues)?);
+        tables.push(assemble_untimed(raw(name, group, objects), issues)?);
     }
     match refusal {
         Some(error) if tables.is_empty() => Err(error),
@@ -186,23 +189,21 @@ fn sampling(object: &Object) -> Option<(f64, f64)> {
     Some((number("wf_start_offset").unwrap_or(0.0), increment))
 }
 
-fn raw(name: String, group: &Group<'_>) -> Raw {
-    let mut headers: Vec<Header> = group
+/// The table of a group; the values are taken out of the objects, for a long record would not fit twice.
+fn raw(name: String, group: &Group, objects: &mut [Object]) -> Raw {
+    let header = |(name, place): &(String, usize)| header(name, &objects[*place]);
+    let mut headers: Vec<Header> = group.channels.iter().map(header).collect();
+    let lengths = group
         .channels
         .iter()
-        .map(|(name, object)| header(name, object))
-        .collect();
-    let rows = group
-        .channels
-        .iter()
-        .map(|(_, object)| object.values.len())
-        .max()
-        .unwrap_or(0);
+        .map(|(_, place)| objects[*place].values.len());
+    let rows = lengths.max().unwrap_or(0);
     let has_time = headers
         .iter()
         .any(|header| header.meaning.quantity() == Some(Quantity::Time));
     let waveform = group.sampling.filter(|_| !has_time);
-    let mut columns: Vec<Vec<f64>> = group.channels.iter().map(|(_, object)| column(object)).collect();
+    let places = group.channels.iter().map(|(_, place)| *place);
+    let mut columns: Vec<Vec<f64>> = places.map(|place| column(&mut objects[place])).collect();
     if let Some((offset, increment)) = waveform {
         headers.insert(
             0,
@@ -213,19 +214,7 @@ fn raw(name: String, group: &Group<'_>) -> Raw {
         );
         columns.insert(0, (0..rows).map(|row| offset + row as f64 * increment).collect());
     }
-    let mut cells = CellTable::new(0, &vec![false; headers.len()], rows);
-    for row in 0..rows {
-        for (column, values) in cells.columns.iter_mut().zip(&columns) {
-            let cell = match values.get(row) {
-                None => Cell::Empty,
-                Some(value) if value.is_finite() => Cell::Number(*value),
-                Some(_) => Cell::NotFinite,
-            };
-            column.push(row + 1, cell, || "NaN".to_owned());
-        }
-        cells.end_row(row + 1, headers.len());
-    }
-    Raw::of_instrument(name, headers, cells)
+    Raw::of_instrument(name, headers, CellTable::of_numbers(columns))
 }
 
 fn header(name: &str, object: &Object) -> Header {
@@ -240,12 +229,13 @@ fn header(name: &str, object: &Object) -> Header {
     }
 }
 
-/// Numbers of a channel; moments count from the first one.
-fn column(object: &Object) -> Vec<f64> {
-    match (object.is_time, object.values.first()) {
-        (true, Some(first)) => object.values.iter().map(|value| value - first).collect(),
-        _ => object.values.clone(),
+/// Numbers of a channel, taken out of it; moments count from the first one.
+fn column(object: &mut Object) -> Vec<f64> {
+    let mut values = std::mem::take(&mut object.values);
+    if let (true, Some(&first)) = (object.is_time, values.first()) {
+        values.iter_mut().for_each(|value| *value -= first);
     }
+    values
 }
 
 fn started_at(object: &Object) -> Option<StartedAt> {

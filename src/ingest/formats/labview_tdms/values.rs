@@ -58,9 +58,7 @@ fn contiguous(cursor: &mut Cursor<'_>, object: &mut Object, index: RawIndex) {
                 bytes: &cursor.bytes[..end],
                 ..*cursor
             };
-            while let Some(number) = part.number(kind) {
-                object.values.push(number);
-            }
+            part.numbers(kind, &mut object.values);
         }
     }
     cursor.at = end;

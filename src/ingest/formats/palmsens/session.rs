@@ -10,10 +10,10 @@ use jiff::ToSpan;
 use jiff::civil::{Date, DateTime};
 use serde_json::Value;
 
-use super::session_json::{ArrayGroup, Measurement, get, measurements};
+use super::session_json::{ArrayGroup, DataArray, Measurement, get, measurements};
 use crate::domain::RunStatus;
 use crate::domain::tag::keys;
-use crate::ingest::formats::assemble::{Raw, assemble_untimed};
+use crate::ingest::formats::assemble::{Raw, RowFlag, assemble_untimed};
 use crate::ingest::formats::cells::CellTable;
 use crate::ingest::formats::error::ReadError;
 use crate::ingest::formats::recognition::{FileHead, Match};
@@ -147,7 +147,24 @@ fn raw(name: String, group: &ArrayGroup) -> Raw {
         }
         cells.end_row(row + 1, headers.len());
     }
-    Raw::of_instrument(name, headers, cells)
+    Raw {
+        flags: flags(group),
+        ..Raw::of_instrument(name, headers, cells)
+    }
+}
+
+/// Status of readings other than 0. What the numbers mean is not published, so nothing is left out of fits for them.
+fn flags(group: &ArrayGroup) -> Vec<RowFlag> {
+    let of_array = |array: &DataArray| -> Vec<RowFlag> {
+        let flag = |(row, status): &(u32, i64)| RowFlag {
+            row: *row,
+            column: array.description.clone(),
+            flag: format!("S = {status}"),
+            excludes: false,
+        };
+        array.marked.iter().map(flag).collect()
+    };
+    group.arrays.iter().flat_map(of_array).collect()
 }
 
 /// The unit follows from the type; the symbol in the file lacks its prefix.

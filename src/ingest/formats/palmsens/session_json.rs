@@ -12,6 +12,8 @@ pub struct DataArray {
     pub unit_type: String,
     /// Readings; NaN where one is no number.
     pub values: Vec<f64>,
+    /// Index and status (`S`) of the readings whose status is not 0.
+    pub marked: Vec<(u32, i64)>,
 }
 
 /// Arrays of equal length that belong together.
@@ -129,5 +131,11 @@ fn array(object: &Value) -> DataArray {
         description: text(object, "description"),
         unit_type: unit.rsplit('.').next().unwrap_or("").to_owned(),
         values: list(object, "datavalues").iter().map(value).collect(),
+        marked: list(object, "datavalues")
+            .iter()
+            .enumerate()
+            .filter_map(|(index, reading)| Some((index as u32, get(reading, "s")?.as_i64()?)))
+            .filter(|(_, status)| *status != 0)
+            .collect(),
     }
 }

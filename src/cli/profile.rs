@@ -1,0 +1,67 @@
+//! `ieap profile`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::output::Output;
+use super::{folder, inspect};
+use crate::ingest::campaign_file;
+use crate::pipeline::profile::{ProposedProfile, propose};
+
+/// Propose a profile for a file that no reader understands, and show what it would read
+///
+/// What the rows show is written down; what they do not show, such as a unit, is left open with a comment.
+#[derive(Debug, Args)]
+pub struct ProfileArgs {
+    /// The file
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Save it as profiles/NAME.toml of the campaign (NAME.toml.draft where something is open)
+    #[arg(long, value_name = "NAME")]
+    write: Option<String>,
+    /// Campaign folder [default: that of the file, or the nearest one above this folder]
+    #[arg(long, value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
+}
+
+pub fn run(args: &ProfileArgs, output: &Output) -> Result<u8, CliError> {
+    let mut proposed = propose(&args.file, args.write.as_deref().unwrap_or("proposed"))
+        .map_err(|error| CliError::usage(&error.to_string()))?;
+    if let Some(name) = &args.write {
+        proposed.write(&campaign(args)?, name)?;
+    }
+    print(&proposed, output);
+    output.document(&proposed)?;
+    let is_read = proposed.read.as_ref().is_some_and(|read| read.format.is_some());
+    Ok(if is_read && proposed.open.is_empty() {
+        DONE
+    } else {
+        SOME_REFUSED
+    })
+}
+
+fn campaign(args: &ProfileArgs) -> Result<PathBuf, CliError> {
+    let absolute = std::path::absolute(&args.file).unwrap_or_else(|_| args.file.clone());
+    let beside = absolute.parent().and_then(campaign_file::find);
+    match (&args.campaign, beside) {
+        (None, Some(campaign)) => Ok(campaign),
+        (given, _) => folder(given.as_deref()),
+    }
+}
+
+fn print(proposed: &ProposedProfile, output: &Output) {
+    output.result(&proposed.profile);
+    for open in &proposed.open {
+        output.message(&format!("to fill in: {open}"));
+    }
+    match (&proposed.read, &proposed.refusal) {
+        (Some(read), _) => inspect::print(read, output),
+        (None, Some(refusal)) => output.message(&format!("not usable yet: {refusal}")),
+        (None, None) => {}
+    }
+    if let Some(path) = &proposed.written {
+        output.message(&format!("written: {}", path.display()));
+    }
+}
