@@ -88,7 +88,7 @@ fn the_template_parses_also_with_its_comments_taken_away() {
     let codes: Vec<&str> = loaded.warnings.iter().map(|issue| issue.code.as_str()).collect();
     assert_eq!(codes, ["no-samples"]);
     let uncomment = |line: &str| match line.strip_prefix("# ") {
-        Some(rest) if rest.contains(" = ") || rest.starts_with("[[") => rest.to_owned(),
+        Some(rest) if rest.contains(" = ") || rest.starts_with('[') => rest.to_owned(),
         _ => line.to_owned(),
     };
     let lines: Vec<String> = text.lines().map(uncomment).collect();
