@@ -29,5 +29,28 @@ fn read_plain_table(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, read_plain_table);
+/// A year of readings every minute.
+fn climate_log() -> Vec<u8> {
+    let mut text = "Time,Temperature (°C),Relative Humidity (%)\n".to_owned();
+    let start = jiff::civil::date(2025, 1, 1).at(0, 0, 0, 0);
+    for minute in 0..525_600i64 {
+        let at = start + jiff::SignedDuration::from_mins(minute);
+        let percent = 45.0 + (minute as f64 / 777.0).sin();
+        let _ = writeln!(text, "{},21.35,{percent:.1}", at.strftime("%Y-%m-%d %H:%M:%S"));
+    }
+    text.into_bytes()
+}
+
+fn read_climate_log(criterion: &mut Criterion) {
+    let bytes = climate_log();
+    let context = ReadContext::default();
+    let mut group = criterion.benchmark_group("climate");
+    group.sample_size(10);
+    group.bench_function("a year of minutes, 525600 x 2", |bencher| {
+        bencher.iter(|| read("log.csv", black_box(&bytes), &context).map(|reading| reading.tables.len()));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, read_plain_table, read_climate_log);
 criterion_main!(benches);

@@ -36,6 +36,8 @@ pub fn campaign() -> Campaign {
         name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        sensors: vec![],
+        climate: Default::default(),
     }
 }
 
@@ -71,6 +73,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
         ingested_at: "2026-11-20T06:00:00Z".to_owned(),
         issues: vec![],
         fit: None,
+        climate: vec![],
         fit_code_version: None,
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ChannelSummary, Drive, Fit, Issue, Tag};
+use super::{ChannelSummary, Drive, Fit, Issue, RunClimate, Tag};
 
 /// Whether a run can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -131,6 +131,8 @@ pub struct RunRecord {
     pub ingested_at: String,
     /// What a reader must know.
     pub issues: Vec<Issue>,
+    /// Climate during the run: the chosen sensor's quantities first.
+    pub climate: Vec<RunClimate>,
     /// The current fit.
     pub fit: Option<Fit>,
     /// Version of the program that made the fit, and when (RFC 3339 UTC).
@@ -169,16 +171,19 @@ pub enum FileState {
     Pending,
     /// Belongs to a run and holds none: a sidecar of the instrument.
     Sidecar,
+    /// Holds readings of climate sensors.
+    Log,
 }
 
 impl FileState {
     /// Every state.
-    pub const ALL: [FileState; 5] = [
+    pub const ALL: [FileState; 6] = [
         FileState::Run,
         FileState::Alias,
         FileState::Refused,
         FileState::Pending,
         FileState::Sidecar,
+        FileState::Log,
     ];
 
     /// Stored name.
@@ -189,6 +194,7 @@ impl FileState {
             FileState::Refused => "refused",
             FileState::Pending => "pending",
             FileState::Sidecar => "sidecar",
+            FileState::Log => "log",
         }
     }
 

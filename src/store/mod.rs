@@ -5,6 +5,7 @@
 //! is ever visible.
 
 mod blob;
+mod climate;
 mod diagnoses;
 mod error;
 mod files;
@@ -12,6 +13,7 @@ mod fits;
 mod lock;
 mod migration;
 mod new_run;
+mod run_climate;
 mod runs;
 mod tags;
 
@@ -20,6 +22,7 @@ use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 
+pub use climate::{LogRecord, NewLog, NewSeries};
 pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
 pub use error::StoreError;
 pub use files::FileRow;

@@ -3,8 +3,9 @@
 use rusqlite::{Transaction, params};
 
 use super::blob::{pack_f64, pack_u32};
+use super::run_climate::replace_climate;
 use super::{StepError, to_json};
-use crate::domain::{Channel, Drive, Issue, RunState, RunStatus, Tag};
+use crate::domain::{Channel, ClimateCurve, Drive, Issue, RunClimate, RunState, RunStatus, Tag};
 
 /// Raw bytes that are archived.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,6 +41,10 @@ pub struct Tagging {
     pub electrode_resistance_ohm_per_sq: Option<f64>,
     /// BLAKE3 over everything the tags came from.
     pub digest: String,
+    /// Climate during the run.
+    pub climate: Vec<RunClimate>,
+    /// Climate around the run, to draw.
+    pub climate_curves: Vec<ClimateCurve>,
 }
 
 /// A run that was read from one or several files.
@@ -195,6 +200,7 @@ pub(super) fn insert_tagging(
     run_id: i64,
     tagging: &Tagging,
 ) -> Result<(), StepError> {
+    replace_climate(transaction, run_id, &tagging.climate, &tagging.climate_curves)?;
     for (ordinal, tag) in tagging.tags.iter().enumerate() {
         transaction
             .prepare_cached("INSERT INTO tag VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")?

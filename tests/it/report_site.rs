@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use ieap::report::pages::PAGES;
 use ieap::report::{Input, render};
 
 use super::report_fixture::{MadeUpCurves, current_only_input, input, troubled_input};
@@ -221,7 +222,7 @@ fn progress_ends_with_everything_done() {
     let rendered = render(&input, &MadeUpCurves::of(&input), folder.path(), &progress).expect("a site");
     assert_eq!(seen.borrow().last(), Some(&(rendered.pages, rendered.pages)));
     assert!(seen.borrow().windows(2).all(|pair| pair[0].0 < pair[1].0));
-    assert_eq!(rendered.pages, 3 + input.runs.len());
+    assert_eq!(rendered.pages, PAGES.len() + input.runs.len());
 }
 
 #[test]

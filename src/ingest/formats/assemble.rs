@@ -100,6 +100,7 @@ pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadE
         }),
         time_first_last_s: time_index.and_then(|_| Some((*axis.time_s.first()?, *axis.time_s.last()?))),
         time_zero_is_step: raw.time_zero_is_step,
+        clock_set_back: Vec::new(),
     })
 }
 

@@ -91,6 +91,7 @@ pub static ALL: &[&dyn Format] = &[
     &climate::Hobo,
     &climate::Toa5,
     &climate::Picolog,
+    &climate::ClimateTable,
     &spreadsheet::Spreadsheet,
     &plain_table::PlainTable,
 ];

@@ -34,6 +34,8 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         name_pattern: name_pattern.map(str::to_owned),
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        sensors: vec![],
+        climate: Default::default(),
     }
 }
 

@@ -26,10 +26,12 @@ pub struct Places {
     pub campaign: PathBuf,
     /// The runs folder in it.
     pub runs: PathBuf,
+    /// The folder of climate logs in it, whether it is there or not.
+    pub logs: PathBuf,
 }
 
 impl Places {
-    /// Whether a change at `path` can change runs or their tags.
+    /// Whether a change at `path` can change runs, climate logs or tags.
     fn counts(&self, path: &Path) -> bool {
         let Ok(relative) = path.strip_prefix(&self.campaign) else {
             return false;
@@ -39,6 +41,7 @@ impl Places {
         }
         match path.strip_prefix(&self.runs) {
             Ok(below) => !below.iter().any(is_passing_name),
+            Err(_) if path.starts_with(&self.logs) => !relative.iter().any(is_passing_name),
             Err(_) => self.runs.starts_with(path) || self.is_statement_above(path),
         }
     }
@@ -90,6 +93,7 @@ mod tests {
         Places {
             campaign: PathBuf::from("/c"),
             runs: PathBuf::from("/c/data/runs"),
+            logs: PathBuf::from("/c/ambient"),
         }
     }
 
@@ -141,6 +145,8 @@ mod tests {
             "/c/data",
             "/c/tags.toml",
             "/c/campaign.toml",
+            "/c/ambient",
+            "/c/ambient/box/a.csv",
             "/c",
         ] {
             assert_eq!(hint(kind, &[path]), Some(Hint::Look), "{path}");
@@ -153,6 +159,8 @@ mod tests {
             "/c/notes.txt",
             "/c/other/tags.toml",
             "/c/data/runs/a.csv.part",
+            "/c/ambient/a.csv.part",
+            "/c/ambient2/a.csv",
             "/c/data/runs/.cache/a.csv",
             "/c/data/runs/~$book.xlsx",
             "/elsewhere/a.csv",

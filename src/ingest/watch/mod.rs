@@ -81,6 +81,9 @@ pub enum WatchError {
     },
 }
 
+/// Folder of climate logs inside a campaign.
+const LOGS_FOLDER: &str = "ambient";
+
 /// A pause in a burst of events after which the burst is over, and the longest burst that is waited for.
 const BURST_PAUSE: Duration = Duration::from_millis(50);
 const BURST_END: Duration = Duration::from_millis(500);
@@ -104,6 +107,8 @@ struct State {
     signals: Arc<Signals>,
     /// Device and inode of the watched runs folder; none while it is gone.
     armed: Option<(u64, u64)>,
+    /// The same of the folder of climate logs, which need not be there.
+    logs_armed: Option<(u64, u64)>,
     next_check: Instant,
     next_full: Instant,
     next_poll: Instant,
@@ -131,6 +136,7 @@ impl Watcher {
         let places = Places {
             campaign: real(campaign.to_path_buf())?,
             runs: real(campaign.join(runs_folder))?,
+            logs: real(campaign.to_path_buf())?.join(LOGS_FOLDER),
         };
         let armed = folder_identity(&places.runs).map_err(|source| WatchError::FolderMissing {
             path: places.runs.clone(),
@@ -143,6 +149,7 @@ impl Watcher {
             source,
             signals,
             armed: Some(armed),
+            logs_armed: folder_identity(&places.logs).ok(),
             next_check: now + CHECK_EVERY,
             next_full: now + options.full_scan_every,
             echoes: Vec::new(),
@@ -206,17 +213,27 @@ impl Watcher {
                 state.armed = None;
                 Some(Wake::FolderGone)
             }
-            (Some(there), Some(armed)) if there == armed => None,
+            (Some(there), Some(armed)) if there == armed && !self.logs_came(state) => None,
             (Some(there), _) => {
                 let (source, signals, issues) = arm(&self.places, &self.options);
                 state.replace_source(source);
                 state.signals = signals;
                 state.issues.extend(issues);
                 state.armed = Some(there);
+                state.logs_armed = folder_identity(&self.places.logs).ok();
                 state.full_scan_follows(now, &self.options);
                 Some(Wake::Rescan)
             }
         }
+    }
+
+    /// Whether a folder of climate logs is there that is not watched yet.
+    fn logs_came(&self, state: &mut State) -> bool {
+        let there = folder_identity(&self.places.logs).ok();
+        if there.is_none() {
+            state.logs_armed = None;
+        }
+        there != state.logs_armed
     }
 
     /// The wake that is due by signals or by the clock; none while the runs folder is gone.

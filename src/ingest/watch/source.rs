@@ -68,6 +68,9 @@ fn subscribe(places: &Places, signals: Arc<Signals>) -> notify::Result<Recommend
         watcher.watch(folder, RecursiveMode::NonRecursive)?;
     }
     watcher.watch(&places.runs, RecursiveMode::Recursive)?;
+    if places.logs.is_dir() && !places.logs.starts_with(&places.runs) {
+        watcher.watch(&places.logs, RecursiveMode::Recursive)?;
+    }
     Ok(watcher)
 }
 

@@ -16,10 +16,13 @@ use super::{Context, Observer, PipelineError};
 use crate::domain::{FileState, Issue};
 use crate::ingest::formats;
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
+use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
 use crate::store::FileRow;
 use prepare::{Group, Prepared};
 
-pub use retag::retag_runs;
+pub(super) use prepare::{Outcome, PreparedFile};
+pub use retag::{retag_runs, run_window};
+pub(super) use settle::set_aside;
 
 /// Groups read ahead of their storing: bounds memory.
 const READ_AHEAD: usize = 8;
@@ -53,6 +56,8 @@ pub struct IngestSummary {
     pub retagged: Vec<String>,
     /// Runs that lack tags, now.
     pub untagged: Vec<String>,
+    /// Climate logs.
+    pub logs: LogSummary,
 }
 
 impl IngestSummary {
@@ -65,7 +70,7 @@ impl IngestSummary {
             &self.gone,
             &self.retagged,
         ];
-        lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty()
+        lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty() || self.logs.changed()
     }
 }
 
@@ -80,13 +85,23 @@ impl Ingest<'_> {
         observer: &dyn Observer,
     ) -> Result<IngestSummary, PipelineError> {
         let runs_folder = context.campaign.runs_folder.clone();
-        let seen = scan::scan(&context.folder, &runs_folder, scan::ScanLimits::default())?;
-        let stored = context.store.files()?;
+        let mut seen = scan::scan(&context.folder, &runs_folder, scan::ScanLimits::default())?;
+        let of_logs = |path: &str| holds_logs(path, &runs_folder);
+        // Where the runs folder is the whole campaign, the logs lie in it.
+        seen.files.retain(|file| !of_logs(&file.display));
+        let (logs, stored): (Vec<FileRow>, Vec<FileRow>) = context
+            .store
+            .files()?
+            .into_iter()
+            .partition(|file| of_logs(&file.path));
         let changes = scan::diff(&known(&stored), &seen);
         let mut summary = IngestSummary {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
+        // Logs first, so that runs are tagged with them at once.
+        self.take_logs(context, &logs, &mut summary, observer)?;
+        let shelf = Shelf::open(&context.store)?;
         let groups = self.due(&stored, &seen, &changes, &mut summary);
         observer.begin("reading", groups.len() as u64);
         for batch in groups.chunks(READ_AHEAD) {
@@ -95,15 +110,76 @@ impl Ingest<'_> {
                 .map(|group| prepare::prepare(&context.folder, group))
                 .collect();
             for prepared in prepared {
-                settle::settle(context, prepared, &changes, &mut summary, observer)?;
+                settle::settle(context, &shelf, prepared, &changes, &mut summary, observer)?;
                 observer.advance();
             }
         }
         observer.end();
         settle::gone(context, &stored, &changes, &seen, &mut summary)?;
         summary.retagged = retag::retag_runs(context, observer)?;
+        climate::assess(context, &shelf)?;
         list_states(context, &mut summary)?;
         Ok(summary)
+    }
+
+    /// Takes in what is new among the climate logs. A folder that cannot be looked through costs the logs, not the
+    /// runs.
+    fn take_logs(
+        &mut self,
+        context: &mut Context,
+        stored: &[FileRow],
+        summary: &mut IngestSummary,
+        observer: &dyn Observer,
+    ) -> Result<(), PipelineError> {
+        let folder = crate::analysis::climate::sensors::FOLDER;
+        if !holds_logs(folder, &context.campaign.runs_folder) {
+            return Ok(());
+        }
+        let seen = match scan::scan(&context.folder, folder, scan::ScanLimits::default()) {
+            Ok(seen) => seen,
+            Err(scan::ScanError::FolderMissing { .. }) if stored.is_empty() => return Ok(()),
+            Err(scan::ScanError::FolderMissing { path }) => {
+                let path = path.display();
+                observer.warn(&format!(
+                    "{path} is not there; the climate logs known from it stay"
+                ));
+                return Ok(());
+            }
+            Err(error) => {
+                observer.warn(&format!("climate logs are not looked at: {error}"));
+                return Ok(());
+            }
+        };
+        let changes = scan::diff(&known(stored), &seen);
+        summary.logs.files = seen.files.len();
+        let outdated = outdated(stored);
+        let retry = changes
+            .unchanged
+            .iter()
+            .filter(|file| outdated.contains(file.display.as_str()));
+        let mut groups = Vec::new();
+        for file in changes.new.iter().chain(&changes.changed).chain(retry) {
+            match (self.ready)(file) {
+                true => groups.push(Group {
+                    run_name: file.display.clone(),
+                    files: vec![file.clone()],
+                }),
+                false => summary.waiting.push(file.display.clone()),
+            }
+        }
+        observer.begin("reading climate logs", groups.len() as u64);
+        for batch in groups.chunks(READ_AHEAD) {
+            let prepared: Vec<Prepared> = batch
+                .par_iter()
+                .map(|group| prepare::prepare(&context.folder, group))
+                .collect();
+            for file in prepared.iter().flat_map(|prepared| &prepared.files) {
+                climate::settle_log(context, file, &changes, &mut summary.logs, observer)?;
+                observer.advance();
+            }
+        }
+        observer.end();
+        settle::gone(context, stored, &changes, &seen, summary)
     }
 
     /// The groups of files to be read: new or changed ones, and those that another version of a reader read.
@@ -160,7 +236,7 @@ fn outdated(stored: &[FileRow]) -> BTreeSet<&str> {
         .collect();
     let all = all_readers_stamp();
     let is_outdated = |file: &&FileRow| match file.state {
-        FileState::Run => !current.contains(&file.reader),
+        FileState::Run | FileState::Log => !current.contains(&file.reader),
         FileState::Refused | FileState::Pending | FileState::Sidecar => file.reader != all,
         FileState::Alias => false,
     };
@@ -172,7 +248,7 @@ fn outdated(stored: &[FileRow]) -> BTreeSet<&str> {
 }
 
 /// How a file records which reader decided.
-fn reader_stamp(id: &str, version: u32) -> String {
+pub(super) fn reader_stamp(id: &str, version: u32) -> String {
     format!("{id}/{version}")
 }
 
@@ -206,7 +282,7 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
 }
 
 /// A row for a file that holds no new run.
-fn file_row(
+pub(super) fn file_row(
     file: &SeenFile,
     hash: Option<String>,
     state: FileState,

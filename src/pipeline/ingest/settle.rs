@@ -8,12 +8,14 @@ use crate::ingest::Reading;
 use crate::ingest::archive::Archive;
 use crate::ingest::data_hash::data_hash;
 use crate::ingest::scan::{Changes, Scan};
+use crate::pipeline::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, NewRun, RunContent};
 
 /// Stores a group: its runs, an alias, a new name, or why it was refused.
 pub fn settle(
     context: &mut Context,
+    shelf: &Shelf,
     prepared: Prepared,
     changes: &Changes,
     summary: &mut IngestSummary,
@@ -34,14 +36,14 @@ pub fn settle(
             if is_known(context, single, changes, summary)? {
                 return Ok(());
             }
-            store_runs(context, &prepared.run_name, &readable, summary, observer)
+            store_runs(context, shelf, &prepared.run_name, &readable, summary, observer)
         }
-        _ => store_runs(context, &prepared.run_name, &readable, summary, observer),
+        _ => store_runs(context, shelf, &prepared.run_name, &readable, summary, observer),
     }
 }
 
 /// Records a file that was refused or waits. A run read from an earlier content of it stays.
-fn set_aside(
+pub(in crate::pipeline) fn set_aside(
     context: &mut Context,
     prepared: &PreparedFile,
     state: FileState,
@@ -109,6 +111,7 @@ fn is_known(
 /// Archives the bytes, tags the runs and stores everything at once.
 fn store_runs(
     context: &mut Context,
+    shelf: &Shelf,
     run_name: &str,
     files: &[PreparedFile],
     summary: &mut IngestSummary,
@@ -146,7 +149,7 @@ fn store_runs(
         .into_iter()
         .map(|part| {
             new_run(
-                context,
+                (context, shelf),
                 format!("{base}{}", part.suffix),
                 part,
                 &readings,
@@ -202,7 +205,7 @@ fn run_row(file: &PreparedFile, reading: &Reading) -> Option<FileRow> {
 }
 
 fn new_run(
-    context: &Context,
+    (context, shelf): (&Context, &Shelf),
     path: String,
     part: RunPart,
     readings: &[&Reading],
@@ -228,7 +231,7 @@ fn new_run(
         started_at: readings.iter().find_map(|reading| reading.started_at.clone()),
     };
     Ok(NewRun {
-        tagging: tagging(context, &input)?,
+        tagging: tagging(context, shelf, &input)?,
         data_hash: data_hash(&part.channels),
         format: first.format.to_owned(),
         reader_version: first.reader_version,
@@ -270,21 +273,22 @@ pub fn gone(
         .map(refused_entry)
         .collect();
     let listed = |path: &String| outside.iter().any(|row| row.path == *path);
-    let renamed = |path: &String| summary.renamed.iter().any(|(old, _)| old == path);
+    let all_renamed = summary.renamed.iter().chain(&summary.logs.renamed);
+    let renamed_from: Vec<&String> = all_renamed.map(|(old, _)| old).collect();
+    let renamed = |path: &String| renamed_from.contains(&path);
     let gone: Vec<&String> = changes
         .gone
         .iter()
         .filter(|path| !listed(path) && !renamed(path))
         .collect();
     let is_run = |path: &String| {
-        stored
-            .iter()
-            .any(|file| file.path == *path && file.state == FileState::Run)
+        let holds = |state| matches!(state, FileState::Run | FileState::Log);
+        stored.iter().any(|file| file.path == *path && holds(file.state))
     };
     let (runs, others): (Vec<String>, Vec<String>) = gone.into_iter().cloned().partition(is_run);
     context.store.mark_missing(&now, &runs)?;
     context.store.forget_files(&now, &others)?;
-    summary.gone = runs;
+    summary.gone.extend(runs);
     let fresh: Vec<FileRow> = outside.into_iter().filter(|row| !stored.contains(row)).collect();
     Ok(context.store.record_files(&now, &fresh)?)
 }

@@ -3,11 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+use super::retag::window;
+use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Issue, Quantity, RunState, Tag, TagSource};
 use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, Resolved, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, drive};
+use crate::pipeline::climate::{Shelf, climate_of};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
 
@@ -34,7 +37,7 @@ pub struct TaggingInput<'a> {
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
+pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
     let hand = hand_tags(context, input.run_path)?;
     let mut header = input.header_tags.clone();
     header.extend(input.started_at.as_ref().and_then(start_tag));
@@ -59,16 +62,50 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
             .map(|d| rounded_level(d.nominal_step_v())),
         ambient: &[],
     };
-    let resolved = tags::resolve(&request);
-    let digest = digest(context, input.run_path, &files)?;
-    Ok(conclude(context, input, resolved, digest))
+    let without_logs = tags::resolve(&request);
+    let window = window(without_logs.value(keys::STARTED_AT), times(input.channels));
+    let surroundings = (
+        without_logs.value(keys::ENVIRONMENT),
+        without_logs.value(keys::SAMPLE),
+    );
+    let climate = climate_of(context, shelf, window, surroundings)?;
+    let resolved = match climate.tags.is_empty() {
+        true => without_logs,
+        false => tags::resolve(&TagRequest {
+            ambient: &climate.tags,
+            ..request
+        }),
+    };
+    let digest = digest(context, shelf, input.run_path, &files, window)?;
+    let mut tagging = conclude(context, input, resolved, digest);
+    tagging.issues.extend(climate.issues);
+    (tagging.climate, tagging.climate_curves) = (climate.climate, climate.curves);
+    Ok(tagging)
+}
+
+/// First and last time of the readings, s.
+fn times(channels: &[Channel]) -> Option<(f64, f64)> {
+    let firsts = channels
+        .iter()
+        .filter_map(|channel| channel.time_s.first().copied());
+    let lasts = channels
+        .iter()
+        .filter_map(|channel| channel.time_s.last().copied());
+    Some((firsts.reduce(f64::min)?, lasts.reduce(f64::max)?))
 }
 
 /// BLAKE3 over everything that the tags of a run come from, but the file itself.
-pub fn digest(context: &Context, run_path: &str, files: &[PathBuf]) -> Result<String, PipelineError> {
+pub fn digest(
+    context: &Context,
+    shelf: &Shelf,
+    run_path: &str,
+    files: &[PathBuf],
+    window: Option<Window>,
+) -> Result<String, PipelineError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(context.campaign_digest.as_bytes());
     hasher.update(tags::tag_sources_digest(&context.folder, files).as_bytes());
+    hasher.update(shelf.digest(window).as_bytes());
     for tag in hand_tags(context, run_path)? {
         hasher.update(format!("{:?}", (tag.key, tag.value)).as_bytes());
     }
@@ -170,6 +207,8 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         length_cm,
         electrode_resistance_ohm_per_sq: sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq),
         digest,
+        climate: Vec::new(),
+        climate_curves: Vec::new(),
     }
 }
 

@@ -1,11 +1,13 @@
 //! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
 
+pub mod climate;
 pub mod comparison;
 pub mod finding;
 pub mod finding_words;
 pub mod findings;
 pub mod index;
 pub mod run;
+pub mod run_climate;
 pub mod run_evidence;
 pub mod table5;
 pub mod wording;
@@ -61,7 +63,7 @@ pub struct Page {
 }
 
 /// Every page that the site has once, in the order of the navigation.
-pub const PAGES: [Page; 4] = [
+pub const PAGES: [Page; 5] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -85,6 +87,12 @@ pub const PAGES: [Page; 4] = [
         title: "Findings",
         template: include_str!("../../../templates/pages/findings.html"),
         content: findings::content,
+    },
+    Page {
+        file: "climate.html",
+        title: "Climate",
+        template: include_str!("../../../templates/pages/climate.html"),
+        content: climate::content,
     },
 ];
 
