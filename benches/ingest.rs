@@ -167,6 +167,29 @@ fn read_plain_table(criterion: &mut Criterion<ThreadTime>) {
     });
 }
 
+/// A year of readings every minute.
+fn climate_log() -> Vec<u8> {
+    let mut text = "Time,Temperature (°C),Relative Humidity (%)\n".to_owned();
+    let start = jiff::civil::date(2025, 1, 1).at(0, 0, 0, 0);
+    for minute in 0..525_600i64 {
+        let at = start + jiff::SignedDuration::from_mins(minute);
+        let percent = 45.0 + (minute as f64 / 777.0).sin();
+        let _ = writeln!(text, "{},21.35,{percent:.1}", at.strftime("%Y-%m-%d %H:%M:%S"));
+    }
+    text.into_bytes()
+}
+
+fn read_climate_log(criterion: &mut Criterion<ThreadTime>) {
+    let bytes = climate_log();
+    let context = ReadContext::default();
+    let mut group = criterion.benchmark_group("climate");
+    group.sample_size(10);
+    group.bench_function("a year of minutes, 525600 x 2", |bencher| {
+        bencher.iter(|| read("log.csv", black_box(&bytes), &context).map(|reading| reading.tables.len()));
+    });
+    group.finish();
+}
+
 fn read_long_files(criterion: &mut Criterion<ThreadTime>) {
     let context = ReadContext::default();
     let mut group = criterion.benchmark_group("long");
@@ -194,6 +217,6 @@ fn measured() -> Criterion<ThreadTime> {
 criterion_group! {
     name = benches;
     config = measured();
-    targets = read_plain_table, read_long_files
+    targets = read_plain_table, read_long_files, read_climate_log
 }
 criterion_main!(benches);

@@ -1,5 +1,6 @@
-//! Comparison across conditions.
+//! Comparison across conditions, and the climate of runs.
 
+pub mod climate;
 pub mod conditions;
 pub mod design;
 pub mod dma;

@@ -38,6 +38,8 @@ pub fn campaign() -> Campaign {
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        sensors: vec![],
+        climate: Default::default(),
     }
 }
 
@@ -75,6 +77,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
         ingested_at: "2026-11-20T06:00:00Z".to_owned(),
         issues: vec![],
         fit: None,
+        climate: vec![],
         fit_code_version: None,
     }
 }

@@ -47,6 +47,18 @@ pub fn print(summary: &IngestSummary, output: &Output) {
         summary.renamed.len(),
         summary.retagged.len()
     ));
+    if summary.logs.files > 0 {
+        let logs = &summary.logs;
+        output.result(&format!(
+            "climate logs: {} in the folder, {} new, {} with new content, {} renamed",
+            logs.files,
+            logs.new.len(),
+            logs.revised.len(),
+            logs.renamed.len()
+        ));
+    }
+    let same = "with the bytes of a climate log: an alias";
+    list(output, "file", same, &summary.logs.aliases);
     let aliases = "with the bytes of a run's file: an alias, no run";
     list(output, "file", aliases, &summary.aliases);
     list(output, "file", "no longer there; the runs stay", &summary.gone);

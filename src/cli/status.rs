@@ -6,6 +6,7 @@ use serde_json::json;
 use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::{Output, counted};
+use crate::domain::Issue;
 use crate::pipeline::Context;
 use crate::pipeline::status::{Reasoned, Status, status};
 
@@ -63,8 +64,97 @@ fn print(status: &Status, output: &Output) {
         .map(|gap| format!("{} in {} at {} V", gap.material, gap.environment, gap.voltage_v))
         .collect();
     list(output, "condition", "without a run", &gaps);
+    climate(status, output);
     let older = "fitted by another version of ieap";
     list(output, "run", older, &status.fitted_by_older_program);
+}
+
+/// Climate logs: how many, which runs they cover, what is wrong with them.
+fn climate(status: &Status, output: &Output) {
+    let climate = &status.climate;
+    if climate.logs == 0 {
+        return;
+    }
+    let mut sensors: Vec<&str> = climate
+        .assessment
+        .sensors
+        .iter()
+        .map(|s| s.sensor.as_str())
+        .collect();
+    sensors.sort_unstable();
+    sensors.dedup();
+    output.result(&format!(
+        "climate: {} of {} in ambient/, covering {} of {}",
+        counted(climate.logs, "log"),
+        counted(sensors.len(), "sensor"),
+        climate.runs_covered,
+        counted(status.runs, "run")
+    ));
+    list(
+        output,
+        "run",
+        "whose climate left the tolerance",
+        &climate.runs_left_tolerance,
+    );
+    list(
+        output,
+        "run",
+        "whose label differs from the measured climate",
+        &climate.runs_label_differs,
+    );
+    list(
+        output,
+        "run",
+        "without a log that covers them",
+        &climate.runs_not_covered,
+    );
+    let exposures: Vec<String> = climate
+        .assessment
+        .exposures
+        .iter()
+        .map(|exposure| match &exposure.reason {
+            Some(reason) => format!("{}: not known, {reason}", exposure.sample),
+            None => format!(
+                "{}: {:.1} h above {} % in {:.1} h that logs cover ({:.1} h not covered)",
+                exposure.sample,
+                exposure.above_h,
+                exposure.above_percent,
+                exposure.covered_h,
+                exposure.uncovered_h
+            ),
+        })
+        .collect();
+    list(
+        output,
+        "sample",
+        "with an exposure between the first and the last run",
+        &exposures,
+    );
+    let problems: Vec<&Issue> = climate
+        .assessment
+        .issues
+        .iter()
+        .filter(|issue| issue.severity > crate::domain::Severity::Note)
+        .collect();
+    if !problems.is_empty() {
+        output.result(&format!(
+            "{} of climate logs:",
+            counted(problems.len(), "problem")
+        ));
+        problems.iter().for_each(|problem| issue(output, "  ", problem));
+    }
+}
+
+/// An issue with its place and the way to mend it.
+fn issue(output: &Output, indent: &str, issue: &Issue) {
+    let place = match issue.place.is_empty() {
+        true => String::new(),
+        false => format!("{}: ", issue.place),
+    };
+    output.result(&format!("{indent}{place}{}", issue.message));
+    if !issue.mend.is_empty() {
+        output.result(&format!("{indent}-> {}", issue.mend));
+    }
 }
 
 fn section(output: &Output, thing: &str, title: &str, entries: &[Reasoned]) {
@@ -74,21 +164,11 @@ fn section(output: &Output, thing: &str, title: &str, entries: &[Reasoned]) {
     output.result(&format!("{} {title}:", counted(entries.len(), thing)));
     for entry in entries {
         output.result(&format!("  {}", entry.path));
-        for issue in entry
+        let shown = entry
             .issues
             .iter()
-            .filter(|issue| issue.severity > crate::domain::Severity::Note)
-        {
-            let place = if issue.place.is_empty() {
-                String::new()
-            } else {
-                format!("{}: ", issue.place)
-            };
-            output.result(&format!("      {place}{}", issue.message));
-            if !issue.mend.is_empty() {
-                output.result(&format!("      -> {}", issue.mend));
-            }
-        }
+            .filter(|issue| issue.severity > crate::domain::Severity::Note);
+        shown.for_each(|found| issue(output, "      ", found));
     }
 }
 

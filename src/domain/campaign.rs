@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::RunKind;
+use super::climate::{ClimateRules, SensorStatement};
 
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -102,6 +103,10 @@ pub struct Campaign {
     /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
     #[serde(default)]
     pub group_by: Vec<String>,
+    /// Climate sensors in the file's order; the first that speaks for a run counts.
+    pub sensors: Vec<SensorStatement>,
+    /// Rules for the climate of runs.
+    pub climate: ClimateRules,
 }
 
 impl Campaign {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::Quantity;
 use super::thinning::{DRAWN_BUCKETS, drawn_indices};
+use super::{ClimateCurve, Quantity};
 
 /// Readings of one quantity: times and values of equal length, finite, in canonical units.
 ///
@@ -156,6 +156,14 @@ pub trait CurveSource {
     /// # Errors
     /// A message that names the run and what could not be read.
     fn curves(&self, run_id: i64) -> Result<Vec<RunCurve>, String>;
+
+    /// Climate around that run, thinned; empty where no log covers it.
+    ///
+    /// # Errors
+    /// As [`CurveSource::curves`].
+    fn climate_curves(&self, _run_id: i64) -> Result<Vec<ClimateCurve>, String> {
+        Ok(Vec::new())
+    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 pub mod campaign;
 pub mod channel;
+pub mod climate;
 pub mod diagnosis;
 pub mod drive;
 pub mod estimate;
@@ -20,6 +21,10 @@ mod unit_spelling;
 
 pub use campaign::{Campaign, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
+pub use climate::{
+    ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,
+    RunClimate, SensorPair, SensorStatement, SensorSummary,
+};
 pub use diagnosis::{
     Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun, ParameterShift,
     ResidualCurve, Verdict, Whereabouts,

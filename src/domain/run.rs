@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
-use super::{ChannelSummary, Drive, Fit, Issue, RunOrigin, Tag};
+use super::{ChannelSummary, Drive, Fit, Issue, RunClimate, RunOrigin, Tag};
 
 /// What is measured, told by the folder that the file lies in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -171,6 +171,8 @@ pub struct RunRecord {
     pub ingested_at: String,
     /// What a reader must know.
     pub issues: Vec<Issue>,
+    /// Climate during the run: the chosen sensor's quantities first.
+    pub climate: Vec<RunClimate>,
     /// The current fit.
     pub fit: Option<Fit>,
     /// Version of the program that made the fit, and when (RFC 3339 UTC).
@@ -209,16 +211,19 @@ pub enum FileState {
     Pending,
     /// Belongs to a run and holds none: a sidecar of the instrument.
     Sidecar,
+    /// Holds readings of climate sensors.
+    Log,
 }
 
 impl FileState {
     /// Every state.
-    pub const ALL: [FileState; 5] = [
+    pub const ALL: [FileState; 6] = [
         FileState::Run,
         FileState::Alias,
         FileState::Refused,
         FileState::Pending,
         FileState::Sidecar,
+        FileState::Log,
     ];
 
     /// Stored name.
@@ -229,6 +234,7 @@ impl FileState {
             FileState::Refused => "refused",
             FileState::Pending => "pending",
             FileState::Sidecar => "sidecar",
+            FileState::Log => "log",
         }
     }
 

@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod campaign_file;
+pub mod climate_log;
 pub mod clocks;
 pub mod data_hash;
 pub mod derived;

@@ -26,6 +26,9 @@ pub struct RunTable {
     /// Whether time zero of the file is known to be the voltage step (the plain run table's contract), or
     /// the clock starts anywhere (an instrument's clock).
     pub time_zero_is_step: bool,
+    /// Where a logger's clock was set back, as at the end of summer time: time of the first reading after it, s,
+    /// and by how much, s. Times of readings go on as if it had not been; the clock showed as much less.
+    pub clock_set_back: Vec<(f64, f64)>,
 }
 
 /// Everything read from one file. Readers return data *and* issues; they fail only where no table can be had.

@@ -1,5 +1,6 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 
+mod climate;
 mod context;
 mod diagnose;
 pub mod diagnosis_document;
@@ -26,6 +27,7 @@ mod tag;
 mod watch;
 
 pub use crate::numerics::global::methods;
+pub use climate::LogSummary;
 pub use context::{CODE_VERSION, Context};
 pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};
 pub use error::PipelineError;

@@ -8,6 +8,7 @@ use super::swap::replace_folder;
 use super::{Context, Observer, PipelineError};
 use crate::analysis::{same_tags, sequence};
 use crate::model::effects::{self, Effect};
+use crate::pipeline::ingest::run_window;
 use crate::report;
 
 /// Folder of the report inside a campaign.
@@ -137,6 +138,16 @@ fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::In
             database: format!("change {changes} of {changed_at}"),
         },
         news,
+        climate: context
+            .store
+            .climate_assessment()?
+            .map(|(_, climate)| climate)
+            .unwrap_or_default(),
+        run_spans_s: runs
+            .iter()
+            .filter_map(run_window)
+            .map(|window| (window.from_s, window.to_s))
+            .collect(),
         runs,
         findings: findings(context)?,
     })

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::context::CODE_VERSION;
 use super::{Context, PipelineError};
 use crate::domain::tag::keys;
-use crate::domain::{FileState, Issue, RunRecord, RunState};
+use crate::domain::{ClimateAssessment, FileState, Issue, RunRecord, RunState};
 
 /// The state of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,12 +32,31 @@ pub struct Status {
     pub pending: Vec<Reasoned>,
     /// Files that hold the same bytes as a run's file.
     pub aliases: usize,
-    /// Files of runs that are no longer in the folder.
+    /// Files of runs and logs that are no longer in the folder.
     pub missing_files: Vec<String>,
     /// Conditions without a run, among all combinations of the materials, environments and voltages measured.
     pub gaps: Vec<Gap>,
     /// Runs whose fit an older program made.
     pub fitted_by_older_program: Vec<String>,
+    /// Climate logs and what they come to.
+    pub climate: ClimateStatus,
+}
+
+/// Climate logs and what they come to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct ClimateStatus {
+    /// Files that hold a log.
+    pub logs: usize,
+    /// Sensors with their quantities, comparisons, exposure of samples, problems found. Curves are left out.
+    pub assessment: ClimateAssessment,
+    /// Runs that a log covers.
+    pub runs_covered: usize,
+    /// Runs whose climate left the tolerance while they ran.
+    pub runs_left_tolerance: Vec<String>,
+    /// Runs whose label differs from what was measured.
+    pub runs_label_differs: Vec<String>,
+    /// Runs that no log covers although there are logs, or whose start is not known.
+    pub runs_not_covered: Vec<String>,
 }
 
 /// A file or run with the reasons for its state.
@@ -106,7 +125,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         .collect();
     let missing = files
         .iter()
-        .filter(|file| file.state == FileState::Run && file.missing_since.is_some());
+        .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
     Ok(Status {
         campaign: context.campaign.id.clone(),
         runs: runs.len(),
@@ -119,6 +138,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         pending: file_list(FileState::Pending),
         aliases: file_list(FileState::Alias).len(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
+        climate: climate(context, &runs)?,
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
             .iter()
@@ -129,6 +149,31 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             })
             .map(|run| run.path.clone())
             .collect(),
+    })
+}
+
+fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, PipelineError> {
+    let stored = context.store.climate_assessment()?;
+    let mut assessment = stored.map(|(_, assessment)| assessment).unwrap_or_default();
+    for sensor in &mut assessment.sensors {
+        sensor.curve = Default::default();
+    }
+    let with = |wanted: &dyn Fn(&Issue) -> bool| -> Vec<String> {
+        let found = runs.iter().filter(|run| run.issues.iter().any(wanted));
+        found.map(|run| run.path.clone()).collect()
+    };
+    let of_climate = [keys::RELATIVE_HUMIDITY_PERCENT, keys::TEMPERATURE_C];
+    let differs =
+        |issue: &Issue| issue.code == "tag-disagreement" && of_climate.contains(&issue.place.as_str());
+    Ok(ClimateStatus {
+        logs: context.store.logs()?.len(),
+        assessment,
+        runs_covered: runs.iter().filter(|run| !run.climate.is_empty()).count(),
+        runs_left_tolerance: with(&|issue| issue.code == "climate-left-tolerance"),
+        runs_label_differs: with(&differs),
+        runs_not_covered: with(&|issue| {
+            ["climate-not-covered", "climate-no-start"].contains(&issue.code.as_str())
+        }),
     })
 }
 

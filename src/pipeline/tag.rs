@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::context::now;
-use super::{Context, Observer, PipelineError};
+use super::{Context, Observer, PipelineError, climate};
 use crate::domain::{Issue, RunState};
 use crate::pipeline::ingest::retag_runs;
 use crate::store::HandTag;
@@ -51,6 +51,8 @@ impl SetTags {
             .store
             .add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
         retag_runs(context, observer)?;
+        let shelf = climate::Shelf::open(&context.store)?;
+        climate::assess(context, &shelf)?;
         let mut runs = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
         let found = runs.find(|run| run.path == run_path);
         let Some(run) = found else {

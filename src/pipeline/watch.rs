@@ -54,12 +54,10 @@ impl Watch {
             quiet: self.settings.quiet,
             ..WatchOptions::default()
         };
-        let (watcher, issues) = Watcher::start(
-            &context.folder,
-            &context.campaign.runs_folder,
-            &context.campaign.optional_folders(),
-            options,
-        )?;
+        let mut optional = context.campaign.optional_folders().to_vec();
+        optional.push(crate::analysis::climate::sensors::FOLDER);
+        let (watcher, issues) =
+            Watcher::start(&context.folder, &context.campaign.runs_folder, &optional, options)?;
         issues
             .iter()
             .for_each(|issue| observer.warn(&format!("{} {}", issue.message, issue.mend)));

@@ -1,6 +1,6 @@
 //! Everything a report is made of, except the curves.
 
-use crate::domain::{Campaign, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,10 @@ pub struct Input {
     pub news: Vec<News>,
     /// What the simulation gets wrong.
     pub findings: Findings,
+    /// Climate logs: sensors, comparisons, exposure.
+    pub climate: ClimateAssessment,
+    /// Start and end of the runs whose start is known, s since 1970 UTC.
+    pub run_spans_s: Vec<(f64, f64)>,
 }
 
 /// What diagnoses found, and what is known of the effects that they name.

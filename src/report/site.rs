@@ -14,7 +14,7 @@ use super::slug::slugs;
 use super::visible::write_escaped;
 use crate::analysis::dma::table::modulus_table;
 use crate::analysis::{Conditions, TableFormat, conditions, conditions_table, fits_wide, write_table};
-use crate::domain::{CurveSource, RunCurve};
+use crate::domain::{ClimateCurve, CurveSource, RunCurve};
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -120,11 +120,9 @@ pub fn render(
     }
     for first in (0..input.runs.len()).step_by(BATCH) {
         let batch = first..input.runs.len().min(first + BATCH);
-        let drawn: Result<Vec<(usize, Vec<RunCurve>)>, ReportError> = batch
-            .clone()
-            .map(|run| Ok((run, curves_of(input, run, curves)?)))
-            .collect();
-        let page = |(run, drawn): &(usize, Vec<RunCurve>)| run_page(&templates, &site, *run, drawn, out_dir);
+        let drawn: Result<Vec<ToDraw>, ReportError> =
+            batch.clone().map(|run| curves_of(input, run, curves)).collect();
+        let page = |drawn: &ToDraw| run_page(&templates, &site, drawn, out_dir);
         let sizes: Result<Vec<u64>, ReportError> = drawn?.par_iter().map(page).collect();
         bytes += sizes?.iter().sum::<u64>();
         progress(pages.len() + groups + batch.end, total);
@@ -159,22 +157,30 @@ fn templates() -> Result<Tera, ReportError> {
     Ok(tera)
 }
 
-fn curves_of(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<Vec<RunCurve>, ReportError> {
+/// A run's page before it is drawn: number of the run, its curves, the climate around it.
+type ToDraw = (usize, Vec<RunCurve>, Vec<ClimateCurve>);
+
+fn curves_of(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<ToDraw, ReportError> {
     let record = &input.runs[run];
-    curves.curves(record.id).map_err(|reason| ReportError::Curves {
+    let failed = |reason| ReportError::Curves {
         run: record.path.clone(),
         reason,
-    })
+    };
+    let climate = match record.climate.is_empty() {
+        true => Vec::new(),
+        false => curves.climate_curves(record.id).map_err(failed)?,
+    };
+    Ok((run, curves.curves(record.id).map_err(failed)?, climate))
 }
 
 fn run_page(
     templates: &Tera,
     site: &Site,
-    run: usize,
-    drawn: &[RunCurve],
+    (run, drawn, climate): &ToDraw,
     out_dir: &Path,
 ) -> Result<u64, ReportError> {
-    let content = run_content(site, run, drawn)?;
+    let run = *run;
+    let content = run_content(site, run, drawn, climate)?;
     let html = filled(templates, site, "run.html", site.run_name(run), content)?;
     write(&out_dir.join(site.run_href(run)), &html)
 }

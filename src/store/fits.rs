@@ -4,7 +4,7 @@ use rusqlite::{OptionalExtension, Transaction, params};
 
 use super::blob::{pack_f64, unpack_f64};
 use super::{StepError, Store, StoreError, from_json, from_key, to_json};
-use crate::domain::{CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
+use crate::domain::{ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
 
 /// A run that can be fitted, with what its last fit depended on.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,6 +204,10 @@ impl CurveSource for Store {
             .filter(|c| c.quantity.is_response() && c.position_mm.is_none() && !c.is_empty())
             .map(|c| c.drawn())
             .collect())
+    }
+
+    fn climate_curves(&self, run_id: i64) -> Result<Vec<ClimateCurve>, String> {
+        self.run_climate_curves(run_id).map_err(|e| e.to_string())
     }
 }
 

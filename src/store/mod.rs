@@ -5,6 +5,7 @@
 //! is ever visible.
 
 mod blob;
+mod climate;
 mod diagnoses;
 mod error;
 mod files;
@@ -14,6 +15,7 @@ mod migration;
 mod modulus;
 mod new_run;
 mod origin;
+mod run_climate;
 mod runs;
 mod tags;
 
@@ -22,6 +24,7 @@ use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 
+pub use climate::{LogRecord, NewLog, NewSeries};
 pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
 pub use error::StoreError;
 pub use files::FileRow;

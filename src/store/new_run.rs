@@ -4,8 +4,11 @@ use rusqlite::{Transaction, params};
 
 use super::blob::{pack_f64, pack_u32};
 use super::origin::{insert_origin, insert_stated_offset};
+use super::run_climate::replace_climate;
 use super::{StepError, to_json};
-use crate::domain::{Channel, Drive, Issue, RunKind, RunOrigin, RunState, RunStatus, Tag};
+use crate::domain::{
+    Channel, ClimateCurve, Drive, Issue, RunClimate, RunKind, RunOrigin, RunState, RunStatus, Tag,
+};
 
 /// Raw bytes that are archived.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,6 +46,10 @@ pub struct Tagging {
     pub clock_offset_s: Option<f64>,
     /// BLAKE3 over everything the tags came from.
     pub digest: String,
+    /// Climate during the run.
+    pub climate: Vec<RunClimate>,
+    /// Climate around the run, to draw.
+    pub climate_curves: Vec<ClimateCurve>,
 }
 
 /// A run that was read from one or several files.
@@ -205,6 +212,7 @@ pub(super) fn insert_tagging(
     run_id: i64,
     tagging: &Tagging,
 ) -> Result<(), StepError> {
+    replace_climate(transaction, run_id, &tagging.climate, &tagging.climate_curves)?;
     for (ordinal, tag) in tagging.tags.iter().enumerate() {
         transaction
             .prepare_cached("INSERT INTO tag VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")?

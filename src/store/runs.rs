@@ -182,6 +182,32 @@ impl Store {
             .map_err(|e| self.failed(doing, e))
     }
 
+    /// Row id of every current run, its chosen `started_at`, and the first and last time of its readings, s.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    #[allow(clippy::type_complexity)]
+    pub fn run_times(&self) -> Result<Vec<(i64, Option<String>, Option<(f64, f64)>)>, StoreError> {
+        let doing = "reading when runs were";
+        let sql = "SELECT id,
+                     (SELECT value FROM tag WHERE run_id = run.id AND key = 'started_at' AND chosen = 1),
+                     (SELECT min(first_time_s) FROM channel WHERE run_id = run.id),
+                     (SELECT max(last_time_s) FROM channel WHERE run_id = run.id)
+                   FROM run WHERE superseded_at IS NULL ORDER BY id";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| {
+                let times: (Option<f64>, Option<f64>) = (row.get(2)?, row.get(3)?);
+                Ok((row.get(0)?, row.get(1)?, times.0.zip(times.1)))
+            })
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
     /// Paths of a run's files, in order.
     ///
     /// # Errors
@@ -296,6 +322,7 @@ impl Store {
         record.channels = self.channel_summaries(record.id)?;
         record.origin = self.origin(record.id)?;
         record.issues = self.run_issues(record.id)?;
+        record.climate = self.run_climate(record.id)?;
         if let Some((fit, code_version)) = self.fit(record.id)? {
             record.fit = Some(fit);
             record.fit_code_version = Some(code_version);
@@ -464,5 +491,6 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         issues: Vec::new(),
         fit: None,
         fit_code_version: None,
+        climate: Vec::new(),
     })
 }

@@ -10,7 +10,7 @@ use ieap::ingest::{Reading, RunTable};
 use serde_json::Value;
 
 /// Folder beside the project, where it is present.
-fn shared(folder: &str) -> Option<PathBuf> {
+pub fn shared(folder: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../shared")
         .join(folder);

@@ -3,6 +3,8 @@
 mod architecture;
 mod bad_input;
 mod campaign;
+mod climate;
+mod climate_fixture;
 mod distributed;
 mod dma;
 mod effects;

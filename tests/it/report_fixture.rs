@@ -47,6 +47,8 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        sensors: vec![],
+        climate: Default::default(),
     }
 }
 
@@ -153,6 +155,7 @@ pub fn run(index: usize, material: &str, surroundings: usize, voltage_v: f64, re
         ingested_at: "2026-11-20T06:00:00Z".to_owned(),
         issues: vec![],
         fit: Some(fit(truth, index as u64, material == "CNaf")),
+        climate: vec![],
         fit_code_version: Some("ieap 0.1.0".to_owned()),
     }
 }
@@ -256,6 +259,8 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
     let latest = runs.iter().rev().take(4);
     Input {
         campaign: campaign(materials),
+        climate: Default::default(),
+        run_spans_s: vec![],
         news: latest
             .map(|run| News {
                 run_path: run.path.clone(),

@@ -5,6 +5,7 @@ use ieap::report::pages::{PAGES, finding_content, run_content};
 use ieap::report::{Input, Site};
 use serde_json::Value;
 
+use super::climate_fixture::climate_input;
 use super::findings_fixture::input_with_findings;
 use super::report_fixture::{MadeUpCurves, current_only_input, troubled_input};
 
@@ -17,7 +18,7 @@ fn run_page(input: &Input, run: usize) -> Value {
     let curves = MadeUpCurves::of(input)
         .curves(input.runs[run].id)
         .expect("curves");
-    run_content(&Site::new(input), run, &curves)
+    run_content(&Site::new(input), run, &curves, &[])
         .expect("its content")
         .context
 }
@@ -66,4 +67,12 @@ fn findings_of_a_campaign_and_of_its_groups() {
         insta::assert_json_snapshot!(format!("finding_{verdict}"), content.context);
         assert!(content.figures.contains_key("gains") == (verdict != "data_problem"));
     }
+}
+
+#[test]
+fn climate_of_three_sensors_and_of_a_run() {
+    let input = climate_input();
+    insta::assert_json_snapshot!("climate", page(&input, "climate.html"));
+    insta::assert_json_snapshot!("climate_of_a_run", run_page(&input, 6)["climate"]);
+    insta::assert_json_snapshot!("climate_without_logs", page(&troubled_input(), "climate.html"));
 }

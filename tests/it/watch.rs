@@ -16,12 +16,13 @@ pub fn until(what: &str, mut done: impl FnMut() -> bool) {
 }
 
 /// A watcher that is stopped when it is dropped.
-struct Watching {
+pub struct Watching {
     child: Child,
 }
 
 impl Watching {
-    fn start(folder: &CampaignFolder, options: &[&str]) -> Watching {
+    /// Starts it, and waits for its first report.
+    pub fn start(folder: &CampaignFolder, options: &[&str]) -> Watching {
         let arguments = [&["watch", "--quiet-s", "0.3", "--no-diagnose"], options].concat();
         let child = command(folder.path(), &arguments)
             .stdout(Stdio::piped())

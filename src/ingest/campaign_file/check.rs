@@ -48,6 +48,8 @@ impl Checker<'_> {
             dma_name_pattern,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,
+            sensors: self.sensors(file.sensor)?,
+            climate: self.climate(&file.climate)?,
         };
         // A run below the folder of modulus logs would be taken for one.
         if campaign.kind_of(&format!("{}/", campaign.runs_folder)) == RunKind::Dma {
@@ -256,7 +258,7 @@ impl Checker<'_> {
     }
 
     /// Id of an entry that no entry above has, and the entry's place in words.
-    fn entry_id<T>(
+    pub(super) fn entry_id<T>(
         &self,
         entry: &Spanned<T>,
         table: &str,
@@ -277,7 +279,12 @@ impl Checker<'_> {
         Ok((id, place))
     }
 
-    fn filled(&self, value: Option<String>, place: &str, key: &'static str) -> Result<String, Error> {
+    pub(super) fn filled(
+        &self,
+        value: Option<String>,
+        place: &str,
+        key: &'static str,
+    ) -> Result<String, Error> {
         value
             .filter(|text| !text.trim().is_empty())
             .ok_or_else(|| self.missing(place, key))
@@ -297,7 +304,7 @@ impl Checker<'_> {
         Ok(value)
     }
 
-    fn holds(
+    pub(super) fn holds(
         &self,
         value: Option<f64>,
         place: &str,

@@ -105,6 +105,16 @@ pub enum CampaignFileError {
         /// Why it is refused.
         reason: &'static str,
     },
+    /// An offset from UTC that is none.
+    #[error("{}, {place}: utc_offset = \"{found}\" is no offset from UTC; write it as \"+02:00\"", path.display())]
+    BadOffset {
+        /// The file.
+        path: PathBuf,
+        /// The entry.
+        place: String,
+        /// The text found.
+        found: String,
+    },
     /// A name pattern that cannot be used.
     #[error("{}, [runs] name_pattern: {source}", path.display())]
     BadNamePattern {

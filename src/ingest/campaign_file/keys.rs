@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 6] = [
+const KNOWN: [(&str, &[&str]); 8] = [
     (
         "campaign",
         &["id", "title", "timezone", "notice", "model", "group_by"],
@@ -44,6 +44,31 @@ const KNOWN: [(&str, &[&str]); 6] = [
     ),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
+    (
+        "sensor",
+        &[
+            "id",
+            "files",
+            "place",
+            "environments",
+            "samples",
+            "relative_humidity_accuracy_percent",
+            "temperature_accuracy_c",
+            "relative_humidity_correction_percent",
+            "temperature_correction_c",
+            "utc_offset",
+            "calibration",
+        ],
+    ),
+    (
+        "climate",
+        &[
+            "relative_humidity_tolerance_percent",
+            "temperature_tolerance_c",
+            "longest_gap_s",
+            "exposure_above_percent",
+        ],
+    ),
 ];
 
 /// One warning for each key that is not known, in the file's order.

@@ -1,6 +1,7 @@
 //! Reads campaign.toml: the campaign with its samples, materials and environments.
 
 mod check;
+mod climate;
 mod error;
 mod keys;
 mod nearest;

@@ -17,6 +17,10 @@ pub(super) struct File {
     pub runs: Folder,
     #[serde(default)]
     pub dma: Folder,
+    #[serde(default)]
+    pub sensor: Vec<Spanned<Sensor>>,
+    #[serde(default)]
+    pub climate: Climate,
 }
 
 /// `[campaign]`.
@@ -71,4 +75,31 @@ pub(super) struct Environment {
 pub(super) struct Folder {
     pub folder: Option<String>,
     pub name_pattern: Option<String>,
+}
+
+/// `[[sensor]]`.
+#[derive(Deserialize)]
+pub(super) struct Sensor {
+    pub id: Option<String>,
+    pub files: Option<String>,
+    pub place: Option<String>,
+    #[serde(default)]
+    pub environments: Vec<String>,
+    #[serde(default)]
+    pub samples: Vec<String>,
+    pub relative_humidity_accuracy_percent: Option<f64>,
+    pub temperature_accuracy_c: Option<f64>,
+    pub relative_humidity_correction_percent: Option<f64>,
+    pub temperature_correction_c: Option<f64>,
+    pub utc_offset: Option<String>,
+    pub calibration: Option<String>,
+}
+
+/// `[climate]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Climate {
+    pub relative_humidity_tolerance_percent: Option<f64>,
+    pub temperature_tolerance_c: Option<f64>,
+    pub longest_gap_s: Option<f64>,
+    pub exposure_above_percent: Option<f64>,
 }

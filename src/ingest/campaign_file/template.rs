@@ -46,6 +46,23 @@ title = {id}                            # what stands above the report
 # temperature_c = 22.0
 # pressure_pa = 101325.0
 
+# Climate loggers: copy their files into ambient/. Each sensor may be described (all optional but id).
+# [[sensor]]
+# id = "10173910"                        # serial number, or the name that the Climate page shows
+# place = "bench"                        # sensors of one place are compared
+# environments = ["air"]                 # runs that it speaks for; none stated: all but vacuum and inert
+# relative_humidity_accuracy_percent = 2.5
+# temperature_accuracy_c = 0.3
+# relative_humidity_correction_percent = -1.2   # added to its readings, from the calibration
+# calibration = "2026-02, saturated salts"
+# utc_offset = "+02:00"                  # of its clock, where its files do not say
+
+[climate]                                # rules for the climate of runs; what stands here are the defaults
+# relative_humidity_tolerance_percent = 3.0     # largest deviation from the mean of a run
+# temperature_tolerance_c = 1.0
+# longest_gap_s = 3600                   # between two readings that a run may contain
+# exposure_above_percent = 60            # hours above it accumulate per sample
+
 [runs]
 folder = "runs"                          # every file in it and below it is looked at
 # Reads tags from file names, here CNaf-01_air_rh34_2.5V_1.csv:

@@ -126,6 +126,7 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
         }),
         time_first_last_s: time_index.and_then(|_| Some((*axis.time_s.first()?, *axis.time_s.last()?))),
         time_zero_is_step: raw.time_zero_is_step,
+        clock_set_back: Vec::new(),
     })
 }
 

@@ -103,6 +103,7 @@ pub static ALL: &[&dyn Format] = &[
     &climate::Hobo,
     &climate::Toa5,
     &climate::Picolog,
+    &climate::ClimateTable,
     &spreadsheet::Spreadsheet,
     &parquet::Parquet,
     &plain_table::PlainTable,

@@ -74,7 +74,7 @@ pub fn shared(starts: impl IntoIterator<Item = StartedAt>, issues: &mut Vec<Issu
 /// The date and time in a text that holds nothing else: `05/26/2000 10:11:12.5 AM`, `Dec. 24, 2026   20:15:16`.
 pub fn civil(raw: &str, order: DateOrder) -> Option<DateTime> {
     let words = words(raw)?;
-    let [a, b, c, hour, minute, rest @ ..] = words.numbers.as_slice() else {
+    let [a, b, c, hour, minute, rest @ ..] = words.numbers() else {
         return None;
     };
     let (year, month, day) = match order {
@@ -107,10 +107,27 @@ pub fn civil(raw: &str, order: DateOrder) -> Option<DateTime> {
     Some(date.to_datetime(time))
 }
 
-/// Numbers with their count of digits, and AM or PM.
+/// Most numbers that a date with a time of day holds: year, month, day, hour, minute, second, fraction.
+const MOST_NUMBERS: usize = 7;
+
+/// Numbers with their count of digits, and AM or PM. Logs hold a date in each of a million rows, so nothing is
+/// allocated.
 struct Words {
-    numbers: Vec<(u32, usize)>,
+    found: [(u32, usize); MOST_NUMBERS],
+    count: usize,
     afternoon: Option<bool>,
+}
+
+impl Words {
+    fn numbers(&self) -> &[(u32, usize)] {
+        &self.found[..self.count]
+    }
+
+    fn push(&mut self, number: u32, digits: usize) -> Option<()> {
+        *self.found.get_mut(self.count)? = (number, digits);
+        self.count += 1;
+        Some(())
+    }
 }
 
 fn words(raw: &str) -> Option<Words> {
@@ -118,31 +135,31 @@ fn words(raw: &str) -> Option<Words> {
         "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec",
     ];
     let mut words = Words {
-        numbers: Vec::new(),
+        found: [(0, 0); MOST_NUMBERS],
+        count: 0,
         afternoon: None,
     };
     let mut rest = raw.trim();
-    while let Some(first) = rest.chars().next() {
-        let same = |c: char| match first {
-            '0'..='9' => c.is_ascii_digit(),
-            _ if first.is_ascii_alphabetic() => c.is_ascii_alphabetic(),
-            _ => !c.is_ascii_alphanumeric(),
-        };
-        let end = rest.find(|c| !same(c)).unwrap_or(rest.len());
-        let (word, tail) = rest.split_at(end);
+    while let Some(first) = rest.bytes().next() {
+        let kind = |byte: u8| (byte.is_ascii_digit(), byte.is_ascii_alphabetic());
+        let end = rest.bytes().position(|byte| kind(byte) != kind(first));
+        let (word, tail) = rest.split_at(end.unwrap_or(rest.len()));
         rest = tail;
-        let lower = word.to_ascii_lowercase();
-        match lower.as_str() {
-            digits if first.is_ascii_digit() => words.numbers.push((digits.parse().ok()?, digits.len())),
-            "am" => words.afternoon = Some(false),
-            "pm" => words.afternoon = Some(true),
-            "t" => {}
-            name if first.is_ascii_alphabetic() => {
-                let month = MONTHS.iter().position(|month| name.starts_with(month))?;
-                words.numbers.push((month as u32 + 1, 2));
+        if first.is_ascii_digit() {
+            words.push(word.parse().ok()?, word.len())?;
+        } else if word.eq_ignore_ascii_case("am") {
+            words.afternoon = Some(false);
+        } else if word.eq_ignore_ascii_case("pm") {
+            words.afternoon = Some(true);
+        } else if first.is_ascii_alphabetic() {
+            let begins = |month: &str| word.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(month));
+            match MONTHS.iter().position(|month| begins(month)) {
+                Some(month) => words.push(month as u32 + 1, 2)?,
+                None if word.eq_ignore_ascii_case("t") => {}
+                None => return None,
             }
-            marks if marks.chars().all(|c| " \t.,:/-".contains(c)) => {}
-            _ => return None,
+        } else if !word.bytes().all(|byte| b" \t.,:/-".contains(&byte)) {
+            return None;
         }
     }
     Some(words)

@@ -36,6 +36,8 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        sensors: vec![],
+        climate: Default::default(),
     }
 }
 

@@ -31,7 +31,7 @@ pub struct Places {
 }
 
 impl Places {
-    /// Whether a change at `path` can change runs or their tags.
+    /// Whether a change at `path` can change runs, climate logs or tags.
     fn counts(&self, path: &Path) -> bool {
         let Ok(relative) = path.strip_prefix(&self.campaign) else {
             return false;
@@ -99,7 +99,7 @@ mod tests {
         Places {
             campaign: PathBuf::from("/c"),
             runs: PathBuf::from("/c/data/runs"),
-            optional: vec![PathBuf::from("/c/dma")],
+            optional: vec![PathBuf::from("/c/dma"), PathBuf::from("/c/ambient")],
         }
     }
 
@@ -154,6 +154,8 @@ mod tests {
             "/c/dma/tags.toml",
             "/c/tags.toml",
             "/c/campaign.toml",
+            "/c/ambient",
+            "/c/ambient/box/a.csv",
             "/c",
         ] {
             assert_eq!(hint(kind, &[path]), Some(Hint::Look), "{path}");
@@ -168,6 +170,8 @@ mod tests {
             "/c/dma-old/a.txt",
             "/c/dma/a.txt.part",
             "/c/data/runs/a.csv.part",
+            "/c/ambient/a.csv.part",
+            "/c/ambient2/a.csv",
             "/c/data/runs/.cache/a.csv",
             "/c/data/runs/~$book.xlsx",
             "/elsewhere/a.csv",

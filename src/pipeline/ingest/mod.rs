@@ -16,11 +16,14 @@ use super::context::now;
 use super::{Context, Observer, PipelineError};
 use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
+use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
 use crate::store::FileRow;
 use prepare::{Group, Prepared};
-use readers::Readers;
+pub(super) use readers::Readers;
 
-pub use retag::retag_runs;
+pub(super) use prepare::{Outcome, PreparedFile};
+pub use retag::{retag_runs, run_window};
+pub(super) use settle::set_aside;
 
 /// Groups read ahead of their storing: bounds memory.
 const READ_AHEAD: usize = 8;
@@ -54,6 +57,8 @@ pub struct IngestSummary {
     pub retagged: Vec<String>,
     /// Runs that lack tags, now.
     pub untagged: Vec<String>,
+    /// Climate logs.
+    pub logs: LogSummary,
 }
 
 impl IngestSummary {
@@ -66,7 +71,7 @@ impl IngestSummary {
             &self.gone,
             &self.retagged,
         ];
-        lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty()
+        lists.iter().any(|list| !list.is_empty()) || !self.renamed.is_empty() || self.logs.changed()
     }
 }
 
@@ -81,20 +86,30 @@ impl Ingest<'_> {
         observer: &dyn Observer,
     ) -> Result<IngestSummary, PipelineError> {
         let runs_folder = context.campaign.runs_folder.clone();
-        let seen = scan::scan(
+        let mut seen = scan::scan(
             &context.folder,
             &runs_folder,
             &context.campaign.optional_folders(),
             scan::ScanLimits::default(),
         )?;
-        let stored = context.store.files()?;
+        let of_logs = |path: &str| holds_logs(path, &runs_folder);
+        // Where the runs folder is the whole campaign, the logs lie in it.
+        seen.files.retain(|file| !of_logs(&file.display));
+        let (logs, stored): (Vec<FileRow>, Vec<FileRow>) = context
+            .store
+            .files()?
+            .into_iter()
+            .partition(|file| of_logs(&file.path));
         let changes = scan::diff(&known(&stored), &seen);
         let mut summary = IngestSummary {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
-        let kind_of = |path: &str| context.campaign.kind_of(path);
         let readers = Readers::of(&context.profiles, &stored);
+        // Logs first, so that runs are tagged with them at once.
+        self.take_logs(context, &logs, &mut summary, observer)?;
+        let shelf = Shelf::open(&context.store)?;
+        let kind_of = |path: &str| context.campaign.kind_of(path);
         let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
         for batch in groups.chunks(READ_AHEAD) {
@@ -103,15 +118,85 @@ impl Ingest<'_> {
                 .map(|group| prepare::prepare(&context.folder, &context.profiles, group))
                 .collect();
             for prepared in prepared {
-                settle::settle(context, &readers, prepared, &changes, &mut summary, observer)?;
+                settle::settle(
+                    context,
+                    (&readers, &shelf),
+                    prepared,
+                    &changes,
+                    &mut summary,
+                    observer,
+                )?;
                 observer.advance();
             }
         }
         observer.end();
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         summary.retagged = retag::retag_runs(context, observer)?;
+        climate::assess(context, &shelf)?;
         list_states(context, &mut summary)?;
         Ok(summary)
+    }
+
+    /// Takes in what is new among the climate logs. A folder that cannot be looked through costs the logs, not the
+    /// runs.
+    fn take_logs(
+        &mut self,
+        context: &mut Context,
+        stored: &[FileRow],
+        summary: &mut IngestSummary,
+        observer: &dyn Observer,
+    ) -> Result<(), PipelineError> {
+        let folder = crate::analysis::climate::sensors::FOLDER;
+        if !holds_logs(folder, &context.campaign.runs_folder) {
+            return Ok(());
+        }
+        let seen = match scan::scan(&context.folder, folder, &[], scan::ScanLimits::default()) {
+            Ok(seen) => seen,
+            Err(scan::ScanError::FolderMissing { .. }) if stored.is_empty() => return Ok(()),
+            Err(scan::ScanError::FolderMissing { path }) => {
+                let path = path.display();
+                observer.warn(&format!(
+                    "{path} is not there; the climate logs known from it stay"
+                ));
+                return Ok(());
+            }
+            Err(error) => {
+                observer.warn(&format!("climate logs are not looked at: {error}"));
+                return Ok(());
+            }
+        };
+        let changes = scan::diff(&known(stored), &seen);
+        summary.logs.files = seen.files.len();
+        let readers = Readers::of(&context.profiles, stored);
+        let outdated = readers.outdated(stored);
+        let retry = changes
+            .unchanged
+            .iter()
+            .filter(|file| outdated.contains(file.display.as_str()));
+        let mut groups = Vec::new();
+        for file in changes.new.iter().chain(&changes.changed).chain(retry) {
+            match (self.ready)(file) {
+                true => groups.push(Group {
+                    run_name: file.display.clone(),
+                    kind: RunKind::Actuation,
+                    files: vec![file.clone()],
+                }),
+                false => summary.waiting.push(file.display.clone()),
+            }
+        }
+        observer.begin("reading climate logs", groups.len() as u64);
+        for batch in groups.chunks(READ_AHEAD) {
+            let prepared: Vec<Prepared> = batch
+                .par_iter()
+                .map(|group| prepare::prepare(&context.folder, &context.profiles, group))
+                .collect();
+            for file in prepared.iter().flat_map(|prepared| &prepared.files) {
+                climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)?;
+                observer.advance();
+            }
+        }
+        observer.end();
+        settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
 
     /// The groups of files to be read: new or changed ones, and those that another version of a reader read.
@@ -183,7 +268,7 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
 }
 
 /// A row for a file that holds no new run.
-fn file_row(
+pub(super) fn file_row(
     file: &SeenFile,
     hash: Option<String>,
     state: FileState,

@@ -74,7 +74,7 @@ impl Readers {
                 .is_some_and(|stamp| self.stamps.contains(stamp))
         };
         let is_outdated = |file: &&FileRow| match file.state {
-            FileState::Run => !is_current(&file.reader),
+            FileState::Run | FileState::Log => !is_current(&file.reader),
             FileState::Refused | FileState::Pending | FileState::Sidecar => file.reader != all,
             FileState::Alias => false,
         };

@@ -1,10 +1,16 @@
-//! Tags runs again whose tag files, hand tags or campaign.toml changed. The readings are not touched.
+//! Tags runs again whose tag files, hand tags, climate logs or campaign.toml changed. The readings are not touched.
+
+use std::collections::BTreeMap;
+
+use jiff::Timestamp as Moment;
 
 use super::now;
 use super::tagging::{TaggingInput, digest, tag_files, tagging};
+use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{RunRecord, TagSource};
 use crate::ingest::{StartedAt, Timestamp};
+use crate::pipeline::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Tags again every current run whose tag sources changed; gives their names.
@@ -12,11 +18,19 @@ use crate::pipeline::{Context, Observer, PipelineError};
 /// # Errors
 /// The database refuses.
 pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<String>, PipelineError> {
+    let shelf = Shelf::open(&context.store)?;
+    let windows: BTreeMap<i64, Option<Window>> = context
+        .store
+        .run_times()?
+        .into_iter()
+        .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
+        .collect();
     let mut due = Vec::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
-        if digest(context, &path, &tag_files(&path, &files))? != stored {
+        let window = windows.get(&run_id).copied().flatten();
+        if digest(context, &shelf, &path, &tag_files(&path, &files), window)? != stored {
             due.push(run_id);
         }
     }
@@ -31,14 +45,14 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         .chain(context.store.dma_logs()?)
         .filter(|run| due.contains(&run.id))
     {
-        retag(context, &run)?;
+        retag(context, &shelf, &run)?;
         observer.say(&format!("tagged {} again", run.path));
         retagged.push(run.path);
     }
     Ok(retagged)
 }
 
-fn retag(context: &mut Context, run: &RunRecord) -> Result<(), PipelineError> {
+fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
@@ -65,6 +79,28 @@ fn retag(context: &mut Context, run: &RunRecord) -> Result<(), PipelineError> {
             .collect(),
         started_at,
     };
-    let tagging = tagging(context, &input)?;
+    let tagging = tagging(context, shelf, &input)?;
     Ok(context.store.retag(&now(), run.id, &tagging)?)
+}
+
+/// A run on UTC: from its start, for as long as its readings last; none without a start.
+pub fn run_window(run: &RunRecord) -> Option<Window> {
+    let firsts = run.channels.iter().filter_map(|channel| channel.first_time_s);
+    let lasts = run.channels.iter().filter_map(|channel| channel.last_time_s);
+    let times = (
+        firsts.fold(f64::INFINITY, f64::min),
+        lasts.fold(f64::NEG_INFINITY, f64::max),
+    );
+    window(run.tag(keys::STARTED_AT), Some(times))
+}
+
+/// The window of a run that started then and whose readings have these first and last times, s.
+pub(super) fn window(started_at: Option<&str>, times: Option<(f64, f64)>) -> Option<Window> {
+    let start = started_at?.parse::<Moment>().ok()?.as_millisecond() as f64 / 1000.0;
+    let (first_s, last_s) = times?;
+    let length_s = last_s - first_s;
+    (length_s.is_finite() && length_s >= 0.0).then_some(Window {
+        from_s: start,
+        to_s: start + length_s,
+    })
 }

@@ -9,13 +9,14 @@ use crate::ingest::Reading;
 use crate::ingest::archive::Archive;
 use crate::ingest::data_hash::data_hash;
 use crate::ingest::scan::{Changes, Scan};
+use crate::pipeline::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, NewRun, RunContent};
 
 /// Stores a group: its runs, an alias, a new name, or why it was refused.
 pub fn settle(
     context: &mut Context,
-    readers: &Readers,
+    (readers, shelf): (&Readers, &Shelf),
     prepared: Prepared,
     changes: &Changes,
     summary: &mut IngestSummary,
@@ -45,7 +46,7 @@ pub fn settle(
         true => Ok(()),
         false => store_runs(
             context,
-            readers,
+            (readers, shelf),
             &prepared.run_name,
             kind,
             &readable,
@@ -88,7 +89,7 @@ fn are_known(
 }
 
 /// Records a file that was refused or waits. A run read from an earlier content of it stays.
-fn set_aside(
+pub(in crate::pipeline) fn set_aside(
     context: &mut Context,
     readers: &Readers,
     prepared: &PreparedFile,
@@ -153,23 +154,28 @@ fn is_known(
     Ok(true)
 }
 
+/// What was read from the files that could be read.
+fn readings_of(files: &[PreparedFile]) -> Vec<&Reading> {
+    files
+        .iter()
+        .filter_map(|file| match &file.outcome {
+            Outcome::Read(reading) => Some(&**reading),
+            _ => None,
+        })
+        .collect()
+}
+
 /// Archives the bytes, tags the runs and stores everything at once.
 fn store_runs(
     context: &mut Context,
-    readers: &Readers,
+    (readers, shelf): (&Readers, &Shelf),
     run_name: &str,
     kind: RunKind,
     files: &[PreparedFile],
     summary: &mut IngestSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let readings: Vec<&Reading> = files
-        .iter()
-        .filter_map(|file| match &file.outcome {
-            Outcome::Read(reading) => Some(&**reading),
-            _ => None,
-        })
-        .collect();
+    let readings = readings_of(files);
     let Some(first) = readings.first().copied() else {
         return Ok(());
     };
@@ -191,12 +197,11 @@ fn store_runs(
         .into_iter()
         .map(|part| {
             new_run(
-                context,
+                (context, shelf),
                 format!("{base}{}", part.suffix),
                 kind,
                 part,
                 files,
-                &readings,
                 &contents,
                 &join_issues,
             )
@@ -251,15 +256,15 @@ fn run_row(readers: &Readers, file: &PreparedFile) -> Option<FileRow> {
 }
 
 fn new_run(
-    context: &Context,
+    (context, shelf): (&Context, &Shelf),
     path: String,
     kind: RunKind,
     part: RunPart,
     files: &[PreparedFile],
-    readings: &[&Reading],
     contents: &[RunContent],
     join_issues: &[Issue],
 ) -> Result<NewRun, PipelineError> {
+    let readings = readings_of(files);
     let first = readings[0];
     let origin = origin(part.origin, files);
     let is_step_response = readings.iter().all(|reading| reading.is_step_response);
@@ -282,7 +287,7 @@ fn new_run(
         started_at: readings.iter().find_map(|reading| reading.started_at.clone()),
     };
     Ok(NewRun {
-        tagging: tagging(context, &input)?,
+        tagging: tagging(context, shelf, &input)?,
         data_hash: data_hash(&part.channels),
         format: format_of(first, files[0].profile.as_ref()),
         origin,
@@ -354,21 +359,22 @@ pub fn gone(
         .map(|issue| refused_entry(readers, issue))
         .collect();
     let listed = |path: &String| outside.iter().any(|row| row.path == *path);
-    let renamed = |path: &String| summary.renamed.iter().any(|(old, _)| old == path);
+    let all_renamed = summary.renamed.iter().chain(&summary.logs.renamed);
+    let renamed_from: Vec<&String> = all_renamed.map(|(old, _)| old).collect();
+    let renamed = |path: &String| renamed_from.contains(&path);
     let gone: Vec<&String> = changes
         .gone
         .iter()
         .filter(|path| !listed(path) && !renamed(path))
         .collect();
     let is_run = |path: &String| {
-        stored
-            .iter()
-            .any(|file| file.path == *path && file.state == FileState::Run)
+        let holds = |state| matches!(state, FileState::Run | FileState::Log);
+        stored.iter().any(|file| file.path == *path && holds(file.state))
     };
     let (runs, others): (Vec<String>, Vec<String>) = gone.into_iter().cloned().partition(is_run);
     context.store.mark_missing(&now, &runs)?;
     context.store.forget_files(&now, &others)?;
-    summary.gone = runs;
+    summary.gone.extend(runs);
     let fresh: Vec<FileRow> = outside.into_iter().filter(|row| !stored.contains(row)).collect();
     Ok(context.store.record_files(&now, &fresh)?)
 }

@@ -3,12 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use super::retag::window;
+use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Tag, TagSource};
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, Resolved, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
+use crate::pipeline::climate::{Shelf, climate_of};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
 
@@ -39,7 +42,7 @@ pub struct TaggingInput<'a> {
 ///
 /// # Errors
 /// The database cannot be read.
-pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
+pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
     let hand = hand_tags(context, input.run_path)?;
     let mut header = input.header_tags.clone();
     header.extend(input.started_at.as_ref().and_then(start_tag));
@@ -62,12 +65,39 @@ pub fn tagging(context: &Context, input: &TaggingInput<'_>) -> Result<Tagging, P
         channel_voltage_v,
         ambient: &[],
     };
-    let resolved = tags::resolve(&request);
-    let digest = digest(context, input.run_path, &files)?;
-    Ok(match input.kind {
+    let without_logs = tags::resolve(&request);
+    let window = window(without_logs.value(keys::STARTED_AT), times(input.channels));
+    let surroundings = (
+        without_logs.value(keys::ENVIRONMENT),
+        without_logs.value(keys::SAMPLE),
+    );
+    let climate = climate_of(context, shelf, window, surroundings)?;
+    let resolved = match climate.tags.is_empty() {
+        true => without_logs,
+        false => tags::resolve(&TagRequest {
+            ambient: &climate.tags,
+            ..request
+        }),
+    };
+    let digest = digest(context, shelf, input.run_path, &files, window)?;
+    let mut tagging = match input.kind {
         RunKind::Actuation => conclude(context, input, resolved, digest),
         RunKind::Dma => conclude_dma(input, resolved, digest),
-    })
+    };
+    tagging.issues.extend(climate.issues);
+    (tagging.climate, tagging.climate_curves) = (climate.climate, climate.curves);
+    Ok(tagging)
+}
+
+/// First and last time of the readings, s.
+fn times(channels: &[Channel]) -> Option<(f64, f64)> {
+    let firsts = channels
+        .iter()
+        .filter_map(|channel| channel.time_s.first().copied());
+    let lasts = channels
+        .iter()
+        .filter_map(|channel| channel.time_s.last().copied());
+    Some((firsts.reduce(f64::min)?, lasts.reduce(f64::max)?))
 }
 
 /// Level that the voltage channel steps to, V.
@@ -100,6 +130,8 @@ fn conclude_dma(input: &TaggingInput<'_>, resolved: Resolved, digest: String) ->
         length_cm: None,
         electrode_resistance_ohm_per_sq: None,
         clock_offset_s: None,
+        climate: Vec::new(),
+        climate_curves: Vec::new(),
         digest,
     }
 }
@@ -132,10 +164,17 @@ pub fn tag_files(run_path: &str, file_paths: &[&str]) -> Vec<PathBuf> {
 }
 
 /// BLAKE3 over everything that the tags of a run come from, but the file itself.
-pub fn digest(context: &Context, run_path: &str, files: &[PathBuf]) -> Result<String, PipelineError> {
+pub fn digest(
+    context: &Context,
+    shelf: &Shelf,
+    run_path: &str,
+    files: &[PathBuf],
+    window: Option<Window>,
+) -> Result<String, PipelineError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(context.campaign_digest.as_bytes());
     hasher.update(tags::tag_sources_digest(&context.folder, files).as_bytes());
+    hasher.update(shelf.digest(window).as_bytes());
     for tag in hand_tags(context, run_path)? {
         hasher.update(format!("{:?}", (tag.key, tag.value)).as_bytes());
     }
@@ -236,6 +275,8 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         clock_offset_s,
         electrode_resistance_ohm_per_sq: sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq),
         digest,
+        climate: Vec::new(),
+        climate_curves: Vec::new(),
     }
 }
 

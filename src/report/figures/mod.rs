@@ -1,7 +1,9 @@
 //! Figures as inline SVG, drawn by plotters: one file per kind.
 
 pub mod axis;
+pub mod calendar;
 pub mod canvas;
+pub mod climate;
 pub mod comparison;
 pub mod gain_bars;
 pub mod modulus;

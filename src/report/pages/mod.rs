@@ -1,5 +1,6 @@
 //! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
 
+pub mod climate;
 pub mod comparison;
 pub mod dma;
 pub mod finding;
@@ -7,6 +8,7 @@ pub mod finding_words;
 pub mod findings;
 pub mod index;
 pub mod run;
+pub mod run_climate;
 pub mod run_clocks;
 mod run_evidence;
 pub mod table5;
@@ -66,7 +68,7 @@ pub struct Page {
 }
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 5] = [
+pub const PAGES: [Page; 6] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -101,6 +103,13 @@ pub const PAGES: [Page; 5] = [
         template: include_str!("../../../templates/pages/findings.html"),
         is_shown: |_| true,
         content: findings::content,
+    },
+    Page {
+        file: "climate.html",
+        title: "Climate",
+        template: include_str!("../../../templates/pages/climate.html"),
+        is_shown: |_| true,
+        content: climate::content,
     },
 ];
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
+use super::run_climate::{ClimatePanel, climate_panel};
 use super::run_evidence::{Evidence, evidence};
 use super::table5::r_squared_text;
 use super::wording::{
@@ -12,7 +13,7 @@ use super::wording::{
 };
 use crate::analysis::ParameterInfo;
 use crate::analysis::conditions::{material, nominal_voltage_v};
-use crate::domain::{ChannelNoise, Drive, Fit, RunCurve, RunRecord};
+use crate::domain::{ChannelNoise, ClimateCurve, Drive, Fit, RunCurve, RunRecord};
 use crate::report::error::ReportError;
 use crate::report::figures::response::{TimeView, response};
 use crate::report::number::{fixed, significant};
@@ -39,6 +40,7 @@ struct RunPage {
     same_condition: Vec<RunLink>,
     diagnosis: Option<DiagnosisLine>,
     evidence: Evidence,
+    climate: Option<ClimatePanel>,
 }
 
 /// What the diagnosis says of the run alone, and where its group's page is.
@@ -73,13 +75,19 @@ struct FitText {
 }
 
 /// Makes the page of run number `run` with its curves.
-pub fn content(site: &Site, run: usize, curves: &[RunCurve]) -> Result<Content, ReportError> {
+pub fn content(
+    site: &Site,
+    run: usize,
+    curves: &[RunCurve],
+    climate: &[ClimateCurve],
+) -> Result<Content, ReportError> {
     let record = &site.input.runs[run];
     let mut figures = BTreeMap::new();
     let responses: Result<Vec<Response>, ReportError> = curves
         .iter()
         .map(|curve| drawn(record, curve, site.run_name(run), &mut figures))
         .collect();
+    let climate = climate_panel(record, climate, site.run_name(run), &mut figures)?;
     let mut issues: Vec<IssueText> = worst_first(record).collect();
     issues.dedup();
     let page = RunPage {
@@ -97,6 +105,7 @@ pub fn content(site: &Site, run: usize, curves: &[RunCurve]) -> Result<Content, 
         same_condition: same_condition(site, run),
         diagnosis: diagnosis(site, run),
         evidence: evidence(site, record),
+        climate,
     };
     Content::new("run.html", &page, figures)
 }

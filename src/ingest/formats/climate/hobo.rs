@@ -12,7 +12,7 @@ use crate::ingest::formats::recognition::{FileHead, Match};
 use crate::ingest::formats::stamp::DateOrder;
 use crate::ingest::formats::{Format, ReadContext, ReadError, delimited};
 use crate::ingest::text::header::Header;
-use crate::ingest::text::{Line, Lines};
+use crate::ingest::text::{Decimal, Delimiter, Line, Lines};
 
 /// Reader of HOBO text.
 pub struct Hobo;
@@ -75,6 +75,9 @@ impl Format for Hobo {
             time_at,
             orders: ORDERS,
             offset: offset(names[time_at]),
+            delimiter: Delimiter::Comma,
+            decimal: Decimal::Point,
+            rows_may_end_early: false,
             header_line: lines[names_at].number,
             rows: &lines[names_at + 1..],
         };

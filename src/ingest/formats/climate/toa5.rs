@@ -11,6 +11,7 @@ use crate::ingest::formats::recognition::{FileHead, Match};
 use crate::ingest::formats::stamp::DateOrder;
 use crate::ingest::formats::{Format, ReadContext, ReadError, delimited};
 use crate::ingest::text::header::Header;
+use crate::ingest::text::{Decimal, Delimiter};
 
 /// Reader of TOA5.
 pub struct Toa5;
@@ -72,6 +73,9 @@ impl Format for Toa5 {
             time_at,
             orders: &[DateOrder::YearFirst],
             offset: None,
+            delimiter: Delimiter::Comma,
+            decimal: Decimal::Point,
+            rows_may_end_early: false,
             header_line: names.number,
             rows,
         };

@@ -1,15 +1,14 @@
 //! Rows with a date and time each: cells, the order of day and month, and seconds from the first row.
 
-use jiff::civil::DateTime;
-
+use super::moments::{Moments, NoOrder, moments};
 use crate::domain::{Issue, RunStatus};
 use crate::ingest::formats::assemble::{Raw, assemble};
 use crate::ingest::formats::cells::CellTable;
 use crate::ingest::formats::error::{ReadError, quoted};
-use crate::ingest::formats::stamp::{self, DateOrder};
+use crate::ingest::formats::stamp::DateOrder;
 use crate::ingest::text::header::{Header, Meaning};
-use crate::ingest::text::{Decimal, Delimiter, Line, Lines, decode, number};
-use crate::ingest::{Reading, StartedAt, Timestamp};
+use crate::ingest::text::{Cell, Decimal, Delimiter, Line, Lines, decode, number};
+use crate::ingest::{Reading, RunTable, StartedAt, Timestamp};
 
 /// What a logger's file says, before its rows are read.
 pub struct Log<'a> {
@@ -25,6 +24,12 @@ pub struct Log<'a> {
     pub orders: &'static [DateOrder],
     /// Offset from UTC, where the file states one.
     pub offset: Option<String>,
+    /// Between the cells.
+    pub delimiter: Delimiter,
+    /// Inside the numbers.
+    pub decimal: Decimal,
+    /// Whether what is empty at the end of a row may be left out with its delimiters.
+    pub rows_may_end_early: bool,
     /// Line of the header.
     pub header_line: usize,
     /// The rows.
@@ -103,32 +108,38 @@ impl Log<'_> {
                 found: "no row".to_owned(),
             });
         };
-        let texts: Vec<&str> = rows
-            .iter()
-            .map(|row| cells(row.text).get(self.time_at).copied().unwrap_or(""))
-            .collect();
-        let (order, moments) = self.moments(&texts, first_row.number)?;
+        let mut found: Vec<&str> = Vec::with_capacity(self.headers.len());
+        let mut texts: Vec<&str> = Vec::with_capacity(rows.len());
         let mut table = CellTable::new(self.header_line, &self.is_text, rows.len());
         for row in &rows {
-            let found = cells(row.text);
-            for (column, text) in table.columns.iter_mut().zip(&found) {
-                column.push(row.number, number::parse(text, Decimal::Point), || {
-                    (*text).to_owned()
-                });
+            found.clear();
+            self.delimiter
+                .split(row.text, |_, cell| found.push(number::unquote(cell)));
+            texts.push(found.get(self.time_at).copied().unwrap_or(""));
+            for (index, (column, text)) in table.columns.iter_mut().zip(&found).enumerate() {
+                let cell = match index == self.time_at {
+                    true => Cell::Empty,
+                    false => number::parse(text, self.decimal),
+                };
+                column.push(row.number, cell, || (*text).to_owned());
             }
-            table.end_row(row.number, found.len());
+            let needed = table.columns.len();
+            let is_short = self.rows_may_end_early && found.len() < needed && found.len() > self.time_at + 1;
+            table.end_row(row.number, if is_short { needed } else { found.len() });
         }
+        let moments = self.moments(&texts, first_row.number)?;
         let column = &mut table.columns[self.time_at];
-        column.text = Default::default();
-        let first = moments[0];
-        column.numbers = moments
-            .iter()
-            .map(|moment| moment.duration_since(first).as_secs_f64())
-            .collect();
+        column.numbers = moments.elapsed_s;
+        column.filled = column.numbers.len();
         let mut headers = self.headers;
         let time = &mut headers[self.time_at];
         time.raw_unit = String::new();
         time.meaning = Header::with_unit("time", "s").meaning;
+        let raw = Raw::of_instrument(String::new(), headers, table);
+        let table = RunTable {
+            clock_set_back: moments.set_back,
+            ..assemble(raw, &mut issues)?
+        };
         Ok(Reading {
             format: self.reader.0,
             reader_version: self.reader.1,
@@ -140,34 +151,29 @@ impl Log<'_> {
             started_at: Some(StartedAt {
                 raw: texts[0].to_owned(),
                 kind: Timestamp::Start,
-                local: Some(first.to_string()),
-                offset: self.offset,
-                basis: format!("the first row, {}", order_in_words(order)),
+                local: Some(moments.first.to_string()),
+                offset: match moments.in_utc {
+                    true => Some("+00:00".to_owned()),
+                    false => self.offset,
+                },
+                basis: format!("the first row, {}", order_in_words(moments.order)),
             }),
             header_tags: Vec::new(),
-            tables: vec![assemble(
-                Raw::of_instrument(String::new(), headers, table),
-                &mut issues,
-            )?],
+            tables: vec![table],
             original_metadata,
             issues,
         })
     }
 
-    /// The moments of all rows under the one order in which all are dates and none goes back.
-    fn moments(&self, texts: &[&str], line: usize) -> Result<(DateOrder, Vec<DateTime>), ReadError> {
-        let read = |order: DateOrder| -> Option<(DateOrder, Vec<DateTime>)> {
-            let moments: Option<Vec<DateTime>> = texts.iter().map(|text| stamp::civil(text, order)).collect();
-            let moments = moments?;
-            let forward = moments.windows(2).all(|pair| pair[1] >= pair[0]);
-            forward.then_some((order, moments))
-        };
-        let mut fitting: Vec<_> = self.orders.iter().copied().filter_map(read).collect();
-        let reason = match fitting.len() {
-            1 => return Ok(fitting.remove(0)),
-            0 => "no order of day, month and year makes all rows dates that follow each other".to_owned(),
-            _ => {
-                let orders: Vec<&str> = fitting.iter().map(|(order, _)| order_in_words(*order)).collect();
+    /// The moments of all rows under the one order in which all are dates that follow each other.
+    fn moments(&self, texts: &[&str], line: usize) -> Result<Moments, ReadError> {
+        let reason = match moments(texts, self.orders) {
+            Ok(moments) => return Ok(moments),
+            Err(NoOrder::Fits) => {
+                "no order of day, month and year makes all rows dates that follow each other".to_owned()
+            }
+            Err(NoOrder::Several(orders)) => {
+                let orders: Vec<&str> = orders.into_iter().map(order_in_words).collect();
                 format!("{} fit all rows alike", orders.join(" and "))
             }
         };
@@ -187,10 +193,13 @@ fn order_in_words(order: DateOrder) -> &'static str {
     }
 }
 
-/// `GMT-07:00`, `GMT +05:00` behind a column's name.
+/// `GMT-07:00`, `GMT +05:00` behind a column's name; `UTC` alone is no offset.
 pub fn offset(name: &str) -> Option<String> {
-    let (_, zone) = name.split_once("GMT")?;
-    let zone = zone.trim();
+    let (_, zone) = name.split_once("GMT").or_else(|| name.split_once("UTC"))?;
+    let zone = zone.trim_matches([' ', ')', ']']);
+    if zone.is_empty() {
+        return Some("+00:00".to_owned());
+    }
     let is_offset = zone.len() == 6 && zone.starts_with(['+', '-']) && zone.as_bytes()[3] == b':';
     is_offset.then(|| zone.to_owned())
 }

@@ -1,0 +1,297 @@
+//! Tables of any other logger: a column of dates beside temperature or relative humidity, delimited text.
+//!
+//! Lines before the header are metadata. Delimiter and decimal sign are found; the order of day and month is the
+//! one in which all rows are dates that follow each other. Rows that state an offset from UTC are read by it.
+//! Columns whose unit is not named are taken as °C and percent, and an issue says so.
+
+use super::meaning::{ClimateColumn, climate_column};
+use super::moments::moments;
+use super::wall_clock::{Log, LogText, offset};
+use crate::domain::{Issue, Quantity, RunStatus};
+use crate::ingest::Reading;
+use crate::ingest::formats::error::quoted;
+use crate::ingest::formats::recognition::{FileHead, Match};
+use crate::ingest::formats::stamp::DateOrder;
+use crate::ingest::formats::{Format, ReadContext, ReadError, delimited};
+use crate::ingest::text::header::{Header, Meaning};
+use crate::ingest::text::{Delimiter, Line, Lines, number};
+
+/// Reader of tables with dates.
+pub struct ClimateTable;
+
+const ORDERS: &[DateOrder] = &[DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
+/// Lines that the header may stand below.
+const HEADER_WITHIN: usize = 64;
+/// Names of columns of dates, in small letters without what stands in brackets or behind a comma.
+const DATES: [&str; 16] = [
+    "time",
+    "date",
+    "date time",
+    "datetime",
+    "timestamp",
+    "record time",
+    "date/time",
+    "date & time",
+    "date and time",
+    "time stamp",
+    "zeit",
+    "datum",
+    "datum/zeit",
+    "datum/uhrzeit",
+    "aeg",
+    "kuupäev",
+];
+
+impl Format for ClimateTable {
+    fn id(&self) -> &'static str {
+        "climate-table"
+    }
+
+    fn title(&self) -> &'static str {
+        "climate logger, any table with dates beside temperature or humidity (CSV, TSV)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv", "txt", "tsv", "dat"]
+    }
+
+    fn version(&self) -> u32 {
+        1
+    }
+
+    fn recognise(&self, head: &FileHead<'_>) -> Match {
+        let text = head.text().unwrap_or_default();
+        let lines: Vec<Line<'_>> = Lines::new(&text).take(HEADER_WITHIN + 2).collect();
+        match find_header(&lines) {
+            Some(header) if header.has_dates(&lines) => Match::Possible {
+                score: 0.8,
+                reason: "a column of dates beside temperature or humidity",
+            },
+            _ => Match::No,
+        }
+    }
+
+    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+        let text = LogText::of(bytes)?;
+        let mut issues = Vec::new();
+        let mut lines = text.lines();
+        let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
+        let Some(header) = find_header(&lines) else {
+            let first = lines.first().map_or("", |line| line.text);
+            return Err(ReadError::NoHeader {
+                line: 1,
+                found: quoted(first),
+            });
+        };
+        let names_line = lines[header.at];
+        let rows = &lines[header.at + 1..];
+        let (headers, is_text) = header.columns(names_line.number, &mut issues);
+        let log = Log {
+            reader: (self.id(), self.version()),
+            time_at: header.time_at,
+            orders: ORDERS,
+            offset: offset(&header.names[header.time_at]),
+            delimiter: header.delimiter,
+            decimal: delimited::decimal_of(rows.iter().take(256), header.delimiter)?,
+            rows_may_end_early: true,
+            header_line: names_line.number,
+            headers,
+            is_text,
+            rows,
+        };
+        let mut metadata = preamble(&lines[..header.at]);
+        metadata.extend(header.stated_once(rows));
+        let evidence = match status {
+            RunStatus::Complete => evidence + "; the format declares no number of rows",
+            _ => evidence,
+        };
+        log.read(text.encoding, (status, evidence), metadata, issues)
+    }
+}
+
+/// The header row.
+struct HeaderRow {
+    at: usize,
+    delimiter: Delimiter,
+    names: Vec<String>,
+    time_at: usize,
+}
+
+fn find_header(lines: &[Line<'_>]) -> Option<HeaderRow> {
+    for (at, line) in lines.iter().enumerate().take(HEADER_WITHIN) {
+        for delimiter in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
+            let mut names = Vec::new();
+            delimiter.split(line.text, |_, cell| names.push(number::unquote(cell).to_owned()));
+            let Some(time_at) = names.iter().position(|name| is_date_column(name)) else {
+                continue;
+            };
+            // A response of a sample makes it a run, whatever else was logged with it.
+            let is_response = |name: &String| {
+                let quantity = Header::parse(name).meaning.named_quantity();
+                quantity.is_some_and(Quantity::is_response)
+            };
+            if names.iter().any(is_response) {
+                return None;
+            }
+            let has_climate = names
+                .iter()
+                .enumerate()
+                .any(|(index, name)| index != time_at && climate_column(name, "").is_some());
+            if has_climate {
+                return Some(HeaderRow {
+                    at,
+                    delimiter,
+                    names,
+                    time_at,
+                });
+            }
+        }
+    }
+    None
+}
+
+fn is_date_column(name: &str) -> bool {
+    let bare = name
+        .split(['(', '[', ','])
+        .next()
+        .unwrap_or("")
+        .trim()
+        .to_lowercase()
+        .replace('_', " ");
+    let bare = bare.trim_end_matches(" utc").trim_end_matches(" local");
+    DATES.contains(&bare)
+}
+
+impl HeaderRow {
+    /// Whether the first row has a date where dates are to be; a number there is an elapsed time.
+    fn has_dates(&self, lines: &[Line<'_>]) -> bool {
+        let first = lines[self.at + 1..]
+            .iter()
+            .find(|line| !line.text.trim().is_empty());
+        let Some(first) = first else {
+            return true;
+        };
+        let mut date = "";
+        self.delimiter.split(first.text, |index, cell| {
+            if index == self.time_at {
+                date = number::unquote(cell);
+            }
+        });
+        // One date may well fit two orders.
+        !matches!(moments(&[date], ORDERS), Err(super::moments::NoOrder::Fits))
+    }
+
+    /// The columns and which of them hold texts. The first of each quantity is interpreted; the others keep their
+    /// names and units, for the file does not say which sensor stands beside the sample.
+    fn columns(&self, line: usize, issues: &mut Vec<Issue>) -> (Vec<Header>, Vec<bool>) {
+        let mut taken: Vec<Quantity> = Vec::new();
+        let mut assumed: Vec<String> = Vec::new();
+        let mut headers = Vec::new();
+        for (index, name) in self.names.iter().enumerate() {
+            let found = climate_column(name, "").filter(|_| index != self.time_at);
+            let mut header = Header::other(name);
+            if let Some(ClimateColumn {
+                quantity,
+                conversion,
+                unit_is_stated,
+                ..
+            }) = found
+            {
+                if !unit_is_stated {
+                    assumed.push(name.clone());
+                    header.raw_unit = String::new();
+                }
+                if !taken.contains(&quantity) {
+                    taken.push(quantity);
+                    header.meaning = Meaning::Known { quantity, conversion };
+                }
+            }
+            headers.push(header);
+        }
+        if !assumed.is_empty() {
+            let message = format!(
+                "no unit stands in {}: temperatures are taken as °C, humidities as percent",
+                assumed
+                    .iter()
+                    .map(|name| quoted(name))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            );
+            let mend = "write the unit into the header, as in Temperature (°C)";
+            issues.push(
+                Issue::note("unit-assumed", message)
+                    .at(format!("line {line}"))
+                    .mend(mend),
+            );
+        }
+        let is_text = self.names.iter().map(|name| is_serial(name)).collect();
+        (headers, is_text)
+    }
+
+    /// A serial number that stands in the first row only, in a column of its own.
+    fn stated_once(&self, rows: &[Line<'_>]) -> Option<(String, String)> {
+        let at = self.names.iter().position(|name| is_serial(name))?;
+        let mut found = None;
+        self.delimiter.split(rows.first()?.text, |index, cell| {
+            if index == at && !cell.trim().is_empty() {
+                found = Some(number::unquote(cell).to_owned());
+            }
+        });
+        Some((self.names[at].clone(), found?))
+    }
+}
+
+fn is_serial(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    ["serial number", "serial no", "serial", "s/n", "seriennummer"].contains(&lower.trim_end_matches('.'))
+}
+
+/// Lines before the header: `key: value` or text.
+fn preamble(lines: &[Line<'_>]) -> Vec<(String, String)> {
+    let pair = |line: &Line<'_>| {
+        let text = line.text.trim().trim_matches('"').trim();
+        (!text.is_empty()).then(|| match text.split_once(':') {
+            Some((key, value)) if key.len() <= 40 => (key.trim().to_owned(), value.trim().to_owned()),
+            _ => ("preamble".to_owned(), text.to_owned()),
+        })
+    };
+    lines.iter().filter_map(pair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ingest::formats::{read, recognise};
+
+    #[test]
+    fn a_run_with_dates_and_a_temperature_stays_a_run() {
+        let text = "timestamp,time_s,current_a,temperature_c\n2026-01-01 10:00:00,0,1e-3,21\n\
+                    2026-01-01 10:00:01,1,9e-4,21\n";
+        let (format, _) = recognise(&FileHead::of("a.csv", text.as_bytes())).unwrap();
+        assert_eq!(format.id(), "plain-table");
+        let log = text.replace("current_a", "battery_v");
+        let (format, _) = recognise(&FileHead::of("a.csv", log.as_bytes())).unwrap();
+        assert_eq!(format.id(), "climate-table");
+    }
+
+    #[test]
+    fn an_elapsed_time_is_no_date() {
+        for text in [
+            "Time,Temperature (°C)\n0,21\n1,22\n",
+            "time (s),temperature_c\n0,21\n1,22\n",
+        ] {
+            assert_eq!(
+                ClimateTable.recognise(&FileHead::of("a.csv", text.as_bytes())),
+                Match::No,
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn one_broken_date_refuses_the_file_with_its_reason() {
+        let text = "Time,RH (%)\n2026-01-01 10:00:00,40\nyesterday,41\n2026-01-01 10:02:00,42\n";
+        let refused = read("a.csv", text.as_bytes(), &ReadContext::default()).unwrap_err();
+        assert!(matches!(refused, ReadError::AmbiguousDates { .. }), "{refused}");
+    }
+}
