@@ -31,7 +31,7 @@ const REPORTED: usize = 20;
 /// Points of a drawn residual.
 const DRAWN: usize = 160;
 /// A strength that is known to this part of itself is one number: a law without free strength is held against it.
-const SHARP: f64 = 0.2;
+const SHARP: f64 = 0.1;
 
 /// What is known before a cause is looked for.
 pub(super) struct Shown<'a, 'g> {
