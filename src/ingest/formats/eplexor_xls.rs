@@ -1,6 +1,6 @@
 //! NETZSCH GABO Eplexor export (.xls): a sheet `Exported Data` with a row of names, a row of units, then rows.
 //!
-//! One public file was seen, a sweep of frequency and temperature; [`SEEN`] lists its columns. A column that is not
+//! One public file was seen, a sweep of frequency and temperature; `SEEN` lists its columns. A column that is not
 //! among them, a humidity above all, is kept under its own name and not used until a tag says what it is: its name
 //! and unit are not guessed at. The sheet `Data header` is kept as metadata. The export has no date and declares no
 //! number of rows.
