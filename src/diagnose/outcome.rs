@@ -1,7 +1,8 @@
 //! The finding about a group, put together.
 
 use crate::domain::{
-    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict,
+    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve,
+    Verdict,
 };
 use crate::model::effects::effect;
 
@@ -114,7 +115,7 @@ impl<'g> Shown<'_, 'g> {
         let explained = first / (total + rest).max(1e-300);
         found.verdict = match () {
             () if self.is_spiked() => Verdict::DataProblem,
-            () if taken.is_empty() || !passed => Verdict::Unknown,
+            () if taken.is_empty() || !passed || !self.determines(model) => Verdict::Unknown,
             () if selection.p_leftover < WRONG && explained < MOST_OF_IT => Verdict::Unknown,
             () if selection.p_leftover < WRONG => Verdict::Partial,
             () if sets.iter().all(|set| set.len() == 1) => Verdict::Named,
@@ -139,6 +140,18 @@ impl<'g> Shown<'_, 'g> {
         self.draw_after(&mut found, model, &taken);
         found.sentence = self.sentence(&found, &taken, passed);
         found
+    }
+
+    /// Whether the readings tell the strength of every effect from none: a gain that two effects share without
+    /// either being told proves no cause.
+    fn determines(&self, model: &Fitted) -> bool {
+        let parameters = model.effect_parameters(self.group);
+        let of = |(sought, parameters): (&super::problem::Sought, &Vec<Parameter>)| {
+            let strength = parameters.first().map(|parameter| &parameter.estimate);
+            let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
+            sought.limits[0].held || interval.is_some_and(|(low, high)| low * high > 0.0)
+        };
+        model.problem.effects.iter().zip(&parameters).all(of)
     }
 
     /// Everything that does not depend on a cause.
