@@ -149,7 +149,9 @@ impl<'g> Shown<'_, 'g> {
         let of = |(sought, parameters): (&super::problem::Sought, &Vec<Parameter>)| {
             let strength = parameters.first().map(|parameter| &parameter.estimate);
             let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
-            sought.limits[0].held || interval.is_some_and(|(low, high)| low * high > 0.0)
+            // A logarithm never reaches none: there the gain alone decides.
+            let limits = sought.limits[0];
+            limits.held || limits.logarithmic || interval.is_some_and(|(low, high)| low * high > 0.0)
         };
         model.problem.effects.iter().zip(&parameters).all(of)
     }
