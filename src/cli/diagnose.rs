@@ -115,8 +115,8 @@ fn print_effect(effect: &EffectEntry, output: &Output) {
         .variant
         .as_ref()
         .map_or_else(String::new, |variant| format!(" ({variant})"));
-    let q = effect.q.map_or_else(String::new, |q| format!(", q = {q:.2}"));
-    output.result(&format!("    {}{variant}  p = {:.2}{q}", effect.effect, effect.p));
+    let q = effect.q.map_or_else(String::new, |q| format!(", q = {q:.3}"));
+    output.result(&format!("    {}{variant}  p = {:.3}{q}", effect.effect, effect.p));
     let about = effects::effect(&effect.effect).map(|effect| effect.about());
     for (key, parameter) in &effect.parameters {
         let unit = about
