@@ -20,8 +20,6 @@ mod signature;
 mod spikes;
 mod stretch;
 mod tangent;
-#[cfg(test)]
-mod tests;
 mod words;
 
 use crate::domain::GroupDiagnosis;

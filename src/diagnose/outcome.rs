@@ -315,6 +315,11 @@ impl<'g> Shown<'_, 'g> {
     /// sharp, for it could have been anything.
     fn sharpened(&self, step: &super::select::Step, model: &Fitted) -> Vec<&'static str> {
         let rivals = step.rivals.clone();
+        let is_free = |id: &str| {
+            step.looked
+                .iter()
+                .any(|looked| looked.effect == id && looked.extra > 0)
+        };
         let free: Vec<&&str> = rivals.iter().filter(|id| is_free(id)).collect();
         let fixed: Vec<&&str> = rivals.iter().filter(|id| !is_free(id)).collect();
         let sharp = || {
@@ -564,9 +569,4 @@ fn detectable(signature: &Signature, times: f64) -> f64 {
     } else {
         signature.probe[0]
     }
-}
-
-/// Whether the effect has a strength that the readings determine.
-fn is_free(id: &str) -> bool {
-    effect(id).is_some_and(|e| !e.about().summary.contains("no free strength"))
 }

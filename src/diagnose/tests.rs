@@ -1,1 +1,0 @@
-//! Looks at what the engine believes of simulated noise.
