@@ -1,4 +1,5 @@
-//! `ieap fit --group`: runs of one sample in one condition fitted at once.
+//! `ieap fit --group`: runs of one sample in one condition fitted at once; `--profile` and `--bootstrap` without it: the
+//! same intervals for every run by itself.
 
 use clap::Args;
 
@@ -7,7 +8,7 @@ use super::fit::in_words;
 use super::output::Output;
 use crate::pipeline::fits_document::ParameterEntry;
 use crate::pipeline::groups_document::{GroupEntry, GroupRunEntry};
-use crate::pipeline::{FitChoice, FitGroups, Sharing};
+use crate::pipeline::{FitChoice, FitGroups, FitTogether, Sharing};
 
 /// Refits below which a bootstrap tells nothing of the ends of a 95 % interval.
 const FEWEST_REFITS: usize = 40;
@@ -31,18 +32,20 @@ pub struct GroupArgs {
     /// Parameters that are free in every run; the others are shared
     #[arg(long, value_name = "KEYS", value_delimiter = ',', requires = "group")]
     free: Option<Vec<String>>,
-    /// Find every interval by profile likelihood, not only where the covariance would mislead
-    #[arg(long, requires = "group")]
+    /// Find every interval by profile likelihood, not only where the covariance would mislead; printed for every run by
+    /// itself, or for groups with --group
+    #[arg(long)]
     profile: bool,
-    /// Add the spread of N fits to readings whose residuals were drawn again in blocks
-    #[arg(long, value_name = "N", requires = "group")]
+    /// Add the spread of N fits to readings whose residuals were drawn again in blocks, for every run or, with --group,
+    /// every group
+    #[arg(long, value_name = "N")]
     bootstrap: Option<usize>,
 }
 
 impl GroupArgs {
-    /// The fits of groups asked for; none without `--group`.
+    /// The fits asked for beside those that are stored; none without `--group`, `--profile` or `--bootstrap`.
     pub fn groups(&self, choice: FitChoice) -> Result<Option<FitGroups>, CliError> {
-        if !self.group {
+        if !self.group && !self.profile && self.bootstrap.is_none() {
             return Ok(None);
         }
         if let Some(found) = self.bootstrap.filter(|&n| n < FEWEST_REFITS) {
@@ -57,6 +60,11 @@ impl GroupArgs {
         };
         Ok(Some(FitGroups {
             choice,
+            of: if self.group {
+                FitTogether::Groups
+            } else {
+                FitTogether::SingleRuns
+            },
             sharing,
             profile: self.profile,
             bootstrap: self.bootstrap,

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::fit::FitChoice;
-use super::grouping::{Group, groups};
+use super::grouping::{Group, groups, singles};
 use super::groups_document::{GroupEntry, LeftOut, entry};
 use super::{Context, Observer, PipelineError};
 use crate::domain::{Channel, Issue};
@@ -57,11 +57,23 @@ impl Sharing {
     }
 }
 
+/// What is fitted at once.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FitTogether {
+    /// The runs of each group.
+    #[default]
+    Groups,
+    /// Every run by itself, for the intervals that only this kind of fit gives.
+    SingleRuns,
+}
+
 /// The verb `fit --group`.
 #[derive(Debug, Clone, Default)]
 pub struct FitGroups {
     /// Model and seed; groups are always fitted to both responses at once, by descent.
     pub choice: FitChoice,
+    /// What is fitted at once.
+    pub of: FitTogether,
     /// What the runs share.
     pub sharing: Sharing,
     /// Whether every interval is found by profile likelihood.
@@ -93,12 +105,12 @@ impl FitGroups {
                 replicates,
             }),
         };
-        let found = groups(
-            &context.store.runs()?,
-            context.store.fit_tasks()?,
-            &context.campaign.group_by,
-        );
-        observer.begin("fitting groups", found.len() as u64);
+        let tasks = context.store.fit_tasks()?;
+        let found = match self.of {
+            FitTogether::Groups => groups(&context.store.runs()?, tasks, &context.campaign.group_by),
+            FitTogether::SingleRuns => singles(tasks),
+        };
+        observer.begin("fitting with intervals asked for", found.len() as u64);
         let mut entries = Vec::with_capacity(found.len());
         for batch in found.chunks(BATCH) {
             let loaded = batch

@@ -31,3 +31,12 @@ pub fn groups(runs: &[RunRecord], tasks: Vec<FitTask>, group_by: &[String]) -> V
     });
     tasked.collect()
 }
+
+/// Every run that can be fitted as a group of its own, named by it.
+pub fn singles(tasks: Vec<FitTask>) -> Vec<Group> {
+    let single = |task: FitTask| Group {
+        name: format!("run={}", task.path),
+        tasks: vec![task],
+    };
+    tasks.into_iter().map(single).collect()
+}

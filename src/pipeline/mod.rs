@@ -32,7 +32,7 @@ pub use context::{CODE_VERSION, Context};
 pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};
 pub use error::PipelineError;
 pub use fit::{FitChoice, FitRuns, FitSummary};
-pub use fit_groups::{FitGroups, Sharing};
+pub use fit_groups::{FitGroups, FitTogether, Sharing};
 pub use ingest::{Ingest, IngestSummary};
 pub use init::init;
 pub use modulus::{AnalyseModulus, ModulusSummary};

@@ -87,6 +87,41 @@ fn repeats_share_their_parameters_and_tell_more_than_one() {
 }
 
 #[test]
+fn profiles_asked_for_are_stated_for_every_run_by_itself() {
+    let folder = campaign();
+    let document = folder
+        .ieap(&["fit", "--json", "--profile", "--model", "lumped-1"])
+        .expect(0)
+        .json();
+    let groups = document["groups"].as_array().unwrap();
+    let names: Vec<&str> = groups
+        .iter()
+        .map(|group| group["group"].as_str().unwrap())
+        .collect();
+    assert!(
+        names.contains(&"run=runs/a.csv") && names.contains(&"run=runs/camera.csv"),
+        "{names:?}"
+    );
+    let of = |entry: &Value| entry["fits"][0]["parameters"]["tau1_s"].clone();
+    let profiled = of(groups
+        .iter()
+        .find(|group| group["group"] == "run=runs/a.csv")
+        .unwrap());
+    let fits = document["fits"].as_array().unwrap();
+    let stored = &fits.iter().find(|fit| fit["run"] == "runs/a.csv").unwrap()["parameters"]["tau1_s"];
+    // Both hold the truth, and neither is far wider than the other where the covariance does not mislead.
+    for interval in [&profiled, stored] {
+        let (low, high) = (
+            interval["low_95"].as_f64().unwrap(),
+            interval["high_95"].as_f64().unwrap(),
+        );
+        assert!(low < 20.0 && 20.0 < high, "{interval}");
+    }
+    let ratio = half_width(&profiled) / half_width(stored);
+    assert!(ratio > 0.5 && ratio < 2.0, "{ratio}");
+}
+
+#[test]
 fn what_is_free_is_stated_for_every_run_and_the_bootstrap_repeats_itself() {
     let folder = campaign();
     let arguments = [
@@ -193,7 +228,7 @@ fn what_cannot_be_asked_for_is_refused_and_says_what_can() {
             "choose a lumped one",
         ),
         (&["fit", "--group", "--bootstrap", "5"], "needed 40 or more"),
-        (&["fit", "--profile"], "--group"),
+        (&["fit", "--free", "rss_ohm_cm2"], "--group"),
         (
             &["fit", "--group", "--shared", "a", "--free", "b"],
             "cannot be used with",
