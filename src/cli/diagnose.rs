@@ -8,7 +8,9 @@ use super::{CampaignArg, Global};
 use crate::model::effects;
 use crate::pipeline::diagnosis_document::{EffectEntry, GroupEntry, diagnosis_document};
 use crate::pipeline::fits_document::ParameterEntry;
-use crate::pipeline::{Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, Ingest};
+use crate::pipeline::{
+    Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest,
+};
 
 /// Say what the simulation gets wrong in each group of runs, name the cause, and measure what the extended
 /// model gains; after taking in new files
@@ -28,6 +30,10 @@ pub struct DiagnoseArgs {
     /// Only the group of that name
     #[arg(long, value_name = "NAME")]
     group: Option<String>,
+    /// Adopt the extended model of every group whose cause is named (with --group: of that one): written to
+    /// campaign.toml, and the group's runs are fitted with it at once and from then on
+    #[arg(long)]
+    adopt: bool,
 }
 
 pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -55,12 +61,47 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     ));
     let document = diagnosis_document(&context, &choice, args.group.as_deref())?;
     document.groups.iter().for_each(|group| print(group, output));
+    if args.adopt {
+        adopt(args, global, &mut context, output)?;
+    }
     output.document(&document)?;
     Ok(if ingest.refused.is_empty() {
         DONE
     } else {
         SOME_REFUSED
     })
+}
+
+/// Adopts what the findings name and fits it.
+fn adopt(
+    args: &DiagnoseArgs,
+    global: &Global,
+    context: &mut Context,
+    output: &Output,
+) -> Result<(), CliError> {
+    let group = args.group.clone();
+    let summary = Adopt { group }.run(context)?;
+    for entry in &summary.adopted {
+        output.message(&format!(
+            "{}: {} adopted in campaign.toml",
+            entry.group, entry.model
+        ));
+    }
+    if summary.adopted.is_empty() {
+        let why = if summary.unchanged.is_empty() {
+            "no group's finding names a cause"
+        } else {
+            "every group whose cause is named has its model already"
+        };
+        output.message(&format!("nothing adopted: {why}"));
+    }
+    let choice = FitChoice {
+        seed: global.seed,
+        ..FitChoice::default()
+    };
+    let fits = FitRuns { choice, again: false }.run(context, output)?;
+    super::fit::say(&fits, output);
+    Ok(())
 }
 
 /// What went wrong on the way.

@@ -8,7 +8,7 @@ use super::fit_group::{self, GroupArgs};
 use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::fits_document::{FitEntry, ParameterEntry, fits_document};
-use crate::pipeline::{Context, FitRuns, Ingest};
+use crate::pipeline::{Context, FitRuns, FitSummary, Ingest};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
 #[derive(Debug, Args)]
@@ -36,16 +36,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         again: args.again,
     }
     .run(&mut context, output)?;
-    output.message(&format!(
-        "{} fitted, {} up to date, {} could not be fitted",
-        summary.fitted,
-        summary.up_to_date,
-        summary.failed.len()
-    ));
-    summary
-        .failed
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
+    say(&summary, output);
     let mut document = fits_document(&context)?;
     match args.group.groups(args.fit.choice(global))? {
         None => document.fits.iter().for_each(|fit| print(fit, output)),
@@ -61,6 +52,30 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     } else {
         SOME_REFUSED
     })
+}
+
+/// What was fitted, and what went wrong on the way.
+pub(super) fn say(summary: &FitSummary, output: &Output) {
+    output.message(&format!(
+        "{} fitted, {} up to date, {} could not be fitted",
+        summary.fitted,
+        summary.up_to_date,
+        summary.failed.len()
+    ));
+    say_unknown_groups(summary, output);
+    summary
+        .failed
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
+}
+
+/// Groups that a model is adopted for and that are not there.
+pub(super) fn say_unknown_groups(summary: &FitSummary, output: &Output) {
+    for group in &summary.unknown_groups {
+        output.message(&format!(
+            "campaign.toml, [[adopted]]: there is no group \"{group}\"; `ieap diagnose` prints their names"
+        ));
+    }
 }
 
 fn print(fit: &FitEntry, output: &Output) {

@@ -109,6 +109,43 @@ pub(super) fn look<'g>(
     looked
 }
 
+/// The current model with the one effect that all `signatures` are of, from its most promising shapes; none where it
+/// cannot be fitted.
+pub(super) fn added<'g>(
+    current: &Fitted<'g>,
+    residuals: &[f64],
+    signatures: &[Signature],
+    directions: &[Direction],
+) -> Option<Fitted<'g>> {
+    let known = current.problem.slope(&current.at, &[]).1;
+    let first = signatures.first()?;
+    let mut looked = Looked {
+        effect: first.effect.about().id,
+        variant: first.variant,
+        direction: 0,
+        forecast: 0.0,
+        fitted: None,
+        gain: 0.0,
+        extra: 0,
+    };
+    let places: Vec<usize> = (0..directions.len()).collect();
+    if !places.is_empty() {
+        fit(
+            &mut looked,
+            &places,
+            current,
+            residuals,
+            signatures,
+            directions,
+            &known,
+        );
+    }
+    // An effect that a refit takes up entirely has no direction of its own: it is searched from its first shape.
+    looked
+        .fitted
+        .or_else(|| extended(current, first, first.part, &known))
+}
+
 /// Goes on to the end with all columns of the Jacobian.
 fn settle(looked: &mut Looked, current: &Fitted) {
     if let Some(fitted) = looked.fitted.take() {

@@ -8,6 +8,7 @@ use crate::numerics::student::quantile_95;
 use super::group::Group;
 use super::problem::{Problem, Sought};
 use super::tangent::Tangent;
+use crate::model::effects::Limits;
 
 /// A fall of the sum of squares by less than this ends a search ...
 const SETTLE: f64 = 1e-2;
@@ -17,6 +18,9 @@ const SETTLE_PART: f64 = 1e-4;
 pub(super) const SHORT: u64 = 10;
 /// Evaluations of a search that must arrive.
 pub(super) const LONG: u64 = 30;
+
+/// Searches after which a minimum counts as reached.
+const SEARCHES: usize = 10;
 
 /// A model at its minimum.
 #[derive(Clone)]
@@ -58,6 +62,19 @@ impl<'g> Fitted<'g> {
         }
     }
 
+    /// Goes on until a whole search no longer lowers the sum of squares noticeably.
+    pub(super) fn exhausted(self) -> Fitted<'g> {
+        let mut best = self.settled();
+        for _ in 0..SEARCHES {
+            let before = best.square;
+            best = best.settled();
+            if before - best.square <= SETTLE.max(SETTLE_PART * before) {
+                break;
+            }
+        }
+        best
+    }
+
     /// Whitened residuals.
     pub(super) fn residuals(&self) -> Vec<f64> {
         let mut out = Vec::new();
@@ -93,6 +110,11 @@ impl<'g> Fitted<'g> {
 
     /// Parameters of every effect with their uncertainty: from the covariance, with the noise's own allowed for.
     pub(super) fn effect_parameters(&self, group: &Group) -> Vec<Vec<Parameter>> {
+        self.effect_parameters_widened(group, 1.0)
+    }
+
+    /// The same with all standard errors `wider`.
+    pub(super) fn effect_parameters_widened(&self, group: &Group, wider: f64) -> Vec<Vec<Parameter>> {
         let (slope, _) = self.problem.slope(&self.at, &[]);
         let inverse = slope.normal.inverse(1e-12);
         let quantile = quantile_95(freedom(group));
@@ -111,8 +133,8 @@ impl<'g> Fitted<'g> {
                 } else {
                     let place = first;
                     first += 1;
-                    let sd = inverse.get(place, place).max(0.0).sqrt();
-                    estimate(value, sd, quantile, sought.slope(k, value), limits.logarithmic)
+                    let sd = wider * inverse.get(place, place).max(0.0).sqrt();
+                    estimate(value, sd, quantile, sought.slope(k, value), limits)
                         .at_bound(self.problem.at_limit(place, self.at[place]))
                 };
                 parameters.push(Parameter {
@@ -184,16 +206,19 @@ fn freedom(group: &Group) -> f64 {
 }
 
 /// An estimate whose coordinate has that standard deviation.
-fn estimate(value: f64, sd: f64, quantile: f64, slope: f64, logarithmic: bool) -> Estimate {
+fn estimate(value: f64, sd: f64, quantile: f64, slope: f64, limits: Limits) -> Estimate {
     let half = quantile * sd;
-    if logarithmic {
+    if limits.logarithmic {
         if half > 2.3 {
             return Estimate::not_determined("the readings fit as well with values ten times apart");
         }
         return Estimate::determined(value, value * sd, value * (-half).exp(), value * half.exp());
     }
-    let unit = slope.abs();
-    Estimate::determined(value, sd * unit, value - half * unit, value + half * unit)
+    let half = half * slope.abs();
+    if half > limits.high - limits.low {
+        return Estimate::not_determined("its 95 % interval would be wider than all values that make sense");
+    }
+    Estimate::determined(value, sd * slope.abs(), value - half, value + half)
 }
 
 trait AtBound {

@@ -7,6 +7,7 @@
 
 mod base_fit;
 mod candidates;
+mod extend;
 mod fitted;
 mod group;
 mod held_out;
@@ -25,6 +26,7 @@ mod words;
 use crate::domain::GroupDiagnosis;
 use crate::model::FitModel;
 
+pub use extend::{fit_extended, model_version};
 pub use group::RunInput;
 pub use sigmas::{DesignRun, KnownNoise, sigmas_after_refit};
 
@@ -57,23 +59,39 @@ impl Default for DiagnoseOptions {
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
     let raw = group::Group::new(runs);
-    let Some(first) = base_fit::base_fit(&raw, options.model) else {
-        return outcome::nothing(name, runs, options);
-    };
+    let found = with_base(&raw, options.model, |group, base| {
+        diagnosed(name, group, base, options)
+    });
+    found.unwrap_or_else(|| outcome::nothing(name, runs, options))
+}
+
+/// Calls `then` with the group, its noise found beside the base model, and the base model fitted to it; none where no
+/// run gives a start.
+fn with_base<R>(
+    raw: &group::Group,
+    model: &'static FitModel,
+    then: impl FnOnce(&group::Group, fitted::Fitted) -> R,
+) -> Option<R> {
+    let first = base_fit::base_fit(raw, model)?;
     // The noise that the readings alone show holds what is fast in them; a first fit takes that out.
     let once = raw.renoised(&first.problem.model(&first.at));
-    let Some(second) = base_fit::refit(&once, &first) else {
-        return outcome::nothing(name, runs, options);
-    };
+    let second = base_fit::refit(&once, &first)?;
     let group = once.renoised(&second.problem.model(&second.at));
-    let Some(base) = base_fit::refit(&group, &second) else {
-        return outcome::nothing(name, runs, options);
-    };
-    let scale = signature::scale(&group, &base.problem, &base.at);
+    let base = base_fit::refit(&group, &second)?;
+    Some(then(&group, base))
+}
+
+fn diagnosed(
+    name: &str,
+    group: &group::Group,
+    base: fitted::Fitted,
+    options: &DiagnoseOptions,
+) -> GroupDiagnosis {
+    let scale = signature::scale(group, &base.problem, &base.at);
     let signatures = signature::signatures(&base.problem, &base.at, &scale);
-    let stretches = stretch::stretches(&group);
+    let stretches = stretch::stretches(group);
     let ground = select::Ground {
-        group: &group,
+        group,
         base: &base,
         signatures: &signatures,
         stretches: &stretches,
@@ -82,10 +100,10 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     };
     let (null, directions) = ground.null(&base, 0);
     let residuals = base.residuals();
-    let observed = null.observe(&group, &residuals, &directions);
+    let observed = null.observe(group, &residuals, &directions);
     let shown = outcome::Shown {
         name,
-        group: &group,
+        group,
         base: &base,
         null: &null,
         directions: &directions,

@@ -192,6 +192,11 @@ impl<'g> Problem<'g> {
         2 * self.branches + 1 + if self.bends { 2 } else { 0 }
     }
 
+    /// Size of one coordinate of `1/R_ss`, alpha and lambda.
+    pub(super) fn units(&self) -> [f64; 3] {
+        self.units
+    }
+
     fn base_coordinates(&self, model: &LumpedModel) -> Vec<f64> {
         let resistances = model.branches.iter().map(|b| b.resistance_ohm_cm2.ln());
         let capacitances = model.branches.iter().map(|b| b.capacitance_f_per_cm2.ln());

@@ -57,11 +57,21 @@ type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
 
 /// Signatures of every effect at every probe, at the base model `at`.
 pub(super) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Signature> {
+    signatures_of(ALL, problem, at, scale)
+}
+
+/// Signatures of these effects.
+pub(super) fn signatures_of(
+    effects: &[&'static dyn Effect],
+    problem: &Problem,
+    at: &[f64],
+    scale: &Scale,
+) -> Vec<Signature> {
     let model = problem.model(at);
     let mut without = Vec::new();
     problem.residuals(at, &mut without);
     let mut wanted = Vec::new();
-    for &effect in ALL {
+    for &effect in effects {
         for variant in 0..effect.about().variants.len().max(1) {
             let search = effect.search(variant, scale);
             wanted.extend(

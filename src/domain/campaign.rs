@@ -73,6 +73,15 @@ pub struct Environment {
 /// Ids of the environments that need no entry in campaign.toml, in the thesis's order.
 pub const BUILT_IN_ENVIRONMENTS: [&str; 3] = ["vacuum", "inert", "air"];
 
+/// A model that runs of a group are fitted with instead of the campaign's.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Adopted {
+    /// Name of the group, `sample=CNaf-01,environment=air`.
+    pub group: String,
+    /// Model with the effects that extend it, `lumped-2 + faradaic-leak`.
+    pub model: String,
+}
+
 /// A campaign as its campaign.toml states it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Campaign {
@@ -103,6 +112,9 @@ pub struct Campaign {
     /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
     #[serde(default)]
     pub group_by: Vec<String>,
+    /// Models adopted for groups of runs, in the file's order; the last of a group holds.
+    #[serde(default)]
+    pub adopted: Vec<Adopted>,
     /// Climate sensors in the file's order; the first that speaks for a run counts.
     pub sensors: Vec<SensorStatement>,
     /// Rules for the climate of runs.

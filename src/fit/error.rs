@@ -81,6 +81,9 @@ pub enum FitError {
         /// The ids that exist, with commas.
         known: String,
     },
+    /// A text that names no model.
+    #[error(transparent)]
+    Choice(#[from] crate::model::ChoiceError),
     /// No method has this id.
     #[error("there is no method \"{found}\"; known are {known}")]
     UnknownMethod {

@@ -11,6 +11,7 @@ pub mod distributed;
 mod electrical;
 mod error;
 mod estimates;
+mod given;
 mod group;
 mod joint;
 mod joint_estimates;
@@ -27,6 +28,7 @@ use crate::model::{FitModel, fit_model, fit_models};
 use crate::numerics::global::{Method, method, methods};
 
 pub use error::FitError;
+pub use given::{BaseKnowledge, Predict, fit_of_run};
 pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
 };

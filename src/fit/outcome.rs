@@ -3,7 +3,7 @@
 mod issues;
 mod response;
 
-use crate::domain::{Drive, Estimate, Fit, Parameter, Quantity};
+use crate::domain::{ChannelNoise, Drive, Estimate, Fit, Parameter, Quantity, RunCurve};
 use crate::model::FitModel;
 use crate::numerics::levenberg::Stop;
 
@@ -13,6 +13,7 @@ use super::joint::feature::Feature;
 use super::joint::readings::RunReadings;
 use super::joint::single::Judged;
 use super::joint_estimates::{self, judged_estimate};
+use super::sampled::Sampled;
 use super::uncertainty::Residuals;
 use super::{FitInput, FitOptions, Identified};
 
@@ -150,6 +151,20 @@ pub(super) fn joint_parameters(model: &FitModel, features: &[Found], drive: &Dri
         .iter()
         .filter_map(|description| of(description.key))
         .collect()
+}
+
+/// Noise and curve of one response under a model of `searched` parameters that gives `fitted` at its readings.
+pub(super) fn judged_response(
+    quantity: Quantity,
+    sampled: &Sampled,
+    fitted: Vec<f64>,
+    drive: &Drive,
+    searched: usize,
+) -> (ChannelNoise, RunCurve) {
+    let step_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+    let residuals = Residuals::new(sampled, fitted, searched);
+    let response = Response::new(quantity, sampled, Some(&residuals), step_s, true);
+    (response.noise, response.curve)
 }
 
 /// One run of a joint fit.

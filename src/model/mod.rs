@@ -1,6 +1,7 @@
 //! Models of an actuator: geometry, circuits, back-relaxation, the lumped and the distributed electromechanical
 //! model, and the classical and rival models that they are compared with.
 
+pub mod choice;
 pub mod circuit;
 pub mod classical;
 pub mod coupling;
@@ -18,6 +19,7 @@ pub mod rivals;
 pub mod scaling;
 pub mod truth;
 
+pub use choice::{ChoiceError, ModelChoice};
 pub use circuit::EquivalentCircuit;
 pub use distributed::{DistributedModel, Laminate};
 pub use lumped::{Branch, LumpedModel};

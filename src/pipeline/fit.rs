@@ -3,10 +3,13 @@
 use rayon::prelude::*;
 
 use super::context::{CODE_VERSION, now};
+use super::fit_extended;
+use super::fit_plan::fit_plan;
 use super::{Context, Observer, PipelineError};
 use crate::domain::{Campaign, Channel, Fit, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
+use crate::model::ModelChoice;
 use crate::store::{FitStamp, FitTask};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
@@ -26,9 +29,10 @@ pub struct FitChoice {
 }
 
 impl FitChoice {
-    /// As options of a fit; what is left open is the campaign's.
+    /// As options of a fit with the base model; what is left open is the campaign's.
     pub(super) fn options(&self, campaign: &Campaign) -> Result<FitOptions, FitError> {
-        let mut options = FitOptions::for_model(self.model.as_deref().unwrap_or(&campaign.model))?;
+        let choice = ModelChoice::parse(self.model.as_deref().unwrap_or(&campaign.model))?;
+        let mut options = FitOptions::for_model(choice.base.id)?;
         if let Some(method) = &self.method {
             options = options.with_method(method)?;
         }
@@ -61,6 +65,8 @@ pub struct FitSummary {
     pub failed: Vec<(String, Issue)>,
     /// Runs whose search did not converge.
     pub not_converged: Vec<String>,
+    /// Groups that campaign.toml adopts a model for and that are not there.
+    pub unknown_groups: Vec<String>,
 }
 
 impl FitRuns {
@@ -70,40 +76,51 @@ impl FitRuns {
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
         let options = self.choice.options(&context.campaign)?;
-        let tasks = context.store.fit_tasks()?;
-        let hashed = tasks.into_iter().map(|task| (input_hash(&task, &options), task));
-        let (done, due): (Vec<_>, Vec<_>) =
-            hashed.partition(|(hash, task)| !self.again && task.done_input_hash.as_ref() == Some(hash));
+        let plan = fit_plan(context, self.choice.model.as_deref())?;
+        let hashed = plan.single.into_iter().map(|(task, model)| {
+            let options = FitOptions { model, ..options };
+            (input_hash(&task, &options), task, options)
+        });
+        let (done, due): (Vec<Due>, Vec<Due>) =
+            hashed.partition(|(hash, task, _)| !self.again && task.done_input_hash.as_ref() == Some(hash));
         let mut summary = FitSummary {
             up_to_date: done.len(),
+            unknown_groups: plan.unknown_groups,
             ..FitSummary::default()
         };
         observer.begin("fitting", due.len() as u64);
         for batch in due.chunks(BATCH) {
-            let outcomes = fit_batch(context, batch, &options, observer)?;
-            save_batch(context, batch, outcomes, &mut summary)?;
+            let outcomes = fit_batch(context, batch, observer)?;
+            let stamped = batch
+                .iter()
+                .map(|(hash, task, _)| (hash.as_str(), task))
+                .zip(outcomes);
+            save(context, stamped.collect(), &mut summary)?;
         }
         observer.end();
+        fit_extended::fit_groups(context, &plan.extended, self.again, observer, &mut summary)?;
         Ok(summary)
     }
 }
 
-type Outcome = Result<Fit, Issue>;
+/// A run to fit with the hash of all that its fit depends on.
+type Due = (String, FitTask, FitOptions);
+
+pub(super) type Outcome = Result<Fit, Issue>;
 
 fn fit_batch(
     context: &Context,
-    batch: &[(String, FitTask)],
-    options: &FitOptions,
+    batch: &[Due],
     observer: &dyn Observer,
 ) -> Result<Vec<Outcome>, PipelineError> {
     let loaded = batch
         .iter()
-        .map(|(_, task)| context.store.channels(task.run_id))
+        .map(|(_, task, _)| context.store.channels(task.run_id))
         .collect::<Result<Vec<Vec<Channel>>, _>>()?;
     Ok(batch
         .par_iter()
         .zip(loaded)
-        .map(|((_, task), channels)| {
+        .map(|((_, task, options), channels)| {
             let outcome = fit_one(task, &channels, options);
             observer.advance();
             outcome
@@ -157,18 +174,18 @@ fn not_fitted(error: FitError) -> Issue {
     Issue::warning("not-fitted", error.to_string())
 }
 
-fn save_batch(
+/// Stores outcomes, each with the hash of what it depends on.
+pub(super) fn save(
     context: &mut Context,
-    batch: &[(String, FitTask)],
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<((&str, &FitTask), Outcome)>,
     summary: &mut FitSummary,
 ) -> Result<(), PipelineError> {
     let now = now();
     let mut fits = Vec::new();
-    for ((input_hash, task), outcome) in batch.iter().zip(outcomes) {
+    for ((input_hash, task), outcome) in outcomes {
         let stamp = FitStamp {
             run_id: task.run_id,
-            input_hash: input_hash.clone(),
+            input_hash: input_hash.to_owned(),
             code_version: CODE_VERSION.to_owned(),
         };
         match outcome {

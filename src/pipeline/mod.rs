@@ -1,5 +1,6 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 
+mod adopt;
 mod climate;
 mod context;
 mod diagnose;
@@ -8,7 +9,9 @@ pub mod dma_document;
 mod error;
 pub mod export;
 mod fit;
+mod fit_extended;
 mod fit_groups;
+mod fit_plan;
 pub mod fits_document;
 mod grouping;
 pub mod groups_document;
@@ -27,6 +30,7 @@ mod tag;
 mod watch;
 
 pub use crate::numerics::global::methods;
+pub use adopt::{Adopt, AdoptSummary};
 pub use climate::LogSummary;
 pub use context::{CODE_VERSION, Context};
 pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};

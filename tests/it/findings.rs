@@ -234,3 +234,91 @@ fn group_by_is_checked_and_a_key_that_no_run_carries_is_said() {
     );
     assert!(said.stdout.contains("sample=S1 (1 run)"), "{}", said.stdout);
 }
+
+#[test]
+fn an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was() {
+    let folder = CampaignFolder::new();
+    folder.write("campaign.toml", CAMPAIGN);
+    std::fs::remove_file(folder.join("runs/tags.toml")).unwrap();
+    folder.write("simulation.toml", spec());
+    ieap(folder.path(), &["simulate", "simulation.toml"]).expect(0);
+    let clean = folder.ieap(&["diagnose", "--adopt", "--group", "sample=clean,environment=air"]);
+    assert!(clean.expect(2).stderr.contains("names a cause"));
+
+    let adopted = folder.ieap(&["diagnose", "--adopt"]).expect(0);
+    assert!(
+        adopted.stderr.contains("adopted in campaign.toml"),
+        "{}",
+        adopted.stderr
+    );
+    let file = std::fs::read_to_string(folder.join("campaign.toml")).unwrap();
+    assert!(
+        file.starts_with(CAMPAIGN) && file.matches("[[adopted]]").count() == 1,
+        "{file}"
+    );
+    let document = folder.ieap(&["fit", "--json"]).expect(0).json();
+    let fits = document["fits"].as_array().unwrap();
+    for fit in fits {
+        let leaky = fit["sample"] == "leaky";
+        let model = fit["model"].as_str().unwrap();
+        assert_eq!(model.starts_with("lumped-2 + "), leaky, "{model}");
+    }
+    // The truth of the base parameters comes back where the effect is allowed for.
+    let leaky = fits
+        .iter()
+        .find(|fit| fit["run"] == "runs/leaky_2.2V.csv")
+        .unwrap();
+    for (key, truth) in [
+        ("r1_ohm_cm2", 520.0),
+        ("c2_f_per_cm2", 0.13),
+        ("alpha_per_c_cm", 14.0),
+        ("lambda_per_s", 4e-3),
+    ] {
+        let found = &leaky["parameters"][key];
+        let (value, error) = (
+            found["value"].as_f64().unwrap(),
+            found["standard_error"].as_f64().unwrap(),
+        );
+        assert!(
+            (value - truth).abs() < 4.0 * error && error < 0.1 * truth,
+            "{key}: {found}"
+        );
+    }
+    let notes = leaky["issues"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|issue| issue["code"].as_str().unwrap());
+    let notes: Vec<&str> = notes.collect();
+    assert!(
+        notes.contains(&"shared-parameters") && notes.contains(&"base-parameter-was-wrong"),
+        "{notes:?}"
+    );
+
+    let again = folder.ieap(&["diagnose", "--adopt"]).expect(0);
+    assert!(again.stderr.contains("has its model already"), "{}", again.stderr);
+    let nothing = folder.ieap(&["run", "--json"]).expect(0).json();
+    assert_eq!(nothing["run"]["fit"]["fitted"], 0, "what is adopted stays fitted");
+    let report = std::fs::read_dir(folder.join("report/findings")).unwrap();
+    let pages: Vec<String> = report
+        .map(|entry| std::fs::read_to_string(entry.unwrap().path()).unwrap_or_default())
+        .collect();
+    assert!(pages.iter().any(|page| page.contains("Adopted in campaign.toml")));
+
+    folder.write(
+        "campaign.toml",
+        file + "\n[[adopted]]\ngroup = \"sample=gone\"\nmodel = \"lumped-2\"\n",
+    );
+    let stale = folder.ieap(&["fit"]).expect(0);
+    assert!(
+        stale.stderr.contains("there is no group \"sample=gone\""),
+        "{}",
+        stale.stderr
+    );
+    let unknown = folder.ieap(&["fit", "--model", "lumped-2 + faradaic"]).expect(2);
+    assert!(
+        unknown.stderr.contains("did you mean \"faradaic-leak\""),
+        "{}",
+        unknown.stderr
+    );
+}

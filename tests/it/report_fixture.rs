@@ -47,6 +47,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        adopted: Vec::new(),
         sensors: vec![],
         climate: Default::default(),
     }

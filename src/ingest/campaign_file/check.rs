@@ -7,6 +7,7 @@ use toml::Spanned;
 
 use super::error::CampaignFileError as Error;
 use super::{DEFAULT_MODEL, line_and_column, raw};
+use crate::domain::campaign::Adopted;
 use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
 use crate::domain::{Campaign, Environment, Issue, Material, RunKind, Sample};
 use crate::ingest::name_pattern::NamePattern;
@@ -48,6 +49,7 @@ impl Checker<'_> {
             dma_name_pattern,
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,
+            adopted: self.adopted(file.adopted)?,
             sensors: self.sensors(file.sensor)?,
             climate: self.climate(&file.climate)?,
         };
@@ -60,6 +62,20 @@ impl Checker<'_> {
             });
         }
         Ok(campaign)
+    }
+
+    /// Group and model of each; whether they exist is known when runs are fitted.
+    fn adopted(&self, entries: Vec<Spanned<raw::Adopted>>) -> Result<Vec<Adopted>, Error> {
+        let of = |entry: Spanned<raw::Adopted>| {
+            let (line, _) = line_and_column(self.text, entry.span().start);
+            let place = format!("line {line}, [[adopted]]");
+            let entry = entry.into_inner();
+            Ok(Adopted {
+                group: self.filled(entry.group, &place, "group")?,
+                model: self.filled(entry.model, &place, "model")?,
+            })
+        };
+        entries.into_iter().map(of).collect()
     }
 
     /// Tag keys without blanks, each once.

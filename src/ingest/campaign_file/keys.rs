@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 8] = [
+const KNOWN: [(&str, &[&str]); 9] = [
     (
         "campaign",
         &["id", "title", "timezone", "notice", "model", "group_by"],
@@ -42,6 +42,7 @@ const KNOWN: [(&str, &[&str]); 8] = [
         "environment",
         &["id", "relative_humidity_percent", "temperature_c", "pressure_pa"],
     ),
+    ("adopted", &["group", "model"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
     (

@@ -21,6 +21,15 @@ pub(super) struct File {
     pub sensor: Vec<Spanned<Sensor>>,
     #[serde(default)]
     pub climate: Climate,
+    #[serde(default)]
+    pub adopted: Vec<Spanned<Adopted>>,
+}
+
+/// `[[adopted]]`.
+#[derive(Deserialize)]
+pub(super) struct Adopted {
+    pub group: Option<String>,
+    pub model: Option<String>,
 }
 
 /// `[campaign]`.

@@ -36,6 +36,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         dma_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
+        adopted: Vec::new(),
         sensors: vec![],
         climate: Default::default(),
     }

@@ -11,8 +11,9 @@ use super::context::{CODE_VERSION, now};
 use super::{Context, Observer, PipelineError};
 use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group};
 use crate::domain::{Campaign, Channel, GroupDiagnosis};
-use crate::fit::{FitError, FitInput, FitOptions, distributed};
+use crate::fit::{FitError, FitInput, distributed};
 use crate::ingest::derived;
+use crate::model::ModelChoice;
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
 use input_hash::input_hash;
 pub(super) use input_hash::library_hash;
@@ -37,7 +38,8 @@ impl DiagnoseChoice {
     /// of the strip as a whole stands in for it.
     pub(super) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
         let default = DiagnoseOptions::default();
-        let stated = FitOptions::for_model(self.model.as_deref().unwrap_or(&campaign.model))?.model;
+        // What extends the campaign's model was found against its base, and is asked about against it again.
+        let stated = ModelChoice::parse(self.model.as_deref().unwrap_or(&campaign.model))?.base;
         Ok(DiagnoseOptions {
             model: if stated.id == distributed::MODEL_ID {
                 default.model

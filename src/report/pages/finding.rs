@@ -8,6 +8,7 @@ use super::Content;
 use super::finding_words::{lead, probability, shift_words, test_words, verdict_word};
 use super::wording::{EstimateText, RunLink, listed};
 use crate::analysis::ParameterInfo;
+use crate::domain::campaign::Adopted;
 use crate::domain::{Candidate, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
 use crate::report::error::ReportError;
 use crate::report::figures::gain_bars::gain_bars;
@@ -34,6 +35,8 @@ struct FindingPage {
     next_run: Option<NextRunText>,
     shifts: Vec<ShiftRow>,
     shift_words: Vec<String>,
+    /// The model adopted for the group, or how to adopt the one that was found.
+    adoption: Option<String>,
     gain: Option<GainBlock>,
     bars: Option<String>,
     chance_gain: String,
@@ -161,6 +164,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
             .filter_map(|s| shift_words(s, &symbol(&s.key).0))
             .collect(),
         shifts: shifts.map(shift_row).collect(),
+        adoption: adoption(site, found),
         gain: found
             .gain
             .as_ref()
@@ -253,6 +257,24 @@ fn symbol(key: &str) -> (String, String, f64) {
         ),
         None => (key.to_owned(), String::new(), 1.0),
     }
+}
+
+/// What was adopted for the group, or the command that would.
+fn adoption(site: &Site, found: &GroupDiagnosis) -> Option<String> {
+    let of_group = |entry: &&Adopted| entry.group == found.group;
+    if let Some(entry) = site.input.campaign.adopted.iter().rev().find(of_group) {
+        return Some(format!(
+            "Adopted in campaign.toml: the runs of this group are fitted with {}, with one parameter set for all.",
+            entry.model
+        ));
+    }
+    let named = found.verdict.names_a_cause() && !found.effects.is_empty();
+    named.then(|| {
+        format!(
+            "Not adopted: the runs are fitted with {}. To fit them with the extended model: ieap diagnose --adopt --group \"{}\"",
+            found.base_model, found.group
+        )
+    })
 }
 
 fn shift_row(shift: &ParameterShift) -> ShiftRow {

@@ -1,0 +1,119 @@
+//! Fits groups of runs with an extended model; every run is stored with the parameters of its group.
+
+use rayon::prelude::*;
+
+use super::diagnose::library_hash;
+use super::fit::{FitSummary, Outcome, save};
+use super::fit_plan::ExtendedGroup;
+use super::{Context, Observer, PipelineError};
+use crate::diagnose::{RunInput, fit_extended, model_version};
+use crate::domain::{Channel, Issue};
+use crate::fit::FitInput;
+use crate::ingest::derived;
+
+/// Groups fitted between two commits.
+const BATCH: usize = 8;
+
+/// Fits the groups that are new or whose input changed.
+pub(super) fn fit_groups(
+    context: &mut Context,
+    groups: &[ExtendedGroup],
+    again: bool,
+    observer: &dyn Observer,
+    summary: &mut FitSummary,
+) -> Result<(), PipelineError> {
+    let library = library_hash();
+    let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
+    let is_done = |(hash, group): &(String, &ExtendedGroup)| {
+        let mut done = group.tasks.iter().map(|task| task.done_input_hash.as_ref());
+        !again && done.all(|done| done == Some(hash))
+    };
+    let (done, due): (Vec<_>, Vec<_>) = hashed.partition(is_done);
+    summary.up_to_date += done.iter().map(|(_, group)| group.tasks.len()).sum::<usize>();
+    if due.is_empty() {
+        return Ok(());
+    }
+    observer.begin("fitting extended models", due.len() as u64);
+    for batch in due.chunks(BATCH) {
+        let load = |(_, group): &(String, &ExtendedGroup)| -> Result<Vec<Vec<Channel>>, PipelineError> {
+            let channels = |task: &crate::store::FitTask| Ok(context.store.channels(task.run_id)?);
+            group.tasks.iter().map(channels).collect()
+        };
+        let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+        let fitted = batch.par_iter().zip(loaded).map(|((_, group), channels)| {
+            let outcomes = fit_one(group, &channels);
+            observer.advance();
+            outcomes
+        });
+        let fitted: Vec<Vec<Outcome>> = fitted.collect();
+        for ((hash, group), outcomes) in batch.iter().zip(fitted) {
+            let stamped = group.tasks.iter().map(|task| (hash.as_str(), task)).zip(outcomes);
+            save(context, stamped.collect(), summary)?;
+        }
+    }
+    observer.end();
+    Ok(())
+}
+
+/// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
+fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
+    let work = std::panic::AssertUnwindSafe(|| {
+        let tasks = group.tasks.iter();
+        let responses: Vec<Vec<Channel>> = tasks
+            .clone()
+            .zip(channels)
+            .map(|(task, channels)| derived::responses(channels, task.length_cm))
+            .collect();
+        let inputs: Vec<RunInput> = tasks
+            .zip(&responses)
+            .map(|(task, channels)| RunInput {
+                name: &task.path,
+                input: FitInput {
+                    channels,
+                    drive: &task.drive,
+                    area_cm2: task.area_cm2,
+                },
+                length_cm: task.length_cm,
+            })
+            .collect();
+        fit_extended(&inputs, &group.choice)
+    });
+    // Effects are constants without a state that a panic could leave broken.
+    let Ok(found) = std::panic::catch_unwind(work) else {
+        let fault = Issue::error("fit-fault", "the fit of its group stopped on an internal fault")
+            .mend("report it with the runs' files; the other groups are not affected");
+        return group.tasks.iter().map(|_| Err(fault.clone())).collect();
+    };
+    let missing = || {
+        Err(Issue::warning(
+            "not-fitted",
+            format!(
+                "it has too few readings of current or curvature after the step for {}, or no run of its group gives \
+                 the search a start",
+                group.choice
+            ),
+        ))
+    };
+    let mut outcomes: Vec<Outcome> = group.tasks.iter().map(|_| missing()).collect();
+    for (place, fit) in found {
+        outcomes[place] = Ok(fit);
+    }
+    outcomes
+}
+
+/// Hash of everything that the fits of a group depend on.
+fn input_hash(group: &ExtendedGroup, library: &str) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for task in &group.tasks {
+        let drive = format!("{:?}", task.drive);
+        for text in [&task.path, &task.data_hash, &drive] {
+            hasher.update(&(text.len() as u64).to_le_bytes());
+            hasher.update(text.as_bytes());
+        }
+        hasher.update(&task.area_cm2.to_le_bytes());
+        hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
+    }
+    let version = model_version(group.choice.base);
+    hasher.update(format!("{}/{version}/{library}", group.choice).as_bytes());
+    hasher.finalize().to_hex().to_string()
+}
