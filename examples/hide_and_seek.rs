@@ -174,7 +174,13 @@ fn truly(case: &Case, hidden: HiddenEffect) -> Option<Vec<Responses>> {
 fn noisy(values: &[f64], sd: f64, rho: f64, generator: &mut impl Rng) -> Vec<f64> {
     let mut state: f64 = StandardNormal.sample(generator);
     let new = (1.0 - rho * rho).sqrt();
+    let peak = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let growing: f64 = std::env::var("GROWING")
+        .ok()
+        .and_then(|g| g.parse().ok())
+        .unwrap_or(0.0);
     let each = values.iter().map(|v| {
+        let sd = sd * (1.0 + (growing * v / peak).powi(2)).sqrt();
         let out = v + sd * state;
         let next: f64 = StandardNormal.sample(generator);
         state = rho * state + new * next;
@@ -241,9 +247,10 @@ fn diagnose(case: &mut Case, responses: &[Responses]) -> ieap::domain::GroupDiag
                 case.noise.curvature_per_cm
             };
             println!(
-                "rho {rho} {:10} {:10} sd/true {:.3} {:?} per independent {:.2} rms {:.3}",
+                "rho {rho} {:10} {:10} prop {:.2} sd/true {:.3} {:?} per independent {:.2} rms {:.3}",
                 n.run,
                 n.channel,
+                n.proportional / sd,
                 n.standard_deviation / sd,
                 n.autoregression,
                 n.readings as f64 / n.independent_readings,

@@ -194,6 +194,7 @@ impl<'g> Shown<'_, 'g> {
                 standard_deviation: mean,
                 autoregression: character.autoregression,
                 correlation_time_s: character.correlation_time_s,
+                proportional: character.proportional,
                 readings: channel.len(),
                 independent_readings: channel.len() as f64 / channel.readings_per_independent(),
                 residual_rms_sigma: (dot(rows, rows) / rows.len() as f64).sqrt(),

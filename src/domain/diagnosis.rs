@@ -224,6 +224,9 @@ pub struct DiagnosisNoise {
     pub autoregression: Vec<f64>,
     /// Correlation time, s, where memory goes by time.
     pub correlation_time_s: Option<f64>,
+    /// Growth of the standard deviation with the signal, per signal: the part of its square beside the even part.
+    #[serde(default, deserialize_with = "number_or_null::one")]
+    pub proportional: f64,
     /// Readings used.
     pub readings: usize,
     /// Independent readings that carry as much.

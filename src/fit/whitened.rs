@@ -33,27 +33,54 @@ impl WhitenedChannel {
     }
 
     /// The same readings with noise found anew from what `fitted` leaves of them. Smooth misfit is not taken for
-    /// noise; fast transients, which no free smooth curve follows, are taken out by the fit.
+    /// noise; fast transients, which no free smooth curve follows, are taken out by the fit. The standard deviation
+    /// grows with what is fitted as `sqrt(1 + (per_signal fitted)^2)`.
     ///
     /// `like` lends its memory where the readings' own cannot be told.
-    pub fn renoised(&self, fitted: &[f64], like: Option<&WhitenedChannel>) -> WhitenedChannel {
-        let sampled = self.response.sampled.clone();
-        let rest: Vec<f64> = sampled.values.iter().zip(fitted).map(|(y, f)| y - f).collect();
-        let mut left = sampled.clone();
-        left.values = rest.into();
+    pub fn renoised(
+        &self,
+        fitted: &[f64],
+        per_signal: f64,
+        like: Option<&WhitenedChannel>,
+    ) -> WhitenedChannel {
+        let left = self.left(fitted);
         let least = self.response.noise.quantum / 12.0_f64.sqrt();
         let least = least.max(f64::MIN_POSITIVE);
+        let scale = growing(fitted, per_signal);
         let noise = match like {
-            Some(like) => Noise::of_rest_with(&left, least, &like.response.noise.memory),
-            None => Noise::of_rest(&left, least),
+            Some(like) => Noise::of_rest_with(&left, &scale, least, &like.response.noise.memory),
+            None => Noise::of_rest(&left, &scale, least),
         };
-        let quantum = self.response.noise.quantum;
-        let response = Response::with_noise(sampled, Noise { quantum, ..noise });
+        let noise = Noise {
+            quantum: self.response.noise.quantum,
+            proportional: noise.floor * per_signal,
+            ..noise
+        };
+        let response = Response::with_noise(self.response.sampled.clone(), noise);
         let readings_per_independent = response.sampled.len() as f64 / response.effective_readings();
         WhitenedChannel {
             response,
             readings_per_independent,
         }
+    }
+
+    /// Evidence against noise that grows as each of `per_signal` says, beside what `fitted` leaves: minus twice the log
+    /// likelihood ratio to even noise, which is below zero where the readings ask for growth.
+    pub fn against_growth(&self, fitted: &[f64], per_signal: &[f64]) -> Vec<f64> {
+        let scales: Vec<Vec<f64>> = per_signal.iter().map(|per| growing(fitted, *per)).collect();
+        Noise::deviances(&self.left(fitted), &scales, &self.response.noise.memory)
+    }
+
+    fn left(&self, fitted: &[f64]) -> Sampled {
+        let mut left = self.response.sampled.clone();
+        let rest = left
+            .values
+            .iter()
+            .zip(fitted)
+            .map(|(y, f)| y - f)
+            .collect::<Vec<f64>>();
+        left.values = rest.into();
+        left
     }
 
     /// Times of the readings, s.
@@ -115,4 +142,12 @@ impl WhitenedChannel {
     pub fn whiten(&self, series: &mut [f64]) {
         self.response.whiten(series);
     }
+}
+
+/// Standard deviation of every reading in units of that at signal zero.
+fn growing(fitted: &[f64], per_signal: f64) -> Vec<f64> {
+    fitted
+        .iter()
+        .map(|level| (per_signal * level).hypot(1.0))
+        .collect()
 }

@@ -51,22 +51,32 @@ impl Noise {
         }
     }
 
-    /// Even noise of what a fit has left: its smooth part is misfit, and counts for no noise.
-    pub(in crate::fit) fn of_rest(rest: &Sampled, least: f64) -> Noise {
-        let even = vec![1.0; rest.len()];
-        Noise::of_smoothed(&Smooth::of(rest), rest, &even, least)
+    /// Noise of what a fit has left, growing as `scale` says: the smooth part of the rest is misfit, and counts for no
+    /// noise.
+    pub(in crate::fit) fn of_rest(rest: &Sampled, scale: &[f64], least: f64) -> Noise {
+        Noise::of_smoothed(&Smooth::of(rest), rest, scale, least)
     }
 
-    /// Even noise of what a fit has left, with a memory known from elsewhere.
-    pub(in crate::fit) fn of_rest_with(rest: &Sampled, least: f64, memory: &Memory) -> Noise {
-        let even = vec![1.0; rest.len()];
+    /// Minus twice the restricted log likelihood of each of the `scales` beside that of even noise, where a fit has
+    /// left `rest` and the noise has that memory.
+    pub(in crate::fit) fn deviances(rest: &Sampled, scales: &[Vec<f64>], memory: &Memory) -> Vec<f64> {
         let smooth = Smooth::of(rest);
-        let variance = smooth.deviance(rest, &even, memory).1;
+        let even = smooth.deviance(rest, &vec![1.0; rest.len()], memory).0;
+        scales
+            .iter()
+            .map(|scale| smooth.deviance(rest, scale, memory).0 - even)
+            .collect()
+    }
+
+    /// The same with a memory known from elsewhere.
+    pub(in crate::fit) fn of_rest_with(rest: &Sampled, scale: &[f64], least: f64, memory: &Memory) -> Noise {
+        let smooth = Smooth::of(rest);
+        let variance = smooth.deviance(rest, scale, memory).1;
         let floor = variance.sqrt().max(least);
         let (shortest_s, _) = rest.time_scales_s();
         let crowding = memory.readings_per_independent(shortest_s).max(1.0);
         Noise {
-            sd: vec![floor; rest.len()],
+            sd: scale.iter().map(|scale| floor * scale).collect(),
             floor,
             proportional: 0.0,
             memory: memory.clone(),
