@@ -57,15 +57,12 @@ impl Noise {
         Noise::of_smoothed(&Smooth::of(rest), rest, scale, least)
     }
 
-    /// Minus twice the restricted log likelihood of each of the `scales` beside that of even noise, where a fit has
-    /// left `rest` and the noise has that memory.
+    /// Minus twice the restricted log likelihood of noise of each of the `scales` and that memory, where a fit has left
+    /// `rest`.
     pub(in crate::fit) fn deviances(rest: &Sampled, scales: &[Vec<f64>], memory: &Memory) -> Vec<f64> {
         let smooth = Smooth::of(rest);
-        let even = smooth.deviance(rest, &vec![1.0; rest.len()], memory).0;
-        scales
-            .iter()
-            .map(|scale| smooth.deviance(rest, scale, memory).0 - even)
-            .collect()
+        let deviance = |scale: &Vec<f64>| smooth.deviance(rest, scale, memory).0;
+        scales.iter().map(deviance).collect()
     }
 
     /// The same with a memory known from elsewhere.
