@@ -21,6 +21,11 @@ const STARTS: usize = 2;
 /// Evidence that every further parameter must bring, in units of the sum of squares.
 pub(super) const PRICE: f64 = 3.0;
 
+/// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
+pub(super) const AS_GOOD: f64 = 6.0;
+/// ... and, since no equation of an effect is exact, this part of what the effect explains.
+pub(super) const INEXACT: f64 = 0.003;
+
 /// A candidate with its forecast and, where it was fitted, the extended model.
 pub(super) struct Looked<'g> {
     pub(super) effect: &'static str,
@@ -106,7 +111,30 @@ pub(super) fn look<'g>(
         }
     });
     looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
+    simplest_first(&mut looked[..count]);
     looked
+}
+
+/// Of the candidates that explain as much as the best the one with the fewest parameters comes first.
+fn simplest_first(looked: &mut [Looked]) {
+    let Some(least) = least_score(looked) else {
+        return;
+    };
+    let as_good = looked
+        .iter()
+        .take_while(|other| other.score() > least && other.fitted.is_some());
+    let simplest = as_good
+        .enumerate()
+        .min_by_key(|(rank, other)| (other.extra, *rank));
+    if let Some((place, _)) = simplest {
+        looked[..=place].rotate_right(1);
+    }
+}
+
+/// Score beyond which a candidate explains the readings as well as the best.
+pub(super) fn least_score(looked: &[Looked]) -> Option<f64> {
+    let best = looked.iter().max_by(|a, b| a.score().total_cmp(&b.score()))?;
+    Some(best.score() - AS_GOOD - INEXACT * best.gain)
 }
 
 /// The current model with the one effect that all `signatures` are of, from its most promising shapes; none where it

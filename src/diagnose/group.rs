@@ -15,6 +15,9 @@ const MOST: usize = 1500;
 /// A channel with a memory so many times as long as the middle one's kind is not believed.
 const BEYOND: f64 = 5.0;
 
+/// Readings that carry as much as one independent one, at most: what remembers longer is drift, which a model owes an
+/// answer to, and no noise.
+const LONGEST_MEMORY: f64 = 50.0;
 /// Growths of the noise that are tried: its part that goes with the signal, at the largest signal of the group, in units
 /// of its even part.
 const GROWTHS: [f64; 12] = [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 16.0, 64.0];
@@ -102,6 +105,11 @@ impl<'a> Group<'a> {
                     .as_ref()
                     .map(|c| c.renoised(&fitted[kind], per_signal, None));
             }
+            for (run, fitted) in group.runs.iter_mut().zip(&fitted) {
+                run.channels[kind] = run.channels[kind]
+                    .as_ref()
+                    .map(|channel| channel.forgetting(&fitted[kind], per_signal, LONGEST_MEMORY));
+            }
             let Some(middle) = group.middle(kind) else {
                 continue;
             };
@@ -155,8 +163,9 @@ impl<'a> Group<'a> {
             a.readings_per_independent()
                 .total_cmp(&b.readings_per_independent())
         });
+        // Of an even number the shorter: a misfit makes memories longer, nothing makes them shorter.
         channels
-            .get(channels.len() / 2)
+            .get(channels.len().saturating_sub(1) / 2)
             .filter(|_| channels.len() > 1)
             .map(|channel| (*channel).clone())
     }

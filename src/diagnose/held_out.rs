@@ -43,6 +43,38 @@ pub(super) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
     }
 }
 
+/// Rows that each part leaves out, in the order of [`parts`].
+pub(super) fn rows(group: &Group) -> Vec<Vec<bool>> {
+    let of_run = |run: usize| {
+        let mut out = vec![false; group.rows()];
+        for block in group.blocks.iter().filter(|block| block.run == run) {
+            out[block.first..block.end].fill(true);
+        }
+        out
+    };
+    if group.runs.len() > 1 {
+        (0..group.runs.len()).map(of_run).collect()
+    } else {
+        OF_TIME
+            .iter()
+            .map(|&(from, to)| rows_of_time(group, from, to))
+            .collect()
+    }
+}
+
+fn rows_of_time(group: &Group, from: f64, to: f64) -> Vec<bool> {
+    let run = &group.runs[0];
+    let start_s = run.context(0, None).start_s();
+    let at = |part: f64| start_s + part * (run.duration_s - start_s);
+    let mut out = vec![false; group.rows()];
+    for block in &group.blocks {
+        for (k, &t) in run.times(block.channel).iter().enumerate() {
+            out[block.first + k] = t >= at(from) && t <= at(to);
+        }
+    }
+    out
+}
+
 fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
     let others: Vec<usize> = (0..group.runs.len()).filter(|&other| other != run).collect();
     let bottom = fitted
@@ -73,12 +105,7 @@ fn out_of_time(fitted: &Fitted, group: &Group, from: f64, to: f64) -> Part {
     let run = &group.runs[0];
     let start_s = run.context(0, None).start_s();
     let at = |part: f64| start_s + part * (run.duration_s - start_s);
-    let mut out = vec![false; group.rows()];
-    for block in &group.blocks {
-        for (k, &t) in run.times(block.channel).iter().enumerate() {
-            out[block.first + k] = t >= at(from) && t <= at(to);
-        }
-    }
+    let out = rows_of_time(group, from, to);
     let bottom = fitted
         .problem
         .without(&out)

@@ -7,6 +7,7 @@
 
 mod base_fit;
 mod candidates;
+mod discrepancy;
 mod extend;
 mod fitted;
 mod group;
@@ -15,6 +16,7 @@ mod next_run;
 mod null;
 mod outcome;
 mod problem;
+mod record_length;
 mod select;
 mod sigmas;
 mod signature;
@@ -31,7 +33,7 @@ pub use group::RunInput;
 pub use sigmas::{DesignRun, KnownNoise, sigmas_after_refit};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

@@ -6,14 +6,14 @@ use crate::domain::{
 };
 use crate::model::effects::effect;
 
-use super::candidates::{Looked, PRICE};
+use super::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
 use super::fitted::Fitted;
 use super::group::Group;
 use super::held_out;
 use super::next_run::next_run;
 use super::null::{Null, gain};
 use super::problem::Problem;
-use super::select::{AS_GOOD, HeldOut, INEXACT, Selection};
+use super::select::{BEATEN, HeldOut, Selection};
 use super::signature::{Direction, Signature};
 use super::stretch::Stretch;
 use super::words::{channel_name, whereabouts};
@@ -107,11 +107,14 @@ impl<'g> Shown<'_, 'g> {
         let rest = (selection.leftover.together - self.expected_together())
             .max(selection.leftover.candidate)
             .max(0.0);
-        let first = selection
-            .steps
-            .first()
-            .and_then(|step| step.looked.first())
-            .map_or(0.0, |looked| looked.gain);
+        let first = match &selection.proved {
+            Some(_) => total,
+            None => selection
+                .steps
+                .first()
+                .and_then(|step| step.looked.first())
+                .map_or(0.0, |looked| looked.gain),
+        };
         let explained = first / (total + rest).max(1e-300);
         found.verdict = match () {
             () if self.is_spiked() => Verdict::DataProblem,
@@ -170,6 +173,10 @@ impl<'g> Shown<'_, 'g> {
                     ));
                 }
             }
+        }
+        // Where the model is right its time constants do not depend on the record.
+        if self.p_misfit < WRONG {
+            remarks.extend(super::record_length::remark(self.group, self.options.model));
         }
         GroupDiagnosis {
             p_misfit: Some(self.p_misfit),
@@ -298,6 +305,9 @@ impl<'g> Shown<'_, 'g> {
 
     /// For every effect of the model the ids that could stand in its place, itself first.
     fn sets(&self, selection: &Selection<'g>) -> Vec<Vec<&'static str>> {
+        if let Some(proved) = &selection.proved {
+            return vec![proved.clone()];
+        }
         let effects = &selection.model.problem.effects;
         if let ([_], Some(step)) = (effects.as_slice(), selection.steps.first())
             && step
@@ -396,11 +406,8 @@ impl<'g> Shown<'_, 'g> {
         each.map(|((sought, parameters), set)| {
             let about = sought.effect.about();
             let step = selection.steps.iter().find(|step| {
-                step.taken
-                    && step
-                        .looked
-                        .first()
-                        .is_some_and(|looked| looked.effect == about.id)
+                let is_first = |looked: &Looked| looked.effect == about.id || selection.proved.is_some();
+                step.taken && step.looked.first().is_some_and(is_first)
             });
             EffectFinding {
                 effect: about.id.to_owned(),
@@ -456,6 +463,7 @@ impl<'g> Shown<'_, 'g> {
                 .map(|part| part.name.clone())
                 .zip(falls)
                 .collect(),
+            nameless_deviance: held_out.nameless.iter().sum(),
             nrmse_current_before: nrmse(&held_out.before, 0),
             nrmse_current_after: nrmse(&held_out.after, 0),
             nrmse_curvature_before: nrmse(&held_out.before, 1),
@@ -551,6 +559,10 @@ impl<'g> Shown<'_, 'g> {
                 taken.join(" with ")
             ),
             Verdict::DataProblem => SPIKED_WORDS.into(),
+            _ if !taken.is_empty() && is_beaten(found) => format!(
+                "The simulation is wrong ({place}), and no known cause is proved: {} fits, but a smooth answer to the voltage without a name predicts held-out readings better.",
+                taken.join(" with ")
+            ),
             _ if !taken.is_empty() && !passed => format!(
                 "The simulation is wrong ({place}), and no known cause is proved: {} fits, but does not predict held-out readings.",
                 taken.join(" with ")
@@ -558,6 +570,14 @@ impl<'g> Shown<'_, 'g> {
             _ => format!("The simulation is wrong ({place}), and no known cause explains it."),
         }
     }
+}
+
+/// Whether what has no name predicts held-out readings better.
+fn is_beaten(found: &GroupDiagnosis) -> bool {
+    found
+        .gain
+        .as_ref()
+        .is_some_and(|gain| gain.nameless_deviance > gain.deviance + BEATEN)
 }
 
 const SPIKED_WORDS: &str =

@@ -1,6 +1,7 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
-use super::candidates::{Looked, PRICE, look};
+use super::candidates::{AS_GOOD, Looked, PRICE, least_score, look};
+use super::discrepancy;
 use super::fitted::Fitted;
 use super::group::Group;
 use super::held_out::{self, Part};
@@ -15,12 +16,15 @@ const MOST_EFFECTS: usize = 3;
 const TAKEN: f64 = 0.01;
 /// ... and the Bayes information criterion asks for it this strongly.
 const BAYES: f64 = 10.0;
-/// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
-pub(super) const AS_GOOD: f64 = 6.0;
-/// ... and, since no equation of an effect is exact, this part of what the effect explains.
-pub(super) const INEXACT: f64 = 0.003;
 /// Part of the gain that must be found on held-out readings.
 const HELD_OUT: f64 = 0.25;
+
+/// A name is withheld where a discrepancy without one lowers the held-out sum of squares by so much more.
+pub(super) const BEATEN: f64 = 10.0;
+
+/// Single causes that explain this part of what the best does, and at most so many, are tried on held-out readings.
+const NEARLY: f64 = 0.95;
+const TRIED: usize = 5;
 
 /// One step forward.
 pub(super) struct Step<'g> {
@@ -39,12 +43,16 @@ pub(super) struct Selection<'g> {
     pub(super) p_leftover: f64,
     pub(super) leftover: Statistics,
     pub(super) held_out: Option<HeldOut>,
+    /// Single causes that alone predict held-out readings, the best first, where what fits best does not.
+    pub(super) proved: Option<Vec<&'static str>>,
 }
 
 /// Held-out parts by the base and by the extended model.
 pub(super) struct HeldOut {
     pub(super) before: Vec<Part>,
     pub(super) after: Vec<Part>,
+    /// Fall of the sum of squares on each by a smooth answer to the voltage that has no name.
+    pub(super) nameless: Vec<f64>,
 }
 
 impl HeldOut {
@@ -57,8 +65,18 @@ impl HeldOut {
             .collect()
     }
 
-    /// Whether the extension predicts better what it has not seen.
+    /// Whether what has no name predicts better than the extension does.
+    pub(super) fn is_beaten(&self) -> bool {
+        let named: f64 = self.falls().iter().sum();
+        let nameless: f64 = self.nameless.iter().sum();
+        nameless > named + BEATEN
+    }
+
+    /// Whether the extension predicts better what it has not seen, and no worse than what has no name.
     pub(super) fn passed(&self, gain: f64) -> bool {
+        if self.is_beaten() {
+            return false;
+        }
         let falls = self.falls();
         let total: f64 = falls.iter().sum();
         let better = falls.iter().filter(|fall| **fall > 0.0).count();
@@ -137,13 +155,69 @@ impl<'g> Ground<'_, 'g> {
         let held_out = (!model.problem.effects.is_empty()).then(|| HeldOut {
             before: held_out::parts(self.base, self.group),
             after: held_out::parts(&model, self.group),
+            nameless: discrepancy::falls(self.base, self.group, &held_out::rows(self.group)),
         });
-        Selection {
+        let selection = Selection {
             steps,
             model,
             p_leftover,
             leftover,
             held_out,
+            proved: None,
+        };
+        self.or_single(selection)
+    }
+
+    /// What fits all readings best need not predict best: where it fails on held-out readings, single causes that
+    /// explain nearly as much are tried on them, and the one that predicts best stands.
+    fn or_single(&self, selection: Selection<'g>) -> Selection<'g> {
+        let total = self.base.square - selection.model.square;
+        let (Some(held_out), Some(step)) = (&selection.held_out, selection.steps.first()) else {
+            return selection;
+        };
+        if held_out.passed(total) || !step.taken {
+            return selection;
+        }
+        let best = step.looked.iter().map(Looked::score).fold(0.0, f64::max);
+        let tried = step
+            .looked
+            .iter()
+            .filter(|looked| looked.fitted.is_some() && looked.score() > NEARLY * best)
+            .take(TRIED);
+        let mut passed: Vec<(&Looked, HeldOut, f64)> = Vec::new();
+        for looked in tried {
+            let Some(fitted) = &looked.fitted else { continue };
+            let own = HeldOut {
+                before: held_out.before.clone(),
+                after: held_out::parts(fitted, self.group),
+                nameless: held_out.nameless.clone(),
+            };
+            let fall: f64 = own.falls().iter().sum();
+            if own.passed(looked.gain) {
+                passed.push((looked, own, fall));
+            }
+        }
+        passed.sort_by(|a, b| b.2.total_cmp(&a.2));
+        let Some((fitted, most)) = passed
+            .first()
+            .and_then(|(l, _, fall)| Some((l.fitted.clone()?, *fall)))
+        else {
+            return selection;
+        };
+        let close = passed
+            .iter()
+            .filter(|(_, _, fall)| *fall > most - AS_GOOD - (1.0 - NEARLY) * most);
+        let proved: Vec<&'static str> = close.map(|(looked, ..)| looked.effect).collect();
+        let (_, own, _) = passed.swap_remove(0);
+        let (null, directions) = self.null(&fitted, 1);
+        let leftover = null.observe(self.group, &fitted.residuals(), &directions);
+        Selection {
+            p_leftover: null.p_misfit(&leftover),
+            leftover,
+            model: fitted,
+            held_out: Some(own),
+            proved: Some(proved),
+            ..selection
         }
     }
 
@@ -186,14 +260,13 @@ impl<'g> Ground<'_, 'g> {
     }
 }
 
-/// Candidates that explain the readings as well as the best one.
+/// Candidates that explain the readings as well as the best one, the one taken first.
 fn rivals(looked: &[Looked]) -> Vec<&'static str> {
-    let Some(best) = looked.first() else {
+    let Some(least) = least_score(looked) else {
         return Vec::new();
     };
-    let margin = AS_GOOD + INEXACT * best.gain;
     let close = looked
         .iter()
-        .filter(|other| other.fitted.is_some() && other.score() > best.score() - margin);
+        .filter(|other| other.fitted.is_some() && other.score() > least);
     close.map(|other| other.effect).collect()
 }

@@ -120,6 +120,10 @@ pub struct Gain {
     /// Fall for every held-out part, by name.
     #[serde(deserialize_with = "number_or_null::named")]
     pub parts: Vec<(String, f64)>,
+    /// Fall of the sum of squares on the held-out readings by a smooth answer to the voltage that has no name: a name is
+    /// given only where its fall is not far behind.
+    #[serde(default, deserialize_with = "number_or_null::one")]
+    pub nameless_deviance: f64,
     /// Root mean square deviation of the held-out current over its range, by the base model.
     pub nrmse_current_before: Option<f64>,
     /// The same by the extended model.

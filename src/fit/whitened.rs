@@ -69,6 +69,19 @@ impl WhitenedChannel {
         }
     }
 
+    /// The same readings with the memory of the noise cut to `longest` readings for an independent one, and to a fifth of
+    /// all readings.
+    pub fn forgetting(&self, fitted: &[f64], per_signal: f64, longest: f64) -> WhitenedChannel {
+        let longest = longest.min(self.len() as f64 / 5.0).max(1.0);
+        if self.readings_per_independent <= longest {
+            return self.clone();
+        }
+        let correlation = (longest - 1.0) / (longest + 1.0);
+        let mut like = self.clone();
+        like.response.noise.memory = Memory::Order(vec![correlation]);
+        self.renoised(fitted, per_signal, Some(&like))
+    }
+
     /// Evidence against noise that grows as each of `per_signal` says, beside what `fitted` leaves: minus twice the log
     /// likelihood ratio to even noise, which is below zero where the readings ask for growth.
     pub fn against_growth(&self, fitted: &[f64], per_signal: &[f64]) -> Vec<f64> {

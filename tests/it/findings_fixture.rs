@@ -111,6 +111,7 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
             deviance: 150.1,
             standard_error: 12.0,
             parts: runs.iter().map(|run| ((*run).to_owned(), 75.05)).collect(),
+            nameless_deviance: 40.0,
             nrmse_current_before: Some(0.0812),
             nrmse_current_after: Some(0.0103),
             nrmse_curvature_before: None,
