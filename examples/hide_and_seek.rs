@@ -386,11 +386,11 @@ fn apart(case: &Case, truth: &[Responses], library: &[Responses]) -> f64 {
 
 fn effects(count: u64, strengths: &[f64], only: &[String]) {
     println!(
-        "{:30} {:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5}",
-        "effect", "d", "n", "seen", "inset", "unique", "wrong", "unkn"
+        "{:30} {:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
+        "effect", "d", "n", "seen", "inset", "unique", "wrong", "unkn", "stated", "cover"
     );
     for &d in strengths {
-        let mut total = [0usize; 6];
+        let mut total = [0usize; 8];
         for &effect in ALL {
             let id = effect.about().id;
             if !only.is_empty() && !only.iter().any(|o| o == id) {
@@ -408,7 +408,7 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                     Some((diagnose(&mut case, &with), applied, apart))
                 })
                 .collect();
-            let mut row = [0usize; 6];
+            let mut row = [0usize; 8];
             let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
             for (found, applied, _) in &found {
                 row[0] += 1;
@@ -418,6 +418,14 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                 row[3] += usize::from(inset && found.set.len() == 1);
                 row[4] += usize::from(!inset && found.set.len() == 1);
                 row[5] += usize::from(found.verdict == Verdict::Unknown);
+                let own = found.effects.iter().find(|own| own.effect == id);
+                let strength = own
+                    .and_then(|own| own.parameters.first())
+                    .map(|own| &own.estimate);
+                if let Some((low, high)) = strength.and_then(|s| s.low_95.zip(s.high_95)) {
+                    row[6] += 1;
+                    row[7] += usize::from(low <= applied.parameters[0] && applied.parameters[0] <= high);
+                }
                 if std::env::var_os("SHOW").is_some() {
                     println!(
                         "    {:?} -> {} {:?} {} {:?}",
@@ -436,13 +444,15 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
                 }
             }
             println!(
-                "{id:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5}   simulators {worst:.2} sigma apart, {:.1} s",
+                "{id:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}   simulators {worst:.2} sigma apart, {:.1} s",
                 row[0],
                 row[1],
                 row[2],
                 row[3],
                 row[4],
                 row[5],
+                row[6],
+                row[7],
                 began.elapsed().as_secs_f64()
             );
             for (t, r) in total.iter_mut().zip(row) {
@@ -450,8 +460,8 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
             }
         }
         println!(
-            "{:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5}",
-            "all", total[0], total[1], total[2], total[3], total[4], total[5]
+            "{:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
+            "all", total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7]
         );
     }
 }

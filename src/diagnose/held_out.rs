@@ -10,8 +10,30 @@ use super::group::Group;
 /// Evaluations of a refit without the held-out part; it starts from the fit to everything.
 const REFIT: u64 = 6;
 const SETTLE: f64 = 0.05;
-/// Parts of a single run's time that are held out in turn: the middle by what surrounds it, the end by the rest.
-const OF_TIME: [(f64, f64); 2] = [(0.35, 0.6), (0.6, 1.0)];
+/// Parts of a single run's time that are held out in turn: the middle of its logarithm by what surrounds it, for what
+/// happens after a step happens there, and the end by the rest.
+const OF_TIME: [Stretch; 2] = [Stretch::OfLogarithm(0.5, 0.75), Stretch::OfTime(0.6, 1.0)];
+
+/// A stretch of a run's time, as parts of it or of its logarithm.
+#[derive(Debug, Clone, Copy)]
+enum Stretch {
+    OfLogarithm(f64, f64),
+    OfTime(f64, f64),
+}
+
+impl Stretch {
+    /// First and last time, s after the start of a run of that length whose readings follow each other that closely.
+    fn ends_s(self, shortest_s: f64, duration_s: f64) -> (f64, f64) {
+        match self {
+            Stretch::OfTime(from, to) => (from * duration_s, to * duration_s),
+            Stretch::OfLogarithm(from, to) => {
+                let span = (duration_s / shortest_s).max(1.0).ln();
+                let at = |part: f64| shortest_s * (part * span).exp();
+                (at(from), at(to))
+            }
+        }
+    }
+}
 
 /// One held-out part and how well it was predicted.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +60,7 @@ pub(super) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
     } else {
         OF_TIME
             .par_iter()
-            .map(|&(from, to)| out_of_time(fitted, group, from, to))
+            .map(|&stretch| out_of_time(fitted, group, stretch))
             .collect()
     }
 }
@@ -57,22 +79,27 @@ pub(super) fn rows(group: &Group) -> Vec<Vec<bool>> {
     } else {
         OF_TIME
             .iter()
-            .map(|&(from, to)| rows_of_time(group, from, to))
+            .map(|&stretch| rows_of_time(group, stretch).0)
             .collect()
     }
 }
 
-fn rows_of_time(group: &Group, from: f64, to: f64) -> Vec<bool> {
+/// The rows of a stretch of the only run, and its ends, s after the start of the drive.
+fn rows_of_time(group: &Group, stretch: Stretch) -> (Vec<bool>, (f64, f64)) {
     let run = &group.runs[0];
     let start_s = run.context(0, None).start_s();
-    let at = |part: f64| start_s + part * (run.duration_s - start_s);
+    let times = |channel: usize| run.times(channel).iter().map(|t| t - start_s);
+    let shortest_s = (0..2)
+        .flat_map(|channel| times(channel).find(|t| *t > 0.0))
+        .fold(f64::INFINITY, f64::min);
+    let (from_s, to_s) = stretch.ends_s(shortest_s, run.duration_s - start_s);
     let mut out = vec![false; group.rows()];
     for block in &group.blocks {
-        for (k, &t) in run.times(block.channel).iter().enumerate() {
-            out[block.first + k] = t >= at(from) && t <= at(to);
+        for (k, t) in times(block.channel).enumerate() {
+            out[block.first + k] = t >= from_s && t <= to_s;
         }
     }
-    out
+    (out, (from_s, to_s))
 }
 
 fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
@@ -101,11 +128,9 @@ fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
     }
 }
 
-fn out_of_time(fitted: &Fitted, group: &Group, from: f64, to: f64) -> Part {
+fn out_of_time(fitted: &Fitted, group: &Group, stretch: Stretch) -> Part {
     let run = &group.runs[0];
-    let start_s = run.context(0, None).start_s();
-    let at = |part: f64| start_s + part * (run.duration_s - start_s);
-    let out = rows_of_time(group, from, to);
+    let (out, (from_s, to_s)) = rows_of_time(group, stretch);
     let bottom = fitted
         .problem
         .without(&out)
@@ -128,7 +153,7 @@ fn out_of_time(fitted: &Fitted, group: &Group, from: f64, to: f64) -> Part {
         }
     }
     Part {
-        name: format!("{:.0} to {:.0} s", at(from) - start_s, at(to) - start_s),
+        name: format!("{from_s:.3} to {to_s:.3} s"),
         square: residuals
             .iter()
             .zip(&out)

@@ -567,7 +567,10 @@ impl<'g> Shown<'_, 'g> {
                 "The simulation is wrong ({place}), and no known cause is proved: {} fits, but does not predict held-out readings.",
                 taken.join(" with ")
             ),
-            _ => format!("The simulation is wrong ({place}), and no known cause explains it."),
+            _ => format!(
+                "The simulation is wrong ({place}), and no known cause explains it. It leaves {:.1} times the noise.",
+                (self.base.square / self.group.rows().max(1) as f64).sqrt()
+            ),
         }
     }
 }
