@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::run_spec::RunSpec;
 use super::spec::{Spec, Wrong};
 use crate::model::truth::HiddenEffect;
+use crate::model::truth::catalogue::known;
 
 /// An effect to hide: `[[effect]]` for the whole spec, `[[run.effect]]` for one run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -18,23 +19,33 @@ pub struct EffectSpec {
     pub variant: Option<String>,
     /// Patterns of the run files that it is hidden in, such as `*plus*`; none: all.
     pub runs: Option<Vec<String>>,
+    /// Strength as the norm, in standard deviations of the noise, of what the effect leaves in its runs after the base
+    /// parameters are refitted, in place of the strength in its own unit; below zero for a strength below zero.
+    pub strength_sigma: Option<f64>,
     /// All other keys: the effect's parameters.
     #[serde(flatten)]
     pub parameters: BTreeMap<String, f64>,
 }
 
 impl EffectSpec {
-    /// The effect as the truth simulator takes it.
+    /// The effect as the truth simulator takes it; a strength in standard deviations has an example in its place until
+    /// it is resolved.
     pub fn hidden(&self) -> HiddenEffect {
+        let mut parameters = self.parameters.clone();
+        let first = known(&self.id).and_then(|known| known.parameters.first());
+        if let (Some(sigma), Some(strength)) = (self.strength_sigma, first) {
+            let example = strength.example.abs().copysign(sigma);
+            parameters.entry(strength.key.to_owned()).or_insert(example);
+        }
         HiddenEffect {
             id: self.id.clone(),
             variant: self.variant.clone(),
-            parameters: self.parameters.clone(),
+            parameters,
         }
     }
 
     /// Whether it is hidden in that run.
-    fn meets(&self, run: &RunSpec) -> bool {
+    pub(super) fn meets(&self, run: &RunSpec) -> bool {
         let file = run.file.to_string_lossy().replace('\\', "/");
         let fits = |pattern: &String| Pattern::new(pattern).is_ok_and(|pattern| pattern.matches(&file));
         self.runs
@@ -42,9 +53,29 @@ impl EffectSpec {
             .is_none_or(|patterns| patterns.iter().any(fits))
     }
 
+    /// That a strength in standard deviations is one, and the only one.
+    pub(super) fn check_strength(&self, place: &str) -> Result<(), Wrong> {
+        let Some(sigma) = self.strength_sigma else {
+            return Ok(());
+        };
+        let place = format!("{place}: strength_sigma");
+        if sigma == 0.0 || !sigma.is_finite() {
+            return Err(Wrong::new(&place, sigma.to_string(), "a number other than 0"));
+        }
+        let first = known(&self.id).and_then(|known| known.parameters.first());
+        match first {
+            Some(strength) if self.parameters.contains_key(strength.key) => {
+                let found = format!("{} beside it", strength.key);
+                Err(Wrong::new(&place, found, "one of the two: they state the same"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// That it is known and that each of its patterns means a run.
     pub(super) fn check(&self, runs: &[RunSpec]) -> Result<(), Wrong> {
         let place = format!("effect {}", self.id);
+        self.check_strength(&place)?;
         self.hidden()
             .check()
             .map_err(|error| Wrong::told(&place, &error))?;

@@ -8,6 +8,7 @@ mod effect_spec;
 mod noise_spec;
 mod run_spec;
 mod spec;
+mod strength;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -45,6 +46,8 @@ impl Simulate {
     pub fn run(&self, observer: &dyn Observer) -> Result<Vec<PathBuf>, PipelineError> {
         let mut spec = Spec::read(&self.spec)?;
         spec.simulation.seed = self.seed.unwrap_or(spec.simulation.seed);
+        spec.resolve_strengths()
+            .map_err(|wrong| Spec::bad_value(&self.spec, wrong))?;
         let root = self
             .spec
             .parent()

@@ -131,14 +131,17 @@ impl Spec {
             path: path.to_owned(),
             detail: e.to_string(),
         })?;
-        let bad = |Wrong { place, found, needed }: Wrong| SpecError::BadValue {
-            path: path.to_owned(),
-            place,
-            found,
-            needed,
-        };
-        spec.check().map_err(bad)?;
+        spec.check().map_err(|wrong| Spec::bad_value(path, wrong))?;
         Ok(spec)
+    }
+
+    pub(super) fn bad_value(path: &Path, wrong: Wrong) -> SpecError {
+        SpecError::BadValue {
+            path: path.to_owned(),
+            place: wrong.place,
+            found: wrong.found,
+            needed: wrong.needed,
+        }
     }
 
     fn check(&self) -> Result<(), Wrong> {
@@ -185,6 +188,9 @@ impl Spec {
         }
         for (number, run) in self.run.iter().enumerate() {
             let place = format!("run {}", run.file.display());
+            for effect in &run.effect {
+                effect.check_strength(&format!("{place}: effect {}", effect.id))?;
+            }
             let effects = hidden_effects(self, run);
             if effects.is_empty() {
                 continue;

@@ -17,12 +17,7 @@ use crate::model::truth::{HiddenEffect, TruthError, TruthResponses, noise, simul
 pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, TruthError> {
     let drive = run.drive();
     let effects = hidden_effects(spec, run);
-    let time_s = times(spec, &spec.sampling);
-    let camera_s = if spec.camera.is_empty() {
-        time_s.clone()
-    } else {
-        times(spec, &spec.camera)
-    };
+    let (time_s, camera_s) = (current_times(spec), camera_times(spec));
     let exact = responses(run, &effects, (&time_s, &camera_s), number)?;
     let (seed, stream) = (spec.simulation.seed, 2 * number as u64);
     let current = spec.noise.current().with_effects(NoisyChannel::Current, &effects);
@@ -79,6 +74,21 @@ fn responses(
         current_a: model.current_a(&drive, run.area_cm2, time_s),
         curvature_per_cm: model.curvature_per_cm(&drive, run.area_cm2, camera_s),
     })
+}
+
+/// When the potentiostat samples, s.
+pub(super) fn current_times(spec: &Spec) -> Vec<f64> {
+    times(spec, &spec.sampling)
+}
+
+/// When the camera samples, s.
+pub(super) fn camera_times(spec: &Spec) -> Vec<f64> {
+    let stretches = if spec.camera.is_empty() {
+        &spec.sampling
+    } else {
+        &spec.camera
+    };
+    times(spec, stretches)
 }
 
 /// Sampling times: the baseline, then each stretch.

@@ -186,3 +186,47 @@ fn the_thesis_campaign_is_written_byte_by_byte() {
         answer_key(&spec, &path)
     );
 }
+
+fn with_sigma(effect: &str, runs: &str) -> Result<Spec, String> {
+    let mut spec = read(&format!("{HEAD}{runs}\n[[effect]]\n{effect}\n")).map_err(|e| e.to_string())?;
+    spec.resolve_strengths()
+        .map_err(|wrong| format!("{}: found {}, needed {}", wrong.place, wrong.found, wrong.needed))?;
+    Ok(spec)
+}
+
+#[test]
+fn a_strength_in_standard_deviations_leaves_as_many_after_the_refit() {
+    let runs = run("a.csv", "voltage_v = 2.0") + &run("b.csv", "voltage_v = -1.0");
+    let leak = "id = \"faradaic-leak\"\nonset_v = 1.2\nslope_v = 0.25\n";
+    let strength = |sigma: f64| {
+        let spec = with_sigma(&format!("{leak}strength_sigma = {sigma}"), &runs).unwrap();
+        assert_eq!(spec.effect[0].strength_sigma, None);
+        spec.effect[0].parameters["leak_current_a_per_cm2"]
+    };
+    let (weak, strong) = (strength(8.0), strength(16.0));
+    // A small effect leaves in proportion to its strength.
+    let ratio = strong / weak;
+    assert!((ratio - 2.0).abs() < 0.12 && weak > 0.0, "{weak} {strong}");
+    // One run of two, and the sign, are the user's choice.
+    let zero = "id = \"camera-zero\"\nruns = [\"a*\"]\nstrength_sigma = -12";
+    let spec = with_sigma(zero, &runs).unwrap();
+    assert!(spec.effect[0].parameters["offset_per_cm"] < 0.0);
+}
+
+#[test]
+fn a_strength_in_standard_deviations_that_cannot_be_is_refused() {
+    let runs = run("a.csv", "voltage_v = 2.0");
+    let leak = "id = \"faradaic-leak\"\nonset_v = 1.2\nslope_v = 0.25\n";
+    let said = |effect: &str, runs: &str| with_sigma(effect, runs).unwrap_err();
+    let both = format!("{leak}leak_current_a_per_cm2 = 1e-6\nstrength_sigma = 8");
+    assert!(said(&both, &runs).contains("one of the two"));
+    assert!(said(&format!("{leak}strength_sigma = 0"), &runs).contains("other than 0"));
+    let never = "id = \"faradaic-leak\"\nonset_v = 5.0\nslope_v = 0.25\nstrength_sigma = 8";
+    assert!(
+        said(never, &runs).contains("leaves 0.00 sigmas"),
+        "{}",
+        said(never, &runs)
+    );
+    let differs = runs.clone() + &run("b.csv", "voltage_v = 1.0").replace("500.0", "700.0");
+    assert!(said(&format!("{leak}strength_sigma = 8"), &differs).contains("different parameters"));
+}
