@@ -105,21 +105,19 @@ impl<'a> Group<'a> {
                     .as_ref()
                     .map(|c| c.renoised(&fitted[kind], per_signal, None));
             }
-            for (run, fitted) in group.runs.iter_mut().zip(&fitted) {
-                run.channels[kind] = run.channels[kind]
-                    .as_ref()
-                    .map(|channel| channel.forgetting(&fitted[kind], per_signal, LONGEST_MEMORY));
-            }
-            let Some(middle) = group.middle(kind) else {
-                continue;
-            };
+            let middle = group.middle(kind);
             for (run, fitted) in group.runs.iter_mut().zip(&fitted) {
                 let Some(channel) = &run.channels[kind] else {
                     continue;
                 };
-                if channel.readings_per_independent() > BEYOND * middle.readings_per_independent().max(2.0) {
-                    run.channels[kind] = Some(channel.renoised(&fitted[kind], per_signal, Some(&middle)));
-                }
+                let likened = middle.as_ref().filter(|middle| {
+                    let usual = middle.readings_per_independent().max(2.0);
+                    channel.readings_per_independent() > BEYOND * usual
+                });
+                run.channels[kind] = Some(match likened {
+                    Some(_) => channel.renoised(&fitted[kind], per_signal, likened),
+                    None => channel.forgetting(&fitted[kind], per_signal, LONGEST_MEMORY),
+                });
             }
         }
         group

@@ -6,6 +6,7 @@ use crate::numerics::sums::dot;
 
 use super::fitted::Fitted;
 use super::group::Group;
+use super::quantities::{Predicted, predicted};
 
 /// Evaluations of a refit without the held-out part; it starts from the fit to everything.
 const REFIT: u64 = 6;
@@ -43,6 +44,8 @@ pub(super) struct Part {
     pub(super) square: f64,
     /// Squares of the deviations, and readings, of current and curvature.
     pub(super) deviations: [(f64, usize); 2],
+    /// What a user predicts of a run; none where times of a run are held out.
+    pub(super) predicted: Option<Predicted>,
 }
 
 /// Runs or times that are held out.
@@ -125,6 +128,7 @@ fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
         name: group_run.given.name.to_owned(),
         square: dot(&residuals, &residuals),
         deviations: [of(0, &found.current_a), of(1, &found.curvature_per_cm)],
+        predicted: Some(predicted(group_run, [&found.current_a, &found.curvature_per_cm])),
     }
 }
 
@@ -161,5 +165,6 @@ fn out_of_time(fitted: &Fitted, group: &Group, stretch: Stretch) -> Part {
             .map(|(r, _)| r * r)
             .sum(),
         deviations,
+        predicted: None,
     }
 }

@@ -1,19 +1,19 @@
 //! The finding about a group, put together.
 
 use crate::domain::{
-    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve,
+    Candidate, DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve,
     Verdict,
 };
 use crate::model::effects::effect;
 
 use super::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
 use super::fitted::Fitted;
+use super::gain::gain;
 use super::group::Group;
-use super::held_out;
 use super::next_run::next_run;
-use super::null::{Null, gain};
+use super::null::{self, Null};
 use super::problem::Problem;
-use super::select::{BEATEN, HeldOut, Selection};
+use super::select::{BEATEN, Selection};
 use super::signature::{Direction, Signature};
 use super::stretch::Stretch;
 use super::words::{channel_name, whereabouts};
@@ -139,7 +139,7 @@ impl<'g> Shown<'_, 'g> {
         found.gain = selection
             .held_out
             .as_ref()
-            .map(|held_out| self.gain(held_out, model));
+            .map(|held_out| gain(self.group, self.base, model, held_out));
         self.draw_after(&mut found, model, &taken);
         found.sentence = self.sentence(&found, &taken, passed);
         found
@@ -233,7 +233,7 @@ impl<'g> Shown<'_, 'g> {
         let mut best: Vec<(usize, f64)> = Vec::new();
         for (place, direction) in self.directions.iter().enumerate() {
             let id = self.signatures[direction.signature].effect.about().id;
-            let forecast = gain(direction, self.residuals);
+            let forecast = null::gain(direction, self.residuals);
             let same = |(other, _): &&mut (usize, f64)| {
                 self.signatures[self.directions[*other].signature]
                     .effect
@@ -437,50 +437,6 @@ impl<'g> Shown<'_, 'g> {
             })
         };
         self.base.base_parameters().into_iter().filter_map(of).collect()
-    }
-
-    fn gain(&self, held_out: &HeldOut, model: &Fitted) -> Gain {
-        let falls = held_out.falls();
-        let n = falls.len() as f64;
-        let deviance: f64 = falls.iter().sum();
-        let mean = deviance / n.max(1.0);
-        let variance = falls.iter().map(|fall| (fall - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        let nrmse = |parts: &[held_out::Part], k: usize| {
-            let (square, count) = parts.iter().fold((0.0, 0), |(s, c), part| {
-                (s + part.deviations[k].0, c + part.deviations[k].1)
-            });
-            let range = self.range(k)?;
-            (count > 0).then(|| (square / count as f64).sqrt() / range)
-        };
-        let rms = |square: f64| (square / self.group.rows().max(1) as f64).sqrt();
-        Gain {
-            held_out: held_out::kind(self.group).to_owned(),
-            deviance,
-            standard_error: (variance * n).sqrt(),
-            parts: held_out
-                .after
-                .iter()
-                .map(|part| part.name.clone())
-                .zip(falls)
-                .collect(),
-            nameless_deviance: held_out.nameless.iter().sum(),
-            nrmse_current_before: nrmse(&held_out.before, 0),
-            nrmse_current_after: nrmse(&held_out.after, 0),
-            nrmse_curvature_before: nrmse(&held_out.before, 1),
-            nrmse_curvature_after: nrmse(&held_out.after, 1),
-            residual_rms_sigma_before: rms(self.base.square),
-            residual_rms_sigma_after: rms(model.square),
-        }
-    }
-
-    /// Range of all readings of a channel.
-    fn range(&self, k: usize) -> Option<f64> {
-        let values = self.group.runs.iter().filter_map(|run| run.channels[k].as_ref());
-        let (low, high) = values.flat_map(|channel| channel.values().to_vec()).fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(low, high): (f64, f64), v| (low.min(v), high.max(v)),
-        );
-        (high > low).then_some(high - low)
     }
 
     fn next_run(

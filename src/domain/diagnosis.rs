@@ -132,12 +132,32 @@ pub struct Gain {
     pub nrmse_curvature_before: Option<f64>,
     /// The same by the extended model.
     pub nrmse_curvature_after: Option<f64>,
+    /// What a user predicts of held-out runs, and how far off it is.
+    #[serde(default)]
+    pub predictions: Vec<Prediction>,
+    /// Share of the readings of held-out runs within the 95 % interval of the noise about the base model's prediction.
+    #[serde(default)]
+    pub coverage_before: Option<f64>,
+    /// The same about the extended model's.
+    #[serde(default)]
+    pub coverage_after: Option<f64>,
     /// Root mean square of the whitened residuals of the fit to all readings, by the base model.
     #[serde(deserialize_with = "number_or_null::one")]
     pub residual_rms_sigma_before: f64,
     /// The same by the extended model.
     #[serde(deserialize_with = "number_or_null::one")]
     pub residual_rms_sigma_after: f64,
+}
+
+/// How far off a model predicts a number of held-out runs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// `peak_curvature`, `time_of_peak_curvature`, `end_curvature`, `charge` or `end_current`.
+    pub quantity: String,
+    /// Root mean square over the runs of its deviation from what was measured, percent, by the base model.
+    pub before_percent: f64,
+    /// The same by the extended model.
+    pub after_percent: f64,
 }
 
 /// A stretch in which the simulation is wrong.

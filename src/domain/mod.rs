@@ -27,7 +27,7 @@ pub use climate::{
 };
 pub use diagnosis::{
     Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun, ParameterShift,
-    ResidualCurve, Verdict, Whereabouts,
+    Prediction, ResidualCurve, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;

@@ -2,7 +2,7 @@
 
 use ieap::domain::{
     Candidate, EffectFinding, Estimate, Gain, GroupDiagnosis, MisfitStretch, NextRun, Parameter,
-    ParameterShift, ResidualCurve, Verdict, Whereabouts,
+    ParameterShift, Prediction, ResidualCurve, Verdict, Whereabouts,
 };
 use ieap::report::{EffectParameterText, EffectText, Findings, Input};
 
@@ -116,6 +116,13 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
             nrmse_current_after: Some(0.0103),
             nrmse_curvature_before: None,
             nrmse_curvature_after: None,
+            predictions: vec![Prediction {
+                quantity: "end_current".to_owned(),
+                before_percent: 7.31,
+                after_percent: 0.62,
+            }],
+            coverage_before: Some(0.412),
+            coverage_after: Some(0.9514),
             residual_rms_sigma_before: 6.12,
             residual_rms_sigma_after: 1.021,
         }),

@@ -305,6 +305,22 @@ fn gain_block(gain: &Gain) -> GainBlock {
         .into_iter()
         .filter_map(|(name, before, after)| Some((name.to_owned(), before?, after?)))
         .collect();
+    rows.extend(gain.predictions.iter().map(|of| {
+        let percent = |value: f64| format!("{} %", significant(value, 2));
+        (
+            format!("Error of predicted {}", in_words(&of.quantity)),
+            percent(of.before_percent),
+            percent(of.after_percent),
+        )
+    }));
+    if let (Some(before), Some(after)) = (gain.coverage_before, gain.coverage_after) {
+        let share = |value: f64| format!("{:.0} %", 100.0 * value);
+        rows.push((
+            "Held-out readings within their 95 % interval".to_owned(),
+            share(before),
+            share(after),
+        ));
+    }
     rows.push((
         "Residuals of the fit to all readings, in σ of the noise".to_owned(),
         significant(gain.residual_rms_sigma_before, 3),
@@ -330,6 +346,18 @@ fn gain_block(gain: &Gain) -> GainBlock {
             .collect(),
         total: measured(gain.deviance, gain.standard_error),
         rows,
+    }
+}
+
+/// A predicted quantity in words.
+fn in_words(quantity: &str) -> &str {
+    match quantity {
+        "peak_curvature" => "largest curvature",
+        "time_of_peak_curvature" => "time of the largest curvature",
+        "end_curvature" => "curvature at the end",
+        "charge" => "charge passed",
+        "end_current" => "current at the end",
+        other => other,
     }
 }
 
