@@ -268,6 +268,15 @@ fn nulls(count: u64) {
             let mut case = case(seed);
             let plain = responses(&case, &[]);
             let found = diagnose(&mut case, &plain);
+            if std::env::var_os("SHOW").is_some() && found.p_misfit.is_some_and(|p| p < 0.05) {
+                println!("seed {seed} p {:?} {}", found.p_misfit, found.sentence);
+                for n in found.noise.iter().filter(|_| seed % 4 == 3) {
+                    println!(
+                        "    {} {} {:?} growing {}",
+                        n.run, n.channel, n.autoregression, n.proportional
+                    );
+                }
+            }
             (found.p_misfit.unwrap_or(f64::NAN), found.verdict)
         })
         .collect();

@@ -23,7 +23,7 @@ const LONGEST_MEMORY: f64 = 50.0;
 const GROWTHS: [f64; 12] = [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 16.0, 64.0];
 /// Twice the log likelihood ratio that growth must bring. Growth taken in vain costs little; growth missed makes every
 /// edge of the drive look wrong.
-const EVIDENCE: f64 = 4.0;
+const EVIDENCE: f64 = 6.0;
 
 /// A run as it is given to a diagnosis.
 #[derive(Debug, Clone, Copy)]
@@ -135,6 +135,7 @@ impl<'a> Group<'a> {
         }
         let tried: Vec<f64> = GROWTHS.iter().map(|growth| growth / peak).collect();
         let mut against = vec![0.0; tried.len()];
+        let (mut slowness, mut channels) = (0.0, 0.0_f64);
         for (run, fitted) in self.runs.iter().zip(fitted) {
             let Some(channel) = &run.channels[kind] else {
                 continue;
@@ -145,9 +146,14 @@ impl<'a> Group<'a> {
             {
                 *sum += own;
             }
+            let readings = channel.readings_per_independent().max(1.0);
+            slowness += (readings * readings + 1.0) / (2.0 * readings);
+            channels += 1.0;
         }
+        // Squares of correlated noise wander together: their evidence counts for less.
+        let needed = EVIDENCE * slowness / channels.max(1.0);
         let best = (0..tried.len()).min_by(|&a, &b| against[a].total_cmp(&against[b]));
-        best.filter(|&k| against[k] < -EVIDENCE).map_or(0.0, |k| tried[k])
+        best.filter(|&k| against[k] < -needed).map_or(0.0, |k| tried[k])
     }
 
     /// The channel of that kind with the middle memory.

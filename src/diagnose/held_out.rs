@@ -4,6 +4,10 @@ use rayon::prelude::*;
 
 use crate::numerics::sums::dot;
 
+use crate::domain::ResidualCurve;
+use crate::model::extended::Responses;
+
+use super::drawn::drawn;
 use super::fitted::Fitted;
 use super::group::Group;
 use super::quantities::{Predicted, predicted};
@@ -46,6 +50,8 @@ pub(super) struct Part {
     pub(super) deviations: [(f64, usize); 2],
     /// What a user predicts of a run; none where times of a run are held out.
     pub(super) predicted: Option<Predicted>,
+    /// What is left of it, drawn.
+    pub(super) curves: Vec<ResidualCurve>,
 }
 
 /// Runs or times that are held out.
@@ -129,7 +135,22 @@ fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
         square: dot(&residuals, &residuals),
         deviations: [of(0, &found.current_a), of(1, &found.curvature_per_cm)],
         predicted: Some(predicted(group_run, [&found.current_a, &found.curvature_per_cm])),
+        curves: curves(group, run, &found, &|_| true),
     }
+}
+
+/// Drawn residuals of the run's channels.
+fn curves(
+    group: &Group,
+    run: usize,
+    found: &Responses,
+    wanted: &dyn Fn(usize) -> bool,
+) -> Vec<ResidualCurve> {
+    let of_run = group.blocks.iter().filter(|block| block.run == run);
+    let fitted = [&found.current_a, &found.curvature_per_cm];
+    of_run
+        .filter_map(|block| drawn(group, block, fitted[block.channel], wanted))
+        .collect()
 }
 
 fn out_of_time(fitted: &Fitted, group: &Group, stretch: Stretch) -> Part {
@@ -166,5 +187,6 @@ fn out_of_time(fitted: &Fitted, group: &Group, stretch: Stretch) -> Part {
             .sum(),
         deviations,
         predicted: None,
+        curves: curves(group, 0, &found, &|row| out[row]),
     }
 }

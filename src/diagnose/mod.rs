@@ -8,6 +8,7 @@
 mod base_fit;
 mod candidates;
 mod discrepancy;
+mod drawn;
 mod extend;
 mod fitted;
 mod gain;
@@ -17,6 +18,7 @@ mod next_run;
 mod null;
 mod outcome;
 mod problem;
+mod profile;
 mod quantities;
 mod record_length;
 mod select;

@@ -12,6 +12,9 @@ use super::signature::Direction;
 use super::stretch::Stretch;
 use super::tangent::Tangent;
 
+/// Part of the degrees of freedom of the noise's size that is believed: its memory was found from the same readings, and
+/// an error in it moves slow residuals more than the size alone says.
+const KNOWN: f64 = 0.5;
 /// A direction whose part beyond those before it is smaller than this is drawn with them.
 const DEPENDENT: f64 = 1e-3;
 /// Weights of the statistics in the smallest p: candidates first, then single stretches, all of them, and lines.
@@ -71,7 +74,11 @@ impl Null {
         let freedoms: Vec<f64> = group
             .blocks
             .iter()
-            .map(|block| group.channel(block).map_or(1e6, |channel| channel.freedom()))
+            .map(|block| {
+                group
+                    .channel(block)
+                    .map_or(1e6, |channel| KNOWN * channel.freedom())
+            })
             .collect();
         let lines: usize = group
             .blocks

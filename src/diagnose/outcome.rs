@@ -1,18 +1,21 @@
 //! The finding about a group, put together.
 
 use crate::domain::{
-    Candidate, DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve,
-    Verdict,
+    Candidate, Confusable, DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift,
+    ResidualCurve, Verdict,
 };
 use crate::model::effects::effect;
 
 use super::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
+use super::drawn::{drawn, paired};
 use super::fitted::Fitted;
 use super::gain::gain;
 use super::group::Group;
+use super::held_out::Part;
 use super::next_run::next_run;
 use super::null::{self, Null};
 use super::problem::Problem;
+use super::profile::profiles;
 use super::select::{BEATEN, Selection};
 use super::signature::{Direction, Signature};
 use super::stretch::Stretch;
@@ -29,8 +32,8 @@ const MOST_OF_IT: f64 = 0.8;
 const SPIKED: f64 = 0.05;
 /// Candidates that are reported.
 const REPORTED: usize = 20;
-/// Points of a drawn residual.
-const DRAWN: usize = 160;
+/// Candidates whose traces are compared with each other.
+const COMPARED: usize = 10;
 /// A strength that is known to this part of itself is one number: a law without free strength is held against it.
 const SHARP: f64 = 0.1;
 
@@ -70,6 +73,8 @@ impl<'g> Shown<'_, 'g> {
         } else {
             Verdict::Undecided
         };
+        let places = self.by_forecast();
+        found.confusable = self.confusable(places.iter().map(|(place, _)| *place));
         found.candidates = self.forecasts();
         found.sentence = match found.verdict {
             Verdict::Consistent => format!(
@@ -103,6 +108,8 @@ impl<'g> Shown<'_, 'g> {
             .is_some_and(|held_out| held_out.passed(total));
         let sets = self.sets(selection);
         found.candidates = self.candidates(selection, passed);
+        let looked = selection.steps.first().map_or(&[][..], |step| &step.looked);
+        found.confusable = self.confusable(looked.iter().map(|looked| looked.direction));
         found.p_leftover = (!taken.is_empty()).then_some(selection.p_leftover);
         let rest = (selection.leftover.together - self.expected_together())
             .max(selection.leftover.candidate)
@@ -134,13 +141,25 @@ impl<'g> Shown<'_, 'g> {
             }
             found.set = members;
             found.shifts = self.shifts(model);
+            found.profiles = profiles(self.group, model);
             found.next_run = self.next_run(selection, &sets);
         }
         found.gain = selection
             .held_out
             .as_ref()
             .map(|held_out| gain(self.group, self.base, model, held_out));
-        self.draw_after(&mut found, model, &taken);
+        if !taken.is_empty() {
+            found.residuals = paired(std::mem::take(&mut found.residuals), &self.drawn(model));
+        }
+        if let Some(held_out) = &selection.held_out {
+            let of = |parts: &[Part]| {
+                parts
+                    .iter()
+                    .flat_map(|part| part.curves.clone())
+                    .collect::<Vec<_>>()
+            };
+            found.held_out_residuals = paired(of(&held_out.before), &of(&held_out.after));
+        }
         found.sentence = self.sentence(&found, &taken, passed);
         found
     }
@@ -228,8 +247,27 @@ impl<'g> Shown<'_, 'g> {
         self.null.independent_stretches() as f64
     }
 
-    /// Candidates by forecast alone.
-    fn forecasts(&self) -> Vec<Candidate> {
+    /// How alike the traces of the leading candidates are.
+    fn confusable(&self, places: impl Iterator<Item = usize>) -> Confusable {
+        let leading: Vec<&Direction> = places
+            .take(COMPARED)
+            .map(|place| &self.directions[place])
+            .collect();
+        let likeness = |a: &Direction, b: &Direction| dot(&a.unit, &b.unit).abs().min(1.0);
+        Confusable {
+            effects: leading
+                .iter()
+                .map(|direction| self.signatures[direction.signature].effect.about().id.to_owned())
+                .collect(),
+            likeness: leading
+                .iter()
+                .map(|a| leading.iter().map(|b| likeness(a, b)).collect())
+                .collect(),
+        }
+    }
+
+    /// The best direction of every effect with its forecast, the best first.
+    fn by_forecast(&self) -> Vec<(usize, f64)> {
         let mut best: Vec<(usize, f64)> = Vec::new();
         for (place, direction) in self.directions.iter().enumerate() {
             let id = self.signatures[direction.signature].effect.about().id;
@@ -248,6 +286,12 @@ impl<'g> Shown<'_, 'g> {
             }
         }
         best.sort_by(|a, b| b.1.total_cmp(&a.1));
+        best
+    }
+
+    /// Candidates by forecast alone.
+    fn forecasts(&self) -> Vec<Candidate> {
+        let best = self.by_forecast();
         let first = best.first().map(|(place, _)| *place);
         best.iter()
             .take(REPORTED)
@@ -461,33 +505,9 @@ impl<'g> Shown<'_, 'g> {
             let context = run.context(block.run, None);
             let responses = found.responses(&context, run.times(0), run.times(1));
             let fitted = [&responses.current_a, &responses.curvature_per_cm][block.channel];
-            let channel = self.group.channel(block)?;
-            let each = channel
-                .values()
-                .iter()
-                .zip(fitted)
-                .zip(channel.standard_deviation());
-            let sigma: Vec<f64> = each.map(|((y, f), sd)| (y - f) / sd).collect();
-            let together = sigma.len().div_ceil(DRAWN).max(1);
-            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-            Some(ResidualCurve {
-                run: run.given.name.to_owned(),
-                channel: channel_name(block.channel).to_owned(),
-                time_s: channel.time_s().chunks(together).map(mean).collect(),
-                before_sigma: sigma.chunks(together).map(mean).collect(),
-                after_sigma: Vec::new(),
-            })
+            drawn(self.group, block, fitted, &|_| true)
         };
         self.group.blocks.iter().filter_map(of_block).collect()
-    }
-
-    fn draw_after(&self, found: &mut GroupDiagnosis, model: &Fitted, taken: &[&str]) {
-        if taken.is_empty() {
-            return;
-        }
-        for (curve, after) in found.residuals.iter_mut().zip(self.drawn(model)) {
-            curve.after_sigma = after.before_sigma;
-        }
     }
 
     fn sentence(&self, found: &GroupDiagnosis, taken: &[&str], passed: bool) -> String {

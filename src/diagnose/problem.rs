@@ -350,6 +350,11 @@ impl<'g> Problem<'g> {
         })
     }
 
+    /// Whether coordinate `k` may not take that value.
+    pub(super) fn is_outside(&self, k: usize, value: f64) -> bool {
+        value < self.low[k] || value > self.high[k]
+    }
+
     /// Whether coordinate `k` lies at a limit of the search.
     pub(super) fn at_limit(&self, k: usize, value: f64) -> bool {
         let near = 1e-6 * (self.high[k] - self.low[k]).min(1.0);

@@ -149,6 +149,28 @@ pub struct Gain {
     pub residual_rms_sigma_after: f64,
 }
 
+/// How alike the traces of candidates are once the base parameters are refitted.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Confusable {
+    /// Ids, the most promising first.
+    pub effects: Vec<String>,
+    /// Absolute cosine between the traces of each two, row by row: 1 where these readings cannot tell them apart.
+    pub likeness: Vec<Vec<f64>>,
+}
+
+/// The profile likelihood of an effect's strength: all other parameters fitted anew at each value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StrengthProfile {
+    /// Effect.
+    pub effect: String,
+    /// Key of its strength.
+    pub key: String,
+    /// Strengths, in the key's unit.
+    pub values: Vec<f64>,
+    /// Rise of the weighted sum of squares above its minimum at each; 3.84 bounds a 95 % interval.
+    pub rises: Vec<f64>,
+}
+
 /// How far off a model predicts a number of held-out runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Prediction {
@@ -286,8 +308,11 @@ impl GroupDiagnosis {
             next_run: None,
             shifts: Vec::new(),
             gain_at_5_percent: None,
+            confusable: Confusable::default(),
+            profiles: Vec::new(),
             noise: Vec::new(),
             residuals: Vec::new(),
+            held_out_residuals: Vec::new(),
             remarks: Vec::new(),
         }
     }
@@ -330,11 +355,20 @@ pub struct GroupDiagnosis {
     pub shifts: Vec<ParameterShift>,
     /// Gain that chance passes in 5 % of groups in which nothing is wrong.
     pub gain_at_5_percent: Option<f64>,
+    /// How alike the traces of the leading candidates are.
+    #[serde(default)]
+    pub confusable: Confusable,
+    /// How the sum of squares rises with the strength of every accepted effect away from its best value.
+    #[serde(default)]
+    pub profiles: Vec<StrengthProfile>,
     /// Noise of every channel.
     #[serde(default)]
     pub noise: Vec<DiagnosisNoise>,
     /// Residuals as they are drawn.
     pub residuals: Vec<ResidualCurve>,
+    /// The same of held-out runs or times, by models that were fitted without them.
+    #[serde(default)]
+    pub held_out_residuals: Vec<ResidualCurve>,
     /// What a reader must know of the readings.
     pub remarks: Vec<String>,
 }

@@ -26,8 +26,8 @@ pub use climate::{
     RunClimate, SensorPair, SensorStatement, SensorSummary,
 };
 pub use diagnosis::{
-    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun, ParameterShift,
-    Prediction, ResidualCurve, Verdict, Whereabouts,
+    Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun,
+    ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;

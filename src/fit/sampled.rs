@@ -263,16 +263,35 @@ impl Sampled {
 
     /// At most about `most` readings: of every longer span its beginning and its end, as spans of their own.
     pub(super) fn ends(&self, most: usize) -> Sampled {
-        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        let mut spans = Vec::new();
-        for span in &self.spans {
+        let parts = |span: &Span| {
             let half = ((span.end - span.first) * most / self.len().max(1) / 2).max(32);
-            let parts = if span.end - span.first <= 2 * half {
+            if span.end - span.first <= 2 * half {
                 vec![(span.first, span.end)]
             } else {
                 vec![(span.first, span.first + half), (span.end - half, span.end)]
-            };
-            for (from, to) in parts {
+            }
+        };
+        self.stretches(parts)
+    }
+
+    /// The readings without the first `count` of each span; spans that are not longer fall out.
+    pub(super) fn without_edges(&self, count: usize) -> Sampled {
+        self.stretches(|span| {
+            let from = span.first + count;
+            if from < span.end {
+                vec![(from, span.end)]
+            } else {
+                Vec::new()
+            }
+        })
+    }
+
+    /// The readings in the stretches that `parts` takes of every span, each a span of its own.
+    fn stretches(&self, parts: impl Fn(&Span) -> Vec<(usize, usize)>) -> Sampled {
+        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spans = Vec::new();
+        for span in &self.spans {
+            for (from, to) in parts(span) {
                 let first = values.len();
                 time_s.extend_from_slice(&self.time_s[from..to]);
                 elapsed_s.extend_from_slice(&self.elapsed_s[from..to]);

@@ -10,10 +10,7 @@ use super::joint::whitening::Memory;
 use super::sampled::Sampled;
 
 /// Readings behind each edge of the drive that say nothing of growth: what a model misses there looks like it.
-const AT_EDGE: usize = 4;
-/// Standard deviation, in those of the others, at which a reading is not heard.
-const UNHEARD: f64 = 1e3;
-
+const AT_EDGE: usize = 1;
 /// One channel of a run with its noise.
 #[derive(Debug, Clone)]
 pub struct WhitenedChannel {
@@ -85,21 +82,15 @@ impl WhitenedChannel {
     /// Evidence against noise that grows as each of `per_signal` says, beside what `fitted` leaves: minus twice the log
     /// likelihood ratio to even noise, which is below zero where the readings ask for growth.
     pub fn against_growth(&self, fitted: &[f64], per_signal: &[f64]) -> Vec<f64> {
-        let edges = self.response.sampled.spans.iter().map(|span| span.first);
-        let edges: Vec<usize> = edges.collect();
-        let scale = |per: &f64| {
-            let mut scale = growing(fitted, *per);
-            for &first in &edges {
-                scale
-                    .iter_mut()
-                    .skip(first)
-                    .take(AT_EDGE)
-                    .for_each(|s| *s = UNHEARD);
-            }
-            scale
-        };
-        let scales: Vec<Vec<f64>> = std::iter::once(&0.0).chain(per_signal).map(scale).collect();
-        let deviances = Noise::deviances(&self.left(fitted), &scales, &self.response.noise.memory);
+        let mut level = self.response.sampled.clone();
+        level.values = fitted.into();
+        let level = level.without_edges(AT_EDGE);
+        let left = self.left(fitted).without_edges(AT_EDGE);
+        let scales: Vec<Vec<f64>> = std::iter::once(&0.0)
+            .chain(per_signal)
+            .map(|per| growing(&level.values, *per))
+            .collect();
+        let deviances = Noise::deviances(&left, &scales, &self.response.noise.memory);
         deviances[1..].iter().map(|own| own - deviances[0]).collect()
     }
 

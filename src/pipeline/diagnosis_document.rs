@@ -7,8 +7,8 @@ use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
 use crate::analysis::false_discovery::judge_together;
 use crate::domain::{
-    Candidate, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift, Verdict,
-    Whereabouts,
+    Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift,
+    StrengthProfile, Verdict, Whereabouts,
 };
 use crate::store::DiagnosisKind;
 
@@ -88,6 +88,10 @@ pub struct GroupEntry {
     pub shifts: Vec<ParameterShift>,
     /// Gain that chance passes in 5 % of groups in which nothing is wrong.
     pub gain_at_5_percent: Option<f64>,
+    /// How alike the traces of the leading candidates are.
+    pub confusable: Confusable,
+    /// How the sum of squares rises with the strength of every accepted effect.
+    pub profiles: Vec<StrengthProfile>,
     /// Noise of every channel.
     pub noise: Vec<DiagnosisNoise>,
     /// What a reader must know of the readings.
@@ -209,6 +213,8 @@ fn group_entry(found: GroupDiagnosis) -> GroupEntry {
         next_run: found.next_run,
         shifts: found.shifts,
         gain_at_5_percent: found.gain_at_5_percent,
+        confusable: found.confusable,
+        profiles: found.profiles,
         noise: found.noise,
         remarks: found.remarks,
     }

@@ -1,8 +1,8 @@
 //! Made-up findings for the tests of the report: every verdict that a page words differently.
 
 use ieap::domain::{
-    Candidate, EffectFinding, Estimate, Gain, GroupDiagnosis, MisfitStretch, NextRun, Parameter,
-    ParameterShift, Prediction, ResidualCurve, Verdict, Whereabouts,
+    Candidate, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, MisfitStretch, NextRun, Parameter,
+    ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
 };
 use ieap::report::{EffectParameterText, EffectText, Findings, Input};
 
@@ -141,6 +141,17 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
             shift("lambda_per_s", 1.1e-4, 1.11e-4, 2e-6),
         ],
         gain_at_5_percent: Some(8.2),
+        confusable: Confusable {
+            effects: vec!["faradaic-leak".to_owned(), "partial-relaxation".to_owned()],
+            likeness: vec![vec![1.0, 0.31], vec![0.31, 1.0]],
+        },
+        profiles: vec![StrengthProfile {
+            effect: "faradaic-leak".to_owned(),
+            key: "leak_current_a_per_cm2".to_owned(),
+            values: vec![1.77e-5, 1.89e-5, 2.01e-5, 2.13e-5, 2.25e-5, 2.37e-5, 2.49e-5],
+            rises: vec![9.6, 4.2, 1.0, 0.0, 1.0, 3.9, 8.7],
+        }],
+        held_out_residuals: runs.iter().map(|run| residual(run)).collect(),
         residuals: runs.iter().map(|run| residual(run)).collect(),
         ..GroupDiagnosis::data_problem(
             "sample=CNaf-01,environment=air",

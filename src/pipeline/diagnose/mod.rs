@@ -275,6 +275,7 @@ fn save_batch(
             if subject.kind == DiagnosisKind::Run {
                 // Residuals are drawn on the pages of groups only.
                 found.residuals.clear();
+                found.held_out_residuals.clear();
             }
             rows.push((stamp, found));
         }

@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod gain_bars;
 pub mod modulus;
 pub mod panel;
+pub mod profile;
 pub mod residual;
 pub mod response;
 

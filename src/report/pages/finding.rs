@@ -12,6 +12,7 @@ use crate::domain::campaign::Adopted;
 use crate::domain::{Candidate, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
 use crate::report::error::ReportError;
 use crate::report::figures::gain_bars::gain_bars;
+use crate::report::figures::profile::profile;
 use crate::report::figures::residual::residual;
 use crate::report::input::{EffectText, Findings};
 use crate::report::number::{fixed, measured, significant};
@@ -19,6 +20,8 @@ use crate::report::site::Site;
 
 /// Residual figures on one page; a page with more takes long to open. The worst runs come first.
 const DRAWN: usize = 16;
+/// Held-out residuals on one page.
+const HELD_OUT_DRAWN: usize = 6;
 /// Bars of the figure of gains.
 const BARS: usize = 12;
 
@@ -38,6 +41,10 @@ struct FindingPage {
     /// The model adopted for the group, or how to adopt the one that was found.
     adoption: Option<String>,
     gain: Option<GainBlock>,
+    profiles: Vec<ResidualBlock>,
+    held_out: Vec<ResidualBlock>,
+    /// Names of the leading causes, and rows of how alike each two are.
+    confusable: Vec<LikenessRow>,
     bars: Option<String>,
     chance_gain: String,
     candidates: Vec<CandidateRow>,
@@ -119,6 +126,20 @@ struct CandidateRow {
     accepted: bool,
 }
 
+/// How alike the trace of a cause is to those of the others, in their order.
+#[derive(Debug, Serialize)]
+struct LikenessRow {
+    effect: String,
+    cells: Vec<LikenessCell>,
+}
+
+#[derive(Debug, Serialize)]
+struct LikenessCell {
+    text: String,
+    /// 0 to 4: how dark the cell is.
+    shade: usize,
+}
+
 #[derive(Debug, Serialize)]
 struct ResidualBlock {
     heading: String,
@@ -139,6 +160,8 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let found = &findings.groups[place];
     let mut figures = BTreeMap::new();
     let residuals = residuals(found, &mut figures)?;
+    let held_out = held_out(found, &mut figures)?;
+    let profiles = profiles(found, &mut figures)?;
     let bars = bars(found, &mut figures)?;
     let shifts = found.shifts.iter();
     let drawn_of = found.residuals.len();
@@ -170,6 +193,9 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
             .as_ref()
             .filter(|_| found.verdict != Verdict::DataProblem)
             .map(gain_block),
+        profiles,
+        held_out,
+        confusable: confusable(found),
         bars,
         chance_gain: found
             .gain_at_5_percent
@@ -441,6 +467,74 @@ fn residuals(
         }
     }
     Ok(blocks)
+}
+
+/// What the models leave of what took no part in their fits, the largest misfits of the base first.
+fn held_out(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<ResidualBlock>, ReportError> {
+    let size = |curve: &&ResidualCurve| {
+        let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
+        finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
+    };
+    let mut curves: Vec<&ResidualCurve> = found.held_out_residuals.iter().collect();
+    curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let mut blocks = Vec::new();
+    for (place, curve) in curves.into_iter().take(HELD_OUT_DRAWN).enumerate() {
+        let id = format!("held-out-{}", place + 1);
+        let title = format!("Held-out residual of the {} of {}", curve.channel, curve.run);
+        let desc = "Measured minus what models predict that were fitted without these readings. Dots: base model; line: extended model.";
+        let drawn = residual(&id, curve, false, &title, desc).map_err(|reason| ReportError::Figure {
+            figure: id.clone(),
+            reason,
+        })?;
+        if let Some(svg) = drawn {
+            figures.insert(id.clone(), svg);
+            let heading = format!("{}: {}", curve.run, curve.channel);
+            blocks.push(ResidualBlock { heading, figure: id });
+        }
+    }
+    Ok(blocks)
+}
+
+/// How the sum of squares rises with the strength of every accepted effect.
+fn profiles(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<ResidualBlock>, ReportError> {
+    let mut blocks = Vec::new();
+    for (place, of) in found.profiles.iter().enumerate() {
+        let id = format!("profile-{}", place + 1);
+        let title = format!("Profile of the strength of {}", of.effect);
+        let desc = "Rise of the weighted sum of squares with all other parameters fitted anew; the level line bounds a 95 % interval.";
+        let drawn = profile(&id, (&of.values, &of.rises), (&of.key, ""), &title, desc);
+        let drawn = drawn.map_err(|reason| ReportError::Figure {
+            figure: id.clone(),
+            reason,
+        })?;
+        if let Some(svg) = drawn {
+            figures.insert(id.clone(), svg);
+            let heading = format!("{}: {}", of.effect, of.key);
+            blocks.push(ResidualBlock { heading, figure: id });
+        }
+    }
+    Ok(blocks)
+}
+
+fn confusable(found: &GroupDiagnosis) -> Vec<LikenessRow> {
+    let rows = found.confusable.effects.iter().zip(&found.confusable.likeness);
+    rows.map(|(effect, likeness)| LikenessRow {
+        effect: effect.clone(),
+        cells: likeness
+            .iter()
+            .map(|value| LikenessCell {
+                text: fixed(*value, 2),
+                shade: ((value * 5.0) as usize).min(4),
+            })
+            .collect(),
+    })
+    .collect()
 }
 
 fn stretches(found: &GroupDiagnosis) -> Vec<StretchRow> {

@@ -1,0 +1,95 @@
+//! How the sum of squares rises as the strength of an effect leaves its best value, with the level that bounds a 95 %
+//! interval.
+
+use plotters::element::{Circle, PathElement};
+use plotters::series::LineSeries;
+use plotters::style::Color;
+
+use super::axis::Axis;
+use super::canvas::{Ink, svg};
+use super::panel::{Margins, panel};
+
+const WIDTH: u32 = 420;
+const HEIGHT: u32 = 210;
+/// Rise that bounds a 95 % interval: the 95 % point of chi-square with one degree of freedom.
+const BOUND: f64 = 3.841;
+
+/// Draws `rises` over `values`, whose axis is called `quantity` in `unit`. None where there is too little to draw.
+///
+/// # Errors
+/// The message of the drawing library, or of series of uneven lengths.
+pub fn profile(
+    id: &str,
+    (values, rises): (&[f64], &[f64]),
+    (quantity, unit): (&str, &str),
+    title: &str,
+    desc: &str,
+) -> Result<Option<String>, String> {
+    if values.len() != rises.len() {
+        return Err(format!(
+            "a profile of {} strengths has {} rises",
+            values.len(),
+            rises.len()
+        ));
+    }
+    let pairs = values.iter().copied().zip(rises.iter().copied());
+    let points: Vec<(f64, f64)> = pairs.filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
+    let ends = points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (x, _)| {
+            (low.min(*x), high.max(*x))
+        });
+    if points.len() < 3 || ends.0 >= ends.1 {
+        return Ok(None);
+    }
+    let most = points.iter().fold(2.0 * BOUND, |most, (_, y)| most.max(*y));
+    let margin = 0.04 * (ends.1 - ends.0);
+    let x = Axis::linear(ends.0 - margin, ends.1 + margin, quantity, unit, 4);
+    let y = Axis::linear(-0.03 * most, 1.05 * most, "Rise of the sum of squares", "", 5);
+    let drawn = svg(id, (WIDTH, HEIGHT), title, desc, |area| {
+        let margins = Margins {
+            left: 58,
+            right: 16,
+            top: 8,
+            bottom: 42,
+        };
+        let mut chart = panel(area, margins, &x, &y, true)?;
+        let failed = |error: &dyn std::fmt::Display| error.to_string();
+        let level = [(x.low, BOUND), (x.high, BOUND)];
+        chart
+            .draw_series([PathElement::new(level, Ink::Vermillion.color().stroke_width(10))])
+            .map_err(|error| failed(&error))?;
+        chart
+            .draw_series(LineSeries::new(
+                points.clone(),
+                Ink::Blue.color().stroke_width(16),
+            ))
+            .map_err(|error| failed(&error))?;
+        let style = Ink::Blue.color().filled();
+        chart
+            .draw_series(points.iter().map(|point| Circle::new(*point, 22, style)))
+            .map_err(|error| failed(&error))?;
+        Ok(())
+    })?;
+    Ok(Some(drawn))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_is_drawn_and_too_little_is_not() {
+        let values: Vec<f64> = (-4..=4).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
+        let rises: Vec<f64> = (-4..=4).map(|k| f64::from(k * k)).collect();
+        let drawn = profile("p", (&values, &rises), ("i0", "A/cm2"), "t", "d")
+            .unwrap()
+            .unwrap();
+        assert!(drawn.contains("A/cm2") && drawn.len() < 12_000);
+        assert_eq!(
+            profile("p", (&values[..2], &rises[..2]), ("i0", ""), "t", "d").unwrap(),
+            None
+        );
+        assert!(profile("p", (&values, &rises[1..]), ("i0", ""), "t", "d").is_err());
+    }
+}
