@@ -1,5 +1,6 @@
 //! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
 
+mod batch;
 mod groups;
 mod prepare;
 mod readers;
@@ -9,7 +10,6 @@ pub(super) mod tagging;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::context::now;
@@ -18,15 +18,13 @@ use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
 use crate::store::FileRow;
-use prepare::{Group, Prepared};
+use batch::in_batches;
+use prepare::Group;
 pub(super) use readers::Readers;
 
 pub(super) use prepare::{Outcome, PreparedFile};
 pub use retag::{retag_runs, run_window};
-pub(super) use settle::set_aside;
-
-/// Groups read ahead of their storing: bounds memory.
-const READ_AHEAD: usize = 8;
+pub(super) use settle::{content_of, set_aside};
 
 /// The verb `ingest`.
 pub struct Ingest<'a> {
@@ -112,23 +110,10 @@ impl Ingest<'_> {
         let kind_of = |path: &str| context.campaign.kind_of(path);
         let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
-        for batch in groups.chunks(READ_AHEAD) {
-            let prepared: Vec<Prepared> = batch
-                .par_iter()
-                .map(|group| prepare::prepare(&context.folder, &context.profiles, group))
-                .collect();
-            for prepared in prepared {
-                settle::settle(
-                    context,
-                    (&readers, &shelf),
-                    prepared,
-                    &changes,
-                    &mut summary,
-                    observer,
-                )?;
-                observer.advance();
-            }
-        }
+        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+            let with = (&readers, &shelf);
+            settle::settle(context, with, prepared, &changes, &mut summary, observer)
+        })?;
         observer.end();
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         summary.retagged = retag::retag_runs(context, observer)?;
@@ -185,16 +170,11 @@ impl Ingest<'_> {
             }
         }
         observer.begin("reading climate logs", groups.len() as u64);
-        for batch in groups.chunks(READ_AHEAD) {
-            let prepared: Vec<Prepared> = batch
-                .par_iter()
-                .map(|group| prepare::prepare(&context.folder, &context.profiles, group))
-                .collect();
-            for file in prepared.iter().flat_map(|prepared| &prepared.files) {
-                climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)?;
-                observer.advance();
-            }
-        }
+        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+            prepared.files.iter().try_for_each(|file| {
+                climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
+            })
+        })?;
         observer.end();
         settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
