@@ -225,12 +225,15 @@ fn judged(work: impl FnOnce() -> bool) -> (Result<bool, &'static str>, Duration,
     (verdict, took, most)
 }
 
+/// Something that is done once and judged.
+type Job<'a> = Box<dyn FnOnce() -> bool + 'a>;
+
 /// Breaks every rule once, and gives the one that was not noticed.
 fn limit_not_held() -> Option<&'static str> {
     let busy = || {
         let begun = Instant::now();
         // Another program may take turns on the processor meanwhile.
-        let used = || thread_time().map_or_else(|| begun.elapsed(), |now| now);
+        let used = || thread_time().unwrap_or_else(|| begun.elapsed());
         let first = used();
         let mut spins = 0u64;
         while used().saturating_sub(first) <= LONGEST + LONGEST / 10 {
@@ -238,7 +241,7 @@ fn limit_not_held() -> Option<&'static str> {
         }
         true
     };
-    let rules: [(&'static str, Box<dyn FnOnce() -> bool>); 3] = [
+    let rules: [(&'static str, Job<'_>); 3] = [
         ("panic", Box::new(|| panic!("to see that it is noticed"))),
         ("time", Box::new(busy)),
         (

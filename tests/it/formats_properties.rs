@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use ieap::ingest::formats::{ALL, ReadContext, read};
+use ieap::ingest::formats::{ALL, ReadContext, ReadError, read};
 use ieap::ingest::profiles::{from_text, read as read_by};
 use ieap::ingest::{Reading, RunTable};
 use proptest::prelude::*;
@@ -204,4 +204,29 @@ proptest! {
         prop_assert_eq!(found, values);
         prop_assert_eq!(channels[0].time_s[1], 1.25);
     }
+}
+
+/// The library that reads .xls follows chains without end and makes room for every cell between two: both must be
+/// refused before it sees them.
+#[test]
+fn workbooks_that_would_fill_the_memory_are_refused() {
+    let context = ReadContext::default();
+    let whole = crate::samples::xls(&[crate::samples::RUN]);
+    assert!(read("run.xls", &whole, &context).is_ok());
+    let mut cyclic = whole.clone();
+    // The folder's sector, the second, follows itself.
+    cyclic[512 + 4..512 + 8].copy_from_slice(&1u32.to_le_bytes());
+    let refused = read("run.xls", &cyclic, &context).unwrap_err();
+    assert!(
+        refused.to_string().contains("leads back into itself"),
+        "{refused}"
+    );
+    let number = [0x03, 0x02, 14, 0];
+    let places: Vec<usize> = (0..whole.len() - 4)
+        .filter(|&at| whole[at..at + 4] == number)
+        .collect();
+    let mut wide = whole.clone();
+    wide[places[0] + 4..places[0] + 8].copy_from_slice(&[0xFF; 4]);
+    let refused = read("run.xls", &wide, &context).unwrap_err();
+    assert!(matches!(refused, ReadError::SheetTooWide { .. }), "{refused}");
 }

@@ -6,6 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Xls, Xlsx};
 
 use super::error::{ReadError, escaped};
+use super::xls_extent;
 
 /// Most cells that are read from one workbook.
 const MAX_CELLS: u64 = 10_000_000;
@@ -82,6 +83,7 @@ fn read_xlsx(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
 }
 
 fn read_xls(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
+    xls_extent::check(bytes)?;
     let mut book: Xls<_> =
         Xls::new(Cursor::new(bytes)).map_err(|error| broken("spreadsheet (.xls)", &error))?;
     let mut sheets = Vec::new();

@@ -13,6 +13,9 @@ pub const MOST_FILES: usize = 128;
 /// A batch ends where its files come to this many bytes, so that memory does not grow with their number.
 const MOST_BYTES: u64 = 16 << 20;
 
+/// Stores what was read of a group, and says so.
+pub type Settle<'a> = dyn FnMut(&mut Context, Prepared, &dyn Observer) -> Result<(), PipelineError> + 'a;
+
 /// Reads all groups and hands each to `settle`, in order, after its raw bytes are safe in the archive. What `settle`
 /// stores and says counts when its batch is on the disk; where it fails, what came before is kept.
 ///
@@ -22,7 +25,7 @@ pub fn in_batches(
     context: &mut Context,
     groups: &[Group],
     observer: &dyn Observer,
-    settle: &mut dyn FnMut(&mut Context, Prepared, &dyn Observer) -> Result<(), PipelineError>,
+    settle: &mut Settle<'_>,
 ) -> Result<(), PipelineError> {
     let archive = Archive::new(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
