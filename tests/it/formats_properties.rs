@@ -1,6 +1,7 @@
 //! What holds for any bytes: no reader panics, and a cut never changes a number.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use ieap::ingest::formats::{ALL, ReadContext, ReadError, read};
 use ieap::ingest::profiles::{from_text, read as read_by};
@@ -131,7 +132,9 @@ fn a_cut_never_changes_a_number_that_a_profile_reads() {
 /// The short form of `cargo run --example fuzz_readers`, which measures time and memory, too.
 #[test]
 fn files_made_worse_never_panic() {
-    let fixtures = fixtures();
+    let made = crate::samples::made().into_iter();
+    let made = made.map(|(id, name, bytes)| (id.to_owned(), PathBuf::from(name), bytes));
+    let fixtures: Vec<_> = fixtures().into_iter().chain(made).collect();
     let mut random = ChaCha8Rng::seed_from_u64(20_261_120);
     let context = ReadContext::default();
     for _ in 0..crate::campaign::counted(3_000, 100_000) {

@@ -59,17 +59,11 @@ pub fn settle_log(
     summary: &mut LogSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let reading = match &prepared.outcome {
-        Outcome::Refused(issue) => {
-            return set_aside(context, readers, prepared, FileState::Refused, issue, observer);
-        }
-        Outcome::Pending(issue) => {
-            return set_aside(context, readers, prepared, FileState::Pending, issue, observer);
-        }
-        Outcome::Sidecar(issue) => {
-            return set_aside(context, readers, prepared, FileState::Sidecar, issue, observer);
-        }
-        Outcome::Read(reading) => reading,
+    if let Some((state, issue)) = prepared.outcome.aside() {
+        return set_aside(context, readers, prepared, state, issue, observer);
+    }
+    let Outcome::Read(reading) = &prepared.outcome else {
+        return Ok(());
     };
     if is_known(context, readers, prepared, reading, changes, summary)? {
         return Ok(());

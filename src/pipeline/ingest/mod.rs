@@ -153,22 +153,13 @@ impl Ingest<'_> {
         let changes = scan::diff(&known(stored), &seen);
         summary.logs.files = seen.files.len();
         let readers = Readers::of(&context.profiles, stored);
-        let outdated = readers.outdated(stored);
-        let retry = changes
-            .unchanged
-            .iter()
-            .filter(|file| outdated.contains(file.display.as_str()));
-        let mut groups = Vec::new();
-        for file in changes.new.iter().chain(&changes.changed).chain(retry) {
-            match (self.ready)(file) {
-                true => groups.push(Group {
-                    run_name: file.display.clone(),
-                    kind: RunKind::Actuation,
-                    files: vec![file.clone()],
-                }),
-                false => summary.waiting.push(file.display.clone()),
-            }
-        }
+        let ready = self.ready_files(&readers, stored, &changes, summary);
+        let group = |file: &SeenFile| Group {
+            run_name: file.display.clone(),
+            kind: RunKind::Actuation,
+            files: vec![file.clone()],
+        };
+        let groups: Vec<Group> = ready.into_iter().map(group).collect();
         observer.begin("reading climate logs", groups.len() as u64);
         in_batches(context, &groups, observer, &mut |context, prepared, observer| {
             prepared.files.iter().try_for_each(|file| {
@@ -179,7 +170,27 @@ impl Ingest<'_> {
         settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
 
-    /// The groups of files to be read: new or changed ones, and those that another version of a reader read.
+    /// Files that may be read now: new or changed ones, and those that another version of a reader read. The others
+    /// of these wait.
+    fn ready_files<'c>(
+        &mut self,
+        readers: &Readers,
+        stored: &[FileRow],
+        changes: &'c Changes,
+        summary: &mut IngestSummary,
+    ) -> Vec<&'c SeenFile> {
+        let outdated = readers.outdated(stored);
+        let unchanged = changes.unchanged.iter();
+        let retry = unchanged.filter(|file| outdated.contains(file.display.as_str()));
+        let found = changes.new.iter().chain(&changes.changed).chain(retry);
+        let (ready, waiting): (Vec<_>, Vec<_>) = found.partition(|file| (self.ready)(file));
+        summary
+            .waiting
+            .extend(waiting.into_iter().map(|file| file.display.clone()));
+        ready
+    }
+
+    /// The groups of files with one to be read and none that waits.
     fn due(
         &mut self,
         readers: &Readers,
@@ -189,19 +200,8 @@ impl Ingest<'_> {
         kind_of: impl Fn(&str) -> RunKind,
         summary: &mut IngestSummary,
     ) -> Vec<Group> {
-        let outdated = readers.outdated(stored);
-        let retry = changes
-            .unchanged
-            .iter()
-            .filter(|file| outdated.contains(file.display.as_str()));
-        let mut due = BTreeSet::new();
-        for file in changes.new.iter().chain(&changes.changed).chain(retry) {
-            if (self.ready)(file) {
-                due.insert(file.display.as_str());
-            } else {
-                summary.waiting.push(file.display.clone());
-            }
-        }
+        let ready = self.ready_files(readers, stored, changes, summary);
+        let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
         let by_path: BTreeMap<&str, &SeenFile> = seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
         groups::grouped(by_path.keys().copied())
             .into_iter()

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::domain::{Channel, Issue, Quantity, RunClock, RunKind, RunOrigin};
+use crate::domain::{Channel, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin};
 use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::formats::ReadContext;
@@ -52,6 +52,18 @@ pub enum Outcome {
     Pending(Issue),
     /// It belongs to a run and holds none.
     Sidecar(Issue),
+}
+
+impl Outcome {
+    /// How a file that holds nothing to store is recorded, and why; none for one that was read.
+    pub fn aside(&self) -> Option<(FileState, &Issue)> {
+        match self {
+            Outcome::Read(_) => None,
+            Outcome::Refused(issue) => Some((FileState::Refused, issue)),
+            Outcome::Pending(issue) => Some((FileState::Pending, issue)),
+            Outcome::Sidecar(issue) => Some((FileState::Sidecar, issue)),
+        }
+    }
 }
 
 /// A group with its files read.

@@ -23,17 +23,9 @@ pub fn settle(
 ) -> Result<(), PipelineError> {
     let (mut readable, kind) = (Vec::new(), prepared.kind);
     for file in prepared.files {
-        match &file.outcome {
-            Outcome::Read(_) => readable.push(file),
-            Outcome::Refused(issue) => {
-                set_aside(context, readers, &file, FileState::Refused, issue, observer)?
-            }
-            Outcome::Pending(issue) => {
-                set_aside(context, readers, &file, FileState::Pending, issue, observer)?
-            }
-            Outcome::Sidecar(issue) => {
-                set_aside(context, readers, &file, FileState::Sidecar, issue, observer)?
-            }
+        match file.outcome.aside() {
+            None => readable.push(file),
+            Some((state, issue)) => set_aside(context, readers, &file, state, issue, observer)?,
         }
     }
     let is_known = match readable.as_slice() {
