@@ -3,6 +3,8 @@
 //! Dates are numbers of days in a workbook and are written out year first; a date and a time of day may stand in two
 //! columns. Lines are numbered as the rows of the sheet.
 
+use std::collections::BTreeSet;
+
 use super::table;
 use crate::domain::{Issue, RunStatus};
 use crate::ingest::Reading;
@@ -16,7 +18,8 @@ use crate::ingest::text::Line;
 /// several such sheets the first is read.
 pub fn log(reader: (&'static str, u32), sheets: &[Sheet]) -> Option<Result<Reading, ReadError>> {
     let mut logs = sheets.iter().filter_map(|sheet| {
-        let texts: Vec<String> = sheet.rows.iter().map(text).collect();
+        let days = columns_of_days(sheet);
+        let texts: Vec<String> = sheet.rows.iter().map(|row| text(row, &days)).collect();
         table::is_log(&lines(sheet, &texts)).then_some((sheet, texts))
     });
     let (sheet, texts) = logs.next()?;
@@ -50,8 +53,25 @@ fn lines<'t>(sheet: &Sheet, texts: &'t [String]) -> Vec<Line<'t>> {
     .collect()
 }
 
-/// A row with its cells between tabs. A cell farther out than tables are wide is left out with those behind it.
-fn text(row: &SheetRow) -> String {
+/// Columns whose dates are days without a time, in a sheet whose times of day stand in another column. Where they do
+/// not, a whole number of days is a midnight.
+fn columns_of_days(sheet: &Sheet) -> BTreeSet<u32> {
+    let cells = || sheet.rows.iter().flat_map(|row| &row.cells);
+    let dates = || cells().filter_map(|(column, cell)| Some((*column, day_number(cell)?)));
+    if !dates().any(|(_, days)| days < 1.0) {
+        return BTreeSet::new();
+    }
+    let with_times: BTreeSet<u32> = dates()
+        .filter(|(_, days)| days.fract() != 0.0)
+        .map(|(column, _)| column)
+        .collect();
+    let columns = dates().map(|(column, _)| column);
+    columns.filter(|column| !with_times.contains(column)).collect()
+}
+
+/// A row with its cells between tabs; the dates of some columns are `days` alone. A cell farther out than tables are
+/// wide is left out with those behind it.
+fn text(row: &SheetRow, days: &BTreeSet<u32>) -> String {
     const WIDEST: u32 = 4096;
     let mut text = String::new();
     let mut column = 0;
@@ -60,28 +80,35 @@ fn text(row: &SheetRow) -> String {
             text.push('\t');
             column += 1;
         }
-        text += &match cell {
-            SheetCell::Number(number) => number.to_string(),
-            SheetCell::Date(date) => date_text(date).unwrap_or_else(|| date.clone()),
-            SheetCell::Text(text) | SheetCell::Error(text) => text
-                .replace(|c: char| c.is_control() || c == '"', " ")
-                .trim()
-                .to_owned(),
+        let date = day_number(cell).and_then(|number| date_text(number, days.contains(at)));
+        text += &match (date, cell) {
+            (Some(date), _) => date,
+            (None, SheetCell::Number(number)) => number.to_string(),
+            (None, SheetCell::Text(text) | SheetCell::Date(text) | SheetCell::Error(text)) => {
+                let plain = text.replace(|c: char| c.is_control() || c == '"', " ");
+                plain.trim().to_owned()
+            }
         };
     }
     text
 }
 
-/// `date 46082.5`, as cells of dates are kept, as `2026-03-01 12:00:00`; without a day where there is only a time of
-/// day, and without a time where there is only a day.
-fn date_text(cell: &str) -> Option<String> {
-    let days: f64 = cell.strip_prefix("date ")?.parse().ok()?;
+/// The days of `date 46082.5`, as cells of dates are kept.
+fn day_number(cell: &SheetCell) -> Option<f64> {
+    match cell {
+        SheetCell::Date(date) => date.strip_prefix("date ")?.parse().ok(),
+        _ => None,
+    }
+}
+
+/// `2026-03-01 12:00:00`, or the day alone; the time alone where there is no day.
+fn date_text(days: f64, is_day: bool) -> Option<String> {
     let moment = stamp::from_day_number(days, true)?;
     let clock = match moment.subsec_nanosecond() {
         0 => moment.strftime("%H:%M:%S").to_string(),
         _ => moment.strftime("%H:%M:%S.%3f").to_string(),
     };
-    Some(match (days < 1.0, days.fract() == 0.0) {
+    Some(match (days < 1.0, is_day) {
         (true, _) => clock,
         (false, true) => moment.date().to_string(),
         (false, false) => format!("{} {clock}", moment.date()),
@@ -125,8 +152,8 @@ mod tests {
             &[
                 &[word("Serial number"), word("42")],
                 &[word("Date Time"), word("Temperature (°C)"), word("RH (%)")],
-                &[date(46082.5), number(21.5), number(40.125)],
-                &[date(46082.0 + 730.0 / 1440.0), number(21.25), number(41.0)],
+                &[date(46082.0 + 1430.0 / 1440.0), number(21.5), number(40.125)],
+                &[date(46083.0), number(21.25), number(41.0)],
             ],
         );
         let two = sheet(
@@ -138,14 +165,14 @@ mod tests {
                     word("Temperature (°C)"),
                     word("RH (%)"),
                 ],
-                &[date(46082.0), date(0.5), number(21.5), number(40.125)],
-                &[date(46082.0), date(730.0 / 1440.0), number(21.25), number(41.0)],
+                &[date(46082.0), date(1430.0 / 1440.0), number(21.5), number(40.125)],
+                &[date(46083.0), date(0.0), number(21.25), number(41.0)],
             ],
         );
         for one in [one, two] {
             let reading = read(&[one]).unwrap();
             let start = reading.started_at.clone().unwrap();
-            assert_eq!(start.local.as_deref(), Some("2026-03-01T12:00:00"));
+            assert_eq!(start.local.as_deref(), Some("2026-03-01T23:50:00"));
             let channels = &reading.tables[0].channels;
             let humidity = channels
                 .iter()
@@ -174,11 +201,14 @@ mod tests {
     #[test]
     fn texts_cannot_make_cells_of_their_own() {
         let rows: [&[SheetCell]; 1] = [&[word("a\tb\n\"c"), SheetCell::Number(-0.1), word("x")]];
-        assert_eq!(text(&sheet("a", &rows).rows[0]), "a b  c\t-0.1\tx");
+        assert_eq!(
+            text(&sheet("a", &rows).rows[0], &BTreeSet::new()),
+            "a b  c\t-0.1\tx"
+        );
         let far = SheetRow {
             number: 1,
             cells: vec![(1, word("a")), (u32::MAX, word("b"))],
         };
-        assert_eq!(text(&far), "\ta");
+        assert_eq!(text(&far, &BTreeSet::new()), "\ta");
     }
 }
