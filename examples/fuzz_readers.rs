@@ -3,7 +3,8 @@
 //! `cargo run --release --example fuzz_readers -- [COUNT] [FORMAT ...] [--seed N] [--largest BYTES]` makes COUNT inputs
 //! (1,000,000 where it is left out) of at most BYTES (262,144) for each format, from the files in tests/formats and,
 //! where they are present, ../shared/formats. Run without `--release` overflows of whole numbers are faults, too. An
-//! input that breaks a rule is written to target/fuzz and named; the exit status is then 1.
+//! input that breaks a rule is written to target/fuzz and named; the exit status is then 1. Every rule is broken once at
+//! the start, to see that it is held.
 //! `--file FORMAT PATH` tries one input again.
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -24,6 +25,8 @@ use rand_chacha::ChaCha8Rng;
 
 #[path = "../tests/it/mutations.rs"]
 mod mutations;
+#[path = "../tests/it/samples.rs"]
+mod samples;
 
 /// Most that one input may take.
 const LONGEST: Duration = Duration::from_secs(1);
@@ -91,6 +94,11 @@ fn main() -> ExitCode {
     }
     let work = arguments();
     std::panic::set_hook(Box::new(|_| {}));
+    if let Some(not_held) = limit_not_held() {
+        eprintln!("the rule against {not_held} is not held; nothing that follows would show anything");
+        return ExitCode::FAILURE;
+    }
+    println!("limits seen to be held: a panic, {LONGEST:?} of processor time, {MOST_BYTES} bytes");
     let seeds = seeds(work.largest as u64 / 4);
     let profile = fuzz_profile();
     let mut all_hold = true;
@@ -197,44 +205,78 @@ fn thread_time() -> Option<Duration> {
     told.split(' ').next()?.parse().ok().map(Duration::from_nanos)
 }
 
-fn try_one(id: &str, name: &str, input: &[u8], profile: &Profile, outcome: &mut Outcome) {
-    let context = ReadContext::default();
+/// The rule that work breaks, if any; with what it gave, the time that it took and the most bytes that it held.
+fn judged(work: impl FnOnce() -> bool) -> (Result<bool, &'static str>, Duration, usize) {
     let before = HELD.load(Ordering::Relaxed);
     PEAK.store(before, Ordering::Relaxed);
     let (wall, begun) = (Instant::now(), thread_time());
-    let attempt = catch_unwind(AssertUnwindSafe(|| {
+    let attempt = catch_unwind(AssertUnwindSafe(work));
+    let took = match (begun, thread_time()) {
+        (Some(begun), Some(ended)) => ended.saturating_sub(begun),
+        _ => wall.elapsed(),
+    };
+    let most = PEAK.load(Ordering::Relaxed).saturating_sub(before);
+    let verdict = match attempt {
+        Err(_) => Err("panic"),
+        Ok(_) if took > LONGEST => Err("time"),
+        Ok(_) if most > MOST_BYTES => Err("memory"),
+        Ok(is_read) => Ok(is_read),
+    };
+    (verdict, took, most)
+}
+
+/// Something that is done once and judged.
+type Job<'a> = Box<dyn FnOnce() -> bool + 'a>;
+
+/// Breaks every rule once, and gives the one that was not noticed.
+fn limit_not_held() -> Option<&'static str> {
+    let busy = || {
+        let begun = Instant::now();
+        // Another program may take turns on the processor meanwhile.
+        let used = || thread_time().unwrap_or_else(|| begun.elapsed());
+        let first = used();
+        let mut spins = 0u64;
+        while used().saturating_sub(first) <= LONGEST + LONGEST / 10 {
+            spins = std::hint::black_box(spins + 1);
+        }
+        true
+    };
+    let rules: [(&'static str, Job<'_>); 3] = [
+        ("panic", Box::new(|| panic!("to see that it is noticed"))),
+        ("time", Box::new(busy)),
+        (
+            "memory",
+            Box::new(|| std::hint::black_box(vec![1u8; MOST_BYTES + 1]).len() > MOST_BYTES),
+        ),
+    ];
+    let mut rules = rules.into_iter();
+    rules.find_map(|(rule, work)| (judged(work).0 != Err(rule)).then_some(rule))
+}
+
+fn try_one(id: &str, name: &str, input: &[u8], profile: &Profile, outcome: &mut Outcome) {
+    let context = ReadContext::default();
+    let (verdict, took, most) = judged(|| {
         let _ = recognise(&FileHead::of(name, input));
         let read = match ALL.iter().find(|format| format.id() == id) {
             Some(format) => format.read(input, &context),
             None => profile.read(input, &context),
         };
         read.is_ok()
-    }));
-    let took = match (begun, thread_time()) {
-        (Some(begun), Some(ended)) => ended.saturating_sub(begun),
-        _ => wall.elapsed(),
-    };
-    let most = PEAK.load(Ordering::Relaxed).saturating_sub(before);
+    });
     outcome.inputs += 1;
     outcome.slowest = outcome.slowest.max(took);
     outcome.largest = outcome.largest.max(most);
-    let rule = match &attempt {
-        Err(_) => Some("panic"),
-        Ok(_) if took > LONGEST => Some("time"),
-        Ok(_) if most > MOST_BYTES => Some("memory"),
-        Ok(is_read) => {
-            outcome.read += usize::from(*is_read);
-            None
+    match verdict {
+        Ok(is_read) => outcome.read += usize::from(is_read),
+        Err(rule) => {
+            let folder = Path::new("target/fuzz");
+            let path = folder.join(format!("{id}-{rule}-{}", outcome.broken.len()));
+            let _ = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, input));
+            outcome.broken.push(format!(
+                "{rule}: {} (from {name}, {took:?}, {most} bytes)",
+                path.display()
+            ));
         }
-    };
-    if let Some(rule) = rule {
-        let folder = Path::new("target/fuzz");
-        let path = folder.join(format!("{id}-{rule}-{}", outcome.broken.len()));
-        let _ = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, input));
-        outcome.broken.push(format!(
-            "{rule}: {} (from {name}, {took:?}, {most} bytes)",
-            path.display()
-        ));
     }
 }
 
@@ -257,14 +299,10 @@ fn seeds(largest: u64) -> Seeds {
             add(&mut seeds, None, &path, largest);
         }
     }
-    seeds
-        .entry("spreadsheet".to_owned())
-        .or_default()
-        .push(("run.xlsx".to_owned(), workbook(SHEET.as_bytes())));
-    seeds
-        .entry("parquet".to_owned())
-        .or_default()
-        .push(("run.parquet".to_owned(), parquet()));
+    for (format, name, bytes) in samples::made() {
+        let of_format = seeds.entry(format.to_owned()).or_default();
+        of_format.push((name.to_owned(), bytes));
+    }
     let log = "made\nEpoch;Distance;I\n1728937444032;12,5;1\n1728937444532;12,75;2\n".to_owned();
     seeds
         .entry("profile".to_owned())
@@ -306,67 +344,14 @@ fn fuzz_profile() -> Profile {
     from_text(Path::new("fuzz.toml"), text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-const SHEET: &str = r#"<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData>
-<row r="1"><c r="A1" t="inlineStr"><is><t>Time (s)</t></is></c><c r="B1" t="inlineStr"><is><t>Current (mA)</t></is></c></row>
-<row r="2"><c r="A2"><v>0</v></c><c r="B2"><v>1.5</v></c></row>
-<row r="3"><c r="A3"><v>0.5</v></c><c r="B3"><v>-2e-3</v></c></row></sheetData></worksheet>"#;
-
-/// A workbook with that sheet.
-fn workbook(sheet: &[u8]) -> Vec<u8> {
-    let parts: [(&str, &[u8]); 5] = [
-        (
-            "[Content_Types].xml",
-            br#"<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>"#,
-        ),
-        (
-            "_rels/.rels",
-            br#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/officeDocument" Target="xl/workbook.xml"/></Relationships>"#,
-        ),
-        (
-            "xl/workbook.xml",
-            br#"<workbook xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main" xmlns:r="http://schemas.openxmlformats.org/officeDocument/2006/relationships"><sheets><sheet name="run" sheetId="1" r:id="r1"/></sheets></workbook>"#,
-        ),
-        (
-            "xl/_rels/workbook.xml.rels",
-            br#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet" Target="worksheets/sheet1.xml"/></Relationships>"#,
-        ),
-        ("xl/worksheets/sheet1.xml", sheet),
-    ];
-    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
-    for (name, part) in parts {
-        let written = archive
-            .start_file(name, options)
-            .map(|()| archive.write_all(part));
-        assert!(matches!(written, Ok(Ok(()))), "{name} cannot be written");
-    }
-    archive
-        .finish()
-        .map_or_else(|_| Vec::new(), std::io::Cursor::into_inner)
-}
-
 /// A whole workbook whose sheet is made worse: changed bytes of the archive itself mostly break its check sums.
 fn worse_sheet(other: &[u8], largest: usize, random: &mut ChaCha8Rng) -> Vec<u8> {
     let other = text::decode(other).text.into_owned();
-    workbook(&mutations::mutated(
-        SHEET.as_bytes(),
+    let worse = mutations::mutated(
+        samples::sheet_xml(samples::RUN.1).as_bytes(),
         other.as_bytes(),
         largest,
         random,
-    ))
-}
-
-fn parquet() -> Vec<u8> {
-    use polars::prelude::{Column, DataFrame, NamedFrom, Series};
-    let columns: Vec<Column> = vec![
-        Series::new("Time [s]".into(), [0.0, 0.5, 1.0]).into(),
-        Series::new("Current [mA]".into(), [Some(1.5), None, Some(0.5)]).into(),
-        Series::new("cycle".into(), [1i64, 1, 2]).into(),
-        Series::new("note".into(), ["a", "b", "c"]).into(),
-    ];
-    let mut bytes = Vec::new();
-    let written = DataFrame::new(3, columns)
-        .and_then(|mut frame| polars_io::parquet::write::ParquetWriter::new(&mut bytes).finish(&mut frame));
-    assert!(written.is_ok(), "the Parquet file cannot be written");
-    bytes
+    );
+    samples::workbook(&[("Run 1", worse)])
 }

@@ -1,10 +1,10 @@
 //! Climate logs: files of loggers, their series, and what they come to together.
 
-use rusqlite::{OptionalExtension, Row, Transaction, params};
+use rusqlite::{OptionalExtension, Row, params};
 
 use super::blob::{pack_f64, unpack_f64};
 use super::files::upsert_file;
-use super::{FileRow, RunContent, StepError, Store, StoreError, from_json, from_key, to_json};
+use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
 use crate::domain::{ClimateAssessment, ClimateQuantity, Issue, LogReadings, LogSeries, RunStatus};
 
 /// A log that was read from a file.

@@ -1,9 +1,9 @@
 //! Diagnoses: what is current, what is new. Old ones stay.
 
-use rusqlite::{Transaction, params};
+use rusqlite::params;
 
 use super::fits::finite;
-use super::{StepError, Store, StoreError, from_json, from_key, to_json};
+use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
 use crate::domain::{Candidate, EffectFinding, GroupDiagnosis};
 
 /// What a diagnosis is about.

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use rusqlite::{Row, Transaction, params};
+use rusqlite::{Row, params};
 
-use super::{StepError, Store, StoreError, from_json, from_key, to_json};
+use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
 use crate::domain::{FileState, Issue, SourceFile};
 
 /// A file as the last scan saw it and what became of it.

@@ -1,9 +1,9 @@
 //! Fits: what is to be fitted, what came out, what could not be done. Old fits stay.
 
-use rusqlite::{OptionalExtension, Transaction, params};
+use rusqlite::{OptionalExtension, params};
 
 use super::blob::{pack_f64, unpack_f64};
-use super::{StepError, Store, StoreError, from_json, from_key, to_json};
+use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
 use crate::domain::{ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
 
 /// A run that can be fitted, with what its last fit depended on.

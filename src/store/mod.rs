@@ -18,11 +18,12 @@ mod origin;
 mod run_climate;
 mod runs;
 mod tags;
+mod transaction;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
+use rusqlite::{Connection, OpenFlags};
 
 pub use climate::{LogRecord, NewLog, NewSeries};
 pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
@@ -33,6 +34,7 @@ pub use lock::InstanceLock;
 pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use tags::HandTag;
+use transaction::Transaction;
 
 /// Name of the database inside a campaign.
 pub const FILE_NAME: &str = "campaign.db";
@@ -123,34 +125,6 @@ impl Store {
     /// The database file.
     pub fn path(&self) -> &Path {
         &self.path
-    }
-
-    /// Runs `work` in one transaction that takes the write lock at once, and counts the change made at `now`
-    /// (RFC 3339 UTC). On an error everything is rolled back.
-    fn write<T>(
-        &mut self,
-        doing: &'static str,
-        now: &str,
-        work: impl FnOnce(&Transaction<'_>) -> Result<T, StepError>,
-    ) -> Result<T, StoreError> {
-        let path = self.path.clone();
-        let named = |error: rusqlite::Error| StoreError::from_sql(&path, doing, error);
-        let transaction = self
-            .connection
-            .transaction_with_behavior(TransactionBehavior::Immediate)
-            .map_err(&named)?;
-        let outcome = work(&transaction).map_err(|error| match error {
-            StepError::Sql(error) => named(error),
-            StepError::Store(error) => error,
-        })?;
-        transaction
-            .execute(
-                "UPDATE change_count SET changes = changes + 1, changed_at = ?1",
-                [now],
-            )
-            .map_err(&named)?;
-        transaction.commit().map_err(&named)?;
-        Ok(outcome)
     }
 
     /// Number of committed changes so far, and when the last one was made (RFC 3339 UTC).

@@ -1,9 +1,9 @@
 //! Analyses of modulus logs: what is to be analysed and what was found. Old ones stay.
 
-use rusqlite::{OptionalExtension, Transaction, params};
+use rusqlite::{OptionalExtension, params};
 
 use super::fits::{finite, insert_failure, read_curve, read_estimate};
-use super::{StepError, Store, StoreError, blob::pack_f64, from_json, to_json};
+use super::{StepError, Store, StoreError, Transaction, blob::pack_f64, from_json, to_json};
 use crate::domain::{Issue, ModulusAnalysis, ModulusLog, ModulusStep, Parameter, RunCurve};
 
 /// What an analysis was made from and by.

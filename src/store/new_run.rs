@@ -1,11 +1,11 @@
 //! A run on its way into the database: what was read from its files, and the rows that it becomes.
 
-use rusqlite::{Transaction, params};
+use rusqlite::params;
 
 use super::blob::{pack_f64, pack_u32};
 use super::origin::{insert_origin, insert_stated_offset};
 use super::run_climate::replace_climate;
-use super::{StepError, to_json};
+use super::{StepError, Transaction, to_json};
 use crate::domain::{
     Channel, ClimateCurve, Drive, Issue, RunClimate, RunKind, RunOrigin, RunState, RunStatus, Tag,
 };

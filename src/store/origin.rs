@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use rusqlite::{Row, Transaction, params};
+use rusqlite::{Row, params};
 
-use super::{StepError, Store, StoreError, from_key};
+use super::{StepError, Store, StoreError, Transaction, from_key};
 use crate::domain::{
     Channel, ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };

@@ -1,9 +1,9 @@
 //! What runs had of the climate logs: statistics, and curves to draw.
 
-use rusqlite::{Transaction, params};
+use rusqlite::params;
 
 use super::blob::{pack_f64, unpack_f64};
-use super::{StepError, Store, StoreError, from_key};
+use super::{StepError, Store, StoreError, Transaction, from_key};
 use crate::domain::{ClimateCurve, ClimateQuantity, RunClimate};
 
 impl Store {

@@ -75,7 +75,7 @@ fn fixtures_read_as_expected() {
 #[test]
 fn every_text_format_has_fixtures() {
     let fixtures = fixtures();
-    // Workbooks cannot be typed by hand, and Parquet has its fixtures in the reader's own tests.
+    // These cannot be typed by hand: tests/it/samples.rs makes them.
     let binary = ["spreadsheet", "eplexor-xls", "parquet"];
     for format in ALL.iter().filter(|format| !binary.contains(&format.id())) {
         assert!(

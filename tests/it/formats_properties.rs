@@ -1,6 +1,10 @@
 //! What holds for any bytes: no reader panics, and a cut never changes a number.
 
-use ieap::ingest::formats::{ALL, ReadContext, read};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use ieap::ingest::formats::{ALL, ReadContext, ReadError, read};
+use ieap::ingest::profiles::{from_text, read as read_by};
 use ieap::ingest::{Reading, RunTable};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -22,15 +26,20 @@ fn read_with_all(bytes: &[u8]) {
     }
 }
 
-/// Whether all readings of `cut` are the first ones of `whole`.
+/// Whether all readings of `cut` are the first ones of `whole`, to the last bit, with the same ones excluded.
 fn is_prefix(cut: &RunTable, whole: &RunTable) -> bool {
+    let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+    let begins = |whole: &[f64], cut: &[f64]| bits(whole).starts_with(&bits(cut));
     cut.channels.iter().all(|channel| {
         let same = whole
             .channels
             .iter()
             .find(|other| other.raw_name == channel.raw_name && other.raw_unit == channel.raw_unit);
         same.is_some_and(|other| {
-            other.time_s.starts_with(&channel.time_s) && other.values.starts_with(&channel.values)
+            begins(&other.time_s, &channel.time_s)
+                && begins(&other.values, &channel.values)
+                && other.excluded.starts_with(&channel.excluded)
+                && other.quantity == channel.quantity
         })
     })
 }
@@ -44,12 +53,16 @@ fn whole_lines(bytes: &[u8]) -> usize {
 /// Cuts a file at every byte, holds what is left against the whole, and counts the cuts that could be read.
 pub fn cuts(name: &str, bytes: &[u8]) -> usize {
     let context = ReadContext::default();
-    let Ok(whole) = read(name, bytes, &context) else {
+    cuts_by(name, bytes, &|bytes| read(name, bytes, &context).ok())
+}
+
+fn cuts_by(name: &str, bytes: &[u8], read: &dyn Fn(&[u8]) -> Option<Reading>) -> usize {
+    let Some(whole) = read(bytes) else {
         return 0;
     };
     let mut survived = 0;
     for end in 0..bytes.len() {
-        if let Ok(cut) = read(name, &bytes[..end], &context) {
+        if let Some(cut) = read(&bytes[..end]) {
             survived += 1;
             assert_prefix(name, end, &cut, &whole);
             let rows: usize = cut.tables.iter().map(|table| table.rows).sum();
@@ -66,19 +79,62 @@ pub fn cuts(name: &str, bytes: &[u8]) -> usize {
     survived
 }
 
+/// Formats that can be read only whole, but for blanks at their ends: their table of contents stands at the end, or
+/// they are one document.
+const WHOLE_OR_NOTHING: [&str; 2] = ["palmsens-session", "parquet"];
+
+/// Every format of the registry has at least one sample here that it reads, and of those that are not read whole or
+/// not at all some cuts, too: what was never read was never compared.
 #[test]
-fn a_cut_at_any_byte_never_changes_a_number() {
-    let mut survived = 0;
-    for (_, path, bytes) in fixtures() {
-        survived += cuts(&path.file_name().unwrap().to_string_lossy(), &bytes);
+fn a_cut_at_any_byte_of_any_format_never_changes_a_number() {
+    let typed = fixtures().into_iter().map(|(format, path, bytes)| {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        (format, name, bytes)
+    });
+    let made = crate::samples::made().into_iter();
+    let made = made.map(|(format, name, bytes)| (format.to_owned(), name.to_owned(), bytes));
+    let mut of_format: BTreeMap<String, (usize, usize)> = BTreeMap::new();
+    for (format, name, bytes) in typed.chain(made) {
+        if let Ok(whole) = read(&name, &bytes, &ReadContext::default()) {
+            assert_eq!(whole.format, format, "{name}");
+            let (read, survived) = of_format.entry(format).or_default();
+            *read += 1;
+            *survived += cuts(&name, &bytes);
+        }
     }
-    assert!(survived > 1000, "only {survived} cuts could be read");
+    for format in ALL {
+        let id = format.id();
+        let Some((read, survived)) = of_format.get(id) else {
+            panic!("{id} has no sample that it reads: add one to tests/formats or tests/it/samples.rs");
+        };
+        println!("{id}: {read} samples, {survived} cuts read");
+        let any = *survived > 2 * read;
+        assert_eq!(any, !WHOLE_OR_NOTHING.contains(&id), "{id}: {survived} cuts read");
+    }
+}
+
+#[test]
+fn a_cut_never_changes_a_number_that_a_profile_reads() {
+    let profile = "[profile]\nversion = 1\n[layout]\nseparator = \"semicolon\"\ndecimal = \"comma\"\nheader_line = 2\n\
+                   [time]\nbase = \"epoch\"\ncolumn = 1\nunit = \"ms\"\n[[column]]\ncolumn = 3\n\
+                   quantity = \"current\"\nunit = \"mA\"\n";
+    let profiles = [from_text(std::path::Path::new("log.toml"), profile).unwrap()];
+    let text = "made\nEpoch;Distance;I\n1728937444032;12,5;1,25\n1728937444532;12,75;-20,5\n1728937445032;13;3,125\n";
+    let context = ReadContext::default();
+    let by_profile = |bytes: &[u8]| {
+        read_by(&profiles, "log.csv", bytes, &context)
+            .ok()
+            .map(|(reading, _)| reading)
+    };
+    assert!(cuts_by("log.csv", text.as_bytes(), &by_profile) > 40);
 }
 
 /// The short form of `cargo run --example fuzz_readers`, which measures time and memory, too.
 #[test]
 fn files_made_worse_never_panic() {
-    let fixtures = fixtures();
+    let made = crate::samples::made().into_iter();
+    let made = made.map(|(id, name, bytes)| (id.to_owned(), PathBuf::from(name), bytes));
+    let fixtures: Vec<_> = fixtures().into_iter().chain(made).collect();
     let mut random = ChaCha8Rng::seed_from_u64(20_261_120);
     let context = ReadContext::default();
     for _ in 0..crate::campaign::counted(3_000, 100_000) {
@@ -151,4 +207,29 @@ proptest! {
         prop_assert_eq!(found, values);
         prop_assert_eq!(channels[0].time_s[1], 1.25);
     }
+}
+
+/// The library that reads .xls follows chains without end and makes room for every cell between two: both must be
+/// refused before it sees them.
+#[test]
+fn workbooks_that_would_fill_the_memory_are_refused() {
+    let context = ReadContext::default();
+    let whole = crate::samples::xls(&[crate::samples::RUN]);
+    assert!(read("run.xls", &whole, &context).is_ok());
+    let mut cyclic = whole.clone();
+    // The folder's sector, the second, follows itself.
+    cyclic[512 + 4..512 + 8].copy_from_slice(&1u32.to_le_bytes());
+    let refused = read("run.xls", &cyclic, &context).unwrap_err();
+    assert!(
+        refused.to_string().contains("leads back into itself"),
+        "{refused}"
+    );
+    let number = [0x03, 0x02, 14, 0];
+    let places: Vec<usize> = (0..whole.len() - 4)
+        .filter(|&at| whole[at..at + 4] == number)
+        .collect();
+    let mut wide = whole.clone();
+    wide[places[0] + 4..places[0] + 8].copy_from_slice(&[0xFF; 4]);
+    let refused = read("run.xls", &wide, &context).unwrap_err();
+    assert!(matches!(refused, ReadError::SheetTooWide { .. }), "{refused}");
 }

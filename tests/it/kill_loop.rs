@@ -107,3 +107,45 @@ fn killed_at_any_moment_nothing_is_lost_doubled_or_half_done() {
         kills()
     );
 }
+
+/// Many files are stored in batches: a kill loses no more than the batch under way, which is read again.
+#[test]
+fn killed_while_many_files_come_in_nothing_is_lost_doubled_or_half_done() {
+    const FILES: u32 = 400;
+    let folder = CampaignFolder::new();
+    let short = |seed: u32| run_table(seed).lines().take(40).collect::<Vec<_>>().join("\n") + "\n";
+    (0..FILES).for_each(|seed| folder.write(&format!("runs/{seed}.csv"), short(seed)));
+    folder.write("runs/bad.csv", "time_s;current_a\n0;1.5\n1;2,5\n");
+    let (mut delay_ms, mut killed) = (10, 0);
+    for _ in 0..kills() {
+        let mut child = command(folder.path(), &["ingest"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(delay_ms));
+        delay_ms = delay_ms * 7 % 181 + 10;
+        killed += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+        check(&folder);
+    }
+    let summary = folder.ieap(&["ingest", "--json"]).expect(3).json();
+    check(&folder);
+    assert_eq!(summary["ingest"]["refused"][0][0], "runs/bad.csv");
+    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    let count = |sql: &str| -> u32 { database.query_row(sql, [], |row| row.get(0)).unwrap() };
+    assert_eq!(
+        count("SELECT count(*) FROM run WHERE superseded_at IS NULL"),
+        FILES
+    );
+    assert_eq!(count("SELECT count(*) FROM content"), FILES);
+    let half: Vec<_> = std::fs::read_dir(folder.join("archive"))
+        .unwrap()
+        .flat_map(|entry| std::fs::read_dir(entry.unwrap().path()).unwrap())
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with(".part-"))
+        .collect();
+    assert!(half.is_empty(), "{half:?}");
+    eprintln!("{killed} of {} kills met a working program", kills());
+}

@@ -29,5 +29,6 @@ mod report_fixture;
 mod report_goldens;
 mod report_site;
 mod report_thesis;
+mod samples;
 mod sidecars;
 mod watch;

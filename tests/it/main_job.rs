@@ -253,3 +253,45 @@ fn exports_hold_every_fit_and_reading() {
     folder.ieap(&["export", "-o", "fits.csv"]).expect(2);
     folder.ieap(&["export", "-o", "fits.ods"]).expect(2);
 }
+
+#[test]
+fn an_open_circuit_is_told_by_a_column_or_by_a_tag() {
+    let folder = CampaignFolder::new();
+    let table = run_table(3);
+    let mut lines = table.lines();
+    let header = lines.next().unwrap();
+    let (mut plain, mut column) = (format!("{header}\n"), format!("{header},open_circuit\n"));
+    for line in lines {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let time_s: f64 = cells[0].parse().unwrap();
+        let open = (100.0..200.0).contains(&time_s);
+        if open {
+            // What a voltmeter shows while nothing holds the voltage.
+            cells[1] = format!("{:.3}", 1.9 - 0.004 * (time_s - 100.0));
+        }
+        plain += &(cells.join(",") + "\n");
+        column += &format!("{},{open}\n", cells.join(","));
+    }
+    let tags = "sample = \"S1\"\nenvironment = \"air\"\nvoltage_v = 2.0\n";
+    let files = [
+        ("column", &column, ""),
+        ("tag", &plain, "open_circuit = \"100-200\"\n"),
+        (
+            "list",
+            &(plain.clone() + "# the same again\n"),
+            "open_circuit = [[100.0, 200.0]]\n",
+        ),
+        ("untold", &(plain.clone() + "# and again\n"), ""),
+    ];
+    for (name, text, tag) in files {
+        folder.write(&format!("runs/{name}.csv"), text);
+        folder.write(&format!("runs/{name}.csv.toml"), format!("{tags}{tag}"));
+    }
+    let document = folder.ieap(&["fit", "--json"]).expect(0).json();
+    let fits = document["fits"].as_array().unwrap();
+    let fitted: Vec<&str> = fits.iter().map(|fit| fit["run"].as_str().unwrap()).collect();
+    assert_eq!(fitted, ["runs/column.csv", "runs/list.csv", "runs/tag.csv"]);
+    assert!(fits.iter().all(|fit| fit["parameters"] == fits[0]["parameters"]));
+    let status = folder.ieap(&["status"]).expect(0);
+    assert!(status.stdout.contains("a sweep, not steps"), "{}", status.stdout);
+}

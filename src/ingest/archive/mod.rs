@@ -1,12 +1,16 @@
 //! The raw files by content: `archive/ab/abcdef....csv`, written once, never changed.
 
+mod durability;
 mod error;
 
-use std::fs::{self, File};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use durability::Durability;
 use error::sorted;
+use tempfile::NamedTempFile;
 
 pub use error::ArchiveError;
 
@@ -15,6 +19,20 @@ pub const FOLDER: &str = "archive";
 
 /// Begin of the names of files that are not written to their end yet.
 const PARTIAL: &str = ".part-";
+
+/// Most files that are open at once: systems allow 256 and more.
+const MOST_OPEN: usize = 128;
+
+/// Bytes on their way into the archive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Incoming<'a> {
+    /// BLAKE3 of the bytes, as [`hash()`] gives it.
+    pub hash: &'a str,
+    /// The bytes.
+    pub bytes: &'a [u8],
+    /// Name of the file, for its ending.
+    pub name: &'a Path,
+}
 
 /// What storing some bytes came to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,35 +75,81 @@ impl Archive {
         }
     }
 
-    /// Stores `bytes` under their hash, with the ending of `name`. When this returns, bytes and name are on
-    /// the disk: only then may a database row speak of them.
+    /// Stores bytes under their hashes, with the endings of their names; the answers are in the order of `files`.
+    /// When this returns, bytes and names are on the disk: only then may a database row speak of them. Many files
+    /// wait for the disk together.
     ///
     /// # Errors
     /// Where there is no room, no right, or the disk fails; no half file is left then.
+    pub fn store_all(&self, files: &[Incoming<'_>]) -> Result<Vec<(Archived, Outcome)>, ArchiveError> {
+        let mut stored = Vec::with_capacity(files.len());
+        for few in files.chunks(MOST_OPEN) {
+            stored.extend(self.store_few(few)?);
+        }
+        Ok(stored)
+    }
+
+    /// Stores the bytes of one file: see [`Archive::store_all`].
+    ///
+    /// # Errors
+    /// As there.
     pub fn store(&self, bytes: &[u8], name: &Path) -> Result<(Archived, Outcome), ArchiveError> {
-        let hash = hash(bytes);
-        let folder = self.folder_of(&hash);
+        let hash = &hash(bytes);
+        let stored = self.store_all(&[Incoming { hash, bytes, name }])?;
+        stored.into_iter().next().ok_or_else(|| ArchiveError::Absent {
+            folder: self.folder_of(hash),
+            hash: hash.clone(),
+        })
+    }
+
+    /// The bytes are safe before they get their names, and the names before this returns.
+    fn store_few(&self, files: &[Incoming<'_>]) -> Result<Vec<(Archived, Outcome)>, ArchiveError> {
+        let durability = Durability::of(&self.campaign);
+        let mut places: BTreeMap<&str, PathBuf> = BTreeMap::new();
+        // Also folders of files that are there: a program killed before this left their names unsafe.
+        let mut folders = BTreeSet::from([self.campaign.clone(), self.campaign.join(FOLDER)]);
+        let (mut written, mut stored) = (Vec::new(), Vec::new());
+        for file in files {
+            let (path, outcome) = match places.get(file.hash) {
+                Some(path) => (path.clone(), Outcome::AlreadyThere),
+                None => self.place(file)?,
+            };
+            let folder = self.folder_of(file.hash);
+            if outcome != Outcome::AlreadyThere {
+                written.push((temporary(&folder, &path, file.bytes)?, path.clone()));
+            }
+            folders.insert(folder);
+            let archived = Archived {
+                hash: file.hash.to_owned(),
+                path: self.relative(&path),
+                size_bytes: file.bytes.len() as u64,
+            };
+            places.insert(file.hash, path);
+            stored.push((archived, outcome));
+        }
+        durability.sync_files(&written)?;
+        for (file, path) in written {
+            let kept = file.persist(&path);
+            kept.map_err(|kept| sorted(&path, "write", 0, kept.error))?;
+        }
+        durability.sync_folders(&folders)?;
+        Ok(stored)
+    }
+
+    /// Where bytes belong, and whether they are there.
+    fn place(&self, file: &Incoming<'_>) -> Result<(PathBuf, Outcome), ArchiveError> {
+        let folder = self.folder_of(file.hash);
         fs::create_dir_all(&folder).map_err(|source| sorted(&folder, "create", 0, source))?;
-        let (path, outcome) = match self.locate(&hash)? {
-            Some(path) if fs::metadata(&path).is_ok_and(|there| there.len() == bytes.len() as u64) => {
+        Ok(match self.locate(file.hash)? {
+            Some(path) if fs::metadata(&path).is_ok_and(|there| there.len() == file.bytes.len() as u64) => {
                 (path, Outcome::AlreadyThere)
             }
             Some(path) => (path, Outcome::Repaired),
-            None => (folder.join(format!("{hash}{}", ending(name))), Outcome::Written),
-        };
-        if outcome != Outcome::AlreadyThere {
-            write_whole(&folder, &path, bytes)?;
-        }
-        // Also where file and folders were there: a program killed before this left their names unsafe.
-        for folder in [&folder, &self.campaign.join(FOLDER), &self.campaign] {
-            sync_folder(folder)?;
-        }
-        let archived = Archived {
-            path: self.relative(&path),
-            size_bytes: bytes.len() as u64,
-            hash,
-        };
-        Ok((archived, outcome))
+            None => {
+                let name = format!("{}{}", file.hash, ending(file.name));
+                (folder.join(name), Outcome::Written)
+            }
+        })
     }
 
     /// The bytes with that hash, checked.
@@ -181,8 +245,8 @@ impl Archive {
     }
 }
 
-/// Temporary file beside the place, written and synced, then renamed to the place.
-fn write_whole(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), ArchiveError> {
+/// A file beside the place at `path` with these bytes, not safe yet; it goes when it is dropped.
+fn temporary(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, ArchiveError> {
     let failed = |source| sorted(path, "write", bytes.len() as u64, source);
     let mut builder = tempfile::Builder::new();
     builder.prefix(PARTIAL);
@@ -193,20 +257,7 @@ fn write_whole(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), ArchiveEr
     builder.permissions(permissions);
     let mut file = builder.tempfile_in(folder).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(path).map_err(|kept| failed(kept.error))?;
-    Ok(())
-}
-
-/// Makes the names in a folder safe against a loss of power; where folders cannot be opened, the operating
-/// system does that by itself.
-fn sync_folder(folder: &Path) -> Result<(), ArchiveError> {
-    if cfg!(not(unix)) {
-        return Ok(());
-    }
-    File::open(folder)
-        .and_then(|folder| folder.sync_all())
-        .map_err(|source| sorted(folder, "sync", 0, source))
+    Ok(file)
 }
 
 /// What lies in a folder, sorted; nothing where the folder is not there.

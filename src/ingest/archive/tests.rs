@@ -34,6 +34,59 @@ fn bytes_are_stored_once_and_read_back() {
 }
 
 #[test]
+fn many_are_stored_together_and_the_same_bytes_once() {
+    let (folder, archive) = archive();
+    let texts: Vec<String> = (0..300).map(|k| format!("readings {}", k % 200)).collect();
+    let hashes: Vec<String> = texts.iter().map(|text| hash(text.as_bytes())).collect();
+    let name = |k: usize| Path::new(if k < 200 { "a.csv" } else { "a.txt" });
+    let incoming: Vec<Incoming<'_>> = (0..300)
+        .map(|k| Incoming {
+            hash: &hashes[k],
+            bytes: texts[k].as_bytes(),
+            name: name(k),
+        })
+        .collect();
+    let stored = archive.store_all(&incoming).unwrap();
+    for (k, (archived, outcome)) in stored.iter().enumerate() {
+        assert_eq!(archived.hash, hashes[k]);
+        assert_eq!(*outcome == Outcome::Written, k < 200, "{k}");
+        assert!(archived.path.ends_with(".csv"), "{k}");
+        assert_eq!(
+            fs::read(folder.path().join(&archived.path)).unwrap(),
+            texts[k].as_bytes()
+        );
+    }
+    assert_eq!(archive.entries().unwrap().len(), 200);
+    assert_eq!(archive.remove_partial().unwrap(), 0);
+    assert_eq!(archive.store_all(&[]).unwrap(), []);
+}
+
+#[test]
+fn what_cannot_be_stored_leaves_no_half_file_and_no_name() {
+    let (folder, archive) = archive();
+    let (first, second) = (hash(b"first"), hash(b"second"));
+    // A file where the folder of the second one belongs.
+    fs::create_dir(folder.path().join(FOLDER)).unwrap();
+    fs::write(folder.path().join(FOLDER).join(&second[..2]), "").unwrap();
+    let name = Path::new("a.csv");
+    let refused = archive.store_all(&[
+        Incoming {
+            hash: &first,
+            bytes: b"first",
+            name,
+        },
+        Incoming {
+            hash: &second,
+            bytes: b"second",
+            name,
+        },
+    ]);
+    assert!(refused.is_err());
+    assert_eq!(archive.entries().unwrap(), []);
+    assert_eq!(archive.remove_partial().unwrap(), 0);
+}
+
+#[test]
 fn an_ending_that_is_no_plain_one_is_left_out() {
     for (name, expected) in [
         ("a.CSV", ".csv"),

@@ -9,6 +9,7 @@ pub mod cells;
 pub mod chi;
 pub mod climate;
 pub mod columns;
+mod compound;
 pub mod date;
 pub mod delimited;
 pub mod eplexor_xls;
@@ -37,6 +38,7 @@ pub mod time_axis;
 pub mod unpacking;
 pub mod unread;
 pub mod versastat_par;
+mod xls_extent;
 
 pub use error::ReadError;
 pub use recognition::{Candidate, FileHead, Match, recognise};

@@ -3,9 +3,10 @@
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use calamine::{Data, DataRef, Reader, Xls, Xlsx};
+use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Xls, Xlsx};
 
 use super::error::{ReadError, escaped};
+use super::xls_extent;
 
 /// Most cells that are read from one workbook.
 const MAX_CELLS: u64 = 10_000_000;
@@ -82,6 +83,7 @@ fn read_xlsx(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
 }
 
 fn read_xls(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
+    xls_extent::check(bytes)?;
     let mut book: Xls<_> =
         Xls::new(Cursor::new(bytes)).map_err(|error| broken("spreadsheet (.xls)", &error))?;
     let mut sheets = Vec::new();
@@ -155,11 +157,21 @@ fn from_data(value: &Data) -> Option<SheetCell> {
         Data::Float(number) => SheetCell::Number(*number),
         Data::Bool(is_true) => SheetCell::Number(f64::from(u8::from(*is_true))),
         Data::String(text) => return from_text(text),
-        Data::DateTime(date) => SheetCell::Date(format!("date {}", date.as_f64())),
+        Data::DateTime(date) => SheetCell::Date(format!("date {}", day_number(date))),
         Data::DateTimeIso(text) | Data::DurationIso(text) => SheetCell::Date(text.clone()),
         Data::Error(error) => SheetCell::Error(error.to_string()),
         Data::Empty => return None,
     })
+}
+
+/// Days since 1899-12-30; some workbooks count theirs from 1904-01-01.
+fn day_number(date: &ExcelDateTime) -> f64 {
+    const FROM_1904: f64 = 1462.0;
+    let from_1900 = ExcelDateTime::new(date.as_f64(), ExcelDateTimeType::DateTime, false);
+    match date.is_duration() || date.to_ymd_hms_milli() == from_1900.to_ymd_hms_milli() {
+        true => date.as_f64(),
+        false => date.as_f64() + FROM_1904,
+    }
 }
 
 fn from_text(text: &str) -> Option<SheetCell> {
@@ -170,5 +182,19 @@ fn broken(kind: &'static str, error: &dyn std::fmt::Display) -> ReadError {
     ReadError::BrokenContainer {
         kind,
         found: escaped(&error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_counted_from_one_epoch() {
+        let days = |days: f64, kind, is_1904| day_number(&ExcelDateTime::new(days, kind, is_1904));
+        // 2026-03-01 12:00 under both.
+        assert_eq!(days(46082.5, ExcelDateTimeType::DateTime, false), 46082.5);
+        assert_eq!(days(44620.5, ExcelDateTimeType::DateTime, true), 46082.5);
+        assert_eq!(days(0.25, ExcelDateTimeType::TimeDelta, true), 0.25);
     }
 }

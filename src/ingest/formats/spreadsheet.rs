@@ -1,12 +1,12 @@
 //! Spreadsheets (.xlsx, .xls): every sheet with a header row that names a time column, the plain run table's
-//! columns and those of the NOVA export alike.
+//! columns and those of the NOVA export alike; where there is none, the table of a climate logger.
 
 use super::assemble::{Raw, assemble};
 use super::autolab_nova;
 use super::cells::CellTable;
 use super::recognition::{FileHead, Match};
 use super::sheet_cells::{self, Sheet, SheetCell, SheetRow};
-use super::{Format, ReadContext, ReadError, plain_table, unpacking};
+use super::{Format, ReadContext, ReadError, climate, plain_table, unpacking};
 use crate::domain::{Issue, RunStatus};
 use crate::ingest::text::header::Header;
 use crate::ingest::text::{Cell, Decimal, layout, number};
@@ -24,7 +24,7 @@ impl Format for Spreadsheet {
     }
 
     fn title(&self) -> &'static str {
-        "Excel spreadsheet with a run table, or as exported by Metrohm Autolab NOVA (.xlsx, .xls)"
+        "Excel spreadsheet with a run table, as exported by Metrohm Autolab NOVA, or of a climate logger (.xlsx, .xls)"
     }
 
     fn extensions(&self) -> &'static [&'static str] {
@@ -32,7 +32,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn is_generic(&self) -> bool {
@@ -79,12 +79,13 @@ impl Format for Spreadsheet {
         let mut tables = Vec::new();
         let mut refusal = None;
         let mut is_step_response = true;
-        for sheet in sheet_cells::read(bytes)? {
-            let Some(header_at) = header_row(&sheet) else {
+        let sheets = sheet_cells::read(bytes)?;
+        for sheet in &sheets {
+            let Some(header_at) = header_row(sheet) else {
                 continue;
             };
             let mut found = Vec::new();
-            match table(&sheet, header_at, &mut found) {
+            match table(sheet, header_at, &mut found) {
                 Ok((table, is_step)) => {
                     tables.push(table);
                     issues.extend(found);
@@ -96,6 +97,11 @@ impl Format for Spreadsheet {
                     refusal = refusal.or(Some(error));
                 }
             }
+        }
+        if tables.is_empty()
+            && let Some(log) = climate::sheet::log((self.id(), self.version()), &sheets)
+        {
+            return log;
         }
         if tables.is_empty() {
             return Err(refusal.unwrap_or(ReadError::NoHeader {

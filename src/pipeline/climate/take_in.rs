@@ -6,13 +6,12 @@ use crate::analysis::climate::checks::{Checked, check};
 use crate::analysis::climate::sensors::FOLDER;
 use crate::domain::{FileState, Issue};
 use crate::ingest::Reading;
-use crate::ingest::archive::Archive;
 use crate::ingest::climate_log::{Log, Series, log};
 use crate::ingest::scan::Changes;
 use crate::pipeline::context::now;
-use crate::pipeline::ingest::{Outcome, PreparedFile, Readers, file_row, set_aside};
+use crate::pipeline::ingest::{Outcome, PreparedFile, Readers, content_of, file_row, set_aside};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{NewLog, NewSeries, RunContent};
+use crate::store::{NewLog, NewSeries};
 
 /// What became of the climate logs.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
@@ -60,17 +59,11 @@ pub fn settle_log(
     summary: &mut LogSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let reading = match &prepared.outcome {
-        Outcome::Refused(issue) => {
-            return set_aside(context, readers, prepared, FileState::Refused, issue, observer);
-        }
-        Outcome::Pending(issue) => {
-            return set_aside(context, readers, prepared, FileState::Pending, issue, observer);
-        }
-        Outcome::Sidecar(issue) => {
-            return set_aside(context, readers, prepared, FileState::Sidecar, issue, observer);
-        }
-        Outcome::Read(reading) => reading,
+    if let Some((state, issue)) = prepared.outcome.aside() {
+        return set_aside(context, readers, prepared, state, issue, observer);
+    }
+    let Outcome::Read(reading) = &prepared.outcome else {
+        return Ok(());
     };
     if is_known(context, readers, prepared, reading, changes, summary)? {
         return Ok(());
@@ -91,7 +84,7 @@ fn is_known(
     changes: &Changes,
     summary: &mut LogSummary,
 ) -> Result<bool, PipelineError> {
-    let Some((_, hash)) = &prepared.bytes else {
+    let Some(hash) = &prepared.hash else {
         return Ok(false);
     };
     let path = &prepared.file.display;
@@ -135,10 +128,9 @@ fn store(
     summary: &mut LogSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let Some((bytes, hash)) = &prepared.bytes else {
+    let Some(content) = content_of(prepared) else {
         return Ok(());
     };
-    let (archived, _) = Archive::new(&context.folder).store(bytes, &prepared.file.relative)?;
     let path = prepared.file.display.clone();
     let known = context.store.has_log(&path)?;
     let count = log.series.len();
@@ -148,12 +140,7 @@ fn store(
     let data_hash = log.data_hash();
     let series = checked(&log.series, &mut issues);
     let new = NewLog {
-        content: RunContent {
-            path: path.clone(),
-            hash: archived.hash,
-            size_bytes: archived.size_bytes,
-            archive_path: archived.path,
-        },
+        content,
         format: reading.format.to_owned(),
         reader_version: reading.reader_version,
         encoding: reading.encoding.map(str::to_owned),
@@ -169,7 +156,13 @@ fn store(
         series,
     };
     let reader = readers.of_file(reading, prepared.profile.as_ref());
-    let row = file_row(&prepared.file, Some(hash.clone()), FileState::Log, reader, None);
+    let row = file_row(
+        &prepared.file,
+        prepared.hash.clone(),
+        FileState::Log,
+        reader,
+        None,
+    );
     context.store.save_log(&now(), &row, &new)?;
     if known {
         &mut summary.revised

@@ -1,5 +1,6 @@
 //! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
 
+mod batch;
 mod groups;
 mod prepare;
 mod readers;
@@ -9,7 +10,6 @@ pub(super) mod tagging;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::context::now;
@@ -18,15 +18,13 @@ use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
 use crate::store::FileRow;
-use prepare::{Group, Prepared};
+use batch::in_batches;
+use prepare::Group;
 pub(super) use readers::Readers;
 
 pub(super) use prepare::{Outcome, PreparedFile};
 pub use retag::{retag_runs, run_window};
-pub(super) use settle::set_aside;
-
-/// Groups read ahead of their storing: bounds memory.
-const READ_AHEAD: usize = 8;
+pub(super) use settle::{content_of, set_aside};
 
 /// The verb `ingest`.
 pub struct Ingest<'a> {
@@ -112,23 +110,10 @@ impl Ingest<'_> {
         let kind_of = |path: &str| context.campaign.kind_of(path);
         let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
-        for batch in groups.chunks(READ_AHEAD) {
-            let prepared: Vec<Prepared> = batch
-                .par_iter()
-                .map(|group| prepare::prepare(&context.folder, &context.profiles, group))
-                .collect();
-            for prepared in prepared {
-                settle::settle(
-                    context,
-                    (&readers, &shelf),
-                    prepared,
-                    &changes,
-                    &mut summary,
-                    observer,
-                )?;
-                observer.advance();
-            }
-        }
+        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+            let with = (&readers, &shelf);
+            settle::settle(context, with, prepared, &changes, &mut summary, observer)
+        })?;
         observer.end();
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         summary.retagged = retag::retag_runs(context, observer)?;
@@ -168,38 +153,44 @@ impl Ingest<'_> {
         let changes = scan::diff(&known(stored), &seen);
         summary.logs.files = seen.files.len();
         let readers = Readers::of(&context.profiles, stored);
-        let outdated = readers.outdated(stored);
-        let retry = changes
-            .unchanged
-            .iter()
-            .filter(|file| outdated.contains(file.display.as_str()));
-        let mut groups = Vec::new();
-        for file in changes.new.iter().chain(&changes.changed).chain(retry) {
-            match (self.ready)(file) {
-                true => groups.push(Group {
-                    run_name: file.display.clone(),
-                    kind: RunKind::Actuation,
-                    files: vec![file.clone()],
-                }),
-                false => summary.waiting.push(file.display.clone()),
-            }
-        }
+        let ready = self.ready_files(&readers, stored, &changes, summary);
+        let group = |file: &SeenFile| Group {
+            run_name: file.display.clone(),
+            kind: RunKind::Actuation,
+            files: vec![file.clone()],
+        };
+        let groups: Vec<Group> = ready.into_iter().map(group).collect();
         observer.begin("reading climate logs", groups.len() as u64);
-        for batch in groups.chunks(READ_AHEAD) {
-            let prepared: Vec<Prepared> = batch
-                .par_iter()
-                .map(|group| prepare::prepare(&context.folder, &context.profiles, group))
-                .collect();
-            for file in prepared.iter().flat_map(|prepared| &prepared.files) {
-                climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)?;
-                observer.advance();
-            }
-        }
+        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+            prepared.files.iter().try_for_each(|file| {
+                climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
+            })
+        })?;
         observer.end();
         settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
 
-    /// The groups of files to be read: new or changed ones, and those that another version of a reader read.
+    /// Files that may be read now: new or changed ones, and those that another version of a reader read. The others
+    /// of these wait.
+    fn ready_files<'c>(
+        &mut self,
+        readers: &Readers,
+        stored: &[FileRow],
+        changes: &'c Changes,
+        summary: &mut IngestSummary,
+    ) -> Vec<&'c SeenFile> {
+        let outdated = readers.outdated(stored);
+        let unchanged = changes.unchanged.iter();
+        let retry = unchanged.filter(|file| outdated.contains(file.display.as_str()));
+        let found = changes.new.iter().chain(&changes.changed).chain(retry);
+        let (ready, waiting): (Vec<_>, Vec<_>) = found.partition(|file| (self.ready)(file));
+        summary
+            .waiting
+            .extend(waiting.into_iter().map(|file| file.display.clone()));
+        ready
+    }
+
+    /// The groups of files with one to be read and none that waits.
     fn due(
         &mut self,
         readers: &Readers,
@@ -209,19 +200,8 @@ impl Ingest<'_> {
         kind_of: impl Fn(&str) -> RunKind,
         summary: &mut IngestSummary,
     ) -> Vec<Group> {
-        let outdated = readers.outdated(stored);
-        let retry = changes
-            .unchanged
-            .iter()
-            .filter(|file| outdated.contains(file.display.as_str()));
-        let mut due = BTreeSet::new();
-        for file in changes.new.iter().chain(&changes.changed).chain(retry) {
-            if (self.ready)(file) {
-                due.insert(file.display.as_str());
-            } else {
-                summary.waiting.push(file.display.clone());
-            }
-        }
+        let ready = self.ready_files(readers, stored, changes, summary);
+        let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
         let by_path: BTreeMap<&str, &SeenFile> = seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
         groups::grouped(by_path.keys().copied())
             .into_iter()

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use crate::domain::{Channel, Issue, Quantity, RunClock, RunKind, RunOrigin};
+use crate::domain::{Channel, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin};
+use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::formats::ReadContext;
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::scan::{self, ReadFileError, SeenFile};
-use crate::ingest::{Reading, RunTable, archive};
+use crate::ingest::{Reading, RunTable};
 
 /// Largest file that is read, bytes.
 const LARGEST_FILE_BYTES: u64 = 1 << 30;
@@ -28,8 +29,12 @@ pub struct Group {
 pub struct PreparedFile {
     /// The file.
     pub file: SeenFile,
-    /// Its bytes and their hash; none where it could not be opened or still grows.
-    pub bytes: Option<(Vec<u8>, String)>,
+    /// BLAKE3 of its bytes; none where it could not be opened or still grows.
+    pub hash: Option<String>,
+    /// Its bytes, until they are archived.
+    pub bytes: Vec<u8>,
+    /// Where its bytes lie, from when they are safe there.
+    pub archived: Option<Archived>,
     /// What the reader made of it.
     pub outcome: Outcome,
     /// The profile that it was read with.
@@ -47,6 +52,18 @@ pub enum Outcome {
     Pending(Issue),
     /// It belongs to a run and holds none.
     Sidecar(Issue),
+}
+
+impl Outcome {
+    /// How a file that holds nothing to store is recorded, and why; none for one that was read.
+    pub fn aside(&self) -> Option<(FileState, &Issue)> {
+        match self {
+            Outcome::Read(_) => None,
+            Outcome::Refused(issue) => Some((FileState::Refused, issue)),
+            Outcome::Pending(issue) => Some((FileState::Pending, issue)),
+            Outcome::Sidecar(issue) => Some((FileState::Sidecar, issue)),
+        }
+    }
 }
 
 /// A group with its files read.
@@ -89,7 +106,9 @@ fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &See
             };
             return PreparedFile {
                 file: file.clone(),
-                bytes: None,
+                hash: None,
+                bytes: Vec::new(),
+                archived: None,
                 outcome,
                 profile: None,
             };
@@ -99,7 +118,9 @@ fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &See
     let (outcome, profile) = read(kind, file, profiles, &bytes);
     PreparedFile {
         file: file.clone(),
-        bytes: Some((bytes, hash)),
+        hash: Some(hash),
+        bytes,
+        archived: None,
         outcome,
         profile,
     }

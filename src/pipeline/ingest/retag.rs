@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use jiff::Timestamp as Moment;
 
+use super::batch::{MOST_FILES, together};
 use super::now;
 use super::tagging::{TaggingInput, digest, tag_files, tagging};
 use crate::analysis::climate::Window;
@@ -37,19 +38,17 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
     if due.is_empty() {
         return Ok(Vec::new());
     }
-    let mut retagged = Vec::new();
-    for run in context
-        .store
-        .runs()?
-        .into_iter()
-        .chain(context.store.dma_logs()?)
-        .filter(|run| due.contains(&run.id))
-    {
-        retag(context, &shelf, &run)?;
-        observer.say(&format!("tagged {} again", run.path));
-        retagged.push(run.path);
+    let all = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
+    let runs: Vec<RunRecord> = all.filter(|run| due.contains(&run.id)).collect();
+    for batch in runs.chunks(MOST_FILES) {
+        together(context, |context| {
+            batch.iter().try_for_each(|run| retag(context, &shelf, run))
+        })?;
+        batch
+            .iter()
+            .for_each(|run| observer.say(&format!("tagged {} again", run.path)));
     }
-    Ok(retagged)
+    Ok(runs.into_iter().map(|run| run.path).collect())
 }
 
 fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), PipelineError> {

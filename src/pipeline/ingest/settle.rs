@@ -6,7 +6,6 @@ use super::tagging::{TaggingInput, tagging};
 use super::{IngestSummary, file_row, now};
 use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
 use crate::ingest::Reading;
-use crate::ingest::archive::Archive;
 use crate::ingest::data_hash::data_hash;
 use crate::ingest::scan::{Changes, Scan};
 use crate::pipeline::climate::Shelf;
@@ -24,17 +23,9 @@ pub fn settle(
 ) -> Result<(), PipelineError> {
     let (mut readable, kind) = (Vec::new(), prepared.kind);
     for file in prepared.files {
-        match &file.outcome {
-            Outcome::Read(_) => readable.push(file),
-            Outcome::Refused(issue) => {
-                set_aside(context, readers, &file, FileState::Refused, issue, observer)?
-            }
-            Outcome::Pending(issue) => {
-                set_aside(context, readers, &file, FileState::Pending, issue, observer)?
-            }
-            Outcome::Sidecar(issue) => {
-                set_aside(context, readers, &file, FileState::Sidecar, issue, observer)?
-            }
+        match file.outcome.aside() {
+            None => readable.push(file),
+            Some((state, issue)) => set_aside(context, readers, &file, state, issue, observer)?,
         }
     }
     let is_known = match readable.as_slice() {
@@ -67,7 +58,7 @@ fn are_known(
     let held = context.store.contents_of(run_name)?;
     let found: Vec<(String, String)> = files
         .iter()
-        .filter_map(|file| Some((file.file.display.clone(), file.bytes.as_ref()?.1.clone())))
+        .filter_map(|file| Some((file.file.display.clone(), file.hash.clone()?)))
         .collect();
     let reader = files.first().and_then(|file| match &file.outcome {
         Outcome::Read(reading) => Some(reader_of(reading, file.profile.as_ref())),
@@ -103,7 +94,7 @@ pub(in crate::pipeline) fn set_aside(
         prepared.file.display,
         issue.message
     ));
-    let hash = prepared.bytes.as_ref().map(|(_, hash)| hash.clone());
+    let hash = prepared.hash.clone();
     let row = file_row(&prepared.file, hash, state, readers.all(), Some(issue.clone()));
     Ok(context.store.record_files(&now(), &[row])?)
 }
@@ -117,7 +108,7 @@ fn is_known(
     changes: &Changes,
     summary: &mut IngestSummary,
 ) -> Result<bool, PipelineError> {
-    let (Some((_, hash)), Outcome::Read(reading)) = (&prepared.bytes, &prepared.outcome) else {
+    let (Some(hash), Outcome::Read(reading)) = (&prepared.hash, &prepared.outcome) else {
         return Ok(false);
     };
     let path = prepared.file.display.clone();
@@ -165,7 +156,7 @@ fn readings_of(files: &[PreparedFile]) -> Vec<&Reading> {
         .collect()
 }
 
-/// Archives the bytes, tags the runs and stores everything at once.
+/// Tags the runs and stores everything at once.
 fn store_runs(
     context: &mut Context,
     (readers, shelf): (&Readers, &Shelf),
@@ -185,7 +176,7 @@ fn store_runs(
         let (part, issues) = joined(&readings);
         (vec![part], issues)
     };
-    let contents = archived(context, files)?;
+    let contents = contents_of(files);
     let rows: Vec<FileRow> = files.iter().filter_map(|file| run_row(readers, file)).collect();
     // A single file keeps its own name; a joined run takes that of the stem.
     let base = if files.len() == 1 {
@@ -225,24 +216,24 @@ fn store_runs(
     Ok(context.store.save_runs(&now(), &rows, &runs)?)
 }
 
-fn archived(context: &Context, files: &[PreparedFile]) -> Result<Vec<RunContent>, PipelineError> {
-    let archive = Archive::new(&context.folder);
-    let mut contents = Vec::new();
-    for file in files {
-        let Some((bytes, _)) = &file.bytes else { continue };
-        let (stored, _) = archive.store(bytes, &file.file.relative)?;
-        contents.push(RunContent {
-            path: file.file.display.clone(),
-            hash: stored.hash,
-            size_bytes: stored.size_bytes,
-            archive_path: stored.path,
-        });
-    }
-    Ok(contents)
+/// What the archive holds of the files.
+fn contents_of(files: &[PreparedFile]) -> Vec<RunContent> {
+    files.iter().filter_map(content_of).collect()
+}
+
+/// What the archive holds of a file.
+pub(in crate::pipeline) fn content_of(file: &PreparedFile) -> Option<RunContent> {
+    let archived = file.archived.clone()?;
+    Some(RunContent {
+        path: file.file.display.clone(),
+        hash: archived.hash,
+        size_bytes: archived.size_bytes,
+        archive_path: archived.path,
+    })
 }
 
 fn run_row(readers: &Readers, file: &PreparedFile) -> Option<FileRow> {
-    let (Some((_, hash)), Outcome::Read(reading)) = (&file.bytes, &file.outcome) else {
+    let (Some(hash), Outcome::Read(reading)) = (&file.hash, &file.outcome) else {
         return None;
     };
     let reader = readers.of_file(reading, file.profile.as_ref());

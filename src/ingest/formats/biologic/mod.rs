@@ -8,3 +8,49 @@ pub mod mpt_header;
 
 pub use mpr::BiologicMpr;
 pub use mpt::BiologicMpt;
+
+use super::assemble::RowFlag;
+use super::cells::CellTable;
+use crate::ingest::text::header::Header;
+
+/// Marks of the readings whose column `error` is set. In the public files these readings lie at the end of their current
+/// range or are the first after a change, but what the bit means is not published: nothing is left out of fits for it.
+fn marks(headers: &[Header], cells: &CellTable) -> Vec<RowFlag> {
+    let Some(index) = headers.iter().position(|header| header.raw_name == "error") else {
+        return Vec::new();
+    };
+    let numbers = cells.columns[index].numbers.iter().enumerate();
+    let set = numbers.filter(|(_, number)| !number.is_nan() && **number != 0.0);
+    set.map(|(row, number)| RowFlag {
+        row: row as u32,
+        column: "error".to_owned(),
+        flag: number.to_string(),
+        excludes: false,
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ingest::formats::{Format, ReadContext};
+
+    #[test]
+    fn readings_with_the_error_bit_are_marked_and_kept() {
+        let text = "mode\terror\ttime/s\tEwe/V\tI/mA\r\n\
+                    2\t0\t0.0E+000\t1.0E+000\t1.0E+000\r\n\
+                    2\t1\t1.0E+000\t1.0E+000\t2.5E-001\r\n\
+                    2\t1\t2.0E+000\t1.0E+000\t2.5E-001\r\n\
+                    2\t0\t3.0E+000\t1.0E+000\t1.0E-001\r\n";
+        let reading = BiologicMpt
+            .read(text.as_bytes(), &ReadContext::default())
+            .unwrap();
+        let [mark] = reading.tables[0].flags.as_slice() else {
+            panic!("{:?}", reading.tables[0].flags);
+        };
+        assert_eq!((mark.column.as_str(), mark.flag.as_str()), ("error", "1"));
+        assert_eq!((mark.readings, mark.excludes), (2, false));
+        let channels = &reading.tables[0].channels;
+        assert!(channels.iter().all(|channel| channel.excluded.is_empty()));
+    }
+}

@@ -49,7 +49,7 @@ impl Format for BiologicMpr {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -274,7 +274,11 @@ fn table(ids: &[u16], rows: &[u8], width: usize, issues: &mut Vec<Issue>) -> (Ra
         }
         cells.end_row(number + 1, headers.len());
     }
-    (Raw::of_instrument(String::new(), headers, cells), next)
+    let raw = Raw {
+        flags: super::marks(&headers, &cells),
+        ..Raw::of_instrument(String::new(), headers, cells)
+    };
+    (raw, next)
 }
 
 fn started_at(log: &Module<'_>) -> Option<StartedAt> {

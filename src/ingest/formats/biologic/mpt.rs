@@ -41,7 +41,7 @@ impl Format for BiologicMpt {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -142,7 +142,10 @@ fn raw(names: &Line<'_>, rows: &[Line<'_>], issues: &mut Vec<Issue>) -> Result<R
     if let Some(index) = headers.iter().position(|header| header.raw_name == "time/s") {
         read_dates(&mut cells, index, rows, issues);
     }
-    Ok(Raw::of_instrument(String::new(), headers, cells))
+    Ok(Raw {
+        flags: super::marks(&headers, &cells),
+        ..Raw::of_instrument(String::new(), headers, cells)
+    })
 }
 
 /// Turns a time column that holds dates into seconds since its first one.

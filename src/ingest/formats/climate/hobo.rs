@@ -73,6 +73,7 @@ impl Format for Hobo {
             headers,
             is_text,
             time_at,
+            clock_at: None,
             orders: ORDERS,
             offset: offset(names[time_at]),
             delimiter: Delimiter::Comma,
@@ -82,7 +83,12 @@ impl Format for Hobo {
             rows: &lines[names_at + 1..],
         };
         let evidence = end(status, evidence, lines.last());
-        log.read(text.encoding, evidence, metadata(&lines[..names_at]), issues)
+        log.read(
+            Some(text.encoding),
+            evidence,
+            metadata(&lines[..names_at]),
+            issues,
+        )
     }
 }
 

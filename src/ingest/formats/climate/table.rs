@@ -1,6 +1,6 @@
 //! Tables of any other logger: a column of dates beside temperature or relative humidity, delimited text.
 //!
-//! Lines before the header are metadata. Delimiter and decimal sign are found; the order of day and month is the
+//! The time of day may stand in a column of its own beside the dates. Lines before the header are metadata. Delimiter and decimal sign are found; the order of day and month is the
 //! one in which all rows are dates that follow each other. Rows that state an offset from UTC are read by it.
 //! Columns whose unit is not named are taken as °C and percent, and an issue says so.
 
@@ -23,7 +23,7 @@ const ORDERS: &[DateOrder] = &[DateOrder::MonthFirst, DateOrder::DayFirst, DateO
 /// Lines that the header may stand below.
 const HEADER_WITHIN: usize = 64;
 /// Names of columns of dates, in small letters without what stands in brackets or behind a comma.
-const DATES: [&str; 16] = [
+const DATES: [&str; 20] = [
     "time",
     "date",
     "date time",
@@ -40,6 +40,10 @@ const DATES: [&str; 16] = [
     "datum/uhrzeit",
     "aeg",
     "kuupäev",
+    "uhrzeit",
+    "kellaaeg",
+    "time of day",
+    "clock",
 ];
 
 impl Format for ClimateTable {
@@ -62,12 +66,12 @@ impl Format for ClimateTable {
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
         let lines: Vec<Line<'_>> = Lines::new(&text).take(HEADER_WITHIN + 2).collect();
-        match find_header(&lines) {
-            Some(header) if header.has_dates(&lines) => Match::Possible {
+        match is_log(&lines) {
+            true => Match::Possible {
                 score: 0.8,
                 reason: "a column of dates beside temperature or humidity",
             },
-            _ => Match::No,
+            false => Match::No,
         }
     }
 
@@ -76,37 +80,58 @@ impl Format for ClimateTable {
         let mut issues = Vec::new();
         let mut lines = text.lines();
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
-        let Some(header) = find_header(&lines) else {
-            let first = lines.first().map_or("", |line| line.text);
-            return Err(ReadError::NoHeader {
-                line: 1,
-                found: quoted(first),
-            });
-        };
-        let names_line = lines[header.at];
-        let rows = &lines[header.at + 1..];
-        let (headers, is_text) = header.columns(names_line.number, &mut issues);
-        let log = Log {
-            reader: (self.id(), self.version()),
-            time_at: header.time_at,
-            orders: ORDERS,
-            offset: offset(&header.names[header.time_at]),
-            delimiter: header.delimiter,
-            decimal: delimited::decimal_of(rows.iter().take(256), header.delimiter)?,
-            rows_may_end_early: true,
-            header_line: names_line.number,
-            headers,
-            is_text,
-            rows,
-        };
-        let mut metadata = preamble(&lines[..header.at]);
-        metadata.extend(header.stated_once(rows));
         let evidence = match status {
             RunStatus::Complete => evidence + "; the format declares no number of rows",
             _ => evidence,
         };
-        log.read(text.encoding, (status, evidence), metadata, issues)
+        let reader = (self.id(), self.version());
+        read_lines(reader, Some(text.encoding), &lines, (status, evidence), issues)
     }
+}
+
+/// Whether lines hold the table of a logger.
+pub fn is_log(lines: &[Line<'_>]) -> bool {
+    find_header(lines).is_some_and(|header| header.has_dates(lines))
+}
+
+/// Reads the lines of a logger's table for the reader of that id and version; its status is that of the lines.
+///
+/// # Errors
+/// No header, no row, dates that cannot be read, or that can be read in two orders.
+pub fn read_lines(
+    reader: (&'static str, u32),
+    encoding: Option<&'static str>,
+    lines: &[Line<'_>],
+    status: (RunStatus, String),
+    mut issues: Vec<Issue>,
+) -> Result<Reading, ReadError> {
+    let Some(header) = find_header(lines) else {
+        let first = lines.first().map_or("", |line| line.text);
+        return Err(ReadError::NoHeader {
+            line: 1,
+            found: quoted(first),
+        });
+    };
+    let names_line = lines[header.at];
+    let rows = &lines[header.at + 1..];
+    let (headers, is_text) = header.columns(names_line.number, &mut issues);
+    let log = Log {
+        reader,
+        time_at: header.time_at,
+        clock_at: header.clock_at,
+        orders: ORDERS,
+        offset: offset(&header.names[header.time_at]),
+        delimiter: header.delimiter,
+        decimal: delimited::decimal_of(rows.iter().take(256), header.delimiter)?,
+        rows_may_end_early: true,
+        header_line: names_line.number,
+        headers,
+        is_text,
+        rows,
+    };
+    let mut metadata = preamble(&lines[..header.at]);
+    metadata.extend(header.stated_once(rows));
+    log.read(encoding, status, metadata, issues)
 }
 
 /// The header row.
@@ -115,6 +140,8 @@ struct HeaderRow {
     delimiter: Delimiter,
     names: Vec<String>,
     time_at: usize,
+    /// Column of times of day beside the dates.
+    clock_at: Option<usize>,
 }
 
 fn find_header(lines: &[Line<'_>]) -> Option<HeaderRow> {
@@ -122,7 +149,7 @@ fn find_header(lines: &[Line<'_>]) -> Option<HeaderRow> {
         for delimiter in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
             let mut names = Vec::new();
             delimiter.split(line.text, |_, cell| names.push(number::unquote(cell).to_owned()));
-            let Some(time_at) = names.iter().position(|name| is_date_column(name)) else {
+            let Some((time_at, clock_at)) = times_among(&names, delimiter, &lines[at + 1..]) else {
                 continue;
             };
             // A response of a sample makes it a run, whatever else was logged with it.
@@ -143,11 +170,43 @@ fn find_header(lines: &[Line<'_>]) -> Option<HeaderRow> {
                     delimiter,
                     names,
                     time_at,
+                    clock_at,
                 });
             }
         }
     }
     None
+}
+
+/// The column of dates, and that of the times of day where these stand in a column of their own: by the names, and by
+/// the first row where several names would do.
+fn times_among(names: &[String], delimiter: Delimiter, rows: &[Line<'_>]) -> Option<(usize, Option<usize>)> {
+    let named: Vec<usize> = (0..names.len())
+        .filter(|&at| is_date_column(&names[at]))
+        .collect();
+    let first_named = *named.first()?;
+    let Some(first) = rows.iter().find(|row| !row.text.trim().is_empty()) else {
+        return Some((first_named, None));
+    };
+    let mut cells = Vec::new();
+    delimiter.split(first.text, |_, cell| cells.push(number::unquote(cell)));
+    let text_at = |at: usize| cells.get(at).copied().unwrap_or("");
+    if let Some(&whole) = named.iter().find(|&&at| is_moment(text_at(at))) {
+        return Some((whole, None));
+    }
+    let pairs = named
+        .iter()
+        .flat_map(|&date| named.iter().map(move |&clock| (date, clock)));
+    let mut apart = pairs.filter(|(date, clock)| date != clock);
+    let is_pair =
+        |&(date, clock): &(usize, usize)| is_moment(&format!("{} {}", text_at(date), text_at(clock)));
+    let pair = apart.find(is_pair).map(|(date, clock)| (date, Some(clock)));
+    Some(pair.unwrap_or((first_named, None)))
+}
+
+/// Whether a text is a date with a time of day; one date may well fit two orders.
+fn is_moment(text: &str) -> bool {
+    !matches!(moments(&[text], ORDERS), Err(super::moments::NoOrder::Fits))
 }
 
 fn is_date_column(name: &str) -> bool {
@@ -171,14 +230,18 @@ impl HeaderRow {
         let Some(first) = first else {
             return true;
         };
-        let mut date = "";
+        let (mut date, mut clock) = ("", None);
         self.delimiter.split(first.text, |index, cell| {
             if index == self.time_at {
                 date = number::unquote(cell);
+            } else if Some(index) == self.clock_at {
+                clock = Some(number::unquote(cell));
             }
         });
-        // One date may well fit two orders.
-        !matches!(moments(&[date], ORDERS), Err(super::moments::NoOrder::Fits))
+        match clock {
+            Some(clock) => is_moment(&format!("{date} {clock}")),
+            None => is_moment(date),
+        }
     }
 
     /// The columns and which of them hold texts. The first of each quantity is interpreted; the others keep their
@@ -286,6 +349,47 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    #[test]
+    fn a_date_and_a_time_of_day_may_stand_in_two_columns() {
+        let one =
+            "Date Time;Temperature (°C);RH (%)\n13.02.2026 23:50:00;21,5;40\n14.02.2026 00:00:00;21,25;41\n";
+        let two = "Nr;Uhrzeit;Datum;Temperature (°C);RH (%)\n1;23:50:00;13.02.2026;21,5;40\n2;00:00:00;14.02.2026;21,25;41\n";
+        let read = |text: &str| read("a.csv", text.as_bytes(), &ReadContext::default()).unwrap();
+        let (one, two) = (read(one), read(two));
+        assert_eq!((one.format, two.format), ("climate-table", "climate-table"));
+        let numbers = |reading: &Reading, quantity: Quantity| {
+            let channels = &reading.tables[0].channels;
+            let channel = channels.iter().find(|c| c.quantity == quantity).unwrap();
+            (channel.time_s.to_vec(), channel.values.to_vec())
+        };
+        for quantity in [Quantity::Temperature, Quantity::RelativeHumidity] {
+            assert_eq!(numbers(&one, quantity), numbers(&two, quantity));
+        }
+        assert_eq!(
+            numbers(&two, Quantity::Temperature),
+            (vec![0.0, 600.0], vec![21.5, 21.25])
+        );
+        let start = two.started_at.clone().unwrap();
+        assert_eq!(
+            (start.raw.as_str(), start.local),
+            ("13.02.2026 23:50:00", one.started_at.unwrap().local)
+        );
+        assert!(two.issues.is_empty(), "{:?}", two.issues);
+    }
+
+    #[test]
+    fn two_columns_that_make_no_moment_are_no_log() {
+        let text = "Date;Time;RH (%)\n13.02.2026;soon;40\n";
+        assert_eq!(
+            ClimateTable.recognise(&FileHead::of("a.csv", text.as_bytes())),
+            Match::No
+        );
+        // Dates whose order cannot be told are refused, wherever the time of day stands.
+        let text = "Date;Time;RH (%)\n01.02.2026;10:00;40\n01.02.2026;11:00;40\n";
+        let refused = read("a.csv", text.as_bytes(), &ReadContext::default()).unwrap_err();
+        assert!(matches!(refused, ReadError::AmbiguousDates { .. }), "{refused}");
     }
 
     #[test]

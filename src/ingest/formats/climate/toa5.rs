@@ -71,6 +71,7 @@ impl Format for Toa5 {
             is_text: vec![false; headers.len()],
             headers,
             time_at,
+            clock_at: None,
             orders: &[DateOrder::YearFirst],
             offset: None,
             delimiter: Delimiter::Comma,
@@ -84,7 +85,7 @@ impl Format for Toa5 {
             _ => evidence,
         };
         let metadata = vec![("station".to_owned(), station.text.to_owned())];
-        log.read(text.encoding, (status, evidence), metadata, issues)
+        log.read(Some(text.encoding), (status, evidence), metadata, issues)
     }
 }
 

@@ -20,6 +20,8 @@ pub struct Log<'a> {
     pub is_text: Vec<bool>,
     /// Index of the column of dates.
     pub time_at: usize,
+    /// Index of the column of times of day, where they stand beside the dates.
+    pub clock_at: Option<usize>,
     /// Orders that its dates may have.
     pub orders: &'static [DateOrder],
     /// Offset from UTC, where the file states one.
@@ -91,8 +93,8 @@ impl Log<'_> {
     /// # Errors
     /// No row, dates that cannot be read, or dates that can be read in two orders.
     pub fn read(
-        self,
-        encoding: &'static str,
+        mut self,
+        encoding: Option<&'static str>,
         (status, status_evidence): (RunStatus, String),
         original_metadata: Vec<(String, String)>,
         mut issues: Vec<Issue>,
@@ -108,33 +110,29 @@ impl Log<'_> {
                 found: "no row".to_owned(),
             });
         };
-        let mut found: Vec<&str> = Vec::with_capacity(self.headers.len());
-        let mut texts: Vec<&str> = Vec::with_capacity(rows.len());
-        let mut table = CellTable::new(self.header_line, &self.is_text, rows.len());
-        for row in &rows {
-            found.clear();
-            self.delimiter
-                .split(row.text, |_, cell| found.push(number::unquote(cell)));
-            texts.push(found.get(self.time_at).copied().unwrap_or(""));
-            for (index, (column, text)) in table.columns.iter_mut().zip(&found).enumerate() {
-                let cell = match index == self.time_at {
-                    true => Cell::Empty,
-                    false => number::parse(text, self.decimal),
-                };
-                column.push(row.number, cell, || (*text).to_owned());
+        let (mut table, dates, clocks) = self.cells(&rows);
+        let joined: Vec<String>;
+        let texts = match self.clock_at {
+            None => dates,
+            Some(_) => {
+                let pairs = dates.iter().zip(&clocks);
+                joined = pairs.map(|(date, clock)| format!("{date} {clock}")).collect();
+                joined.iter().map(String::as_str).collect()
             }
-            let needed = table.columns.len();
-            let is_short = self.rows_may_end_early && found.len() < needed && found.len() > self.time_at + 1;
-            table.end_row(row.number, if is_short { needed } else { found.len() });
-        }
+        };
         let moments = self.moments(&texts, first_row.number)?;
         let column = &mut table.columns[self.time_at];
         column.numbers = moments.elapsed_s;
         column.filled = column.numbers.len();
-        let mut headers = self.headers;
+        let mut headers = std::mem::take(&mut self.headers);
         let time = &mut headers[self.time_at];
         time.raw_unit = String::new();
         time.meaning = Header::with_unit("time", "s").meaning;
+        if let Some(clock_at) = self.clock_at {
+            // It is part of the moments now, and no column of its own.
+            headers.remove(clock_at);
+            table.columns.remove(clock_at);
+        }
         let raw = Raw::of_instrument(String::new(), headers, table);
         let table = RunTable {
             clock_set_back: moments.set_back,
@@ -145,7 +143,7 @@ impl Log<'_> {
             reader_version: self.reader.1,
             technique: None,
             is_step_response: false,
-            encoding: Some(encoding),
+            encoding,
             status,
             status_evidence,
             started_at: Some(StartedAt {
@@ -163,6 +161,33 @@ impl Log<'_> {
             original_metadata,
             issues,
         })
+    }
+
+    /// The cells of all rows, and the texts of dates and of times of day; the columns of these two are left empty.
+    fn cells<'t>(&self, rows: &[&Line<'t>]) -> (CellTable, Vec<&'t str>, Vec<&'t str>) {
+        let mut found: Vec<&str> = Vec::with_capacity(self.headers.len());
+        let (mut dates, mut clocks) = (Vec::with_capacity(rows.len()), Vec::new());
+        let mut table = CellTable::new(self.header_line, &self.is_text, rows.len());
+        let last_time = self.time_at.max(self.clock_at.unwrap_or(0));
+        for row in rows {
+            found.clear();
+            self.delimiter
+                .split(row.text, |_, cell| found.push(number::unquote(cell)));
+            let text_at = |at: usize| found.get(at).copied().unwrap_or("");
+            dates.push(text_at(self.time_at));
+            clocks.extend(self.clock_at.map(text_at));
+            for (index, (column, text)) in table.columns.iter_mut().zip(&found).enumerate() {
+                let cell = match index == self.time_at || Some(index) == self.clock_at {
+                    true => Cell::Empty,
+                    false => number::parse(text, self.decimal),
+                };
+                column.push(row.number, cell, || (*text).to_owned());
+            }
+            let needed = table.columns.len();
+            let is_short = self.rows_may_end_early && found.len() < needed && found.len() > last_time + 1;
+            table.end_row(row.number, if is_short { needed } else { found.len() });
+        }
+        (table, dates, clocks)
     }
 
     /// The moments of all rows under the one order in which all are dates that follow each other.

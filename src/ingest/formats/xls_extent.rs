@@ -1,0 +1,190 @@
+//! How far out the cells of an .xls lie, found before the library that reads it makes room for all cells between
+//! them: two cells in the corners of a sheet would take 64 GB, and a program that asks for so much is ended.
+//!
+//! Records after Microsoft's [MS-XLS].
+
+use super::compound;
+use super::error::ReadError;
+
+/// Most cells that a sheet may span without holding a good part of them.
+const MOST_SPANNED: u64 = 1 << 20;
+/// Cells that a fuller sheet may span for each that it holds.
+const SPANNED_FOR_EACH: u64 = 4;
+
+const BEGIN: u16 = 0x0809;
+const END: u16 = 0x000A;
+const SHEET: u16 = 0x0085;
+const DIMENSIONS: u16 = 0x0200;
+const SEVERAL_NUMBERS: u16 = 0x00BD;
+/// Number, label, rich text, boolean or error, packed number, shared text, formula: they begin with row and column.
+const CELLS: [u16; 7] = [0x0203, 0x0204, 0x00D6, 0x0205, 0x027E, 0x00FD, 0x0006];
+
+/// What is known of the cells of one sheet.
+#[derive(Default)]
+struct Extent {
+    cells: u64,
+    rows: Option<(u32, u32)>,
+    columns: Option<(u32, u32)>,
+    /// Product of the sheet's stated dimensions.
+    stated: u64,
+}
+
+/// Refuses an .xls whose cells would need room out of proportion to their number.
+///
+/// # Errors
+/// That, or the container is damaged.
+pub fn check(bytes: &[u8]) -> Result<(), ReadError> {
+    let stream =
+        compound::stream(bytes, &["Workbook", "Book"]).map_err(|found| ReadError::BrokenContainer {
+            kind: "spreadsheet (.xls)",
+            found: found.to_owned(),
+        })?;
+    let (mut cells, mut spanned) = (0, 0u64);
+    for start in sheet_starts(&stream) {
+        let extent = Extent::of(stream.get(start..).unwrap_or(&[]));
+        cells += extent.cells;
+        spanned = spanned.saturating_add(extent.spanned().max(extent.stated));
+        if spanned > MOST_SPANNED && spanned / SPANNED_FOR_EACH > cells {
+            return Err(ReadError::SheetTooWide {
+                sheet: "of the workbook".to_owned(),
+                row: u64::from(extent.rows.map_or(0, |(_, last)| last)) + 1,
+                column: u64::from(extent.columns.map_or(0, |(_, last)| last)) + 1,
+                limit: MOST_SPANNED,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Where the records of each sheet begin.
+fn sheet_starts(stream: &[u8]) -> Vec<usize> {
+    let globals = Records(stream).take_while(|(kind, _)| *kind != END);
+    globals
+        .filter(|(kind, data)| *kind == SHEET && data.len() >= 4)
+        .map(|(_, data)| u32::from_le_bytes([data[0], data[1], data[2], data[3]]) as usize)
+        .collect()
+}
+
+impl Extent {
+    fn of(records: &[u8]) -> Extent {
+        let mut extent = Extent::default();
+        // Charts within a sheet have records of their own between a begin and an end.
+        let mut depth = 0;
+        for (kind, data) in Records(records) {
+            match kind {
+                BEGIN => depth += 1,
+                END if depth <= 1 => break,
+                END => depth -= 1,
+                _ if depth > 1 => {}
+                DIMENSIONS => extent.stated = extent.stated.saturating_add(stated(data)),
+                SEVERAL_NUMBERS if data.len() >= 6 => {
+                    let first = short(data, 2);
+                    let last = short(data, data.len() - 2);
+                    let count = u64::from(last.abs_diff(first)) + 1;
+                    extent.add(short(data, 0), first, 0);
+                    extent.add(short(data, 0), last, count);
+                }
+                _ if CELLS.contains(&kind) && data.len() >= 4 => {
+                    extent.add(short(data, 0), short(data, 2), 1)
+                }
+                _ => {}
+            }
+        }
+        extent
+    }
+
+    fn add(&mut self, row: u32, column: u32, count: u64) {
+        let wider = |range: Option<(u32, u32)>, at: u32| {
+            range.map_or(Some((at, at)), |(first, last)| {
+                Some((first.min(at), last.max(at)))
+            })
+        };
+        self.rows = wider(self.rows, row);
+        self.columns = wider(self.columns, column);
+        self.cells += count;
+    }
+
+    fn spanned(&self) -> u64 {
+        let size = |range: Option<(u32, u32)>| range.map_or(0, |(first, last)| u64::from(last - first) + 1);
+        size(self.rows) * size(self.columns)
+    }
+}
+
+/// Rows times columns as a record of dimensions states them: in 4 and 2 bytes, or in 2 each.
+fn stated(data: &[u8]) -> u64 {
+    let long = |at: usize| u64::from(short(data, at)) | u64::from(short(data, at + 2)) << 16;
+    let (rows, first, last) = match data.len() {
+        10 => (
+            u64::from(short(data, 2)).saturating_sub(u64::from(short(data, 0))),
+            short(data, 4),
+            short(data, 6),
+        ),
+        14.. => (long(4).saturating_sub(long(0)), short(data, 8), short(data, 10)),
+        _ => return 0,
+    };
+    // A first column beyond the last that exists is taken for none.
+    let first = if first > 0xFF || last < first { 0 } else { first };
+    rows.saturating_mul(u64::from(last.saturating_sub(first).max(1)))
+}
+
+fn short(data: &[u8], at: usize) -> u32 {
+    data.get(at..at + 2)
+        .map_or(0, |two| u32::from(u16::from_le_bytes([two[0], two[1]])))
+}
+
+/// Records of a stream, each with its kind; ends where one is not whole.
+struct Records<'a>(&'a [u8]);
+
+impl<'a> Iterator for Records<'a> {
+    type Item = (u16, &'a [u8]);
+
+    fn next(&mut self) -> Option<(u16, &'a [u8])> {
+        let head = self.0.get(..4)?;
+        let kind = u16::from_le_bytes([head[0], head[1]]);
+        let length = usize::from(u16::from_le_bytes([head[2], head[3]]));
+        let data = self.0.get(4..4 + length)?;
+        self.0 = &self.0[4 + length..];
+        Some((kind, data))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(kind: u16, words: &[u16]) -> Vec<u8> {
+        let data: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        [&kind.to_le_bytes()[..], &(data.len() as u16).to_le_bytes(), &data].concat()
+    }
+
+    fn extent(records: &[Vec<u8>]) -> Extent {
+        Extent::of(&records.concat())
+    }
+
+    #[test]
+    fn the_span_of_a_sheet_is_that_of_its_outermost_cells() {
+        let number = |row, column| record(0x0203, &[row, column, 0, 0, 0, 0, 0]);
+        let found = extent(&[
+            record(BEGIN, &[0x0600, 0x10]),
+            number(2, 1),
+            number(11, 3),
+            record(BEGIN, &[0x0600, 0x20]),
+            number(60_000, 200),
+            record(END, &[]),
+            record(SEVERAL_NUMBERS, &[5, 0, 0, 0, 0, 0, 0, 0, 4]),
+            record(END, &[]),
+            number(65_535, 255),
+        ]);
+        assert_eq!((found.cells, found.spanned()), (7, 50));
+        assert_eq!(extent(&[number(0, 0), number(65_535, 65_535)]).spanned(), 1 << 32);
+        assert_eq!(extent(&[]).spanned(), 0);
+    }
+
+    #[test]
+    fn stated_dimensions_count_too() {
+        let long = record(DIMENSIONS, &[0, 0, 0, 1, 0, 256, 0]);
+        assert_eq!(extent(&[long]).stated, 65_536 * 256);
+        assert_eq!(extent(&[record(DIMENSIONS, &[10, 30, 2, 5, 0])]).stated, 60);
+        assert_eq!(extent(&[record(DIMENSIONS, &[1])]).stated, 0);
+    }
+}
