@@ -8,6 +8,7 @@ pub mod dense;
 pub mod discrete_gauss;
 pub mod global;
 pub mod gram;
+pub mod grouped;
 pub mod jacobi;
 pub mod levenberg;
 pub mod linear;
