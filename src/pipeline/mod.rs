@@ -1,6 +1,8 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 
+mod across_runs;
 mod adopt;
+pub mod campaign_document;
 mod climate;
 mod context;
 mod diagnose;
@@ -30,6 +32,7 @@ mod tag;
 mod watch;
 
 pub use crate::numerics::global::methods;
+pub use across_runs::campaign_laws;
 pub use adopt::{Adopt, AdoptSummary};
 pub use climate::LogSummary;
 pub use context::{CODE_VERSION, Context};

@@ -201,24 +201,23 @@ fn seed(of_campaign: u64, names: &[&str]) -> u64 {
     of_campaign ^ u64::from_le_bytes(bytes)
 }
 
-/// Fills in the q of every answer. Laws over covariates are one family of questions, samples with their lengths
-/// another, failures a third: samples do differ, and where many such findings are right, as many wrong ones would
-/// pass among laws. Each run is fitted alone, so that no two values share readings.
+/// Fills in the q of every answer. Laws over covariates, differences of samples, their lengths, and failures are
+/// families of their own: samples do differ, and where many such findings are right, wrong ones would pass with them
+/// among the others. Each run is fitted alone, so that no two values share readings.
 fn judge(laws: &mut CampaignLaws) {
     let (of_samples, of_laws): (Vec<&mut Dependence>, Vec<&mut Dependence>) = laws
         .dependences
         .iter_mut()
         .partition(|found| found.covariate == Covariate::Sample);
     let mut of_laws: Vec<(f64, &mut f64)> = of_laws.into_iter().map(|one| (one.p, &mut one.q)).collect();
-    let mut of_samples: Vec<(f64, &mut f64)> = of_samples
-        .into_iter()
-        .map(|one| (one.p, &mut one.q))
-        .chain(laws.lengths.iter_mut().map(|one| (one.p, &mut one.q)))
-        .collect();
+    let mut of_samples: Vec<(f64, &mut f64)> =
+        of_samples.into_iter().map(|one| (one.p, &mut one.q)).collect();
+    let mut of_lengths: Vec<(f64, &mut f64)> =
+        laws.lengths.iter_mut().map(|one| (one.p, &mut one.q)).collect();
     let mut of_failures: Vec<(f64, &mut f64)> =
         laws.selections.iter_mut().map(|one| (one.p, &mut one.q)).collect();
     let mut questions = 0;
-    for family in [&mut of_laws, &mut of_samples, &mut of_failures] {
+    for family in [&mut of_laws, &mut of_samples, &mut of_lengths, &mut of_failures] {
         questions += family.len();
         let p: Vec<f64> = family.iter().map(|(p, _)| *p).collect();
         for ((_, target), q) in family.iter_mut().zip(q_values(&p)) {

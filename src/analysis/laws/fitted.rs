@@ -118,7 +118,8 @@ fn criterion(square: f64, readings: usize, parameters: usize) -> f64 {
 pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
     let mut bends = shape::bends(law, material.levels, material.span);
     let freedom = material.nuisance.freedom().checked_sub(law.parameters())?;
-    if bends.is_empty() || freedom < 1 {
+    // A bend needs readings about it: three more for each number beyond the first.
+    if bends.is_empty() || freedom + 2 < 3 * law.parameters() {
         return None;
     }
     let left = material.nuisance.residual(material.y);

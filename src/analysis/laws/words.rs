@@ -24,10 +24,10 @@ pub fn sentence(found: &Dependence) -> String {
         () if found.q <= CLAIMED_BELOW => claim(found),
         () => return open(found),
     };
-    let mut text = lead;
-    if !found.confounded_with.is_empty() {
-        text += &tied_sentence(found);
-    }
+    let mut text = match found.confounded_with.is_empty() {
+        true => lead,
+        false => format!("{} {lead}", tied_sentence(found)),
+    };
     if found.differs_between_samples {
         text += " Samples follow it by different factors; the interval allows for that.";
     }
@@ -61,15 +61,15 @@ fn range(covariate: Covariate, low: f64, high: f64) -> String {
     match covariate {
         Covariate::FirstRun => "in the first run of a sample".to_owned(),
         Covariate::Direction => "from drying to wetting at the same humidity".to_owned(),
-        Covariate::RestBefore => format!("after a rest of {} s against an endless one", round(low, high - low)),
+        Covariate::RestBefore => format!("after a rest of {} s against an endless one", end(low, high - low)),
         Covariate::RelativeHumidity | Covariate::Temperature => {
-            format!("from {} to {}{space}{unit}", round(low, high - low), round(high, high - low))
+            format!("from {} to {}{space}{unit}", end(low, high - low), end(high, high - low))
         }
         _ => format!(
             "from {} {} to {}{space}{unit}",
             covariate.label(),
-            round(low, high - low),
-            round(high, high - low)
+            end(low, high - low),
+            end(high, high - low)
         ),
     }
 }
@@ -187,14 +187,23 @@ fn blurred(found: &Dependence) -> String {
     )
 }
 
+/// Of several names that cannot be told apart, before what one of them would say.
 fn tied_sentence(found: &Dependence) -> String {
-    let whole = found.level == Level::Between || found.covariate == Covariate::Sample;
-    let place = if whole { "from sample to sample" } else { "together" };
-    format!(
-        " {}, {} changed {place}: which of them it follows cannot be told.",
-        capital(found.covariate.label()),
-        listed(&found.confounded_with)
-    )
+    let what = format!("{} of {}", symbol(&found.parameter), found.material);
+    if found.covariate == Covariate::Sample {
+        return format!(
+            "Samples of {} also differ in {}: what follows one of them cannot be told from the samples.",
+            found.material,
+            listed(&found.confounded_with)
+        );
+    }
+    let place = match found.level {
+        Level::Within => "together",
+        Level::Between => "from sample to sample together",
+    };
+    let mut names = vec![found.covariate];
+    names.extend(&found.confounded_with);
+    format!("{what} changes, but {} changed {place}: which of them it follows cannot be told. Stated by the {}:", listed(&names), found.covariate.label())
 }
 
 /// What the design lets nobody tell apart.
@@ -282,6 +291,18 @@ pub fn round(value: f64, width: f64) -> String {
             format!("{:.0}", (value / unit).round() * unit)
         }
         false => format!("{value:.*}", (-place) as usize),
+    }
+}
+
+/// An end of a span: no zeros that say nothing.
+fn end(value: f64, width: f64) -> String {
+    if value.abs() < 1e-9 * width {
+        return "0".to_owned();
+    }
+    let text = round(value, width);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
     }
 }
 
