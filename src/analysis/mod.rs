@@ -9,6 +9,7 @@ pub mod false_discovery;
 pub mod findings;
 pub mod groups;
 pub mod laws;
+pub mod monitoring;
 pub mod parameters;
 pub mod same_tags;
 #[cfg(test)]

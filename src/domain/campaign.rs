@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::RunKind;
+use super::monitoring::MonitoringRules;
 use super::climate::{ClimateRules, SensorStatement};
 
 /// A sample: one strip of one material.
@@ -119,6 +120,9 @@ pub struct Campaign {
     pub sensors: Vec<SensorStatement>,
     /// Rules for the climate of runs.
     pub climate: ClimateRules,
+    /// Rules for long-term monitoring.
+    #[serde(default)]
+    pub monitoring: MonitoringRules,
 }
 
 impl Campaign {

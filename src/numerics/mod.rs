@@ -2,6 +2,7 @@
 
 pub mod chance;
 pub mod column_memory;
+pub mod control_chart;
 pub mod correlation;
 pub mod decay;
 pub mod dense;

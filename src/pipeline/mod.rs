@@ -2,6 +2,7 @@
 
 mod across_runs;
 mod adopt;
+pub mod alarms;
 pub mod campaign_document;
 mod climate;
 mod context;
@@ -34,6 +35,7 @@ mod watch;
 pub use crate::numerics::global::methods;
 pub use across_runs::campaign_laws;
 pub use adopt::{Adopt, AdoptSummary};
+pub use alarms::{AlarmSummary, RaiseAlarms};
 pub use climate::LogSummary;
 pub use context::{CODE_VERSION, Context};
 pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};

@@ -12,7 +12,7 @@ use crate::numerics::grouped::{Grouped, dot};
 /// Draws at most.
 pub const DRAWS: usize = 999;
 /// Draws as strong as the readings after which the p-value is known well enough (Besag and Clifford 1991).
-const ENOUGH: usize = 40;
+const ENOUGH: usize = 100;
 /// Below this many draws as strong, the tail is taken from the F distribution.
 const RESOLVED: usize = 10;
 /// An alternative whose score is this near the best one's is as good; the first such gives the name.

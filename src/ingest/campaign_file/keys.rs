@@ -70,6 +70,10 @@ const KNOWN: [(&str, &[&str]); 9] = [
             "exposure_above_percent",
         ],
     ),
+    (
+        "monitoring",
+        &["reference", "false_alarm_runs", "limit", "command", "acknowledged"],
+    ),
 ];
 
 /// One warning for each key that is not known, in the file's order.
