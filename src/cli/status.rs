@@ -40,7 +40,9 @@ fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
             None => "no alarm".to_owned(),
         });
     }
-    output.document(&json!({ "schema": "ieap/alarms/1", "alarms": status.alarms, "not_watched": status.monitoring }))?;
+    output.document(
+        &json!({ "schema": "ieap/alarms/1", "alarms": status.alarms, "not_watched": status.monitoring }),
+    )?;
     Ok(match status.alarms.iter().any(|alarm| !alarm.acknowledged) {
         true => ALARM,
         false => DONE,

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::RunKind;
-use super::monitoring::MonitoringRules;
 use super::climate::{ClimateRules, SensorStatement};
+use super::monitoring::MonitoringRules;
 
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

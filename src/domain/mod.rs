@@ -34,8 +34,8 @@ pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
 pub use fit::{ChannelNoise, Fit, NoiseCharacter, Parameter};
 pub use issue::{Issue, Severity};
-pub use monitoring::{Alarm, Limit, MonitoringRules};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
+pub use monitoring::{Alarm, Limit, MonitoringRules};
 pub use origin::{
     ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };

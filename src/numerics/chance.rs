@@ -16,7 +16,8 @@ pub fn f_chance(ratio: f64, above: usize, below: usize) -> f64 {
     if above == 0 || below == 0 || ratio.is_nan() {
         return 1.0;
     }
-    FisherSnedecor::new(above as f64, below as f64).map_or(1.0, |chance| chance.sf(ratio.max(0.0)).clamp(0.0, 1.0))
+    FisherSnedecor::new(above as f64, below as f64)
+        .map_or(1.0, |chance| chance.sf(ratio.max(0.0)).clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
@@ -38,7 +39,9 @@ mod tests {
 
     #[test]
     fn chances_of_ratios_in_the_printed_tables() {
-        for (ratio, above, below, expected) in [(161.45, 1, 1, 0.05), (4.3512, 1, 20, 0.05), (5.8018, 6, 9, 0.01)] {
+        for (ratio, above, below, expected) in
+            [(161.45, 1, 1, 0.05), (4.3512, 1, 20, 0.05), (5.8018, 6, 9, 0.01)]
+        {
             let found = f_chance(ratio, above, below);
             assert!((found / expected - 1.0).abs() < 1e-3, "{ratio}: {found}");
         }

@@ -175,7 +175,9 @@ fn mean_passage(states: usize, passage: &dyn Fn(usize, usize) -> f64) -> Vec<f64
     }
     let mut x = vec![0.0; states];
     for row in (0..states).rev() {
-        let known: f64 = (row + 1..states).map(|column| rows[row][column] * x[column]).sum();
+        let known: f64 = (row + 1..states)
+            .map(|column| rows[row][column] * x[column])
+            .sum();
         x[row] = (rows[row][states] - known) / rows[row][row];
     }
     x
@@ -202,7 +204,10 @@ mod tests {
             (Chart::Ewma, 2.962, 1.0, 10.5, 2e-2),
         ] {
             let found = chart.run_length(limit, shift);
-            assert!((found / expected - 1.0).abs() < part, "{chart:?} {shift}: {found}");
+            assert!(
+                (found / expected - 1.0).abs() < part,
+                "{chart:?} {shift}: {found}"
+            );
         }
         for chart in Chart::ALL {
             assert!((chart.run_length(chart.limit(300.0), 0.0) / 300.0 - 1.0).abs() < 1e-5);
@@ -216,7 +221,11 @@ mod tests {
                 let mut random = ChaCha8Rng::seed_from_u64(seed);
                 let mut readings: Vec<f64> = (0..600).map(|_| StandardNormal.sample(&mut random)).collect();
                 loop {
-                    let numbers = if self_start { self_starting(&readings) } else { readings.clone() };
+                    let numbers = if self_start {
+                        self_starting(&readings)
+                    } else {
+                        readings.clone()
+                    };
                     let first = chart.statistic(&numbers).iter().position(|x| x.abs() > limit);
                     if let Some(first) = first {
                         return (first + 1) as f64;
@@ -233,13 +242,23 @@ mod tests {
 
     #[test]
     fn simulated_series_alarm_as_often_as_computed() {
-        let tries = if std::env::var_os("IEAP_LONG").is_some() { 20_000 } else { 2_000 };
+        let tries = if std::env::var_os("IEAP_LONG").is_some() {
+            20_000
+        } else {
+            2_000
+        };
         for chart in Chart::ALL {
             let limit = chart.limit(60.0);
             for self_start in [false, true] {
                 let (mean, error) = simulated(chart, limit, self_start, tries);
-                println!("{} self-starting {self_start}: {mean:.1} +- {error:.1} of 60", chart.key());
-                assert!((mean - 60.0).abs() < 3.5 * error + 0.6, "{chart:?} {self_start}: {mean} {error}");
+                println!(
+                    "{} self-starting {self_start}: {mean:.1} +- {error:.1} of 60",
+                    chart.key()
+                );
+                assert!(
+                    (mean - 60.0).abs() < 3.5 * error + 0.6,
+                    "{chart:?} {self_start}: {mean} {error}"
+                );
             }
         }
     }

@@ -19,7 +19,10 @@ impl Grouped {
     /// `variance` of each reading, the number of its group (0 based, none skipped), and columns to take out beside
     /// the groups; columns that depend on earlier ones are left out.
     pub fn new(variance: &[f64], group: &[usize], columns: &[Vec<f64>]) -> Grouped {
-        let root_weights: Vec<f64> = variance.iter().map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt()).collect();
+        let root_weights: Vec<f64> = variance
+            .iter()
+            .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt())
+            .collect();
         let groups = group.iter().max().map_or(0, |last| last + 1);
         let mut weight_of_group = vec![0.0; groups];
         for (&g, root) in group.iter().zip(&root_weights) {
@@ -102,7 +105,11 @@ impl Grouped {
     }
 
     fn centred(&self, column: &[f64]) -> Vec<f64> {
-        let mut whitened: Vec<f64> = column.iter().zip(&self.root_weights).map(|(x, root)| x * root).collect();
+        let mut whitened: Vec<f64> = column
+            .iter()
+            .zip(&self.root_weights)
+            .map(|(x, root)| x * root)
+            .collect();
         self.remove_groups(&mut whitened);
         whitened
     }
@@ -172,7 +179,11 @@ mod tests {
     fn groups_and_columns_leave_nothing_of_what_they_explain() {
         let group = [0, 0, 0, 1, 1, 1];
         let x = vec![1.0, 2.0, 4.0, 1.0, 3.0, 5.0];
-        let y: Vec<f64> = x.iter().zip(group).map(|(x, g)| 2.0 * x + 10.0 * g as f64).collect();
+        let y: Vec<f64> = x
+            .iter()
+            .zip(group)
+            .map(|(x, g)| 2.0 * x + 10.0 * g as f64)
+            .collect();
         let model = Grouped::new(&[1.0, 2.0, 1.0, 0.5, 1.0, 3.0], &group, &[x.clone(), x]);
         assert_eq!((model.rank(), model.freedom()), (3, 3));
         assert!(model.residual(&y).iter().all(|left| left.abs() < 1e-9));

@@ -1,7 +1,7 @@
 //! What holds across the runs of a campaign, found from the current fits whenever it is read.
 
-use super::context::Context;
 use super::PipelineError;
+use super::context::Context;
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
 use crate::domain::tag::keys;
 use crate::domain::{FileState, Quantity, RunCurve, RunRecord, RunState, RunStatus};
@@ -76,11 +76,19 @@ fn attempt(run: &RunRecord) -> Attempt {
 /// Refused files of runs whose name gives a tag.
 fn refused(context: &Context) -> Result<Vec<Attempt>, PipelineError> {
     let campaign = &context.campaign;
-    let Some(pattern) = campaign.name_pattern.as_deref().and_then(|text| NamePattern::compile(text).ok()) else {
+    let Some(pattern) = campaign
+        .name_pattern
+        .as_deref()
+        .and_then(|text| NamePattern::compile(text).ok())
+    else {
         return Ok(Vec::new());
     };
     let samples: Vec<&str> = campaign.samples.iter().map(|sample| sample.id.as_str()).collect();
-    let environments: Vec<&str> = campaign.environments.iter().map(|known| known.id.as_str()).collect();
+    let environments: Vec<&str> = campaign
+        .environments
+        .iter()
+        .map(|known| known.id.as_str())
+        .collect();
     let known = KnownIds {
         samples: &samples,
         environments: &environments,
@@ -97,7 +105,11 @@ fn refused(context: &Context) -> Result<Vec<Attempt>, PipelineError> {
             NameMatch::Several { agreed, .. } => agreed,
             NameMatch::None => return None,
         };
-        let tag = |key: &str| tags.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str());
+        let tag = |key: &str| {
+            tags.iter()
+                .find(|(known, _)| known == key)
+                .map(|(_, value)| value.as_str())
+        };
         let number = |key: &str| tag(key)?.parse::<f64>().ok();
         Some(Attempt {
             environment: tag(keys::ENVIRONMENT).map(str::to_owned),

@@ -122,7 +122,10 @@ pub struct ConfoundedEntry {
 /// Entries of what may be claimed.
 pub fn entries(laws: &CampaignLaws) -> Vec<CampaignEntry> {
     let mut entries: Vec<CampaignEntry> = laws.claimed().map(dependence).collect();
-    let lengths = laws.lengths.iter().filter(|found| found.q <= CLAIMED_BELOW && found.explains_all);
+    let lengths = laws
+        .lengths
+        .iter()
+        .filter(|found| found.q <= CLAIMED_BELOW && found.explains_all);
     entries.extend(lengths.map(length));
     let selections = laws.selections.iter().filter(|found| found.q <= CLAIMED_BELOW);
     entries.extend(selections.map(selection));
@@ -190,11 +193,17 @@ fn dependence(found: &Dependence) -> CampaignEntry {
     let law = found.laws.first();
     let change = found.change();
     let coefficient = law.map(|law| law.coefficient).or(change);
-    let ratio = change.filter(|_| found.covariate != Covariate::Sample).map(|change| RatioEntry {
-        from: end(found, |span| span.low, |jump| &jump.from),
-        to: end(found, |span| span.high, |jump| &jump.to),
-        ratio: if found.is_log { change.map(f64::exp) } else { change },
-    });
+    let ratio = change
+        .filter(|_| found.covariate != Covariate::Sample)
+        .map(|change| RatioEntry {
+            from: end(found, |span| span.low, |jump| &jump.from),
+            to: end(found, |span| span.high, |jump| &jump.to),
+            ratio: if found.is_log {
+                change.map(f64::exp)
+            } else {
+                change
+            },
+        });
     let effects: Vec<&'static str> = found
         .confounded_with
         .iter()

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary,
-    Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
+    AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns,
+    FitSummary, Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
     ReportSummary,
 };
 use crate::ingest::scan::SeenFile;

@@ -44,7 +44,8 @@ fn campaign(samples: &[&str], more: &str) -> CampaignFolder {
     let folder = CampaignFolder::new();
     let mut text = String::from("[campaign]\nid = \"across\"\ntitle = \"Across runs\"\n");
     for sample in samples {
-        text += &format!("[[sample]]\nid = \"{sample}\"\nmaterial = \"CNaf\"\nlength_mm = 5.0\nwidth_mm = 2.0\n");
+        text +=
+            &format!("[[sample]]\nid = \"{sample}\"\nmaterial = \"CNaf\"\nlength_mm = 5.0\nwidth_mm = 2.0\n");
     }
     folder.write("campaign.toml", text + more);
     folder
@@ -68,9 +69,18 @@ fn hidden(order: &[[f64; 4]; 3]) -> Value {
     let mut runs = String::new();
     for (s, (sample, humidities)) in samples.iter().zip(order).enumerate() {
         for (k, humidity) in humidities.iter().enumerate() {
-            let tags = format!("sample = \"{sample}\", cycle = {}, relative_humidity_percent = {humidity}", k + 1);
+            let tags = format!(
+                "sample = \"{sample}\", cycle = {}, relative_humidity_percent = {humidity}",
+                k + 1
+            );
             let law = (0.02 * (humidity - 20.0)).exp() * scatter(4 * s + k);
-            runs += &run(&format!("{sample}_{k}"), &tags, 1.0 + 0.2 * s as f64, law, scatter(4 * s + k + 5));
+            runs += &run(
+                &format!("{sample}_{k}"),
+                &tags,
+                1.0 + 0.2 * s as f64,
+                law,
+                scatter(4 * s + k + 5),
+            );
         }
     }
     simulate(&folder, &runs);
@@ -91,7 +101,11 @@ fn of_lambda(document: &Value) -> Vec<&Value> {
 
 #[test]
 fn a_hidden_humidity_law_is_found_from_files() {
-    let document = hidden(&[[20.0, 60.0, 40.0, 80.0], [60.0, 20.0, 80.0, 40.0], [80.0, 40.0, 20.0, 60.0]]);
+    let document = hidden(&[
+        [20.0, 60.0, 40.0, 80.0],
+        [60.0, 20.0, 80.0, 40.0],
+        [80.0, 40.0, 20.0, 60.0],
+    ]);
     let found = of_lambda(&document);
     assert_eq!(found.len(), 1, "{:#}", document["campaign"]);
     let entry = found[0];
@@ -100,10 +114,16 @@ fn a_hidden_humidity_law_is_found_from_files() {
     assert_eq!(entry["confounded_with"], Value::Array(vec![]));
     assert!(entry["q"].as_f64().unwrap() <= 0.05);
     // exp(0.02 x 60)
-    let (low, high) = (entry["ratio"]["low_95"].as_f64().unwrap(), entry["ratio"]["high_95"].as_f64().unwrap());
+    let (low, high) = (
+        entry["ratio"]["low_95"].as_f64().unwrap(),
+        entry["ratio"]["high_95"].as_f64().unwrap(),
+    );
     assert!(low <= 3.32 && 3.32 <= high && high / low < 1.6, "{entry:#}");
     let sentence = entry["sentence"].as_str().unwrap();
-    assert!(sentence.starts_with("λ of CNaf rises by a factor of 3."), "{sentence}");
+    assert!(
+        sentence.starts_with("λ of CNaf rises by a factor of 3."),
+        "{sentence}"
+    );
     assert!(sentence.contains("from 20 to 80 % RH, 3 samples"), "{sentence}");
 }
 
@@ -120,8 +140,15 @@ fn a_humidity_that_rose_with_every_run_is_one_finding_with_age() {
         .filter_map(Value::as_str)
         .collect();
     names.push(found[0]["covariate"].as_str().unwrap());
-    assert!(names.contains(&"relative_humidity_percent") && names.contains(&"cycle"), "{names:?}");
-    assert!(found[0]["sentence"].as_str().unwrap().contains("cannot be told"), "{:#}", found[0]);
+    assert!(
+        names.contains(&"relative_humidity_percent") && names.contains(&"cycle"),
+        "{names:?}"
+    );
+    assert!(
+        found[0]["sentence"].as_str().unwrap().contains("cannot be told"),
+        "{:#}",
+        found[0]
+    );
 }
 
 const MONITORING: &str = r#"
@@ -139,8 +166,17 @@ fn fading(until: usize) -> String {
     let mut runs = String::new();
     for k in 0..until {
         let fade = 1.0 - 0.06 * (k as f64 - 7.0).max(0.0);
-        let tags = format!("sample = \"S1\", cycle = {}, relative_humidity_percent = 35", 2 * k + 1);
-        runs += &run(&format!("S1_{k:02}"), &tags, 1.0, scatter(k + 3), fade * scatter(k));
+        let tags = format!(
+            "sample = \"S1\", cycle = {}, relative_humidity_percent = 35",
+            2 * k + 1
+        );
+        runs += &run(
+            &format!("S1_{k:02}"),
+            &tags,
+            1.0,
+            scatter(k + 3),
+            fade * scatter(k),
+        );
     }
     runs
 }
@@ -158,23 +194,36 @@ fn an_alarm_is_told_once_and_stands_in_the_exit_status() {
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
     let told = std::fs::read_to_string(folder.path().join("told.txt")).unwrap();
     assert!(told.contains("S1 alpha_per_c_cm limit"), "{told}");
-    assert!(told.lines().any(|line| line.contains("alpha_per_c_cm cusum") || line.contains("alpha_per_c_cm ewma")), "{told}");
+    assert!(
+        told.lines()
+            .any(|line| line.contains("alpha_per_c_cm cusum") || line.contains("alpha_per_c_cm ewma")),
+        "{told}"
+    );
 
     // Once and not again.
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
-    assert_eq!(std::fs::read_to_string(folder.path().join("told.txt")).unwrap(), told);
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("told.txt")).unwrap(),
+        told
+    );
 
     let ended = folder.ieap(&["status", "--alarms", "--json"]).expect(5);
     let alarms = ended.json()["alarms"].as_array().unwrap().clone();
     assert_eq!(alarms.len(), told.lines().count());
     folder.ieap(&["status"]).expect(0);
     let page = std::fs::read_to_string(folder.path().join("report/monitoring.html")).unwrap();
-    assert!(page.contains("left control in the reference condition"), "no alarm on the page");
+    assert!(
+        page.contains("left control in the reference condition"),
+        "no alarm on the page"
+    );
 
     // Known alarms are not counted.
     let ids: Vec<String> = alarms.iter().map(|alarm| alarm["id"].to_string()).collect();
-    let known = MONITORING.replace("[[monitoring", &format!("acknowledged = [{}]\n[[monitoring", ids.join(", ")));
+    let known = MONITORING.replace(
+        "[[monitoring",
+        &format!("acknowledged = [{}]\n[[monitoring", ids.join(", ")),
+    );
     let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
     folder.write("campaign.toml", text.replace(MONITORING, &known));
     folder.ieap(&["status", "--alarms"]).expect(0);
@@ -190,8 +239,15 @@ fn simulate_over(folder: &CampaignFolder, runs: &str) {
 
 #[test]
 fn a_limit_without_a_side_is_refused_with_its_place() {
-    let folder = campaign(&["S1"], "[monitoring]\n[[monitoring.limit]]\nparameter = \"alpha_per_c_cm\"\n");
+    let folder = campaign(
+        &["S1"],
+        "[monitoring]\n[[monitoring.limit]]\nparameter = \"alpha_per_c_cm\"\n",
+    );
     let ended = folder.ieap(&["status"]);
     assert_eq!(ended.status, 2, "{ended:#?}");
-    assert!(ended.stderr.contains("neither below nor above"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("neither below nor above"),
+        "{}",
+        ended.stderr
+    );
 }

@@ -26,7 +26,11 @@ fn capacities(battery: &str) -> Option<Vec<f64>> {
     let (kind, cell, capacity) = (column("type"), column("battery_id"), column("Capacity"));
     let rows = table.records().map(Result::unwrap);
     let of_cell = rows.filter(|row| &row[kind] == "discharge" && &row[cell] == battery);
-    Some(of_cell.filter_map(|row| row[capacity].parse::<f64>().ok()).collect())
+    Some(
+        of_cell
+            .filter_map(|row| row[capacity].parse::<f64>().ok())
+            .collect(),
+    )
 }
 
 #[test]
@@ -54,7 +58,12 @@ fn batteries_fade_and_their_recoveries_are_no_jumps() {
         assert!(study.p_trend.unwrap() < 1e-3);
         let fall = study.trends[0].size.value.exp();
         assert!((fall - last / first).abs() < 0.06, "{fall}");
-        assert!(study.charts.iter().any(|chart| chart.first_alarm.is_some_and(|at| at < 60)));
+        assert!(
+            study
+                .charts
+                .iter()
+                .any(|chart| chart.first_alarm.is_some_and(|at| at < 60))
+        );
     }
 }
 
@@ -74,7 +83,10 @@ fn the_end_of_a_battery_is_foretold_or_refused() {
         if let Reaches::At(at) = told {
             // The recoveries make the fade uneven: the interval of the trend alone must come near.
             let (low, high) = (at.low_95.unwrap(), at.high_95.unwrap_or(f64::INFINITY));
-            assert!(low - 0.15 * passed <= passed && passed <= high + 0.15 * passed, "{known}: {at:?}");
+            assert!(
+                low - 0.15 * passed <= passed && passed <= high + 0.15 * passed,
+                "{known}: {at:?}"
+            );
         }
     }
 }
@@ -109,7 +121,9 @@ fn actuator() -> Option<Vec<(f64, f64, f64)>> {
     }
     let cycle = |pair: &[usize]| {
         let positions = readings[pair[0]..pair[1]].iter().map(|reading| reading.2);
-        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
         (readings[pair[0]].0, low, high - low)
     };
     Some(starts.windows(2).map(cycle).collect())
@@ -130,11 +144,18 @@ fn a_sensor_that_was_zeroed_again_is_no_degradation() {
     let at: Vec<f64> = study.steps.iter().map(|step| thinned[step.at].0).collect();
     println!("position jumps at {at:?} s; drift {:?}", study.trends[0].size);
     for zeroed_s in [3550.0, 4840.0, 9834.0] {
-        assert!(at.iter().any(|at| (at - zeroed_s).abs() < 30.0), "{zeroed_s}: {at:?}");
+        assert!(
+            at.iter().any(|at| (at - zeroed_s).abs() < 30.0),
+            "{zeroed_s}: {at:?}"
+        );
     }
     // Within its stretches the position only sinks, by far more than its ends show.
     let ends = position.y[position.y.len() - 1] - position.y[0];
-    assert!(study.trends[0].size.value < 3.0 * ends && ends < 0.0, "{:?} {ends}", study.trends[0].size);
+    assert!(
+        study.trends[0].size.value < 3.0 * ends && ends < 0.0,
+        "{:?} {ends}",
+        study.trends[0].size
+    );
     let stroke = series(thinned.iter().map(|cycle| cycle.2.ln()).collect(), true);
     let study = stroke.study(limits, 1);
     println!(
@@ -144,6 +165,10 @@ fn a_sensor_that_was_zeroed_again_is_no_degradation() {
         study.steps
     );
     assert!(study.p_trend.unwrap() < 1e-3 && study.trends[0].size.value < -0.2);
-    assert!(study.steps.iter().all(|step| !at.contains(&thinned[step.at].0)), "{:?}", study.steps);
+    assert!(
+        study.steps.iter().all(|step| !at.contains(&thinned[step.at].0)),
+        "{:?}",
+        study.steps
+    );
     assert_ne!(study.trends[0].law, Law::Jump);
 }

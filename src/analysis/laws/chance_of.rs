@@ -56,7 +56,13 @@ pub struct Answer {
 /// does as well. Both must have been made with the same variances; readings of one `block` are exchangeable.
 ///
 /// None where no alternative leaves two degrees of freedom.
-pub fn ask(y: &[f64], null: &Grouped, alternatives: &[Grouped], block: &[usize], seed: u64) -> Option<Answer> {
+pub fn ask(
+    y: &[f64],
+    null: &Grouped,
+    alternatives: &[Grouped],
+    block: &[usize],
+    seed: u64,
+) -> Option<Answer> {
     let usable: Vec<usize> = (0..alternatives.len())
         .filter(|&k| alternatives[k].freedom() >= 2 && alternatives[k].rank() > null.rank())
         .collect();
@@ -75,13 +81,20 @@ pub fn ask(y: &[f64], null: &Grouped, alternatives: &[Grouped], block: &[usize],
     };
     let own: Vec<f64> = usable.iter().map(|&k| score(k, &residual, whole)).collect();
     let observed = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let best = own.iter().position(|score| *score >= observed - AS_GOOD).map_or(usable[0], |at| usable[at]);
+    let best = own
+        .iter()
+        .position(|score| *score >= observed - AS_GOOD)
+        .map_or(usable[0], |at| usable[at]);
     let tail = usable
         .iter()
         .map(|&k| {
             let left = alternatives[k].square_left(&residual, &mut Vec::new());
             let (above, below) = (alternatives[k].rank() - null.rank(), alternatives[k].freedom());
-            f_chance(((whole - left) / above as f64) / (left / below as f64), above, below)
+            f_chance(
+                ((whole - left) / above as f64) / (left / below as f64),
+                above,
+                below,
+            )
         })
         .fold(1.0, f64::min);
     // Alternatives are alike, so that their number is more than is asked: the bound is safe.
@@ -180,7 +193,11 @@ pub fn distance_from_even(p: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let n = sorted.len() as f64;
     let above = |k: usize, p: f64| ((k + 1) as f64 / n - p).max(p - k as f64 / n);
-    sorted.iter().enumerate().map(|(k, &p)| above(k, p)).fold(0.0, f64::max)
+    sorted
+        .iter()
+        .enumerate()
+        .map(|(k, &p)| above(k, p))
+        .fold(0.0, f64::max)
 }
 
 /// Exact chance, by drawing, that `hits` (which items have the property) differ as much as they do by `score`, where
@@ -215,7 +232,10 @@ mod tests {
     fn null_p(samples: usize, each: usize, heavy: bool, tries: u64) -> Vec<f64> {
         let group: Vec<usize> = (0..samples * each).map(|k| k / each).collect();
         let column: Vec<f64> = (0..samples * each).map(|k| (k % each) as f64).collect();
-        let hinge: Vec<f64> = column.iter().map(|x| (x - 0.6 * (each - 1) as f64).max(0.0)).collect();
+        let hinge: Vec<f64> = column
+            .iter()
+            .map(|x| (x - 0.6 * (each - 1) as f64).max(0.0))
+            .collect();
         let variance: Vec<f64> = (0..group.len()).map(|k| 0.2 + 0.3 * (k % 4) as f64).collect();
         let null = Grouped::new(&variance, &group, &[]);
         let full: Vec<Grouped> = [column, hinge]
@@ -254,7 +274,10 @@ mod tests {
                 below(0.01)
             );
             // What chance passes in 1 of 1000 tries.
-            assert!(distance < 1.95 / (tries as f64).sqrt(), "{samples} {each}: {distance}");
+            assert!(
+                distance < 1.95 / (tries as f64).sqrt(),
+                "{samples} {each}: {distance}"
+            );
             assert!(below(0.01) < 0.01 + 3.3 * (0.01 / tries as f64).sqrt());
         }
     }
@@ -275,14 +298,22 @@ mod tests {
             .map(|shape| Grouped::new(&[1.0; 24], &group, std::slice::from_ref(shape)))
             .collect();
         let answer = ask(&y, &null, &full, &group, 1).unwrap();
-        assert!(answer.p < 1e-4 && answer.best == 1 && answer.basis == Basis::NormalErrors, "{answer:?}");
+        assert!(
+            answer.p < 1e-4 && answer.best == 1 && answer.basis == Basis::NormalErrors,
+            "{answer:?}"
+        );
     }
 
     #[test]
     fn failures_at_one_end_are_no_chance() {
         let volts = [1.0, 1.0, 1.5, 1.5, 2.0, 2.0, 2.5, 2.5, 3.0, 3.0];
         let extent = |failed: &[bool]| -> f64 {
-            let sum: f64 = volts.iter().zip(failed).filter(|(_, failed)| **failed).map(|(v, _)| v - 2.0).sum();
+            let sum: f64 = volts
+                .iter()
+                .zip(failed)
+                .filter(|(_, failed)| **failed)
+                .map(|(v, _)| v - 2.0)
+                .sum();
             sum.abs()
         };
         let mut failed = [false; 10];

@@ -96,7 +96,8 @@ fn levels(runs: &[RunRecord], facts: &[RunFacts], material: &str, key: &str) -> 
     let mut levels = Levels::new();
     for fact in facts.iter().filter(|fact| fact.material == material) {
         let name = |covariate| fact.names.get(&covariate).cloned();
-        let (Some(environment), Some(volts)) = (name(Covariate::Environment), name(Covariate::Voltage)) else {
+        let (Some(environment), Some(volts)) = (name(Covariate::Environment), name(Covariate::Voltage))
+        else {
             continue;
         };
         let Some(estimate) = usable(&runs[fact.run], key) else {
@@ -141,7 +142,10 @@ impl Level {
 }
 
 fn of_environments(campaign: &Campaign, levels: &Levels, material: &str, key: &str) -> Vec<Contrast> {
-    let environments = in_campaign_order(campaign, levels.keys().map(|(environment, ..)| environment.as_str()));
+    let environments = in_campaign_order(
+        campaign,
+        levels.keys().map(|(environment, ..)| environment.as_str()),
+    );
     let Some((reference, others)) = environments.split_first() else {
         return Vec::new();
     };
@@ -166,7 +170,10 @@ fn of_environments(campaign: &Campaign, levels: &Levels, material: &str, key: &s
 }
 
 fn of_voltages(campaign: &Campaign, levels: &Levels, material: &str, key: &str) -> Option<Contrast> {
-    let environments = in_campaign_order(campaign, levels.keys().map(|(environment, ..)| environment.as_str()));
+    let environments = in_campaign_order(
+        campaign,
+        levels.keys().map(|(environment, ..)| environment.as_str()),
+    );
     let voltages = distinct(levels.keys().map(|(_, volts, _)| volts.as_str()));
     let (low, high) = (voltages.first()?, voltages.last()?);
     if voltages.len() < 2 {
@@ -223,7 +230,10 @@ fn ratio(levels: &Levels, upper: (&str, &str), lower: (&str, &str), place: &str)
     let by_samples = match known.len() {
         1 => 0.0,
         _ => {
-            let square: f64 = known.iter().map(|(difference, _)| (difference - mean).powi(2)).sum();
+            let square: f64 = known
+                .iter()
+                .map(|(difference, _)| (difference - mean).powi(2))
+                .sum();
             (square / (n - 1.0) / n).sqrt() * quantile_95(n - 1.0)
         }
     };
@@ -241,9 +251,19 @@ fn ratio(levels: &Levels, upper: (&str, &str), lower: (&str, &str), place: &str)
 
 /// What a bound leaves: the ratio is at least that far from 1, or nothing is known.
 fn bound(upper: &Level, lower: &Level) -> Option<f64> {
-    let rises = upper.mean().map(|(y, _)| y).or(upper.above).zip(lower.below).map(|(a, b)| a - b);
-    let falls = upper.below.zip(lower.mean().map(|(y, _)| y).or(lower.above)).map(|(a, b)| a - b);
-    rises.filter(|rise| *rise > 0.0).or(falls.filter(|fall| *fall < 0.0))
+    let rises = upper
+        .mean()
+        .map(|(y, _)| y)
+        .or(upper.above)
+        .zip(lower.below)
+        .map(|(a, b)| a - b);
+    let falls = upper
+        .below
+        .zip(lower.mean().map(|(y, _)| y).or(lower.above))
+        .map(|(a, b)| a - b);
+    rises
+        .filter(|rise| *rise > 0.0)
+        .or(falls.filter(|fall| *fall < 0.0))
 }
 
 fn in_campaign_order<'a>(campaign: &Campaign, names: impl Iterator<Item = &'a str>) -> Vec<String> {
@@ -266,10 +286,22 @@ fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
 pub fn sentence(contrast: &Contrast) -> String {
     let symbol = symbol(&contrast.parameter);
     let material = &contrast.material;
-    let samples = contrast.ratios.iter().map(|ratio| ratio.samples).max().unwrap_or(0);
-    let ratios: Vec<String> = contrast.ratios.iter().map(|one| said(one, &contrast.over)).collect();
+    let samples = contrast
+        .ratios
+        .iter()
+        .map(|ratio| ratio.samples)
+        .max()
+        .unwrap_or(0);
+    let ratios: Vec<String> = contrast
+        .ratios
+        .iter()
+        .map(|one| said(one, &contrast.over))
+        .collect();
     let lead = match &contrast.over {
-        Over::Environment { environment, reference } => {
+        Over::Environment {
+            environment,
+            reference,
+        } => {
             format!("{symbol} of {material}, {environment} against {reference}")
         }
         Over::Voltage { high, low } => format!("{symbol} of {material}, {high} V against {low} V"),
@@ -288,7 +320,14 @@ fn said(ratio: &Ratio, over: &Over) -> String {
         Over::Voltage { .. } => format!("in {}", ratio.place),
     };
     match (ratio.log, ratio.at_least) {
-        (Some(Interval { value, low_95: Some(low), high_95: Some(high) }), _) => {
+        (
+            Some(Interval {
+                value,
+                low_95: Some(low),
+                high_95: Some(high),
+            }),
+            _,
+        ) => {
             let (near, far) = match value >= 0.0 {
                 true => (low, high),
                 false => (-high, -low),
@@ -304,7 +343,10 @@ fn said(ratio: &Ratio, over: &Over) -> String {
             }
             let width = 2.0 * (far.exp() - near.exp());
             if value.abs() < ABOUT_THE_SAME {
-                return format!("{place} about the same (factor {})", round(value.exp(), value.exp()));
+                return format!(
+                    "{place} about the same (factor {})",
+                    round(value.exp(), value.exp())
+                );
             }
             let word = if value >= 0.0 { "higher" } else { "lower" };
             format!(
@@ -316,7 +358,10 @@ fn said(ratio: &Ratio, over: &Over) -> String {
         }
         (_, Some(least)) => {
             let word = if least >= 0.0 { "higher" } else { "lower" };
-            format!("{place} {word} by a factor of at least {}", short(least.abs().exp()))
+            format!(
+                "{place} {word} by a factor of at least {}",
+                short(least.abs().exp())
+            )
         }
         _ => format!("{place} not known"),
     }
@@ -338,7 +383,10 @@ mod tests {
             })
             .collect();
         let facts = facts(&runs, &campaign(), &vec![None; runs.len()]);
-        contrasts(&runs, &campaign(), &facts).iter().map(sentence).collect()
+        contrasts(&runs, &campaign(), &facts)
+            .iter()
+            .map(sentence)
+            .collect()
     }
 
     #[test]
@@ -349,10 +397,22 @@ mod tests {
             ("CNaf-01", "vacuum", 2.5, known(1e-4, 0.05)),
             ("CNaf-01", "air", 2.5, known(1.8e-3, 0.05)),
         ]);
-        assert!(said[0].starts_with("λ of CNaf, air against vacuum: at 1.20 V no difference is shown"), "{}", said[0]);
-        assert!(said[0].contains("at 2.50 V higher by a factor of 18 [16, 21]"), "{}", said[0]);
+        assert!(
+            said[0].starts_with("λ of CNaf, air against vacuum: at 1.20 V no difference is shown"),
+            "{}",
+            said[0]
+        );
+        assert!(
+            said[0].contains("at 2.50 V higher by a factor of 18 [16, 21]"),
+            "{}",
+            said[0]
+        );
         assert!(said[0].contains("is not known"), "{}", said[0]);
-        assert!(said[1].contains("2.50 V against 1.20 V: in vacuum no difference"), "{}", said[1]);
+        assert!(
+            said[1].contains("2.50 V against 1.20 V: in vacuum no difference"),
+            "{}",
+            said[1]
+        );
     }
 
     #[test]
@@ -361,6 +421,10 @@ mod tests {
             ("CNaf-01", "vacuum", 2.5, Estimate::below(3e-5, "search limit")),
             ("CNaf-01", "air", 2.5, known(3e-4, 0.05)),
         ]);
-        assert!(said[0].contains("higher by a factor of at least 10"), "{}", said[0]);
+        assert!(
+            said[0].contains("higher by a factor of at least 10"),
+            "{}",
+            said[0]
+        );
     }
 }

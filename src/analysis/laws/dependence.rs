@@ -122,7 +122,8 @@ impl Dependence {
             let own = |x: f64| fitted::value_at(law.law, size, x, span, law.bend, self.is_log);
             // The level is known best in the middle of the points: sizes turn about it.
             let mean = |size_of: f64| {
-                let of = |point: &Point| fitted::value_at(law.law, size_of, point.x, span, law.bend, self.is_log);
+                let of =
+                    |point: &Point| fitted::value_at(law.law, size_of, point.x, span, law.bend, self.is_log);
                 self.points.iter().map(of).sum::<f64>() / self.points.len().max(1) as f64
             };
             let y = self.start + mean(law.size.value) - mean(size) + own(x);
@@ -192,7 +193,11 @@ impl Asking<'_> {
         let covariate = found.covariate;
         let nuisance = table.columns_of(&found.adjusted_for);
         let mut flexible = nuisance.clone();
-        flexible.extend(self.shapes(&table, covariate).into_iter().flat_map(|(_, columns)| columns));
+        flexible.extend(
+            self.shapes(&table, covariate)
+                .into_iter()
+                .flat_map(|(_, columns)| columns),
+        );
         let shared = shared_variance(&table.y, &table.variance, &table.group, &flexible);
         let variance: Vec<f64> = table.variance.iter().map(|v| floor(v + shared)).collect();
         let null = Grouped::new(&variance, &table.group, &nuisance);
@@ -205,7 +210,12 @@ impl Asking<'_> {
     }
 
     /// Covariates to take out, and those that ought to be but leave too little.
-    fn adjusters(&self, table: &Table, set: &[Covariate], first: Covariate) -> (Vec<Covariate>, Vec<Covariate>) {
+    fn adjusters(
+        &self,
+        table: &Table,
+        set: &[Covariate],
+        first: Covariate,
+    ) -> (Vec<Covariate>, Vec<Covariate>) {
         let own = table.columns.get(&first).map_or(1, Vec::len);
         let mut taken = Vec::new();
         let mut model = Grouped::new(&vec![1.0; table.y.len()], &table.group, &[]);
@@ -233,7 +243,12 @@ impl Asking<'_> {
             .sets
             .iter()
             .filter(|other| !other.contains(&first))
-            .filter_map(|other| other.iter().copied().find(|one| !is_factor(one) && !set.contains(one)))
+            .filter_map(|other| {
+                other
+                    .iter()
+                    .copied()
+                    .find(|one| !is_factor(one) && !set.contains(one))
+            })
             .map(|other| (inflation(other), other))
             .collect();
         others.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -410,7 +425,9 @@ impl Asking<'_> {
             let y = found.start + curve[row] + left[row] * material.variance[row].sqrt();
             let on_scale = |y: f64| if found.is_log { y.exp() } else { y };
             let sample = &self.facts[table.members[row][0]].sample;
-            let direction = self.facts[table.members[row][0]].numbers.get(&Covariate::Direction);
+            let direction = self.facts[table.members[row][0]]
+                .numbers
+                .get(&Covariate::Direction);
             found.points.push(Point {
                 sample: found.samples.binary_search(sample).unwrap_or(0),
                 x: x[row],
@@ -435,7 +452,10 @@ fn levels(x: &[f64], span: Span) -> Vec<f64> {
     sorted.sort_by(f64::total_cmp);
     let mut levels: Vec<f64> = Vec::new();
     for x in sorted {
-        if levels.last().is_none_or(|last| x - last > ONE_LEVEL * span.length()) {
+        if levels
+            .last()
+            .is_none_or(|last| x - last > ONE_LEVEL * span.length())
+        {
             levels.push(x);
         }
     }

@@ -138,7 +138,10 @@ impl Rows {
     /// with the inflation of a single column.
     pub fn inflation(&self, one: Covariate, others: &[Covariate]) -> f64 {
         let own = &self.columns[&one];
-        let others: Vec<Vec<f64>> = others.iter().flat_map(|other| self.columns[other].clone()).collect();
+        let others: Vec<Vec<f64>> = others
+            .iter()
+            .flat_map(|other| self.columns[other].clone())
+            .collect();
         let even = vec![1.0; self.group.len()];
         let before = Grouped::new(&even, &self.group, &[]);
         let after = Grouped::new(&even, &self.group, &others);
@@ -235,7 +238,12 @@ fn number_column(covariate: Covariate, numbers: &[Option<f64>]) -> Option<Vec<f6
         return None;
     }
     let middle = stated.iter().map(|&x| scaled(x)).sum::<f64>() / stated.len() as f64;
-    Some(numbers.iter().map(|x| x.map_or(0.0, |x| scaled(x) - middle)).collect())
+    Some(
+        numbers
+            .iter()
+            .map(|x| x.map_or(0.0, |x| scaled(x) - middle))
+            .collect(),
+    )
 }
 
 fn name_columns(names: &[Option<&str>]) -> Option<Vec<Vec<f64>>> {
@@ -280,7 +288,10 @@ pub fn group_means(column: &[f64], group: &[usize]) -> Vec<f64> {
         sums[g] += x;
         counts[g] += 1.0;
     }
-    sums.iter().zip(counts).map(|(sum, count)| sum / f64::max(count, 1.0)).collect()
+    sums.iter()
+        .zip(counts)
+        .map(|(sum, count)| sum / f64::max(count, 1.0))
+        .collect()
 }
 
 #[cfg(test)]
@@ -339,7 +350,10 @@ mod tests {
     #[test]
     fn a_shuffled_order_ties_nothing() {
         let mut facts = thesis();
-        for (fact, cycle) in facts.iter_mut().zip([5.0, 2.0, 9.0, 8.0, 4.0, 1.0, 3.0, 7.0, 6.0]) {
+        for (fact, cycle) in facts
+            .iter_mut()
+            .zip([5.0, 2.0, 9.0, 8.0, 4.0, 1.0, 3.0, 7.0, 6.0])
+        {
             fact.numbers.get_mut(&Covariate::Cycle).unwrap().value = cycle;
         }
         let [within, _] = rows(&facts, &(0..9).collect::<Vec<_>>());
@@ -354,13 +368,19 @@ mod tests {
                 facts.push(fact(
                     &format!("s{k}"),
                     &[(Covariate::RelativeHumidity, 20.0 * f64::from(k % 3))],
-                    &[(Covariate::Voltage, volts), (Covariate::Batch, ["a", "b"][k as usize % 2])],
+                    &[
+                        (Covariate::Voltage, volts),
+                        (Covariate::Batch, ["a", "b"][k as usize % 2]),
+                    ],
                 ));
             }
         }
         let [within, between] = rows(&facts, &(0..12).collect::<Vec<_>>());
         assert_eq!(within.sets, [vec![Covariate::Voltage]]);
         assert_eq!(between.group.len(), 6);
-        assert_eq!(between.sets, [vec![Covariate::RelativeHumidity], vec![Covariate::Batch]]);
+        assert_eq!(
+            between.sets,
+            [vec![Covariate::RelativeHumidity], vec![Covariate::Batch]]
+        );
     }
 }

@@ -67,7 +67,11 @@ fn of_run(index: usize, run: &RunRecord, campaign: &Campaign) -> Option<RunFacts
     };
     number(
         Covariate::RelativeHumidity,
-        climate(run, ClimateQuantity::RelativeHumidity, keys::RELATIVE_HUMIDITY_PERCENT),
+        climate(
+            run,
+            ClimateQuantity::RelativeHumidity,
+            keys::RELATIVE_HUMIDITY_PERCENT,
+        ),
     );
     number(
         Covariate::Temperature,
@@ -123,11 +127,17 @@ fn climate(run: &RunRecord, quantity: ClimateQuantity, key: &str) -> Option<Know
         .find(|tag| tag.key == key)
         .is_some_and(|tag| tag.source == TagSource::Ambient);
     let standard_error = measured.filter(|_| from_log).and_then(|measured| {
-        let parts = [measured.standard_deviation, measured.accuracy.map(|accuracy| accuracy * EVEN)];
+        let parts = [
+            measured.standard_deviation,
+            measured.accuracy.map(|accuracy| accuracy * EVEN),
+        ];
         let square: f64 = parts.iter().flatten().map(|part| part * part).sum();
         (square > 0.0).then(|| square.sqrt())
     });
-    Some(Known { value, standard_error })
+    Some(Known {
+        value,
+        standard_error,
+    })
 }
 
 /// Adds what follows from the order of each sample's runs. Without starts the cycle gives the order; where neither
@@ -161,7 +171,9 @@ fn add_history(facts: &mut [RunFacts], runs: &[RunRecord], charge_c: &[Option<f6
                 numbers.insert(Covariate::ChargeBefore, exact(passed));
             }
             let own = charge_c.get(run).copied().flatten().zip(runs[run].area_cm2);
-            passed = passed.zip(own).map(|(passed, (charge, area))| passed + charge / area);
+            passed = passed
+                .zip(own)
+                .map(|(passed, (charge, area))| passed + charge / area);
         }
         for (place, direction) in directions(&ordered, facts) {
             rises += usize::from(direction > 0.0);
@@ -219,8 +231,14 @@ pub(super) fn in_order(places: &[usize], facts: &[RunFacts], runs: &[RunRecord])
         let distinct = keyed.windows(2).all(|pair| pair[0].0 < pair[1].0);
         distinct.then(|| keyed.into_iter().map(|(_, place)| place).collect())
     };
-    by(&|place| start_s(&runs[facts[place].run]))
-        .or_else(|| by(&|place| facts[place].numbers.get(&Covariate::Cycle).map(|known| known.value)))
+    by(&|place| start_s(&runs[facts[place].run])).or_else(|| {
+        by(&|place| {
+            facts[place]
+                .numbers
+                .get(&Covariate::Cycle)
+                .map(|known| known.value)
+        })
+    })
 }
 
 fn start_s(run: &RunRecord) -> Option<f64> {
@@ -251,10 +269,14 @@ mod tests {
         assert_eq!(of(0, Covariate::Age), None);
         assert!((of(0, Covariate::ChargeBefore).unwrap() - 3.0).abs() < 1e-12);
         for (run, hour) in runs.iter_mut().zip([0, 1, 5]) {
-            run.tags.push(tag(keys::STARTED_AT, &format!("2026-11-20T{hour:02}:00:00Z")));
+            run.tags
+                .push(tag(keys::STARTED_AT, &format!("2026-11-20T{hour:02}:00:00Z")));
         }
         let found = facts(&runs, &campaign(), &[None, None, None]);
-        let ages: Vec<f64> = found.iter().map(|fact| fact.numbers[&Covariate::Age].value).collect();
+        let ages: Vec<f64> = found
+            .iter()
+            .map(|fact| fact.numbers[&Covariate::Age].value)
+            .collect();
         assert_eq!(ages, [0.0, 1.0, 5.0]);
         assert!(!found[1].numbers.contains_key(&Covariate::ChargeBefore));
     }
@@ -267,6 +289,9 @@ mod tests {
         ];
         let found = facts(&runs, &campaign(), &[None, None]);
         assert!(!found[0].numbers.contains_key(&Covariate::RunOrder));
-        assert_eq!(found[0].numbers[&Covariate::RelativeHumidity].standard_error, None);
+        assert_eq!(
+            found[0].numbers[&Covariate::RelativeHumidity].standard_error,
+            None
+        );
     }
 }

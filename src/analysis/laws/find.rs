@@ -72,7 +72,11 @@ pub fn find(evidence: &Evidence) -> CampaignLaws {
     let facts = facts(evidence.runs, evidence.campaign, evidence.charge_c);
     let mut of_material: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (place, fact) in facts.iter().enumerate() {
-        if evidence.runs[fact.run].fit.as_ref().is_some_and(|fit| fit.converged) {
+        if evidence.runs[fact.run]
+            .fit
+            .as_ref()
+            .is_some_and(|fit| fit.converged)
+        {
             of_material.entry(fact.material.clone()).or_default().push(place);
         }
     }
@@ -103,7 +107,8 @@ fn add_material(
         }));
     }
     let differing = within.columns.keys().chain(between.columns.keys());
-    laws.asked.insert(material.to_owned(), differing.copied().collect());
+    laws.asked
+        .insert(material.to_owned(), differing.copied().collect());
     let all: Vec<Values> = keys(evidence.runs, facts, places)
         .iter()
         .map(|key| values(evidence.runs, facts, places, key))
@@ -133,7 +138,11 @@ fn add_material(
         .collect();
     let describe = |mut found: Dependence| {
         let values = all.iter().find(|values| values.key == found.parameter);
-        let rows = if found.level == Level::Within { &within } else { &between };
+        let rows = if found.level == Level::Within {
+            &within
+        } else {
+            &between
+        };
         if let Some(values) = values.filter(|_| is_described(&found)) {
             asker.asking(values, rows, None).describe(&mut found);
         }
@@ -145,7 +154,10 @@ fn add_material(
         .iter()
         .map(|values| (values, Table::new(values, &between, &within)))
         .collect();
-    let runs: Vec<&RunRecord> = places.iter().map(|&place| &evidence.runs[facts[place].run]).collect();
+    let runs: Vec<&RunRecord> = places
+        .iter()
+        .map(|&place| &evidence.runs[facts[place].run])
+        .collect();
     laws.lengths
         .extend(length_doubts(facts, material, &tables, from_displacement(&runs)));
 }
@@ -214,8 +226,11 @@ fn judge(laws: &mut CampaignLaws) {
         of_samples.into_iter().map(|one| (one.p, &mut one.q)).collect();
     let mut of_lengths: Vec<(f64, &mut f64)> =
         laws.lengths.iter_mut().map(|one| (one.p, &mut one.q)).collect();
-    let mut of_failures: Vec<(f64, &mut f64)> =
-        laws.selections.iter_mut().map(|one| (one.p, &mut one.q)).collect();
+    let mut of_failures: Vec<(f64, &mut f64)> = laws
+        .selections
+        .iter_mut()
+        .map(|one| (one.p, &mut one.q))
+        .collect();
     let mut questions = 0;
     for family in [&mut of_laws, &mut of_samples, &mut of_lengths, &mut of_failures] {
         questions += family.len();

@@ -91,7 +91,10 @@ pub fn compare(material: &Material, laws: &[Law]) -> Vec<Fitted> {
     let mut fitted: Vec<Fitted> = laws.iter().filter_map(|&law| fit(material, law)).collect();
     fitted.sort_by(|a, b| a.bic.total_cmp(&b.bic));
     // Of laws that are as good the plainest one gives the name.
-    let as_good = fitted.iter().take_while(|one| one.bic <= fitted[0].bic + AS_GOOD).count();
+    let as_good = fitted
+        .iter()
+        .take_while(|one| one.bic <= fitted[0].bic + AS_GOOD)
+        .count();
     let plainest = (0..as_good).min_by_key(|&k| {
         let law = fitted[k].law;
         (law.parameters(), laws.iter().position(|known| *known == law))
@@ -125,7 +128,10 @@ pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
     let left = material.nuisance.residual(material.y);
     let all: Vec<usize> = (0..material.y.len()).collect();
     let made = |bends: &[Bend]| -> Vec<Shape> {
-        bends.iter().map(|&bend| Shape::new(material, law, bend)).collect()
+        bends
+            .iter()
+            .map(|&bend| Shape::new(material, law, bend))
+            .collect()
     };
     let mut shapes = made(&bends);
     let best_of = |shapes: &[Shape]| -> Option<(f64, f64, usize)> {
@@ -145,10 +151,15 @@ pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
     let spread = (square / freedom as f64).max(1.0);
     let allowed = square + quantile_95(freedom as f64).powi(2) * spread;
     let profile = |size: f64| -> f64 {
-        let each = shapes.iter().map(|shape| shape.square(material, &left, size, &all));
+        let each = shapes
+            .iter()
+            .map(|shape| shape.square(material, &left, size, &all));
         each.fold(f64::INFINITY, f64::min)
     };
-    let ends = (end(&profile, size, -1.0, allowed), end(&profile, size, 1.0, allowed));
+    let ends = (
+        end(&profile, size, -1.0, allowed),
+        end(&profile, size, 1.0, allowed),
+    );
     let size = Interval {
         value: size,
         low_95: ends.0,
@@ -191,9 +202,16 @@ impl Shape {
     /// Sum of squares over `rows` with that size.
     fn square(&self, material: &Material, left: &[f64], size: f64, rows: &[usize]) -> f64 {
         match self.by_amount {
-            false => rows.iter().map(|&r| (left[r] - size * self.column[r]).powi(2)).sum(),
+            false => rows
+                .iter()
+                .map(|&r| (left[r] - size * self.column[r]).powi(2))
+                .sum(),
             true => {
-                let curve: Vec<f64> = self.progress.iter().map(|&g| at_progress(size, g, true)).collect();
+                let curve: Vec<f64> = self
+                    .progress
+                    .iter()
+                    .map(|&g| at_progress(size, g, true))
+                    .collect();
                 let curve = material.nuisance.residual(&curve);
                 rows.iter().map(|&r| (left[r] - curve[r]).powi(2)).sum()
             }
@@ -291,8 +309,16 @@ fn bend_interval(
         held.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     );
     // The ends lie between what holds and what does not; where nothing beyond was tried, the end is open.
-    let below = bends.iter().map(|bend| bend.at).filter(|at| *at < low).reduce(f64::max);
-    let above = bends.iter().map(|bend| bend.at).filter(|at| *at > high).reduce(f64::min);
+    let below = bends
+        .iter()
+        .map(|bend| bend.at)
+        .filter(|at| *at < low)
+        .reduce(f64::max);
+    let above = bends
+        .iter()
+        .map(|bend| bend.at)
+        .filter(|at| *at > high)
+        .reduce(f64::min);
     Interval {
         value: in_unit(bends[best].at),
         low_95: below.map(in_unit),
@@ -338,7 +364,10 @@ mod tests {
     fn hidden(law: Law, size: f64, bend: Bend, sigma: f64, seed: u64) -> (Vec<f64>, Vec<f64>, Vec<usize>) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-        let span = Span { low: 10.0, high: 90.0 };
+        let span = Span {
+            low: 10.0,
+            high: 90.0,
+        };
         let (mut x, mut y, mut sample) = (Vec::new(), Vec::new(), Vec::new());
         for s in 0..8 {
             let offset = 0.4 * normal();
@@ -400,16 +429,29 @@ mod tests {
     fn a_trend_bends_where_it_was_bent() {
         let knee = Bend { at: 0.5, part: 0.0 };
         let (x, y, sample) = hidden(Law::Knee, -1.0, knee, 0.05, 9);
-        let found = compared(&x, &y, &sample, 0.05, Law::of(super::super::covariate::Covariate::Cycle));
+        let found = compared(
+            &x,
+            &y,
+            &sample,
+            0.05,
+            Law::of(super::super::covariate::Covariate::Cycle),
+        );
         assert_eq!(found[0].law, Law::Knee);
         let at = found[0].bend_at.unwrap();
-        assert!(at.low_95.unwrap() <= 50.0 && at.high_95.unwrap() >= 50.0, "{at:?}");
+        assert!(
+            at.low_95.unwrap() <= 50.0 && at.high_95.unwrap() >= 50.0,
+            "{at:?}"
+        );
     }
 
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
         let plain = Bend { at: 0.0, part: 1.0 };
-        let tries = if std::env::var_os("IEAP_LONG").is_some() { 1000 } else { 150 };
+        let tries = if std::env::var_os("IEAP_LONG").is_some() {
+            1000
+        } else {
+            150
+        };
         for law in [Law::Exponential, Law::Linear] {
             let mut held = 0;
             for seed in 0..tries {
@@ -418,8 +460,14 @@ mod tests {
                 held += u64::from(found.low_95.unwrap() <= 0.6 && 0.6 <= found.high_95.unwrap());
             }
             let part = held as f64 / tries as f64;
-            println!("{law:?}: {:.1} % of {tries} intervals hold the truth", 100.0 * part);
-            assert!((0.95 - part).abs() < 3.5 * (0.05 * 0.95 / tries as f64).sqrt(), "{law:?} {part}");
+            println!(
+                "{law:?}: {:.1} % of {tries} intervals hold the truth",
+                100.0 * part
+            );
+            assert!(
+                (0.95 - part).abs() < 3.5 * (0.05 * 0.95 / tries as f64).sqrt(),
+                "{law:?} {part}"
+            );
         }
     }
 }

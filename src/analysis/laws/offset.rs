@@ -147,7 +147,10 @@ pub fn length_doubts(
 
 /// How far one number lies from the mean of the others, with its standard error and the probability of it.
 fn against_others(numbers: &[f64], one: usize) -> Option<(f64, f64, f64)> {
-    let others: Vec<f64> = (0..numbers.len()).filter(|k| *k != one).map(|k| numbers[k]).collect();
+    let others: Vec<f64> = (0..numbers.len())
+        .filter(|k| *k != one)
+        .map(|k| numbers[k])
+        .collect();
     let n = others.len() as f64;
     let mean = others.iter().sum::<f64>() / n;
     let square: f64 = others.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);

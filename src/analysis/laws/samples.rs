@@ -46,9 +46,17 @@ pub fn widen(material: &Material, law: &mut Fitted) -> bool {
     let sum: f64 = weights.iter().sum();
     let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
     let between = ((scatter - freedom as f64) / (sum - squares / sum)).max(0.0);
-    let weights: Vec<f64> = own.iter().map(|(_, variance)| (variance + between).recip()).collect();
+    let weights: Vec<f64> = own
+        .iter()
+        .map(|(_, variance)| (variance + between).recip())
+        .collect();
     let sum: f64 = weights.iter().sum();
-    let mean = own.iter().zip(&weights).map(|((size, _), weight)| size * weight).sum::<f64>() / sum;
+    let mean = own
+        .iter()
+        .zip(&weights)
+        .map(|((size, _), weight)| size * weight)
+        .sum::<f64>()
+        / sum;
     let spread: f64 = own
         .iter()
         .zip(&weights)
@@ -71,5 +79,7 @@ pub fn widen(material: &Material, law: &mut Fitted) -> bool {
 fn heterogeneity(own: &[(f64, f64)]) -> f64 {
     let sum: f64 = own.iter().map(|(_, variance)| variance.recip()).sum();
     let mean = own.iter().map(|(size, variance)| size / variance).sum::<f64>() / sum;
-    own.iter().map(|(size, variance)| (size - mean).powi(2) / variance).sum()
+    own.iter()
+        .map(|(size, variance)| (size - mean).powi(2) / variance)
+        .sum()
 }

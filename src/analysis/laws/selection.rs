@@ -57,7 +57,10 @@ fn by_number(
     number: fn(&Attempt) -> Option<f64>,
     seed: u64,
 ) -> Option<Selection> {
-    let known: Vec<(f64, bool)> = attempts.iter().filter_map(|a| Some((number(a)?, a.failed))).collect();
+    let known: Vec<(f64, bool)> = attempts
+        .iter()
+        .filter_map(|a| Some((number(a)?, a.failed)))
+        .collect();
     let failed: Vec<bool> = known.iter().map(|(_, failed)| *failed).collect();
     let count = enough(&failed)?;
     let ranks = ranks(&known.iter().map(|(x, _)| *x).collect::<Vec<_>>());
@@ -66,11 +69,20 @@ fn by_number(
     }
     let expected = count as f64 * (known.len() as f64 + 1.0) / 2.0;
     let extent = |failed: &[bool]| -> f64 {
-        let sum: f64 = ranks.iter().zip(failed).filter(|(_, failed)| **failed).map(|(rank, _)| rank).sum();
+        let sum: f64 = ranks
+            .iter()
+            .zip(failed)
+            .filter(|(_, failed)| **failed)
+            .map(|(rank, _)| rank)
+            .sum();
         (sum - expected).abs()
     };
     let mean = |wanted: bool| {
-        let of: Vec<f64> = known.iter().filter(|(_, failed)| *failed == wanted).map(|(x, _)| *x).collect();
+        let of: Vec<f64> = known
+            .iter()
+            .filter(|(_, failed)| *failed == wanted)
+            .map(|(x, _)| *x)
+            .collect();
         of.iter().sum::<f64>() / of.len() as f64
     };
     Some(Selection {
@@ -106,12 +118,19 @@ fn by_name(attempts: &[Attempt], seed: u64) -> Option<Selection> {
     let part = count as f64 / known.len() as f64;
     let counted = |failed: &[bool]| -> Vec<f64> {
         let mut counts = vec![0.0; names.len()];
-        of.iter().zip(failed).filter(|(_, failed)| **failed).for_each(|(&k, _)| counts[k] += 1.0);
+        of.iter()
+            .zip(failed)
+            .filter(|(_, failed)| **failed)
+            .for_each(|(&k, _)| counts[k] += 1.0);
         counts
     };
     let extent = |failed: &[bool]| -> f64 {
         let counts = counted(failed);
-        counts.iter().zip(&all).map(|(count, all)| (count - part * all).powi(2) / all).sum()
+        counts
+            .iter()
+            .zip(&all)
+            .map(|(count, all)| (count - part * all).powi(2) / all)
+            .sum()
     };
     let counts = counted(&failed);
     let worst = (0..names.len()).max_by(|&a, &b| (counts[a] / all[a]).total_cmp(&(counts[b] / all[b])))?;
@@ -120,7 +139,11 @@ fn by_name(attempts: &[Attempt], seed: u64) -> Option<Selection> {
         failed: count,
         attempts: known.len(),
         shift: None,
-        worst: Some((names[worst].to_owned(), counts[worst] as usize, all[worst] as usize)),
+        worst: Some((
+            names[worst].to_owned(),
+            counts[worst] as usize,
+            all[worst] as usize,
+        )),
         p: random_choice_chance(&failed, &extent, seed),
         q: 1.0,
     })
@@ -162,7 +185,10 @@ mod tests {
     fn failures_at_high_voltage_are_seen() {
         let found = selections(&attempts(|k, volts| volts > 2.9 && k % 3 > 0), 1);
         let voltage = &found[0];
-        assert_eq!((voltage.covariate, voltage.failed, voltage.attempts), ("voltage_v", 4, 30));
+        assert_eq!(
+            (voltage.covariate, voltage.failed, voltage.attempts),
+            ("voltage_v", 4, 30)
+        );
         assert!(voltage.p < 0.01 && voltage.shift.unwrap() > 0.5, "{voltage:?}");
         let environment = &found[1];
         assert!(environment.p > 0.3, "{environment:?}");

@@ -52,9 +52,13 @@ impl Law {
             }
             Covariate::RestBefore => &[Law::Decay],
             Covariate::FirstRun | Covariate::Direction => &[Law::Jump],
-            covariate if Covariate::OF_AGE.contains(&covariate) => {
-                &[Law::Linear, Law::SquareRoot, Law::Exponential, Law::Approach, Law::Knee]
-            }
+            covariate if Covariate::OF_AGE.contains(&covariate) => &[
+                Law::Linear,
+                Law::SquareRoot,
+                Law::Exponential,
+                Law::Approach,
+                Law::Knee,
+            ],
             Covariate::Batch | Covariate::Sample => &[Law::Offset],
             _ => &[Law::Jump],
         }
@@ -160,8 +164,14 @@ pub fn finer(law: Law, tried: &[Bend], best: usize) -> Vec<Bend> {
     }
     let center = tried[best];
     let others = || tried.iter().map(|bend| bend.at);
-    let below = others().filter(|at| *at < center.at).reduce(f64::max).unwrap_or(center.at);
-    let above = others().filter(|at| *at > center.at).reduce(f64::min).unwrap_or(center.at);
+    let below = others()
+        .filter(|at| *at < center.at)
+        .reduce(f64::max)
+        .unwrap_or(center.at);
+    let above = others()
+        .filter(|at| *at > center.at)
+        .reduce(f64::min)
+        .unwrap_or(center.at);
     even(below, above, 7)
         .filter(|at| *at != center.at && *at != below && *at != above)
         .map(|at| Bend { at, ..center })
@@ -221,7 +231,10 @@ mod tests {
 
     #[test]
     fn every_law_is_0_at_its_start_and_its_size_at_its_end() {
-        let span = Span { low: 10.0, high: 90.0 };
+        let span = Span {
+            low: 10.0,
+            high: 90.0,
+        };
         let levels = [10.0, 30.0, 50.0, 70.0, 90.0];
         for law in [
             Law::Exponential,
@@ -234,7 +247,10 @@ mod tests {
         ] {
             for bend in bends(law, &levels, span) {
                 let at = |x| at_progress(0.7, progress(law, x, span, bend), is_of_amounts(law));
-                assert!(at(10.0).abs() < 1e-12 && (at(90.0) - 0.7).abs() < 1e-9, "{law:?} {bend:?}");
+                assert!(
+                    at(10.0).abs() < 1e-12 && (at(90.0) - 0.7).abs() < 1e-9,
+                    "{law:?} {bend:?}"
+                );
                 assert!(coefficient(law, 0.7, span, bend).is_finite());
             }
         }
@@ -244,7 +260,10 @@ mod tests {
 
     #[test]
     fn few_levels_show_no_threshold() {
-        let span = Span { low: 20.0, high: 80.0 };
+        let span = Span {
+            low: 20.0,
+            high: 80.0,
+        };
         assert!(bends(Law::Threshold, &[20.0, 50.0, 80.0], span).is_empty());
         assert!(bends(Law::Power, &[0.0, 50.0], Span { low: 0.0, high: 50.0 }).is_empty());
     }

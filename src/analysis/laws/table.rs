@@ -35,8 +35,13 @@ impl Table {
     }
 
     fn of_runs(values: &Values, rows: &Rows) -> Table {
-        let place_of: BTreeMap<usize, usize> = rows.members.iter().enumerate().map(|(k, m)| (m[0], k)).collect();
-        let kept: Vec<usize> = values.values.iter().filter_map(|v| place_of.get(&v.place).copied()).collect();
+        let place_of: BTreeMap<usize, usize> =
+            rows.members.iter().enumerate().map(|(k, m)| (m[0], k)).collect();
+        let kept: Vec<usize> = values
+            .values
+            .iter()
+            .filter_map(|v| place_of.get(&v.place).copied())
+            .collect();
         let group = renumbered(kept.iter().map(|&k| rows.group[k]));
         Table {
             y: values.values.iter().map(|value| value.y).collect(),
@@ -84,10 +89,7 @@ impl Table {
     }
 }
 
-fn part(
-    columns: &BTreeMap<Covariate, Vec<Vec<f64>>>,
-    kept: &[usize],
-) -> BTreeMap<Covariate, Vec<Vec<f64>>> {
+fn part(columns: &BTreeMap<Covariate, Vec<Vec<f64>>>, kept: &[usize]) -> BTreeMap<Covariate, Vec<Vec<f64>>> {
     let pick = |column: &Vec<f64>| kept.iter().map(|&k| column[k]).collect();
     columns
         .iter()

@@ -56,8 +56,12 @@ pub fn values(runs: &[RunRecord], facts: &[RunFacts], places: &[usize], key: &st
         let estimate = usable(run, key).filter(|estimate| !estimate.at_bound);
         let numbers = estimate.and_then(|estimate| {
             let value = estimate.value?;
-            let error = estimate.standard_error.filter(|error| error.is_finite() && *error >= 0.0)?;
-            value.is_finite().then_some((value, error, estimate.low_95, estimate.high_95))
+            let error = estimate
+                .standard_error
+                .filter(|error| error.is_finite() && *error >= 0.0)?;
+            value
+                .is_finite()
+                .then_some((value, error, estimate.low_95, estimate.high_95))
         });
         match numbers {
             Some(numbers) => known.push((place, numbers)),

@@ -51,7 +51,11 @@ fn claim(found: &Dependence) -> String {
         (None, Some(span)) => range(found.covariate, span.low, span.high),
         (None, None) => String::new(),
     };
-    format!("{what} {} {between}, {n}{}.", moves(change, found.is_log), law_words(found))
+    format!(
+        "{what} {} {between}, {n}{}.",
+        moves(change, found.is_log),
+        law_words(found)
+    )
 }
 
 /// `from 20 to 80 % RH`.
@@ -61,9 +65,16 @@ fn range(covariate: Covariate, low: f64, high: f64) -> String {
     match covariate {
         Covariate::FirstRun => "in the first run of a sample".to_owned(),
         Covariate::Direction => "from drying to wetting at the same humidity".to_owned(),
-        Covariate::RestBefore => format!("after a rest of {} s against an endless one", end(low, high - low)),
+        Covariate::RestBefore => format!(
+            "after a rest of {} s against an endless one",
+            end(low, high - low)
+        ),
         Covariate::RelativeHumidity | Covariate::Temperature => {
-            format!("from {} to {}{space}{unit}", end(low, high - low), end(high, high - low))
+            format!(
+                "from {} to {}{space}{unit}",
+                end(low, high - low),
+                end(high, high - low)
+            )
         }
         _ => format!(
             "from {} {} to {}{space}{unit}",
@@ -87,7 +98,9 @@ fn law_words(found: &Dependence) -> String {
         .filter(|other| **other != law.law)
         .map(|other| other.key())
         .collect();
-    let bend = law.bend_at.map_or_else(String::new, |at| bend_words(found, law, at));
+    let bend = law
+        .bend_at
+        .map_or_else(String::new, |at| bend_words(found, law, at));
     match others.is_empty() {
         true => format!("; the law is {}{bend}", law.law.key()),
         false => format!("; {}{bend} as well as {}", law.law.key(), others.join(", ")),
@@ -105,7 +118,9 @@ fn bend_words(found: &Dependence, law: &Fitted, at: Interval) -> String {
         (Some(low), Some(high)) => format!(" [{}, {}]", round(low, width), round(high, width)),
         _ => String::new(),
     };
-    format!(" {name} {}{within} {unit}", round(at.value, width)).trim_end().to_owned()
+    format!(" {name} {}{within} {unit}", round(at.value, width))
+        .trim_end()
+        .to_owned()
 }
 
 /// `rises by a factor of 1.8 [1.5, 2.2]`.
@@ -121,8 +136,13 @@ pub fn moves(change: Interval, is_log: bool) -> String {
         false => (change.high_95.map(|x| -x), change.low_95.map(|x| -x)),
     };
     let ends = ends(near, far, f64::exp);
-    let half = near.zip(far).map(|(near, far)| 0.5 * (far.exp() - near.exp()).abs());
-    format!("{verb} by a factor of {}{ends}", round(change.value.abs().exp(), half.unwrap_or(1.0) * 4.0))
+    let half = near
+        .zip(far)
+        .map(|(near, far)| 0.5 * (far.exp() - near.exp()).abs());
+    format!(
+        "{verb} by a factor of {}{ends}",
+        round(change.value.abs().exp(), half.unwrap_or(1.0) * 4.0)
+    )
 }
 
 fn ends(low: Option<f64>, high: Option<f64>, scale: fn(f64) -> f64) -> String {
@@ -147,7 +167,11 @@ fn sample_sentence(found: &Dependence) -> String {
             short(deviation.exp())
         ),
         true => format!("{what} differs between samples by more than between runs ({n})."),
-        false => format!("That samples of {} differ in {} is not shown ({n}).", found.material, symbol(&found.parameter)),
+        false => format!(
+            "That samples of {} differ in {} is not shown ({n}).",
+            found.material,
+            symbol(&found.parameter)
+        ),
     }
 }
 
@@ -156,7 +180,9 @@ fn open(found: &Dependence) -> String {
     let what = format!("{} of {}", symbol(&found.parameter), found.material);
     let n = counted(found.samples.len(), "sample");
     let allowed = match (found.change(), found.span, found.is_log) {
-        (Some(change), Some(span), true) if !matches!(found.covariate, Covariate::FirstRun | Covariate::Direction) => {
+        (Some(change), Some(span), true)
+            if !matches!(found.covariate, Covariate::FirstRun | Covariate::Direction) =>
+        {
             let ends = ends(change.low_95, change.high_95, f64::exp);
             format!(
                 ": a factor of {}{ends} {} is what the readings allow",
@@ -203,7 +229,11 @@ fn tied_sentence(found: &Dependence) -> String {
     };
     let mut names = vec![found.covariate];
     names.extend(&found.confounded_with);
-    format!("{what} changes, but {} changed {place}: which of them it follows cannot be told. Stated by the {}:", listed(&names), found.covariate.label())
+    format!(
+        "{what} changes, but {} changed {place}: which of them it follows cannot be told. Stated by the {}:",
+        listed(&names),
+        found.covariate.label()
+    )
 }
 
 /// What the design lets nobody tell apart.
@@ -239,7 +269,10 @@ pub fn selection(found: &Selection) -> String {
                 _ => ("% RH", "relative humidity"),
             };
             let side = if shift > 0.0 { "above" } else { "below" };
-            format!("their {what} lies {} {unit} {side} that of the usable runs", short(shift.abs()))
+            format!(
+                "their {what} lies {} {unit} {side} that of the usable runs",
+                short(shift.abs())
+            )
         }
         (None, Some((name, failed, all))) => format!("{failed} of {all} failed in {name}"),
         (None, None) => String::new(),
@@ -282,7 +315,7 @@ pub fn round(value: f64, width: f64) -> String {
     let largest = value.abs().max(1e-300).log10().floor() as i32;
     // Never fewer than two digits nor more than four.
     let place = place.clamp(largest - 3, largest - 1);
-    if largest >= 5 || largest < -3 {
+    if !(-3..5).contains(&largest) {
         return format!("{value:.*e}", (largest - place).max(0) as usize);
     }
     match place >= 0 {
@@ -322,8 +355,14 @@ mod tests {
             low_95: Some(low.ln()),
             high_95: Some(high.ln()),
         };
-        assert_eq!(moves(change(1.8, 1.5, 2.2), true), "rises by a factor of 1.8 [1.5, 2.2]");
-        assert_eq!(moves(change(0.5, 0.4, 0.8), true), "falls by a factor of 2.0 [1.2, 2.5]");
+        assert_eq!(
+            moves(change(1.8, 1.5, 2.2), true),
+            "rises by a factor of 1.8 [1.5, 2.2]"
+        );
+        assert_eq!(
+            moves(change(0.5, 0.4, 0.8), true),
+            "falls by a factor of 2.0 [1.2, 2.5]"
+        );
     }
 
     #[test]

@@ -126,9 +126,15 @@ fn watch(
     }
     let axes: Vec<Covariate> = Covariate::OF_AGE
         .into_iter()
-        .filter(|axis| found.values.iter().all(|value| facts[value.place].numbers.contains_key(axis)))
+        .filter(|axis| {
+            found
+                .values
+                .iter()
+                .all(|value| facts[value.place].numbers.contains_key(axis))
+        })
         .collect();
-    let number = |place: usize, axis: Covariate| facts[place].numbers.get(&axis).map_or(0.0, |known| known.value);
+    let number =
+        |place: usize, axis: Covariate| facts[place].numbers.get(&axis).map_or(0.0, |known| known.value);
     let over = |axis: Covariate| {
         let mut ordered = found.values.clone();
         // Of runs at one place of the axis the order of the runs decides.
@@ -138,9 +144,11 @@ fn watch(
         });
         let breaks = (1..ordered.len())
             .filter(|&k| {
-                [Covariate::Instrument, Covariate::Calibration].iter().any(|name| {
-                    facts[ordered[k].place].names.get(name) != facts[ordered[k - 1].place].names.get(name)
-                })
+                [Covariate::Instrument, Covariate::Calibration]
+                    .iter()
+                    .any(|name| {
+                        facts[ordered[k].place].names.get(name) != facts[ordered[k - 1].place].names.get(name)
+                    })
             })
             .collect();
         let series = Series {
@@ -167,7 +175,11 @@ fn watch(
         .collect();
     let fact = &facts[places[0]];
     let limit = campaign.monitoring.limits.iter().find(|limit| {
-        limit.parameter == key && limit.material.as_ref().is_none_or(|material| *material == fact.material)
+        limit.parameter == key
+            && limit
+                .material
+                .as_ref()
+                .is_none_or(|material| *material == fact.material)
     });
     let limit = limit.map(|limit| {
         let on_scale = |x: f64| if found.is_log { x.max(1e-300).ln() } else { x };
@@ -197,14 +209,24 @@ fn alarms(runs: &[RunRecord], campaign: &Campaign, watched: &Watched) -> Vec<Ala
     for charted in &watched.study.charts {
         if let Some(first) = charted.first_alarm {
             let message = words::chart_alarm(watched, charted, campaign.monitoring.false_alarm_runs);
-            alarms.push(alarm(runs, campaign, watched, charted.chart.key(), first, message));
+            alarms.push(alarm(
+                runs,
+                campaign,
+                watched,
+                charted.chart.key(),
+                first,
+                message,
+            ));
         }
     }
     if let Some((limit, _)) = &watched.limit {
         let passes = |k: usize| {
             let reach = HALF_WIDTH * watched.series.variance[k].sqrt();
             let on_scale = |y: f64| if watched.series.is_log { y.exp() } else { y };
-            let (low, high) = (on_scale(watched.series.y[k] - reach), on_scale(watched.series.y[k] + reach));
+            let (low, high) = (
+                on_scale(watched.series.y[k] - reach),
+                on_scale(watched.series.y[k] + reach),
+            );
             limit.below.is_some_and(|below| high < below) || limit.above.is_some_and(|above| low > above)
         };
         if let Some(first) = (0..watched.series.y.len()).find(|&k| passes(k)) {

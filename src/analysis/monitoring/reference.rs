@@ -26,7 +26,11 @@ pub struct Reference {
 
 /// The reference that campaign.toml names, or the condition that a sample was measured in most often. Else the reason
 /// why there is none.
-pub fn reference(runs: &[RunRecord], facts: &[RunFacts], rules: &MonitoringRules) -> Result<Reference, String> {
+pub fn reference(
+    runs: &[RunRecord],
+    facts: &[RunFacts],
+    rules: &MonitoringRules,
+) -> Result<Reference, String> {
     let found = match rules.reference.is_empty() {
         true => most_repeated(facts),
         false => Some(named(runs, facts, rules)),
@@ -63,7 +67,11 @@ fn named(runs: &[RunRecord], facts: &[RunFacts], rules: &MonitoringRules) -> Ref
             }
         })
     };
-    let words: Vec<String> = rules.reference.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    let words: Vec<String> = rules
+        .reference
+        .iter()
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
     Reference {
         text: words.join(", "),
         is_named: true,
@@ -82,7 +90,11 @@ fn tolerance(key: &str, wanted: f64) -> f64 {
 /// Environment, voltage and humidity (within the tolerance about each run's own) that most runs of one sample share.
 fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
     let name = |fact: &RunFacts, covariate| fact.names.get(&covariate).cloned();
-    let humidity = |fact: &RunFacts| fact.numbers.get(&Covariate::RelativeHumidity).map(|known| known.value);
+    let humidity = |fact: &RunFacts| {
+        fact.numbers
+            .get(&Covariate::RelativeHumidity)
+            .map(|known| known.value)
+    };
     let alike = |a: &RunFacts, b: &RunFacts| {
         let same = |covariate| name(a, covariate) == name(b, covariate);
         let near = match (humidity(a), humidity(b)) {
@@ -108,6 +120,8 @@ fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
     Some(Reference {
         text: words.join(", "),
         is_named: false,
-        places: (0..facts.len()).filter(|&place| alike(center, &facts[place])).collect(),
+        places: (0..facts.len())
+            .filter(|&place| alike(center, &facts[place]))
+            .collect(),
     })
 }

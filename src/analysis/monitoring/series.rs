@@ -158,11 +158,20 @@ impl Series {
             let usual = median(&differences);
             let away: Vec<f64> = differences.iter().map(|d| (d - usual).abs()).collect();
             let sigma = MAD * median(&away);
-            for (k, difference) in differences.iter().enumerate().skip(CHANGE_SIDE).take(n - 1 - 2 * CHANGE_SIDE) {
+            for (k, difference) in differences
+                .iter()
+                .enumerate()
+                .skip(CHANGE_SIDE)
+                .take(n - 1 - 2 * CHANGE_SIDE)
+            {
                 let (at, away) = (k + 1, difference - usual);
                 let stays = self.difference_about(at);
                 let is_known = steps.iter().any(|step| step.at.abs_diff(at) <= 1);
-                if sigma > 0.0 && away.abs() > JUMP_SIGMAS * sigma && stays * away > STAYS * away * away && !is_known {
+                if sigma > 0.0
+                    && away.abs() > JUMP_SIGMAS * sigma
+                    && stays * away > STAYS * away * away
+                    && !is_known
+                {
                     steps.push(Step {
                         at,
                         size: stays,
@@ -207,7 +216,10 @@ impl Series {
                     .map(|(place, _)| *place)
                     .zip(chart.statistic(&plain))
                     .collect();
-                let first_alarm = statistic.iter().find(|(_, x)| x.abs() > limit).map(|(place, _)| *place);
+                let first_alarm = statistic
+                    .iter()
+                    .find(|(_, x)| x.abs() > limit)
+                    .map(|(place, _)| *place);
                 Charted {
                     chart,
                     limit,
@@ -227,7 +239,10 @@ impl Series {
         ]
         .into_iter()
         .map(|(law, at)| {
-            self.x.iter().map(|&x| progress(law, x, span, Bend { at, part: 1.0 })).collect()
+            self.x
+                .iter()
+                .map(|&x| progress(law, x, span, Bend { at, part: 1.0 }))
+                .collect()
         })
         .collect();
         let bare = shared_variance(&self.y, &self.variance, segment, &[]);
@@ -251,7 +266,13 @@ impl Series {
             span,
             is_log: self.is_log,
         };
-        let laws = [Law::Linear, Law::SquareRoot, Law::Exponential, Law::Approach, Law::Knee];
+        let laws = [
+            Law::Linear,
+            Law::SquareRoot,
+            Law::Exponential,
+            Law::Approach,
+            Law::Knee,
+        ];
         study.trends = fitted::compare(&material, &laws);
         study.start = self.start(study, segment);
         if self.x.len() >= FEWEST_FOR_CHANGE {
@@ -272,7 +293,15 @@ impl Series {
         let own: Vec<f64> = (0..self.y.len())
             .filter(|&k| segment[k] == last)
             .map(|k| {
-                self.y[k] - fitted::value_at(law.law, law.size.value, self.x[k], study.span, law.bend, self.is_log)
+                self.y[k]
+                    - fitted::value_at(
+                        law.law,
+                        law.size.value,
+                        self.x[k],
+                        study.span,
+                        law.bend,
+                        self.is_log,
+                    )
             })
             .collect();
         own.iter().sum::<f64>() / own.len().max(1) as f64
@@ -312,7 +341,9 @@ impl Series {
         Some(Change {
             at: Interval {
                 value: between(places[best]),
-                low_95: held.first().map(|&k| self.x[places[k].saturating_sub(every).max(1) - 1]),
+                low_95: held
+                    .first()
+                    .map(|&k| self.x[places[k].saturating_sub(every).max(1) - 1]),
                 high_95: held.last().map(|&k| self.x[(places[k] + every - 1).min(n - 1)]),
             },
             size: dot(&own, &left) / dot(&own, &own),
@@ -336,13 +367,22 @@ impl Series {
         let as_good: Vec<&Fitted> = study
             .trends
             .iter()
-            .filter(|law| law.bic <= study.trends.iter().map(|law| law.bic).fold(f64::INFINITY, f64::min) + fitted::AS_GOOD)
+            .filter(|law| {
+                law.bic
+                    <= study
+                        .trends
+                        .iter()
+                        .map(|law| law.bic)
+                        .fold(f64::INFINITY, f64::min)
+                        + fitted::AS_GOOD
+            })
             .collect();
         let horizon = study.span.high + FOLLOWED * study.span.length();
         let crossing = |law: &Fitted, size: f64| -> Option<f64> {
             let mean = self.mean_of(law, size, study.span);
             let at = |x: f64| {
-                self.mean_y_of_last(study) - mean + fitted::value_at(law.law, size, x, study.span, law.bend, self.is_log)
+                self.mean_y_of_last(study) - mean
+                    + fitted::value_at(law.law, size, x, study.span, law.bend, self.is_log)
             };
             (0..=400)
                 .map(|k| study.span.high + (horizon - study.span.high) * f64::from(k) / 400.0)
@@ -368,7 +408,9 @@ impl Series {
             (None, Some(earliest)) => Reaches::Unknown(format!(
                 "not before {earliest:.4}, and the readings carry a statement up to {horizon:.4} only"
             )),
-            (None, None) => Reaches::Unknown(format!("not before {horizon:.4}; the readings carry no statement beyond")),
+            (None, None) => Reaches::Unknown(format!(
+                "not before {horizon:.4}; the readings carry no statement beyond"
+            )),
         }
     }
 
@@ -457,14 +499,23 @@ mod tests {
         assert!(study.p_trend.unwrap() < 1e-3 && study.steps.is_empty());
         let size = study.trends[0].size;
         let truth = (1.0_f64 - 0.39).ln();
-        assert!(size.low_95.unwrap() <= truth && truth <= size.high_95.unwrap(), "{size:?}");
+        assert!(
+            size.low_95.unwrap() <= truth && truth <= size.high_95.unwrap(),
+            "{size:?}"
+        );
         assert!(study.charts.iter().any(|chart| chart.first_alarm.is_some()));
         // 50 % is reached at 51, within what may be followed; 10 % is not.
         let Reaches::At(at) = fading.reaches(&study, 0.5_f64.ln(), true) else {
             panic!("{:?}", fading.reaches(&study, 0.5_f64.ln(), true));
         };
-        assert!(at.low_95.unwrap() <= 51.0 && at.high_95.is_none_or(|high| high >= 51.0), "{at:?}");
-        assert!(matches!(fading.reaches(&study, 0.1_f64.ln(), true), Reaches::Unknown(_)));
+        assert!(
+            at.low_95.unwrap() <= 51.0 && at.high_95.is_none_or(|high| high >= 51.0),
+            "{at:?}"
+        );
+        assert!(matches!(
+            fading.reaches(&study, 0.1_f64.ln(), true),
+            Reaches::Unknown(_)
+        ));
         assert_eq!(fading.reaches(&study, 0.9_f64.ln(), true), Reaches::Beyond);
     }
 
@@ -487,6 +538,9 @@ mod tests {
         let changed = series(40, 0.05, 7, |x| if x > 22.0 { 0.2 } else { 0.0 });
         let change = changed.study(limits(), 3).change.unwrap();
         assert!((change.at.value - 22.5).abs() <= 2.0, "{change:?}");
-        assert!(change.at.low_95.unwrap() <= 22.0 && change.at.high_95.unwrap() >= 23.0, "{change:?}");
+        assert!(
+            change.at.low_95.unwrap() <= 22.0 && change.at.high_95.unwrap() >= 23.0,
+            "{change:?}"
+        );
     }
 }

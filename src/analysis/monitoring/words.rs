@@ -18,7 +18,12 @@ pub fn life(watched: &Watched) -> String {
     let n = counted(watched.series.x.len(), "run");
     let mut text = match (watched.study.trends.first(), watched.study.p_trend) {
         (Some(law), Some(p)) if p <= SHOWN_BELOW => {
-            let best = watched.study.trends.iter().map(|law| law.bic).fold(f64::INFINITY, f64::min);
+            let best = watched
+                .study
+                .trends
+                .iter()
+                .map(|law| law.bic)
+                .fold(f64::INFINITY, f64::min);
             let others: Vec<&str> = watched
                 .study
                 .trends
@@ -45,7 +50,11 @@ pub fn life(watched: &Watched) -> String {
                 short(p)
             )
         }
-        (_, Some(p)) => format!("{what} shows no trend over {} (p = {}, {n}).", span(watched), short(p)),
+        (_, Some(p)) => format!(
+            "{what} shows no trend over {} (p = {}, {n}).",
+            span(watched),
+            short(p)
+        ),
         (_, None) => format!("{what}: {n}, too few for a trend."),
     };
     text += &jumps(watched);
@@ -61,7 +70,10 @@ pub fn life(watched: &Watched) -> String {
         text += &format!(" {}", limit_words(watched, limit, reaches));
     }
     if watched.left_out > 0 {
-        text += &format!(" {} left out: a bound, or not determined.", counted(watched.left_out, "run"));
+        text += &format!(
+            " {} left out: a bound, or not determined.",
+            counted(watched.left_out, "run")
+        );
     }
     text
 }
@@ -127,7 +139,12 @@ fn on_axis(watched: &Watched, at: Interval) -> String {
         (None, Some(high)) => format!(" [{} or earlier]", short_axis(watched, high)),
         (None, None) => String::new(),
     };
-    format!("{} {}{ends}{}", watched.axis.label(), round(at.value, watched.study.span.length()), unit(watched.axis))
+    format!(
+        "{} {}{ends}{}",
+        watched.axis.label(),
+        round(at.value, watched.study.span.length()),
+        unit(watched.axis)
+    )
 }
 
 fn limit_words(watched: &Watched, limit: &Limit, reaches: &Reaches) -> String {
@@ -135,8 +152,15 @@ fn limit_words(watched: &Watched, limit: &Limit, reaches: &Reaches) -> String {
     let side = if limit.below.is_some() { "below" } else { "above" };
     match reaches {
         Reaches::Beyond => format!("It lies {side} its limit of {}.", short(number)),
-        Reaches::At(at) => format!("On this trend it passes its limit of {} at {}.", short(number), on_axis(watched, *at)),
-        Reaches::Unknown(why) => format!("When it passes its limit of {} cannot be told: {why}.", short(number)),
+        Reaches::At(at) => format!(
+            "On this trend it passes its limit of {} at {}.",
+            short(number),
+            on_axis(watched, *at)
+        ),
+        Reaches::Unknown(why) => format!(
+            "When it passes its limit of {} cannot be told: {why}.",
+            short(number)
+        ),
     }
 }
 
@@ -178,7 +202,10 @@ pub(super) fn limit_alarm(watched: &Watched, limit: &Limit) -> String {
 /// What of the changes over the campaign comes back with the humidity, and what is age, where a design allows to say.
 pub fn split(laws: &CampaignLaws) -> Vec<String> {
     let mut sentences = Vec::new();
-    for found in laws.claimed().filter(|found| found.covariate.effect() == Some("degradation")) {
+    for found in laws
+        .claimed()
+        .filter(|found| found.covariate.effect() == Some("degradation"))
+    {
         let what = format!("{} of {}", symbol(&found.parameter), found.material);
         if found.confounded_with.contains(&Covariate::RelativeHumidity) {
             sentences.push(format!(
@@ -188,7 +215,11 @@ pub fn split(laws: &CampaignLaws) -> Vec<String> {
             continue;
         }
         let Some(change) = found.change() else { continue };
-        let age = format!("with age ({}) it {}", found.covariate.label(), moves(change, found.is_log));
+        let age = format!(
+            "with age ({}) it {}",
+            found.covariate.label(),
+            moves(change, found.is_log)
+        );
         let humidity = dependence_on(laws, found, "humidity-dependence");
         sentences.push(match humidity.and_then(|one| Some((one, one.change()?))) {
             Some((one, change)) if one.q <= CLAIMED_BELOW => format!(

@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 9] = [
+const KNOWN: [(&str, &[&str]); 10] = [
     (
         "campaign",
         &["id", "title", "timezone", "notice", "model", "group_by"],
@@ -72,7 +72,13 @@ const KNOWN: [(&str, &[&str]); 9] = [
     ),
     (
         "monitoring",
-        &["reference", "false_alarm_runs", "limit", "command", "acknowledged"],
+        &[
+            "reference",
+            "false_alarm_runs",
+            "limit",
+            "command",
+            "acknowledged",
+        ],
     ),
 ];
 

@@ -19,7 +19,8 @@ impl Checker<'_> {
             "a number from 10 to 100000",
             |runs| (FEWEST_FALSE_ALARM_RUNS..=100_000.0).contains(&runs),
         )?;
-        let limits: Result<Vec<Limit>, Error> = raw.limit.into_iter().map(|limit| self.limit(limit)).collect();
+        let limits: Result<Vec<Limit>, Error> =
+            raw.limit.into_iter().map(|limit| self.limit(limit)).collect();
         let defaults = MonitoringRules::default();
         Ok(MonitoringRules {
             reference: raw

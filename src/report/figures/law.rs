@@ -76,8 +76,13 @@ pub fn law_panel(
         if beside.law.x.len() > 1 {
             let at = |k: usize| x.position(beside.law.x[k]);
             let forth = (0..beside.law.x.len()).map(|k| (at(k), inside(beside.law.band[k].0)));
-            let back = (0..beside.law.x.len()).rev().map(|k| (at(k), inside(beside.law.band[k].1)));
-            let band = Polygon::new(forth.chain(back).collect::<Vec<_>>(), Ink::Muted.color().mix(0.18).filled());
+            let back = (0..beside.law.x.len())
+                .rev()
+                .map(|k| (at(k), inside(beside.law.band[k].1)));
+            let band = Polygon::new(
+                forth.chain(back).collect::<Vec<_>>(),
+                Ink::Muted.color().mix(0.18).filled(),
+            );
             chart.draw_series([band]).map_err(|error| error.to_string())?;
             let curve: Vec<(f64, f64)> = (0..beside.law.x.len())
                 .map(|k| (at(k), inside(beside.law.y[k])))
@@ -85,17 +90,33 @@ pub fn law_panel(
             line(&mut chart, curve, Ink::Text, 14)?;
         }
         for &limit in beside.limits.iter().filter(|limit| y.shows(**limit)) {
-            line(&mut chart, vec![(x.low, y.position(limit)), (x.high, y.position(limit))], Ink::Vermillion, 12)?;
+            line(
+                &mut chart,
+                vec![(x.low, y.position(limit)), (x.high, y.position(limit))],
+                Ink::Vermillion,
+                12,
+            )?;
         }
         for &change in beside.changes.iter().filter(|change| x.shows(**change)) {
-            line(&mut chart, vec![(x.position(change), y.low), (x.position(change), y.high)], Ink::Muted, 10)?;
+            line(
+                &mut chart,
+                vec![(x.position(change), y.low), (x.position(change), y.high)],
+                Ink::Muted,
+                10,
+            )?;
         }
         for mark in marks {
             let (across, up) = (x.position(mark.x), inside(mark.y));
             let color = ink(mark.style);
-            line(&mut chart, vec![(across, inside(mark.bar.0)), (across, inside(mark.bar.1))], color, 10)?;
+            line(
+                &mut chart,
+                vec![(across, inside(mark.bar.0)), (across, inside(mark.bar.1))],
+                color,
+                10,
+            )?;
             if mark.x_error > 0.0 {
-                let ends = [mark.x - mark.x_error, mark.x + mark.x_error].map(|end| x.position(end).clamp(x.low, x.high));
+                let ends = [mark.x - mark.x_error, mark.x + mark.x_error]
+                    .map(|end| x.position(end).clamp(x.low, x.high));
                 line(&mut chart, vec![(ends[0], up), (ends[1], up)], color, 10)?;
             }
             marker(&mut chart, (across, up), mark.style, y.shows(mark.y))?;

@@ -132,7 +132,10 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
 
 fn summary(site: &Site) -> Vec<String> {
     let laws = &site.input.laws;
-    let claimed = laws.claimed().filter(|found| found.covariate != Covariate::Sample).count();
+    let claimed = laws
+        .claimed()
+        .filter(|found| found.covariate != Covariate::Sample)
+        .count();
     let mut sentences = vec![match claimed {
         0 => format!(
             "{} asked which parameter follows what from run to run: nothing is claimed.",
@@ -141,7 +144,11 @@ fn summary(site: &Site) -> Vec<String> {
         some => format!(
             "{} asked which parameter follows what from run to run; {} claimed.",
             counted(laws.questions, "question"),
-            if some == 1 { "1 answer is".to_owned() } else { format!("{some} answers are") }
+            if some == 1 {
+                "1 answer is".to_owned()
+            } else {
+                format!("{some} answers are")
+            }
         ),
     }];
     sentences.extend(laws.tied.iter().map(words::tied));
@@ -156,7 +163,10 @@ fn claims(site: &Site) -> Vec<Claim> {
         p: probability(Some(found.p)),
         q: probability(Some(found.q)),
     });
-    let lengths = laws.lengths.iter().filter(|found| found.q <= CLAIMED_BELOW && found.explains_all);
+    let lengths = laws
+        .lengths
+        .iter()
+        .filter(|found| found.q <= CLAIMED_BELOW && found.explains_all);
     let of_lengths = lengths.map(|found| Claim {
         effect: "geometry-error",
         sentence: words::length(found),
@@ -188,7 +198,10 @@ fn studies(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<Vec<St
             figures.insert(id.clone(), svg);
             id
         });
-        if studies.last().is_none_or(|study| study.material != found.material) {
+        if studies
+            .last()
+            .is_none_or(|study| study.material != found.material)
+        {
             studies.push(Study {
                 material: found.material.clone(),
                 samples: Vec::new(),
@@ -210,13 +223,19 @@ fn described(found: &Dependence, figure: Option<String>) -> Panel {
     let name = info.map_or_else(String::new, |info| format!(" {}", info.name));
     let mut notes = Vec::new();
     if found.left_out > 0 {
-        notes.push(format!("{} left out: a bound, or not determined", counted(found.left_out, "run")));
+        notes.push(format!(
+            "{} left out: a bound, or not determined",
+            counted(found.left_out, "run")
+        ));
     }
     if !found.adjusted_for.is_empty() {
         notes.push(format!("brought to equal {}", words::listed(&found.adjusted_for)));
     }
     if let Some(part) = found.reliability {
-        notes.push(format!("{:.1} % of the covariate's variance is its own", 100.0 * part));
+        notes.push(format!(
+            "{:.1} % of the covariate's variance is its own",
+            100.0 * part
+        ));
     }
     let against = match found.covariate {
         Covariate::RelativeHumidity => String::new(),
@@ -251,7 +270,9 @@ pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)
     };
     let info = ParameterInfo::of(&found.parameter);
     let factor = info.map_or(1.0, |info| info.shown_factor);
-    let (symbol, unit) = info.map_or((found.parameter.as_str(), ""), |info| (info.symbol, info.shown_unit));
+    let (symbol, unit) = info.map_or((found.parameter.as_str(), ""), |info| {
+        (info.symbol, info.shown_unit)
+    });
     let marks: Vec<Mark> = found
         .points
         .iter()
@@ -297,20 +318,29 @@ pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)
             .into_iter()
             .filter(|tick| tick.at >= span.low - margin && tick.at <= span.high + margin)
             .collect(),
-        title: if x_unit.is_empty() { label } else { format!("{label} ({x_unit})") },
+        title: if x_unit.is_empty() {
+            label
+        } else {
+            format!("{label} ({x_unit})")
+        },
         ..Axis::linear(span.low - margin, span.high + margin, "", "", 5)
     };
     let id = format!("law-{number}");
-    let title = format!("{symbol} of {} against {}", found.material, found.covariate.label());
+    let title = format!(
+        "{symbol} of {} against {}",
+        found.material,
+        found.covariate.label()
+    );
     let desc = words::sentence(found);
     let beside = Beside {
         law: curve,
         ..Beside::default()
     };
-    let svg = law_panel(&id, (&x, &y), &marks, &beside, &title, &desc).map_err(|reason| ReportError::Figure {
-        figure: id.clone(),
-        reason,
-    })?;
+    let svg =
+        law_panel(&id, (&x, &y), &marks, &beside, &title, &desc).map_err(|reason| ReportError::Figure {
+            figure: id.clone(),
+            reason,
+        })?;
     Ok(Some((id, svg)))
 }
 

@@ -111,7 +111,11 @@ fn summary(site: &Site) -> Vec<String> {
     let Some(reference) = &monitoring.reference else {
         return vec![format!("Nothing is watched: {}.", monitoring.why_not)];
     };
-    let new = monitoring.alarms.iter().filter(|alarm| !alarm.acknowledged).count();
+    let new = monitoring
+        .alarms
+        .iter()
+        .filter(|alarm| !alarm.acknowledged)
+        .count();
     let lead = match new {
         0 => "No alarm.".to_owned(),
         some => format!("{}.", counted(some, "alarm")),
@@ -199,7 +203,9 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
     }
     let info = ParameterInfo::of(&watched.parameter);
     let factor = info.map_or(1.0, |info| info.shown_factor);
-    let (name, unit) = info.map_or((watched.parameter.as_str(), ""), |info| (info.symbol, info.shown_unit));
+    let (name, unit) = info.map_or((watched.parameter.as_str(), ""), |info| {
+        (info.symbol, info.shown_unit)
+    });
     let on_scale = |y: f64| factor * if series.is_log { y.exp() } else { y };
     let every = series.x.len().div_ceil(MOST_MARKS);
     let marks: Vec<Mark> = (0..series.x.len())
@@ -215,14 +221,23 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
             }
         })
         .collect();
-    let law = study.trends.first().filter(|_| study.p_trend.is_some_and(|p| p <= 0.05));
+    let law = study
+        .trends
+        .first()
+        .filter(|_| study.p_trend.is_some_and(|p| p <= 0.05));
     let mut curve = Curve::default();
     if let Some(law) = law {
         let mean = |size: f64| {
-            let all = series.x.iter().map(|&x| value_at(law.law, size, x, study.span, law.bend, series.is_log));
+            let all = series
+                .x
+                .iter()
+                .map(|&x| value_at(law.law, size, x, study.span, law.bend, series.is_log));
             all.sum::<f64>() / series.x.len() as f64
         };
-        let last_step = study.steps.last().map_or(study.span.low, |step| series.x[step.at]);
+        let last_step = study
+            .steps
+            .last()
+            .map_or(study.span.low, |step| series.x[step.at]);
         for k in 0..DRAWN {
             let x = last_step + (study.span.high - last_step) * k as f64 / (DRAWN - 1) as f64;
             let at = |size: f64| {
@@ -241,8 +256,14 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
         .filter_map(|(limit, _)| limit.below.or(limit.above))
         .map(|limit| limit * factor)
         .collect();
-    let shown = marks.iter().map(|mark| mark.y).chain(curve.y.iter().copied()).chain(limits.iter().copied());
-    let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    let shown = marks
+        .iter()
+        .map(|mark| mark.y)
+        .chain(curve.y.iter().copied())
+        .chain(limits.iter().copied());
+    let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+        (low.min(y), high.max(y))
+    });
     let y = match series.is_log && low > 0.0 && high / low > 5.0 {
         true => Axis::log(low / 1.2, high * 1.2, name, unit),
         false => Axis::linear_rounded(low, high, name, unit, 5),
