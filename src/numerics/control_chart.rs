@@ -219,7 +219,7 @@ mod tests {
         let lengths: Vec<f64> = (0..tries)
             .map(|seed| {
                 let mut random = ChaCha8Rng::seed_from_u64(seed);
-                let mut readings: Vec<f64> = (0..600).map(|_| StandardNormal.sample(&mut random)).collect();
+                let mut readings: Vec<f64> = (0..150).map(|_| StandardNormal.sample(&mut random)).collect();
                 loop {
                     let numbers = if self_start {
                         self_starting(&readings)

@@ -60,7 +60,7 @@ fn simulate(folder: &CampaignFolder, runs: &str) {
 
 /// Scatter of a run that repeats: a few percent, in an order without meaning.
 fn scatter(k: usize) -> f64 {
-    1.0 + 0.03 * ((k * 7919 % 17) as f64 / 8.0 - 1.0)
+    1.0 + 0.03 * (((14 * k * k + 7 * k) % 17) as f64 / 8.0 - 1.0)
 }
 
 fn hidden(order: &[[f64; 4]; 3]) -> Value {
@@ -154,7 +154,7 @@ fn a_humidity_that_rose_with_every_run_is_one_finding_with_age() {
 const MONITORING: &str = r#"
 [monitoring]
 reference = { environment = "air", voltage_v = 2.0, relative_humidity_percent = 35 }
-false_alarm_runs = 200
+false_alarm_runs = 5000
 command = ["sh", "-c", "echo \"$IEAP_ALARM_ID $IEAP_ALARM_SAMPLE $IEAP_ALARM_PARAMETER $IEAP_ALARM_CHART\" >> told.txt"]
 [[monitoring.limit]]
 parameter = "alpha_per_c_cm"

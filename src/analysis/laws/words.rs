@@ -51,6 +51,17 @@ fn claim(found: &Dependence) -> String {
         (None, Some(span)) => range(found.covariate, span.low, span.high),
         (None, None) => String::new(),
     };
+    // The forms that are asked about are more than the laws that are stated.
+    if change.low_95.is_none_or(|low| low <= 0.0) && change.high_95.is_none_or(|high| high >= 0.0) {
+        let ends = match found.is_log {
+            true => ends(change.low_95, change.high_95, f64::exp),
+            false => ends(change.low_95, change.high_95, |x| x),
+        };
+        return format!(
+            "{what} changes with {}, but by no law that is known here: what it changes by {between} cannot be told{ends}, {n}.",
+            found.covariate.label()
+        );
+    }
     format!(
         "{what} {} {between}, {n}{}.",
         moves(change, found.is_log),
