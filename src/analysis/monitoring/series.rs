@@ -23,8 +23,8 @@ const FEWEST_FOR_CHANGE: usize = 10;
 const CHANGE_SIDE: usize = 3;
 /// Places at most at which a sudden change is looked for, and a trend drawn from.
 const MOST_PLACES: usize = 60;
-/// A trend, or a change, that chance brings more often than this is none.
-const SHOWN_BELOW: f64 = 0.05;
+/// A trend, or a change, that chance brings more often than this is none: there are several parameters of every sample.
+pub const SHOWN_BELOW: f64 = 0.01;
 /// How far beyond the readings a trend may be followed, in lengths of what was measured.
 const FOLLOWED: f64 = 1.0;
 /// Values of a standard normal variable's median absolute deviation.

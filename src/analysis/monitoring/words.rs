@@ -1,6 +1,6 @@
 //! What monitoring found, in sentences.
 
-use super::series::{Charted, Reaches};
+use super::series::{Charted, Reaches, SHOWN_BELOW};
 use super::{Watched, dependence_on};
 use crate::analysis::false_discovery::CLAIMED_BELOW;
 use crate::analysis::laws::CampaignLaws;
@@ -8,9 +8,6 @@ use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::fitted::{AS_GOOD, Interval};
 use crate::analysis::laws::words::{counted, listed, moves, round, short, symbol};
 use crate::domain::Limit;
-
-/// A trend that chance brings more often than this is none.
-const SHOWN_BELOW: f64 = 0.05;
 
 /// The life of a parameter of a sample, in a few sentences.
 pub fn life(watched: &Watched) -> String {

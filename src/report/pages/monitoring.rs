@@ -9,6 +9,7 @@ use super::wording::{RunLink, counted};
 use crate::analysis::ParameterInfo;
 use crate::analysis::laws::fitted::value_at;
 use crate::analysis::laws::words::symbol;
+use crate::analysis::monitoring::series::SHOWN_BELOW;
 use crate::analysis::monitoring::{Watched, words};
 use crate::report::error::ReportError;
 use crate::report::figures::axis::Axis;
@@ -224,7 +225,7 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
     let law = study
         .trends
         .first()
-        .filter(|_| study.p_trend.is_some_and(|p| p <= 0.05));
+        .filter(|_| study.p_trend.is_some_and(|p| p <= SHOWN_BELOW));
     let mut curve = Curve::default();
     if let Some(law) = law {
         let mean = |size: f64| {
@@ -258,7 +259,7 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
         .collect();
     let shown = marks
         .iter()
-        .map(|mark| mark.y)
+        .flat_map(|mark| [mark.y, mark.bar.0, mark.bar.1])
         .chain(curve.y.iter().copied())
         .chain(limits.iter().copied());
     let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
