@@ -19,7 +19,7 @@ fn series(y: Vec<f64>, is_log: bool) -> Series {
 
 /// Capacity of every discharge of a cell, A h.
 fn capacities(battery: &str) -> Option<Vec<f64>> {
-    let path = shared("data/nasa-liion-cv-aging/metadata.csv")?;
+    let path = shared("data/nasa-liion-cv-aging")?.join("metadata.csv");
     let mut table = csv::Reader::from_path(path).unwrap();
     let headers = table.headers().unwrap().clone();
     let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
@@ -93,7 +93,7 @@ fn the_end_of_a_battery_is_foretold_or_refused() {
 
 /// Lowest position and stroke of every cycle of the lifetime test, with the time at which it begins, s.
 fn actuator() -> Option<Vec<(f64, f64, f64)>> {
-    let path = shared("data/cavatappi-actuator/Clean DATA Life Time.xlsx")?;
+    let path = shared("data/cavatappi-actuator")?.join("Clean DATA Life Time.xlsx");
     let mut book: Xlsx<_> = open_workbook(path).unwrap();
     let sheet = book.worksheet_range_at(0).unwrap().unwrap();
     let number = |cell: &Data| match cell {
