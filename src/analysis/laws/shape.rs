@@ -73,7 +73,7 @@ impl Law {
         }
     }
 
-    /// Unit of [`Law::coefficient`], with the covariate's own as `x`.
+    /// Unit of the law's [`coefficient`], in words.
     pub fn coefficient_unit(self) -> &'static str {
         match self {
             Law::Exponential | Law::Threshold | Law::Knee => "ln ratio per unit",
