@@ -8,6 +8,8 @@ pub mod export;
 pub mod false_discovery;
 pub mod findings;
 pub mod groups;
+pub mod laws;
+pub mod monitoring;
 pub mod parameters;
 pub mod same_tags;
 #[cfg(test)]

@@ -41,6 +41,7 @@ pub fn campaign() -> Campaign {
         adopted: Vec::new(),
         sensors: vec![],
         climate: Default::default(),
+        monitoring: Default::default(),
     }
 }
 

@@ -6,7 +6,7 @@ use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::model::effects;
-use crate::pipeline::diagnosis_document::{EffectEntry, GroupEntry, diagnosis_document};
+use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
 use crate::pipeline::fits_document::ParameterEntry;
 use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest,
@@ -61,6 +61,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     ));
     let document = diagnosis_document(&context, &choice, args.group.as_deref())?;
     document.groups.iter().for_each(|group| print(group, output));
+    print_across(&document, output);
     if args.adopt {
         adopt(args, global, &mut context, output)?;
     }
@@ -148,6 +149,30 @@ fn print(group: &GroupEntry, output: &Output) {
     }
     for remark in &group.remarks {
         output.result(&format!("    note: {remark}"));
+    }
+}
+
+/// What holds across runs: what the design leaves open first, then what may be claimed.
+fn print_across(document: &DiagnosisDocument, output: &Output) {
+    if document.campaign_tests.is_empty() && document.campaign_confounded.is_empty() {
+        return;
+    }
+    output.result(&format!(
+        "across runs: {} asked, {} claimed",
+        counted(document.campaign_tests.len(), "question"),
+        document.campaign.len()
+    ));
+    for tied in &document.campaign_confounded {
+        output.result(&format!("    {}", tied.sentence));
+    }
+    for found in &document.campaign {
+        output.result(&format!(
+            "    {}: {} (p = {:.2e}, q = {:.3})",
+            found.effect, found.sentence, found.p, found.q
+        ));
+    }
+    if !document.campaign_contrasts.is_empty() {
+        output.result("    environments and voltages compared: report/humidity.html, or --json");
     }
 }
 

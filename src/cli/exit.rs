@@ -14,6 +14,8 @@ pub const USAGE: u8 = 2;
 pub const SOME_REFUSED: u8 = 3;
 /// The database or the disk refused.
 pub const STORAGE: u8 = 4;
+/// Done, and an alarm stands (`ieap status --alarms`).
+pub const ALARM: u8 = 5;
 
 /// An error that ends a verb.
 #[derive(Debug)]

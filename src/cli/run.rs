@@ -82,6 +82,13 @@ pub fn print(summary: &RunSummary, output: &Output) {
         "diagnoses: {} new, {} up to date",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
+    if summary.alarms.standing > 0 {
+        output.result(&format!(
+            "alarms: {} ({} new); see `ieap status --alarms`",
+            summary.alarms.standing,
+            summary.alarms.new.len()
+        ));
+    }
     let state = if summary.report.rendered {
         ""
     } else {

@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::CampaignArg;
-use super::exit::{CliError, DONE};
+use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
 use crate::domain::Issue;
 use crate::pipeline::Context;
@@ -15,14 +15,49 @@ use crate::pipeline::status::{Reasoned, Status, status};
 pub struct StatusArgs {
     #[command(flatten)]
     campaign: CampaignArg,
+    /// Only the alarms of long-term monitoring; ends with status 5 where one stands that is not acknowledged
+    #[arg(long)]
+    alarms: bool,
 }
 
 pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     let context = Context::open_read_only(&args.campaign.folder()?)?;
     let status = status(&context)?;
+    if args.alarms {
+        return alarms_only(&status, output);
+    }
     print(&status, output);
     output.document(&json!({ "schema": "ieap/status/1", "status": status }))?;
     Ok(DONE)
+}
+
+/// The alarms alone, with an exit status that scripts can act on.
+fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
+    alarms(status, output);
+    if status.alarms.is_empty() {
+        output.result(&match &status.monitoring {
+            Some(reason) => format!("nothing is watched: {reason}"),
+            None => "no alarm".to_owned(),
+        });
+    }
+    output.document(
+        &json!({ "schema": "ieap/alarms/1", "alarms": status.alarms, "not_watched": status.monitoring }),
+    )?;
+    Ok(match status.alarms.iter().any(|alarm| !alarm.acknowledged) {
+        true => ALARM,
+        false => DONE,
+    })
+}
+
+fn alarms(status: &Status, output: &Output) {
+    let (known, new): (Vec<_>, Vec<_>) = status.alarms.iter().partition(|alarm| alarm.acknowledged);
+    for (alarms, title) in [(new, "of monitoring"), (known, "of monitoring that is known")] {
+        let lines: Vec<String> = alarms
+            .iter()
+            .map(|alarm| format!("{} {}", alarm.id, alarm.message))
+            .collect();
+        list(output, "alarm", title, &lines);
+    }
 }
 
 fn print(status: &Status, output: &Output) {
@@ -65,6 +100,7 @@ fn print(status: &Status, output: &Output) {
         .collect();
     list(output, "condition", "without a run", &gaps);
     climate(status, output);
+    alarms(status, output);
     let older = "fitted by another version of ieap";
     list(output, "run", older, &status.fitted_by_older_program);
 }

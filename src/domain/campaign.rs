@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::RunKind;
 use super::climate::{ClimateRules, SensorStatement};
+use super::monitoring::MonitoringRules;
 
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,6 +120,9 @@ pub struct Campaign {
     pub sensors: Vec<SensorStatement>,
     /// Rules for the climate of runs.
     pub climate: ClimateRules,
+    /// Rules for long-term monitoring.
+    #[serde(default)]
+    pub monitoring: MonitoringRules,
 }
 
 impl Campaign {

@@ -10,6 +10,7 @@ pub mod estimate;
 pub mod fit;
 pub mod issue;
 pub mod modulus;
+pub mod monitoring;
 mod number_or_null;
 pub mod origin;
 pub mod quantity;
@@ -34,6 +35,7 @@ pub use estimate::Estimate;
 pub use fit::{ChannelNoise, Fit, NoiseCharacter, Parameter};
 pub use issue::{Issue, Severity};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
+pub use monitoring::{Alarm, Limit, MonitoringRules};
 pub use origin::{
     ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };

@@ -2,12 +2,14 @@
 
 pub mod chance;
 pub mod column_memory;
+pub mod control_chart;
 pub mod correlation;
 pub mod decay;
 pub mod dense;
 pub mod discrete_gauss;
 pub mod global;
 pub mod gram;
+pub mod grouped;
 pub mod jacobi;
 pub mod levenberg;
 pub mod linear;

@@ -2,10 +2,13 @@
 
 use serde::Serialize;
 
+use super::across_runs::campaign_laws;
+use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry};
 use super::diagnose::library_hash;
 use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
 use crate::analysis::false_discovery::judge_together;
+use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::domain::{
     Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift,
     StrengthProfile, Verdict, Whereabouts,
@@ -29,8 +32,14 @@ pub struct DiagnosisDocument {
     pub runs: Vec<RunEntry>,
     /// Every group, by name.
     pub groups: Vec<GroupEntry>,
-    /// Effects that only a comparison of groups shows.
+    /// Effects that only a comparison of runs shows, as far as they may be claimed.
     pub campaign: Vec<CampaignEntry>,
+    /// Covariates that the design lets nobody tell apart.
+    pub campaign_confounded: Vec<ConfoundedEntry>,
+    /// Every question that was asked across runs.
+    pub campaign_tests: Vec<CampaignTest>,
+    /// Environments and voltages compared, in words.
+    pub campaign_contrasts: Vec<String>,
 }
 
 /// One run alone.
@@ -116,13 +125,6 @@ pub struct EffectEntry {
     pub twins: Vec<String>,
 }
 
-/// An effect that only a comparison of groups shows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CampaignEntry {
-    /// Id of the effect.
-    pub effect: String,
-}
-
 /// The current findings, with what holds over the whole campaign: of groups, and of single runs.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CurrentFindings {
@@ -171,6 +173,12 @@ pub fn diagnosis_document(
             .collect();
         findings.runs.retain(|found| members.contains(&found.group));
     }
+    let runs = context.store.runs()?;
+    let across = match group {
+        Some(_) => CampaignLaws::default(),
+        None => campaign_laws(context, &runs, choice.seed)?,
+    };
+    let compared = contrast::contrasts(&runs, &context.campaign, &across.facts);
     Ok(DiagnosisDocument {
         schema: "ieap/diagnosis/1",
         library: library_hash(),
@@ -179,7 +187,10 @@ pub fn diagnosis_document(
         base_model: options.model.id,
         runs: findings.runs.into_iter().map(run_entry).collect(),
         groups: findings.groups.into_iter().map(group_entry).collect(),
-        campaign: Vec::new(),
+        campaign: campaign_document::entries(&across),
+        campaign_confounded: campaign_document::confounded(&across),
+        campaign_tests: campaign_document::tests(&across),
+        campaign_contrasts: campaign_document::contrasts(&compared),
     })
 }
 

@@ -1,6 +1,9 @@
 //! The verbs as values: the command line, the watcher and the tests call the same ones.
 
+mod across_runs;
 mod adopt;
+pub mod alarms;
+pub mod campaign_document;
 mod climate;
 mod context;
 mod diagnose;
@@ -30,7 +33,9 @@ mod tag;
 mod watch;
 
 pub use crate::numerics::global::methods;
+pub use across_runs::campaign_laws;
 pub use adopt::{Adopt, AdoptSummary};
+pub use alarms::{AlarmSummary, RaiseAlarms};
 pub use climate::LogSummary;
 pub use context::{CODE_VERSION, Context};
 pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};

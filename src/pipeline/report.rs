@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use super::across_runs::campaign_laws;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::swap::replace_folder;
 use super::{Context, Observer, PipelineError};
-use crate::analysis::{same_tags, sequence};
+use crate::analysis::laws::contrast;
+use crate::analysis::{monitoring, same_tags, sequence};
 use crate::model::effects::{self, Effect};
 use crate::pipeline::ingest::run_window;
 use crate::report;
@@ -123,7 +125,13 @@ fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::In
         })
         .collect();
     news.sort_by(|a, b| b.at.cmp(&a.at).then_with(|| a.run_path.cmp(&b.run_path)));
+    let laws = campaign_laws(context, &runs, None)?;
+    let contrasts = contrast::contrasts(&runs, &context.campaign, &laws.facts);
+    let monitoring = monitoring::monitor(&runs, &context.campaign, &laws);
     Ok(report::Input {
+        laws,
+        contrasts,
+        monitoring,
         campaign: context.campaign.clone(),
         modulus_logs: context.store.modulus_logs()?,
         superseded: context.store.superseded_runs()?,

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::{
-    AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, FitSummary,
-    Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RenderReport, ReportSummary,
+    AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns,
+    FitSummary, Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
+    ReportSummary,
 };
 use crate::ingest::scan::SeenFile;
 
@@ -28,6 +29,8 @@ pub struct RunSummary {
     pub diagnose: DiagnoseSummary,
     /// Modulus logs.
     pub modulus: ModulusSummary,
+    /// Alarms of long-term monitoring.
+    pub alarms: AlarmSummary,
     /// The report.
     pub report: ReportSummary,
 }
@@ -63,12 +66,14 @@ impl Run {
             false => self.diagnosis().run(context, observer)?,
         };
         let modulus = AnalyseModulus::default().run(context, observer)?;
+        let alarms = RaiseAlarms.run(context, observer)?;
         let report = RenderReport::default().run(context, observer)?;
         Ok(RunSummary {
             ingest,
             fit,
             modulus,
             diagnose,
+            alarms,
             report,
         })
     }

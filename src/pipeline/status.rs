@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::context::CODE_VERSION;
 use super::{Context, PipelineError};
 use crate::domain::tag::keys;
-use crate::domain::{ClimateAssessment, FileState, Issue, RunRecord, RunState};
+use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunRecord, RunState};
 
 /// The state of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -40,6 +40,10 @@ pub struct Status {
     pub fitted_by_older_program: Vec<String>,
     /// Climate logs and what they come to.
     pub climate: ClimateStatus,
+    /// Alarms of long-term monitoring.
+    pub alarms: Vec<Alarm>,
+    /// Why nothing is watched; none where something is.
+    pub monitoring: Option<String>,
 }
 
 /// Climate logs and what they come to.
@@ -123,6 +127,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             issues: log.run.issues.clone(),
         })
         .collect();
+    let watched = super::alarms::monitoring(context)?;
     let missing = files
         .iter()
         .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
@@ -139,6 +144,8 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         aliases: file_list(FileState::Alias).len(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
         climate: climate(context, &runs)?,
+        monitoring: watched.reference.is_none().then_some(watched.why_not),
+        alarms: watched.alarms,
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
             .iter()

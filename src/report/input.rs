@@ -1,5 +1,8 @@
 //! Everything a report is made of, except the curves.
 
+use crate::analysis::laws::CampaignLaws;
+use crate::analysis::laws::contrast::Contrast;
+use crate::analysis::monitoring::Monitoring;
 use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
@@ -21,6 +24,12 @@ pub struct Input {
     pub news: Vec<News>,
     /// What the simulation gets wrong.
     pub findings: Findings,
+    /// What holds across runs.
+    pub laws: CampaignLaws,
+    /// Environments and voltages compared.
+    pub contrasts: Vec<Contrast>,
+    /// Parameters over the life of the samples.
+    pub monitoring: Monitoring,
     /// Climate logs: sensors, comparisons, exposure.
     pub climate: ClimateAssessment,
     /// Start and end of the runs whose start is known, s since 1970 UTC.

@@ -4,6 +4,7 @@
 //! like beside it. Every change goes through `Store::write`, one transaction a step, so nothing half-done
 //! is ever visible.
 
+mod alarms;
 mod blob;
 mod climate;
 mod diagnoses;

@@ -1,5 +1,7 @@
 //! Integration tests: one binary.
 
+mod across_runs;
+mod ageing_data;
 mod architecture;
 mod bad_input;
 mod campaign;

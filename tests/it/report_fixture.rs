@@ -50,6 +50,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         adopted: Vec::new(),
         sensors: vec![],
         climate: Default::default(),
+        monitoring: Default::default(),
     }
 }
 
@@ -261,6 +262,9 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
     Input {
         campaign: campaign(materials),
         climate: Default::default(),
+        laws: Default::default(),
+        contrasts: vec![],
+        monitoring: Default::default(),
         run_spans_s: vec![],
         news: latest
             .map(|run| News {

@@ -52,6 +52,7 @@ impl Checker<'_> {
             adopted: self.adopted(file.adopted)?,
             sensors: self.sensors(file.sensor)?,
             climate: self.climate(&file.climate)?,
+            monitoring: self.monitoring(file.monitoring)?,
         };
         // A run below the folder of modulus logs would be taken for one.
         if campaign.kind_of(&format!("{}/", campaign.runs_folder)) == RunKind::Dma {

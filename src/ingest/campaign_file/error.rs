@@ -105,6 +105,16 @@ pub enum CampaignFileError {
         /// Why it is refused.
         reason: &'static str,
     },
+    /// A limit with no side, or with two.
+    #[error("{}, {place}: {found} is stated; write one of them, and the other in an entry of its own", path.display())]
+    BadLimit {
+        /// The file.
+        path: PathBuf,
+        /// The entry.
+        place: String,
+        /// What is stated.
+        found: &'static str,
+    },
     /// An offset from UTC that is none.
     #[error("{}, {place}: utc_offset = \"{found}\" is no offset from UTC; write it as \"+02:00\"", path.display())]
     BadOffset {

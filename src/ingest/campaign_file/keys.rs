@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 9] = [
+const KNOWN: [(&str, &[&str]); 10] = [
     (
         "campaign",
         &["id", "title", "timezone", "notice", "model", "group_by"],
@@ -68,6 +68,16 @@ const KNOWN: [(&str, &[&str]); 9] = [
             "temperature_tolerance_c",
             "longest_gap_s",
             "exposure_above_percent",
+        ],
+    ),
+    (
+        "monitoring",
+        &[
+            "reference",
+            "false_alarm_runs",
+            "limit",
+            "command",
+            "acknowledged",
         ],
     ),
 ];

@@ -4,6 +4,7 @@ mod check;
 mod climate;
 mod error;
 mod keys;
+mod monitoring;
 mod nearest;
 mod raw;
 mod template;

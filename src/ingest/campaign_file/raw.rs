@@ -1,5 +1,7 @@
 //! campaign.toml as serde sees it, before anything is checked.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -23,6 +25,8 @@ pub(super) struct File {
     pub climate: Climate,
     #[serde(default)]
     pub adopted: Vec<Spanned<Adopted>>,
+    #[serde(default)]
+    pub monitoring: Monitoring,
 }
 
 /// `[[adopted]]`.
@@ -111,4 +115,47 @@ pub(super) struct Climate {
     pub temperature_tolerance_c: Option<f64>,
     pub longest_gap_s: Option<f64>,
     pub exposure_above_percent: Option<f64>,
+}
+
+/// `[monitoring]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Monitoring {
+    #[serde(default)]
+    pub reference: BTreeMap<String, Scalar>,
+    pub false_alarm_runs: Option<f64>,
+    #[serde(default)]
+    pub limit: Vec<Limit>,
+    #[serde(default)]
+    pub command: Vec<String>,
+    #[serde(default)]
+    pub acknowledged: Vec<String>,
+}
+
+/// A tag's value.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum Scalar {
+    Whole(i64),
+    Number(f64),
+    Text(String),
+}
+
+impl Scalar {
+    /// As tags are stored.
+    pub fn text(self) -> String {
+        match self {
+            Scalar::Whole(number) => number.to_string(),
+            Scalar::Number(number) => number.to_string(),
+            Scalar::Text(text) => text,
+        }
+    }
+}
+
+/// `[[monitoring.limit]]`.
+#[derive(Deserialize)]
+pub(super) struct Limit {
+    pub parameter: Option<String>,
+    pub material: Option<String>,
+    pub below: Option<f64>,
+    pub above: Option<f64>,
 }

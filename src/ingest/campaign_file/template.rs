@@ -63,6 +63,16 @@ title = {id}                            # what stands above the report
 # longest_gap_s = 3600                   # between two readings that a run may contain
 # exposure_above_percent = 60            # hours above it accumulate per sample
 
+# Long-term monitoring: repeat a run in one condition now and then (docs/monitoring.md).
+# [monitoring]
+# reference = {{ environment = "air", voltage_v = 2.0, relative_humidity_percent = 35 }}
+# false_alarm_runs = 500                 # reference runs between two false alarms of a chart, on average
+# command = ["notify-lab", "--urgent"]   # hears of every new alarm, in variables IEAP_ALARM_...
+# acknowledged = []                      # ids of alarms that are known
+# [[monitoring.limit]]
+# parameter = "alpha_per_c_cm"
+# below = 12.0                           # or above
+
 [runs]
 folder = "runs"                          # every file in it and below it is looked at
 # Reads tags from file names, here CNaf-01_air_rh34_2.5V_1.csv:

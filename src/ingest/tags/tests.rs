@@ -39,6 +39,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         adopted: Vec::new(),
         sensors: vec![],
         climate: Default::default(),
+        monitoring: Default::default(),
     }
 }
 

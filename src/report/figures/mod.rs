@@ -6,6 +6,7 @@ pub mod canvas;
 pub mod climate;
 pub mod comparison;
 pub mod gain_bars;
+pub mod law;
 pub mod modulus;
 pub mod panel;
 pub mod profile;

@@ -6,7 +6,9 @@ pub mod dma;
 pub mod finding;
 pub mod finding_words;
 pub mod findings;
+pub mod humidity;
 pub mod index;
+pub mod monitoring;
 pub mod run;
 pub mod run_climate;
 pub mod run_clocks;
@@ -68,7 +70,7 @@ pub struct Page {
 }
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 6] = [
+pub const PAGES: [Page; 8] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -103,6 +105,20 @@ pub const PAGES: [Page; 6] = [
         template: include_str!("../../../templates/pages/findings.html"),
         is_shown: |_| true,
         content: findings::content,
+    },
+    Page {
+        file: "humidity.html",
+        title: "Across runs",
+        template: include_str!("../../../templates/pages/humidity.html"),
+        is_shown: humidity::is_shown,
+        content: humidity::content,
+    },
+    Page {
+        file: "monitoring.html",
+        title: "Monitoring",
+        template: include_str!("../../../templates/pages/monitoring.html"),
+        is_shown: monitoring::is_shown,
+        content: monitoring::content,
     },
     Page {
         file: "climate.html",

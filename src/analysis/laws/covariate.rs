@@ -1,0 +1,186 @@
+//! What a parameter may follow from run to run: covariates with their keys, units and effects.
+
+/// Something that differs between runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Covariate {
+    /// Relative humidity, percent.
+    RelativeHumidity,
+    /// Temperature, °C.
+    Temperature,
+    /// Whether the humidity rose or fell to the run.
+    Direction,
+    /// Cycle number as tagged.
+    Cycle,
+    /// Hours since the start of the sample's first run.
+    Age,
+    /// Charge that passed in the sample's earlier runs, per area, C/cm2.
+    ChargeBefore,
+    /// Hours of exposure before the run, from a tag.
+    Exposure,
+    /// Place of the run among the sample's runs.
+    RunOrder,
+    /// Whether it is the sample's first run.
+    FirstRun,
+    /// Shorted time before the run, s.
+    RestBefore,
+    /// Instrument as tagged.
+    Instrument,
+    /// Calibration as tagged.
+    Calibration,
+    /// Who measured.
+    Operator,
+    /// Batch of the sample.
+    Batch,
+    /// The sample itself.
+    Sample,
+    /// Environment: a factor of the design.
+    Environment,
+    /// Step voltage, V: a factor of the design.
+    Voltage,
+}
+
+/// How values of a covariate compare.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// By size.
+    Number,
+    /// As the same or not.
+    Category,
+}
+
+impl Covariate {
+    /// Every covariate; of two that cannot be told apart the earlier one gives a finding its name where nothing
+    /// else decides.
+    pub const ALL: [Covariate; 17] = [
+        Covariate::RelativeHumidity,
+        Covariate::Temperature,
+        Covariate::Direction,
+        Covariate::Cycle,
+        Covariate::Age,
+        Covariate::ChargeBefore,
+        Covariate::Exposure,
+        Covariate::RunOrder,
+        Covariate::FirstRun,
+        Covariate::RestBefore,
+        Covariate::Instrument,
+        Covariate::Calibration,
+        Covariate::Operator,
+        Covariate::Batch,
+        Covariate::Sample,
+        Covariate::Environment,
+        Covariate::Voltage,
+    ];
+
+    /// Those that grow as a sample is used.
+    pub const OF_AGE: [Covariate; 5] = [
+        Covariate::Cycle,
+        Covariate::Age,
+        Covariate::ChargeBefore,
+        Covariate::Exposure,
+        Covariate::RunOrder,
+    ];
+
+    /// Stored name; that of the tag where there is one.
+    pub fn key(self) -> &'static str {
+        match self {
+            Covariate::RelativeHumidity => "relative_humidity_percent",
+            Covariate::Temperature => "temperature_c",
+            Covariate::Direction => "humidity_direction",
+            Covariate::Cycle => "cycle",
+            Covariate::Age => "age_h",
+            Covariate::ChargeBefore => "charge_before_c_per_cm2",
+            Covariate::Exposure => "exposure_h",
+            Covariate::RunOrder => "run_order",
+            Covariate::FirstRun => "first_run",
+            Covariate::RestBefore => "rest_before_s",
+            Covariate::Instrument => "instrument",
+            Covariate::Calibration => "calibration",
+            Covariate::Operator => "operator",
+            Covariate::Batch => "batch",
+            Covariate::Sample => "sample",
+            Covariate::Environment => "environment",
+            Covariate::Voltage => "voltage_v",
+        }
+    }
+
+    /// Name in sentences.
+    pub fn label(self) -> &'static str {
+        match self {
+            Covariate::RelativeHumidity => "relative humidity",
+            Covariate::Temperature => "temperature",
+            Covariate::Direction => "wetting or drying",
+            Covariate::Cycle => "cycle",
+            Covariate::Age => "age",
+            Covariate::ChargeBefore => "charge passed before",
+            Covariate::Exposure => "exposure",
+            Covariate::RunOrder => "order of the runs",
+            Covariate::FirstRun => "first run",
+            Covariate::RestBefore => "rest before the run",
+            Covariate::Instrument => "instrument",
+            Covariate::Calibration => "calibration",
+            Covariate::Operator => "operator",
+            Covariate::Batch => "batch",
+            Covariate::Sample => "sample",
+            Covariate::Environment => "environment",
+            Covariate::Voltage => "voltage",
+        }
+    }
+
+    /// Unit as printed; empty for a pure number or a name.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Covariate::RelativeHumidity => "% RH",
+            Covariate::Temperature => "°C",
+            Covariate::Age | Covariate::Exposure => "h",
+            Covariate::ChargeBefore => "C cm⁻²",
+            Covariate::RestBefore => "s",
+            Covariate::Voltage => "V",
+            _ => "",
+        }
+    }
+
+    /// Id of the effect that a dependence on it is; none for the factors of the design, which are no effect.
+    pub fn effect(self) -> Option<&'static str> {
+        match self {
+            Covariate::RelativeHumidity | Covariate::Direction => Some("humidity-dependence"),
+            Covariate::Temperature => Some("temperature-dependence"),
+            Covariate::RestBefore => Some("carry-over"),
+            Covariate::Cycle
+            | Covariate::Age
+            | Covariate::ChargeBefore
+            | Covariate::Exposure
+            | Covariate::RunOrder => Some("degradation"),
+            Covariate::FirstRun => Some("conditioning"),
+            Covariate::Instrument | Covariate::Calibration | Covariate::Operator => Some("instrument-shift"),
+            Covariate::Batch | Covariate::Sample => Some("sample-offset"),
+            Covariate::Environment | Covariate::Voltage => None,
+        }
+    }
+
+    /// How its values compare.
+    pub fn kind(self) -> Kind {
+        match self {
+            Covariate::Instrument
+            | Covariate::Calibration
+            | Covariate::Operator
+            | Covariate::Batch
+            | Covariate::Sample
+            | Covariate::Environment
+            | Covariate::Voltage => Kind::Category,
+            _ => Kind::Number,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_distinct() {
+        let mut keys: Vec<&str> = Covariate::ALL.iter().map(|covariate| covariate.key()).collect();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), Covariate::ALL.len());
+    }
+}

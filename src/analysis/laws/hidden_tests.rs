@@ -1,0 +1,392 @@
+//! Campaigns with and without a hidden law, its covariate confounded by design in half of them: what is found, what
+//! is claimed without being there.
+
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::covariate::Covariate;
+use super::find::{CampaignLaws, Evidence, find};
+use super::shape::Law;
+use super::words;
+use crate::analysis::sample_campaign::{campaign, fit, run, tag};
+use crate::domain::tag::keys;
+use crate::domain::{Campaign, Estimate, RunRecord};
+
+const PARAMETERS: [(&str, f64); 7] = [
+    ("r1_ohm_cm2", 60.0),
+    ("c1_f_per_cm2", 0.04),
+    ("r2_ohm_cm2", 150.0),
+    ("c2_f_per_cm2", 0.12),
+    ("rss_ohm_cm2", 60_000.0),
+    ("alpha_per_c_cm", 24.0),
+    ("lambda_per_s", 1e-3),
+];
+/// Standard deviation of the logarithms between samples, between runs of a sample, and by the fits.
+const BETWEEN: f64 = 0.2;
+const RUNS: f64 = 0.1;
+const FITS: f64 = 0.04;
+
+/// How a simulated campaign is made.
+#[derive(Clone, Copy)]
+struct Plan {
+    samples: usize,
+    humidities: &'static [f64],
+    voltages: &'static [f64],
+    /// Whether humidities rise with the order of the runs.
+    is_confounded: bool,
+    between: f64,
+    /// Whether each sample is measured at one humidity only.
+    one_humidity_a_sample: bool,
+}
+
+const PLAN: Plan = Plan {
+    samples: 6,
+    humidities: &[20.0, 40.0, 60.0, 80.0],
+    voltages: &[1.5, 2.5],
+    is_confounded: false,
+    between: BETWEEN,
+    one_humidity_a_sample: false,
+};
+
+/// What is hidden: change of the logarithm of a parameter by humidity (percent) and cycle.
+type Hidden<'a> = &'a dyn Fn(&str, f64, usize) -> f64;
+
+fn simulate(plan: Plan, hidden: Hidden, seed: u64) -> (Vec<RunRecord>, Campaign) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut campaign = campaign();
+    let template = campaign.samples[0].clone();
+    campaign.samples.clear();
+    let mut runs = Vec::new();
+    for s in 0..plan.samples {
+        let id = format!("S{s:02}");
+        campaign.samples.push(crate::domain::Sample {
+            id: id.clone(),
+            ..template.clone()
+        });
+        let offsets: Vec<f64> = PARAMETERS
+            .iter()
+            .map(|_| plan.between * normal(&mut random))
+            .collect();
+        let mut conditions: Vec<(f64, f64)> = Vec::new();
+        for (k, &humidity) in plan.humidities.iter().enumerate() {
+            if !plan.one_humidity_a_sample || k == s % plan.humidities.len() {
+                conditions.extend(plan.voltages.iter().map(|&volts| (humidity, volts)));
+            }
+        }
+        if !plan.is_confounded {
+            conditions.shuffle(&mut random);
+        }
+        let mut hour = 0.0;
+        for (k, (humidity, volts)) in conditions.into_iter().enumerate() {
+            hour += 2.0 + 6.0 * random.random::<f64>();
+            let humidity = humidity + normal(&mut random);
+            let values: Vec<(&str, Estimate)> = PARAMETERS
+                .iter()
+                .zip(&offsets)
+                .map(|(&(key, center), offset)| {
+                    let by_voltage = if key == "lambda_per_s" { 0.5 * volts } else { 0.0 };
+                    let scatter = RUNS * normal(&mut random) + FITS * normal(&mut random);
+                    let y = offset + by_voltage + hidden(key, humidity, k) + scatter;
+                    (key, estimate(center * y.exp()))
+                })
+                .collect();
+            let mut made = run(&format!("{id}_{k:02}"), &id, "air", Some(humidity), volts);
+            made.tags.push(tag(keys::CYCLE, &(k + 1).to_string()));
+            made.tags.push(tag(
+                keys::TEMPERATURE_C,
+                &(24.0 + normal(&mut random)).to_string(),
+            ));
+            let start =
+                jiff::Timestamp::from_second(1_790_000_000 + (3600.0 * hour) as i64 + 86_400 * s as i64);
+            made.tags.push(tag(keys::STARTED_AT, &start.unwrap().to_string()));
+            made.fit = Some(fit(&values));
+            runs.push(made);
+        }
+    }
+    (runs, campaign)
+}
+
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(random)
+}
+
+fn estimate(value: f64) -> Estimate {
+    Estimate::determined(
+        value,
+        FITS * value,
+        value * (-1.96 * FITS).exp(),
+        value * (1.96 * FITS).exp(),
+    )
+}
+
+fn found(plan: Plan, hidden: Hidden, seed: u64) -> CampaignLaws {
+    let (runs, campaign) = simulate(plan, hidden, seed);
+    find(&Evidence {
+        runs: &runs,
+        campaign: &campaign,
+        charge_c: &vec![None; runs.len()],
+        attempts: &[],
+        seed,
+    })
+}
+
+fn tries(short: u64, long: u64) -> u64 {
+    match std::env::var_os("IEAP_LONG") {
+        Some(_) => long,
+        None => short,
+    }
+}
+
+fn nothing(_: &str, _: f64, _: usize) -> f64 {
+    0.0
+}
+
+#[test]
+fn where_nothing_is_hidden_nothing_is_claimed() {
+    let count = tries(24, 500);
+    let (mut wrong, mut lengths) = (0, 0);
+    let mut p_of = std::collections::BTreeMap::<Covariate, Vec<f64>>::new();
+    for seed in 0..count {
+        let plan = Plan {
+            is_confounded: seed % 2 == 1,
+            ..PLAN
+        };
+        let laws = found(plan, &nothing, 7_000 + seed);
+        // Samples do differ.
+        let claimed: Vec<_> = laws
+            .claimed()
+            .filter(|found| found.covariate != Covariate::Sample)
+            .collect();
+        wrong += u64::from(!claimed.is_empty());
+        lengths += u64::from(
+            laws.lengths
+                .iter()
+                .any(|doubt| doubt.q <= 0.05 && doubt.explains_all),
+        );
+        for one in laws
+            .dependences
+            .iter()
+            .filter(|one| one.covariate != Covariate::Sample)
+        {
+            p_of.entry(one.covariate).or_default().push(one.p);
+        }
+    }
+    let rate = wrong as f64 / count as f64;
+    println!(
+        "{count} null campaigns: {wrong} with a law claimed, {:.1} %; {lengths} with a length doubted",
+        100.0 * rate
+    );
+    let all: Vec<f64> = p_of.values().flatten().copied().collect();
+    println!(
+        "{} p-values: KS distance {:.4} (5 %, were they independent: {:.4})",
+        all.len(),
+        super::chance_of::distance_from_even(&all),
+        1.358 / (all.len() as f64).sqrt()
+    );
+    for (covariate, p) in &p_of {
+        let below = p.iter().filter(|p| **p <= 0.05).count() as f64 / p.len() as f64;
+        println!(
+            "  {}: {} p-values, {:.3} below 0.05",
+            covariate.key(),
+            p.len(),
+            below
+        );
+    }
+    // 5 % and what chance adds to it in 1 of 1000 tries.
+    assert!(rate <= 0.05 + 3.1 * (0.05 * 0.95 / count as f64).sqrt(), "{rate}");
+    assert!(lengths as f64 / count as f64 <= 0.05 + 3.1 * (0.05 * 0.95 / count as f64).sqrt());
+    // Parameters of one run share nothing here; questions of a set and its members do not overlap.
+    assert!(super::chance_of::distance_from_even(&all) < 2.2 / (all.len() as f64).sqrt());
+}
+
+#[test]
+fn a_humidity_law_of_twice_the_spread_is_found() {
+    let count = tries(20, 200);
+    // Between 20 and 80 % the parameter moves by twice the standard deviation between samples.
+    let law = |key: &str, humidity: f64, _: usize| match key {
+        "lambda_per_s" => 2.0 * BETWEEN * (humidity - 20.0) / 60.0,
+        _ => 0.0,
+    };
+    let (mut seen, mut held, mut wrong, mut claims) = (0, 0, 0, 0);
+    for seed in 0..count {
+        let laws = found(PLAN, &law, 20_000 + seed);
+        let claimed: Vec<_> = laws
+            .claimed()
+            .filter(|found| found.covariate != Covariate::Sample)
+            .collect();
+        claims += claimed.len();
+        let is_right = |one: &&&super::Dependence| {
+            one.parameter == "lambda_per_s" && one.covariate == Covariate::RelativeHumidity
+        };
+        wrong += claimed.iter().filter(|one| !is_right(one)).count();
+        if let Some(right) = claimed.iter().find(|one| is_right(one)) {
+            seen += 1;
+            let change = right.change().unwrap();
+            let span = right.span.unwrap();
+            let truth = 2.0 * BETWEEN * span.length() / 60.0;
+            held += u64::from(change.low_95.unwrap() <= truth && truth <= change.high_95.unwrap());
+            assert!(right.confounded_with.is_empty(), "{right:?}");
+        }
+    }
+    println!(
+        "humidity law: found in {seen} of {count}; {held} intervals hold the truth; {wrong} of {claims} claims wrong"
+    );
+    assert!(seen as f64 >= 0.9 * count as f64);
+    assert!(held as f64 >= 0.95 * seen as f64 - 3.0 * (0.05 * seen as f64).sqrt());
+    assert!(wrong as f64 / claims as f64 <= 0.05 + 3.0 * (0.05 / claims as f64).sqrt());
+}
+
+#[test]
+fn a_confounded_pair_is_one_finding_with_both_names() {
+    let count = tries(10, 200);
+    let law = |key: &str, humidity: f64, _: usize| match key {
+        "alpha_per_c_cm" => -0.4 * (humidity - 20.0) / 60.0,
+        _ => 0.0,
+    };
+    let plan = Plan {
+        is_confounded: true,
+        ..PLAN
+    };
+    for seed in 0..count {
+        let laws = found(plan, &law, 30_000 + seed);
+        let names = |one: &super::Dependence| {
+            let mut names = one.confounded_with.clone();
+            names.push(one.covariate);
+            names
+        };
+        // One finding with both names, and no claim of either without the other.
+        let of_either: Vec<_> = laws
+            .claimed()
+            .filter(|one| one.parameter == "alpha_per_c_cm" && one.covariate != Covariate::Sample)
+            .filter(|one| {
+                let names = names(one);
+                names.contains(&Covariate::RelativeHumidity) || names.contains(&Covariate::Cycle)
+            })
+            .collect();
+        assert_eq!(of_either.len(), 1, "{of_either:#?}");
+        let names = names(of_either[0]);
+        assert!(names.contains(&Covariate::RelativeHumidity), "{names:?}");
+        assert!(names.contains(&Covariate::Cycle), "{names:?}");
+        assert!(words::sentence(of_either[0]).contains("cannot be told"));
+    }
+}
+
+#[test]
+fn ageing_is_not_taken_for_humidity() {
+    let ageing = |key: &str, _: f64, k: usize| match key {
+        "rss_ohm_cm2" => -0.12 * k as f64,
+        _ => 0.0,
+    };
+    let laws = found(PLAN, &ageing, 41);
+    let of_rss: Vec<_> = laws
+        .claimed()
+        .filter(|one| one.parameter == "rss_ohm_cm2" && one.covariate != Covariate::Sample)
+        .collect();
+    assert_eq!(of_rss.len(), 1, "{of_rss:#?}");
+    assert_eq!(of_rss[0].covariate.effect(), Some("degradation"));
+    let sentence = words::sentence(of_rss[0]);
+    assert!(
+        sentence.contains("Rₛₛ of CNaf falls by a factor of"),
+        "{sentence}"
+    );
+}
+
+#[test]
+fn samples_at_one_humidity_each_are_compared_as_samples() {
+    let law = |key: &str, humidity: f64, _: usize| match key {
+        "lambda_per_s" => 2.0 * (humidity - 20.0) / 60.0,
+        _ => 0.0,
+    };
+    let plan = Plan {
+        samples: 12,
+        one_humidity_a_sample: true,
+        ..PLAN
+    };
+    let laws = found(plan, &law, 5);
+    let claimed: Vec<_> = laws
+        .claimed()
+        .filter(|one| one.covariate == Covariate::RelativeHumidity)
+        .collect();
+    assert_eq!(claimed.len(), 1);
+    assert_eq!(
+        (claimed[0].level, claimed[0].parameter.as_str()),
+        (super::design::Level::Between, "lambda_per_s")
+    );
+    // Two samples each are too few to claim anything, however many runs they have.
+    let plan = Plan { samples: 4, ..plan };
+    let laws = found(plan, &nothing, 6);
+    let p: Vec<f64> = laws
+        .dependences
+        .iter()
+        .filter(|one| one.covariate == Covariate::RelativeHumidity)
+        .map(|one| one.p)
+        .collect();
+    assert!(p.iter().all(|p| *p > 1e-3), "{p:?}");
+}
+
+#[test]
+fn wetting_and_drying_are_told_apart() {
+    const UP_AND_DOWN: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 60.0, 40.0, 20.0];
+    let plan = Plan {
+        humidities: &UP_AND_DOWN,
+        voltages: &[2.0],
+        is_confounded: true,
+        ..PLAN
+    };
+    let late = |key: &str, humidity: f64, k: usize| match key {
+        "lambda_per_s" => 0.01 * humidity + if k > 3 { 0.3 } else { 0.0 },
+        _ => 0.0,
+    };
+    let laws = found(plan, &late, 8);
+    let claimed: Vec<_> = laws
+        .claimed()
+        .filter(|one| one.parameter == "lambda_per_s")
+        .collect();
+    let covers = |covariate: Covariate| {
+        claimed
+            .iter()
+            .any(|one| one.covariate == covariate || one.confounded_with.contains(&covariate))
+    };
+    assert!(
+        covers(Covariate::RelativeHumidity) && covers(Covariate::Direction),
+        "{claimed:#?}"
+    );
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let law = |_: &str, humidity: f64, _: usize| 0.01 * humidity;
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| format!("{:?}", found(PLAN, &law, 3)))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn a_threshold_is_told_from_a_slope() {
+    let plan = Plan {
+        humidities: &[10.0, 25.0, 40.0, 50.0, 60.0, 70.0, 80.0],
+        ..PLAN
+    };
+    let law = |key: &str, humidity: f64, _: usize| match key {
+        "rss_ohm_cm2" => -0.05 * f64::max(humidity - 55.0, 0.0),
+        _ => 0.0,
+    };
+    let laws = found(plan, &law, 12);
+    let one = laws
+        .claimed()
+        .find(|one| one.parameter == "rss_ohm_cm2" && one.covariate == Covariate::RelativeHumidity)
+        .unwrap();
+    assert_eq!(one.laws[0].law, Law::Threshold, "{:#?}", one.laws);
+    let at = one.laws[0].bend_at.unwrap();
+    assert!(
+        at.low_95.unwrap() <= 55.0 && at.high_95.unwrap() >= 55.0,
+        "{at:?}"
+    );
+}

@@ -1,0 +1,129 @@
+//! The fitted values of one parameter over the runs of a material, on the scale on which laws are sought.
+
+use super::facts::RunFacts;
+use crate::analysis::parameters::usable;
+use crate::domain::RunRecord;
+
+/// Half-width of a 95 % interval in standard errors.
+const HALF_WIDTH: f64 = 1.959_963_984_540_054;
+
+/// One value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Value {
+    /// Index in the facts.
+    pub place: usize,
+    /// Its logarithm; the value itself where some are not positive.
+    pub y: f64,
+    /// Its variance by the fit.
+    pub variance: f64,
+}
+
+/// Values of one parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Values {
+    /// Stored key of the parameter.
+    pub key: String,
+    /// Whether `y` is logarithms.
+    pub is_log: bool,
+    /// Values of the runs that determine it.
+    pub values: Vec<Value>,
+    /// Places of runs that were fitted but give a bound, nothing, or no uncertainty.
+    pub left_out: Vec<usize>,
+}
+
+/// Keys of the parameters that the fits of these runs hold, time constants left out: they are products of others.
+pub fn keys(runs: &[RunRecord], facts: &[RunFacts], places: &[usize]) -> Vec<String> {
+    let mut keys: Vec<String> = Vec::new();
+    for &place in places {
+        for parameter in runs[facts[place].run].fit.iter().flat_map(|fit| &fit.parameters) {
+            if !parameter.key.starts_with("tau") && !keys.contains(&parameter.key) {
+                keys.push(parameter.key.clone());
+            }
+        }
+    }
+    keys
+}
+
+/// Values of the parameter `key` over `places`. A bound is no value: it is left out and counted.
+pub fn values(runs: &[RunRecord], facts: &[RunFacts], places: &[usize], key: &str) -> Values {
+    let mut known = Vec::new();
+    let mut left_out = Vec::new();
+    for &place in places {
+        let run = &runs[facts[place].run];
+        if run.fit.as_ref().and_then(|fit| fit.parameter(key)).is_none() {
+            continue;
+        }
+        let estimate = usable(run, key).filter(|estimate| !estimate.at_bound);
+        let numbers = estimate.and_then(|estimate| {
+            let value = estimate.value?;
+            let error = estimate
+                .standard_error
+                .filter(|error| error.is_finite() && *error >= 0.0)?;
+            value
+                .is_finite()
+                .then_some((value, error, estimate.low_95, estimate.high_95))
+        });
+        match numbers {
+            Some(numbers) => known.push((place, numbers)),
+            None => left_out.push(place),
+        }
+    }
+    let is_log = known.iter().all(|(_, (value, ..))| *value > 0.0);
+    let values = known
+        .into_iter()
+        .map(|(place, (value, error, low, high))| match is_log {
+            true => Value {
+                place,
+                y: value.ln(),
+                variance: log_error(value, error, low, high).powi(2),
+            },
+            false => Value {
+                place,
+                y: value,
+                variance: error * error,
+            },
+        })
+        .collect();
+    Values {
+        key: key.to_owned(),
+        is_log,
+        values,
+        left_out,
+    }
+}
+
+/// Standard error of the logarithm: from the interval, which need not lie evenly about the value.
+fn log_error(value: f64, error: f64, low: Option<f64>, high: Option<f64>) -> f64 {
+    match (low.filter(|low| *low > 0.0), high) {
+        (Some(low), Some(high)) if high > low => (high / low).ln() / (2.0 * HALF_WIDTH),
+        _ => error / value,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::laws::facts::facts;
+    use crate::analysis::sample_campaign::{campaign, fit, known, run};
+    use crate::domain::Estimate;
+
+    #[test]
+    fn bounds_are_left_out_and_counted() {
+        let mut runs: Vec<RunRecord> = ["a", "b", "c"]
+            .iter()
+            .map(|name| run(name, "CNaf-01", "air", Some(34.0), 2.0))
+            .collect();
+        for (run, estimate) in runs.iter_mut().zip([
+            known(2.0, 0.1),
+            Estimate::below(1e-4, "search limit"),
+            Estimate::not_determined("flat"),
+        ]) {
+            run.fit = Some(fit(&[("lambda_per_s", estimate), ("tau1_s", known(1.0, 0.1))]));
+        }
+        let facts = facts(&runs, &campaign(), &[None; 3]);
+        assert_eq!(keys(&runs, &facts, &[0, 1, 2]), ["lambda_per_s"]);
+        let found = values(&runs, &facts, &[0, 1, 2], "lambda_per_s");
+        assert_eq!((found.values.len(), found.left_out.as_slice()), (1, &[1, 2][..]));
+        assert!(found.is_log && (found.values[0].variance.sqrt() - 0.1).abs() < 5e-3);
+    }
+}

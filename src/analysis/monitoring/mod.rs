@@ -1,0 +1,274 @@
+//! Long-term monitoring: parameters in the reference condition over the life of each sample, their trends, charts and
+//! alarms, and what of a change comes back with the air.
+
+pub mod reference;
+pub mod series;
+pub mod words;
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::analysis::laws::covariate::Covariate;
+use crate::analysis::laws::facts::RunFacts;
+use crate::analysis::laws::fitted::Fitted;
+use crate::analysis::laws::values::{keys, values};
+use crate::analysis::laws::{CampaignLaws, Dependence};
+use crate::domain::{Alarm, Campaign, Limit, RunRecord};
+use crate::numerics::control_chart::Chart;
+use reference::Reference;
+use series::{Limits, Reaches, Series, Study};
+
+/// Half-width of a 95 % interval in standard errors.
+const HALF_WIDTH: f64 = 1.959_963_984_540_054;
+
+/// What monitoring says of a campaign.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Monitoring {
+    /// The reference condition.
+    pub reference: Option<Reference>,
+    /// Why there is none.
+    pub why_not: String,
+    /// Runs between two false alarms of a chart, on average.
+    pub false_alarm_runs: f64,
+    /// Parameters of samples, those that moved first within each sample.
+    pub watched: Vec<Watched>,
+    /// Alarms, whether known or not.
+    pub alarms: Vec<Alarm>,
+    /// What of the changes over the campaign comes back with the humidity and what is age, in sentences.
+    pub split: Vec<String>,
+}
+
+impl Monitoring {
+    /// Runs until each chart sees a shift by one standard deviation, on average.
+    pub fn shifted_run_lengths(&self) -> [f64; 3] {
+        Chart::ALL.map(|chart| chart.run_length(chart.limit(self.false_alarm_runs.max(2.0)), 1.0))
+    }
+}
+
+/// One parameter of one sample in the reference condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watched {
+    /// Material.
+    pub material: String,
+    /// Sample.
+    pub sample: String,
+    /// Stored key of the parameter.
+    pub parameter: String,
+    /// What the series goes over.
+    pub axis: Covariate,
+    /// Runs of the readings.
+    pub runs: Vec<usize>,
+    /// Readings.
+    pub series: Series,
+    /// What is made of them.
+    pub study: Study,
+    /// The best trend law over every other axis that is known.
+    pub other_axes: Vec<(Covariate, Fitted)>,
+    /// The limit that holds for it, with when it is reached.
+    pub limit: Option<(Limit, Reaches)>,
+    /// Runs that give a bound or nothing.
+    pub left_out: usize,
+}
+
+/// Watches every parameter of every sample in the reference condition.
+pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> Monitoring {
+    let rules = &campaign.monitoring;
+    let facts = &laws.facts;
+    let mut monitoring = Monitoring {
+        false_alarm_runs: rules.false_alarm_runs,
+        split: words::split(laws),
+        ..Monitoring::default()
+    };
+    let reference = match reference::reference(runs, facts, rules) {
+        Ok(reference) => reference,
+        Err(why_not) => {
+            monitoring.why_not = why_not;
+            return monitoring;
+        }
+    };
+    let mut samples: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for &place in &reference.places {
+        samples.entry(&facts[place].sample).or_default().push(place);
+    }
+    let questions: Vec<(Vec<usize>, String)> = samples
+        .into_values()
+        .filter(|places| places.len() >= reference::FEWEST_RUNS)
+        .flat_map(|places| {
+            let keys = keys(runs, facts, &places);
+            keys.into_iter().map(move |key| (places.clone(), key))
+        })
+        .collect();
+    let limits = Limits::for_false_alarms(rules.false_alarm_runs);
+    monitoring.watched = questions
+        .par_iter()
+        .filter_map(|(places, key)| watch(runs, campaign, facts, places, (key, limits)))
+        .collect();
+    monitoring.alarms = monitoring
+        .watched
+        .iter()
+        .flat_map(|watched| alarms(runs, campaign, watched))
+        .collect();
+    monitoring.reference = Some(reference);
+    monitoring
+}
+
+fn watch(
+    runs: &[RunRecord],
+    campaign: &Campaign,
+    facts: &[RunFacts],
+    places: &[usize],
+    (key, limits): (&str, Limits),
+) -> Option<Watched> {
+    let found = values(runs, facts, places, key);
+    if found.values.len() < reference::FEWEST_RUNS {
+        return None;
+    }
+    let axes: Vec<Covariate> = Covariate::OF_AGE
+        .into_iter()
+        .filter(|axis| {
+            found
+                .values
+                .iter()
+                .all(|value| facts[value.place].numbers.contains_key(axis))
+        })
+        .collect();
+    let number =
+        |place: usize, axis: Covariate| facts[place].numbers.get(&axis).map_or(0.0, |known| known.value);
+    let over = |axis: Covariate| {
+        let mut ordered = found.values.clone();
+        // Of runs at one place of the axis the order of the runs decides.
+        ordered.sort_by(|a, b| {
+            let by = |axis| number(a.place, axis).total_cmp(&number(b.place, axis));
+            by(axis).then(by(Covariate::RunOrder))
+        });
+        let breaks = (1..ordered.len())
+            .filter(|&k| {
+                [Covariate::Instrument, Covariate::Calibration]
+                    .iter()
+                    .any(|name| {
+                        facts[ordered[k].place].names.get(name) != facts[ordered[k - 1].place].names.get(name)
+                    })
+            })
+            .collect();
+        let series = Series {
+            x: ordered.iter().map(|value| number(value.place, axis)).collect(),
+            y: ordered.iter().map(|value| value.y).collect(),
+            variance: ordered.iter().map(|value| value.variance).collect(),
+            is_log: found.is_log,
+            breaks,
+        };
+        let runs: Vec<usize> = ordered.iter().map(|value| facts[value.place].run).collect();
+        (series, runs)
+    };
+    let (&axis, others) = axes.split_first()?;
+    let (series, of_runs) = over(axis);
+    let seed = of_runs.first().map_or(1, |run| runs[*run].id.unsigned_abs() + 1);
+    let study = series.study(limits, seed);
+    let other_axes = others
+        .iter()
+        .filter_map(|&axis| {
+            let (series, _) = over(axis);
+            let study = series.study(limits, seed);
+            Some((axis, study.trends.first().copied()?))
+        })
+        .collect();
+    let fact = &facts[places[0]];
+    let limit = campaign.monitoring.limits.iter().find(|limit| {
+        limit.parameter == key
+            && limit
+                .material
+                .as_ref()
+                .is_none_or(|material| *material == fact.material)
+    });
+    let limit = limit.map(|limit| {
+        let on_scale = |x: f64| if found.is_log { x.max(1e-300).ln() } else { x };
+        let reaches = match (limit.below, limit.above) {
+            (Some(below), _) => series.reaches(&study, on_scale(below), true),
+            (None, Some(above)) => series.reaches(&study, on_scale(above), false),
+            (None, None) => Reaches::Unknown("no limit is stated".to_owned()),
+        };
+        (limit.clone(), reaches)
+    });
+    Some(Watched {
+        material: fact.material.clone(),
+        sample: fact.sample.clone(),
+        parameter: key.to_owned(),
+        axis,
+        runs: of_runs,
+        series,
+        study,
+        other_axes,
+        limit,
+        left_out: found.left_out.len(),
+    })
+}
+
+fn alarms(runs: &[RunRecord], campaign: &Campaign, watched: &Watched) -> Vec<Alarm> {
+    let mut alarms = Vec::new();
+    for charted in &watched.study.charts {
+        if let Some(first) = charted.first_alarm {
+            let message = words::chart_alarm(watched, charted, campaign.monitoring.false_alarm_runs);
+            alarms.push(alarm(
+                runs,
+                campaign,
+                watched,
+                charted.chart.key(),
+                first,
+                message,
+            ));
+        }
+    }
+    if let Some((limit, _)) = &watched.limit {
+        let passes = |k: usize| {
+            let reach = HALF_WIDTH * watched.series.variance[k].sqrt();
+            let on_scale = |y: f64| if watched.series.is_log { y.exp() } else { y };
+            let (low, high) = (
+                on_scale(watched.series.y[k] - reach),
+                on_scale(watched.series.y[k] + reach),
+            );
+            limit.below.is_some_and(|below| high < below) || limit.above.is_some_and(|above| low > above)
+        };
+        if let Some(first) = (0..watched.series.y.len()).find(|&k| passes(k)) {
+            let message = words::limit_alarm(watched, limit);
+            alarms.push(alarm(runs, campaign, watched, "limit", first, message));
+        }
+    }
+    alarms
+}
+
+fn alarm(
+    runs: &[RunRecord],
+    campaign: &Campaign,
+    watched: &Watched,
+    chart: &str,
+    reading: usize,
+    message: String,
+) -> Alarm {
+    let run = runs[watched.runs[reading]].path.clone();
+    let mut hasher = blake3::Hasher::new();
+    for part in [&watched.sample, &watched.parameter, chart, &run] {
+        hasher.update(part.as_bytes());
+        hasher.update(&[0]);
+    }
+    let id = hasher.finalize().to_hex()[..12].to_owned();
+    Alarm {
+        acknowledged: campaign.monitoring.acknowledged.contains(&id),
+        message: format!("{message} It began with {run}."),
+        id,
+        sample: watched.sample.clone(),
+        parameter: watched.parameter.clone(),
+        chart: chart.to_owned(),
+        run,
+    }
+}
+
+/// The claimed, or best known, dependence of a parameter on a covariate of that effect.
+fn dependence_on<'a>(laws: &'a CampaignLaws, like: &Dependence, effect: &str) -> Option<&'a Dependence> {
+    laws.dependences.iter().find(|found| {
+        found.material == like.material
+            && found.parameter == like.parameter
+            && found.covariate.effect() == Some(effect)
+            && found.covariate != Covariate::Direction
+    })
+}

@@ -1,0 +1,63 @@
+//! What campaign.toml says of long-term monitoring, and an alarm that it raises.
+
+use serde::{Deserialize, Serialize};
+
+/// Rules of campaign.toml, `[monitoring]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MonitoringRules {
+    /// Tags of the runs in the reference condition; empty: the condition repeated most.
+    pub reference: Vec<(String, String)>,
+    /// Runs between two false alarms of one chart, on average.
+    pub false_alarm_runs: f64,
+    /// Limits of parameters.
+    pub limits: Vec<Limit>,
+    /// Program with its arguments that hears of a new alarm.
+    pub command: Vec<String>,
+    /// Ids of alarms that are known and no longer counted.
+    pub acknowledged: Vec<String>,
+}
+
+impl Default for MonitoringRules {
+    /// 500 runs a chart: a false alarm of one of the three charts of one parameter about every 170 reference runs.
+    fn default() -> MonitoringRules {
+        MonitoringRules {
+            reference: Vec::new(),
+            false_alarm_runs: 500.0,
+            limits: Vec::new(),
+            command: Vec::new(),
+            acknowledged: Vec::new(),
+        }
+    }
+}
+
+/// A limit that a parameter must not pass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Limit {
+    /// Stored key of the parameter.
+    pub parameter: String,
+    /// Material that it holds for; none: all.
+    pub material: Option<String>,
+    /// Too low below this, in the unit that the key names.
+    pub below: Option<f64>,
+    /// Too high above this.
+    pub above: Option<f64>,
+}
+
+/// An alarm of a sample's parameter in the reference condition.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Alarm {
+    /// Id: the same alarm has the same id whenever it is found.
+    pub id: String,
+    /// Sample.
+    pub sample: String,
+    /// Stored key of the parameter.
+    pub parameter: String,
+    /// `shewhart`, `ewma`, `cusum` or `limit`.
+    pub chart: String,
+    /// Run with which it began.
+    pub run: String,
+    /// What it says.
+    pub message: String,
+    /// Whether campaign.toml says that it is known.
+    pub acknowledged: bool,
+}

@@ -1,0 +1,166 @@
+//! A parameter against a covariate: points with error bars on both axes, samples told apart, and a law with its band.
+
+use plotters::element::{PathElement, Polygon};
+use plotters::style::Color;
+
+use super::axis::Axis;
+use super::canvas::{Ink, svg};
+use super::comparison::{ink, marker};
+use super::panel::{Chart, Margins, panel};
+
+/// Size of one panel, px.
+const SIZE: (u32, u32) = (400, 270);
+const MARGINS: Margins = Margins {
+    left: 66,
+    right: 14,
+    top: 10,
+    bottom: 46,
+};
+
+/// A point with its 95 % interval and the standard error of where it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// Covariate.
+    pub x: f64,
+    /// Half-length of the horizontal bar; 0 for none.
+    pub x_error: f64,
+    /// Parameter in its shown unit.
+    pub y: f64,
+    /// Ends of the vertical bar.
+    pub bar: (f64, f64),
+    /// Number of the sample: marker and colour.
+    pub style: usize,
+}
+
+/// A law as it is drawn: at each place the value and the ends of the band.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Curve {
+    /// Covariate, rising.
+    pub x: Vec<f64>,
+    /// Value.
+    pub y: Vec<f64>,
+    /// Band.
+    pub band: Vec<(f64, f64)>,
+}
+
+/// What stands in a panel beside the points.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Beside {
+    /// The law.
+    pub law: Curve,
+    /// Horizontal lines: limits.
+    pub limits: Vec<f64>,
+    /// Vertical lines: changes.
+    pub changes: Vec<f64>,
+}
+
+/// Draws one panel.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn law_panel(
+    id: &str,
+    (x, y): (&Axis, &Axis),
+    marks: &[Mark],
+    beside: &Beside,
+    title: &str,
+    desc: &str,
+) -> Result<String, String> {
+    svg(id, SIZE, title, desc, |area| {
+        let mut chart = panel(area, MARGINS, x, y, true)?;
+        let inside = |value: f64| match y.shows(value) {
+            true => y.position(value),
+            false if value > 0.0 && y.position(value) > y.high => y.high,
+            false => y.low,
+        };
+        if beside.law.x.len() > 1 {
+            let at = |k: usize| x.position(beside.law.x[k]);
+            let forth = (0..beside.law.x.len()).map(|k| (at(k), inside(beside.law.band[k].0)));
+            let back = (0..beside.law.x.len())
+                .rev()
+                .map(|k| (at(k), inside(beside.law.band[k].1)));
+            let band = Polygon::new(
+                forth.chain(back).collect::<Vec<_>>(),
+                Ink::Muted.color().mix(0.18).filled(),
+            );
+            chart.draw_series([band]).map_err(|error| error.to_string())?;
+            let curve: Vec<(f64, f64)> = (0..beside.law.x.len())
+                .map(|k| (at(k), inside(beside.law.y[k])))
+                .collect();
+            line(&mut chart, curve, Ink::Text, 14)?;
+        }
+        for &limit in beside.limits.iter().filter(|limit| y.shows(**limit)) {
+            line(
+                &mut chart,
+                vec![(x.low, y.position(limit)), (x.high, y.position(limit))],
+                Ink::Vermillion,
+                12,
+            )?;
+        }
+        for &change in beside.changes.iter().filter(|change| x.shows(**change)) {
+            line(
+                &mut chart,
+                vec![(x.position(change), y.low), (x.position(change), y.high)],
+                Ink::Muted,
+                10,
+            )?;
+        }
+        for mark in marks {
+            let (across, up) = (x.position(mark.x), inside(mark.y));
+            let color = ink(mark.style);
+            line(
+                &mut chart,
+                vec![(across, inside(mark.bar.0)), (across, inside(mark.bar.1))],
+                color,
+                10,
+            )?;
+            if mark.x_error > 0.0 {
+                let ends = [mark.x - mark.x_error, mark.x + mark.x_error]
+                    .map(|end| x.position(end).clamp(x.low, x.high));
+                line(&mut chart, vec![(ends[0], up), (ends[1], up)], color, 10)?;
+            }
+            marker(&mut chart, (across, up), mark.style, y.shows(mark.y))?;
+        }
+        Ok(())
+    })
+}
+
+fn line(chart: &mut Chart, points: Vec<(f64, f64)>, ink: Ink, width: u32) -> Result<(), String> {
+    let path = PathElement::new(points, ink.color().stroke_width(width));
+    chart
+        .draw_series([path])
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bars_stand_on_both_axes_and_the_band_behind() {
+        let x = Axis::linear(20.0, 80.0, "Relative humidity", "%", 5);
+        let y = Axis::log(1e-4, 1e-2, "λ", "s⁻¹");
+        let mark = Mark {
+            x: 40.0,
+            x_error: 2.0,
+            y: 1e-3,
+            bar: (8e-4, 1.2e-3),
+            style: 1,
+        };
+        let law = Curve {
+            x: vec![20.0, 50.0, 80.0],
+            y: vec![5e-4, 1e-3, 2e-3],
+            band: vec![(4e-4, 6e-4), (9e-4, 1.1e-3), (1e-3, 5e-1)],
+        };
+        let beside = Beside {
+            law,
+            limits: vec![5e-3],
+            changes: vec![60.0],
+        };
+        let drawn = law_panel("p", (&x, &y), &[mark], &beside, "t", "d").unwrap();
+        assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");
+        assert_eq!(drawn.matches("s k-2").count(), 3, "{drawn}");
+        assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
+    }
+}

@@ -1,0 +1,253 @@
+//! What holds across runs, through files: a hidden humidity law, an order that ties it to age, the design of the
+//! thesis, and alarms of monitoring with their command and exit status.
+
+use serde_json::Value;
+
+use crate::campaign::CampaignFolder;
+
+const PLAIN: [f64; 7] = [520.0, 0.04, 1000.0, 0.13, 5600.0, 14.0, 4e-3];
+
+/// A simulated run of 120 s, with the factor of each sample on its parameters and one of lambda.
+fn run(name: &str, tags: &str, of_sample: f64, on_lambda: f64, on_alpha: f64) -> String {
+    let [r1, c1, r2, c2, rss, alpha, lambda] = PLAIN;
+    format!(
+        r#"
+[[run]]
+file = "{name}.csv"
+area_cm2 = 0.1
+voltage_v = 2.0
+parameters = {{ r1_ohm_cm2 = {}, c1_f_per_cm2 = {c1}, r2_ohm_cm2 = {r2}, c2_f_per_cm2 = {c2}, rss_ohm_cm2 = {rss}, alpha_per_c_cm = {}, lambda_per_s = {} }}
+tags = {{ voltage_v = 2.0, environment = "air", {tags} }}
+"#,
+        r1 * of_sample,
+        alpha / of_sample * on_alpha,
+        lambda * of_sample * on_lambda
+    )
+}
+
+const HEAD: &str = r#"[simulation]
+seed = 3
+folder = "runs"
+statement = ["SIMULATED, not measured."]
+baseline_s = 5.0
+
+[noise]
+current_a = 1e-6
+curvature_per_cm = 2e-3
+
+[[sampling]]
+until_s = 400.0
+every_s = 2.0
+"#;
+
+fn campaign(samples: &[&str], more: &str) -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    let mut text = String::from("[campaign]\nid = \"across\"\ntitle = \"Across runs\"\n");
+    for sample in samples {
+        text +=
+            &format!("[[sample]]\nid = \"{sample}\"\nmaterial = \"CNaf\"\nlength_mm = 5.0\nwidth_mm = 2.0\n");
+    }
+    folder.write("campaign.toml", text + more);
+    folder
+}
+
+fn simulate(folder: &CampaignFolder, runs: &str) {
+    folder.write("simulation.toml", format!("{HEAD}{runs}"));
+    let spec = folder.path().join("simulation.toml");
+    let ended = folder.ieap(&["simulate", spec.to_str().unwrap()]);
+    assert_eq!(ended.status, 0, "{ended:#?}");
+}
+
+/// Scatter of a run that repeats: a few percent, in an order without meaning.
+fn scatter(k: usize) -> f64 {
+    1.0 + 0.03 * (((14 * k * k + 7 * k) % 17) as f64 / 8.0 - 1.0)
+}
+
+fn hidden(order: &[[f64; 4]; 3]) -> Value {
+    let samples = ["S1", "S2", "S3"];
+    let folder = campaign(&samples, "");
+    let mut runs = String::new();
+    for (s, (sample, humidities)) in samples.iter().zip(order).enumerate() {
+        for (k, humidity) in humidities.iter().enumerate() {
+            let tags = format!(
+                "sample = \"{sample}\", cycle = {}, relative_humidity_percent = {humidity}",
+                k + 1
+            );
+            let law = (0.02 * (humidity - 20.0)).exp() * scatter(4 * s + k);
+            runs += &run(
+                &format!("{sample}_{k}"),
+                &tags,
+                1.0 + 0.2 * s as f64,
+                law,
+                scatter(4 * s + k + 5),
+            );
+        }
+    }
+    simulate(&folder, &runs);
+    folder.ieap(&["ingest"]).expect(0);
+    folder.ieap(&["fit"]).expect(0);
+    let ended = folder.ieap(&["diagnose", "--json", "--draws", "99"]);
+    assert_eq!(ended.status, 0, "{ended:#?}");
+    ended.json()
+}
+
+fn of_lambda(document: &Value) -> Vec<&Value> {
+    let entries = document["campaign"].as_array().unwrap();
+    entries
+        .iter()
+        .filter(|entry| entry["parameter"] == "lambda_per_s" && entry["effect"] != "sample-offset")
+        .collect()
+}
+
+#[test]
+fn a_hidden_humidity_law_is_found_from_files() {
+    let document = hidden(&[
+        [20.0, 60.0, 40.0, 80.0],
+        [60.0, 20.0, 80.0, 40.0],
+        [80.0, 40.0, 20.0, 60.0],
+    ]);
+    let found = of_lambda(&document);
+    assert_eq!(found.len(), 1, "{:#}", document["campaign"]);
+    let entry = found[0];
+    assert_eq!(entry["effect"], "humidity-dependence");
+    assert_eq!(entry["covariate"], "relative_humidity_percent");
+    assert_eq!(entry["confounded_with"], Value::Array(vec![]));
+    assert!(entry["q"].as_f64().unwrap() <= 0.05);
+    // exp(0.02 x 60)
+    let (low, high) = (
+        entry["ratio"]["low_95"].as_f64().unwrap(),
+        entry["ratio"]["high_95"].as_f64().unwrap(),
+    );
+    assert!(low <= 3.32 && 3.32 <= high && high / low < 1.6, "{entry:#}");
+    let sentence = entry["sentence"].as_str().unwrap();
+    assert!(
+        sentence.starts_with("λ of CNaf rises by a factor of 3."),
+        "{sentence}"
+    );
+    assert!(sentence.contains("from 20 to 80 % RH, 3 samples"), "{sentence}");
+}
+
+#[test]
+fn a_humidity_that_rose_with_every_run_is_one_finding_with_age() {
+    let rising = [20.0, 40.0, 60.0, 80.0];
+    let document = hidden(&[rising; 3]);
+    let found = of_lambda(&document);
+    assert_eq!(found.len(), 1, "{:#}", document["campaign"]);
+    let mut names: Vec<&str> = found[0]["confounded_with"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(Value::as_str)
+        .collect();
+    names.push(found[0]["covariate"].as_str().unwrap());
+    assert!(
+        names.contains(&"relative_humidity_percent") && names.contains(&"cycle"),
+        "{names:?}"
+    );
+    assert!(
+        found[0]["sentence"].as_str().unwrap().contains("cannot be told"),
+        "{:#}",
+        found[0]
+    );
+}
+
+const MONITORING: &str = r#"
+[monitoring]
+reference = { environment = "air", voltage_v = 2.0, relative_humidity_percent = 35 }
+false_alarm_runs = 5000
+command = ["sh", "-c", "echo \"$IEAP_ALARM_ID $IEAP_ALARM_SAMPLE $IEAP_ALARM_PARAMETER $IEAP_ALARM_CHART\" >> told.txt"]
+[[monitoring.limit]]
+parameter = "alpha_per_c_cm"
+below = 10.0
+"#;
+
+/// Steady for eight runs, then alpha fades; beside them runs at another humidity.
+fn fading(until: usize) -> String {
+    let mut runs = String::new();
+    for k in 0..until {
+        let fade = 1.0 - 0.06 * (k as f64 - 7.0).max(0.0);
+        let tags = format!(
+            "sample = \"S1\", cycle = {}, relative_humidity_percent = 35",
+            2 * k + 1
+        );
+        runs += &run(
+            &format!("S1_{k:02}"),
+            &tags,
+            1.0,
+            scatter(k + 3),
+            fade * scatter(k),
+        );
+    }
+    runs
+}
+
+#[cfg(unix)]
+#[test]
+fn an_alarm_is_told_once_and_stands_in_the_exit_status() {
+    let folder = campaign(&["S1"], MONITORING);
+    simulate(&folder, &fading(8));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    folder.ieap(&["status", "--alarms"]).expect(0);
+    assert!(!folder.path().join("told.txt").exists());
+
+    simulate_over(&folder, &fading(14));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let told = std::fs::read_to_string(folder.path().join("told.txt")).unwrap();
+    assert!(told.contains("S1 alpha_per_c_cm limit"), "{told}");
+    assert!(
+        told.lines()
+            .any(|line| line.contains("alpha_per_c_cm cusum") || line.contains("alpha_per_c_cm ewma")),
+        "{told}"
+    );
+
+    // Once and not again.
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("told.txt")).unwrap(),
+        told
+    );
+
+    let ended = folder.ieap(&["status", "--alarms", "--json"]).expect(5);
+    let alarms = ended.json()["alarms"].as_array().unwrap().clone();
+    assert_eq!(alarms.len(), told.lines().count());
+    folder.ieap(&["status"]).expect(0);
+    let page = std::fs::read_to_string(folder.path().join("report/monitoring.html")).unwrap();
+    assert!(
+        page.contains("left control in the reference condition"),
+        "no alarm on the page"
+    );
+
+    // Known alarms are not counted.
+    let ids: Vec<String> = alarms.iter().map(|alarm| alarm["id"].to_string()).collect();
+    let known = MONITORING.replace(
+        "[[monitoring",
+        &format!("acknowledged = [{}]\n[[monitoring", ids.join(", ")),
+    );
+    let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
+    folder.write("campaign.toml", text.replace(MONITORING, &known));
+    folder.ieap(&["status", "--alarms"]).expect(0);
+}
+
+fn simulate_over(folder: &CampaignFolder, runs: &str) {
+    folder.write("simulation.toml", format!("{HEAD}{runs}"));
+    let spec = folder.path().join("simulation.toml");
+    folder
+        .ieap(&["simulate", "--overwrite", spec.to_str().unwrap()])
+        .expect(0);
+}
+
+#[test]
+fn a_limit_without_a_side_is_refused_with_its_place() {
+    let folder = campaign(
+        &["S1"],
+        "[monitoring]\n[[monitoring.limit]]\nparameter = \"alpha_per_c_cm\"\n",
+    );
+    let ended = folder.ieap(&["status"]);
+    assert_eq!(ended.status, 2, "{ended:#?}");
+    assert!(
+        ended.stderr.contains("neither below nor above"),
+        "{}",
+        ended.stderr
+    );
+}
