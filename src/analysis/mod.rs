@@ -9,10 +9,12 @@ pub mod false_discovery;
 pub mod findings;
 pub mod groups;
 pub mod parameters;
+pub mod pooling;
 pub mod same_tags;
 #[cfg(test)]
 pub mod sample_campaign;
 pub mod sequence;
+pub mod tables;
 pub mod traces;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};

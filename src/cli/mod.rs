@@ -5,6 +5,7 @@ mod diagnose;
 mod dma;
 mod effects;
 mod exit;
+mod explain;
 mod export;
 mod fit;
 mod fit_choice;
@@ -21,6 +22,7 @@ mod report;
 mod run;
 mod simulate;
 mod status;
+mod table;
 mod tag;
 mod watch;
 
@@ -90,6 +92,8 @@ enum Verb {
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
     Status(status::StatusArgs),
+    Table(table::TableArgs),
+    Explain(explain::ExplainArgs),
     Inspect(inspect::InspectArgs),
     Profile(profile::ProfileArgs),
     Simulate(simulate::SimulateArgs),
@@ -165,6 +169,8 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Status(args) => status::run(args, output),
+        Verb::Table(args) => table::run(args, output),
+        Verb::Explain(args) => explain::run(args, output),
         Verb::Inspect(args) => inspect::run(args, output),
         Verb::Profile(args) => profile::run(args, output),
         Verb::Simulate(args) => simulate::run(args, global, output),

@@ -72,6 +72,9 @@ pub enum PipelineError {
         /// A sentence with the nearest name, or nothing.
         nearest: String,
     },
+    /// A table has no such row or column.
+    #[error("{0}")]
+    NotInTable(String),
     /// An argument of a verb makes no sense.
     #[error("{what}: found {found}, needed {needed}")]
     BadArgument {

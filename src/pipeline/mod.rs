@@ -7,6 +7,7 @@ mod diagnose;
 pub mod diagnosis_document;
 pub mod dma_document;
 mod error;
+pub mod explain;
 pub mod export;
 mod fit;
 mod fit_extended;
@@ -26,6 +27,7 @@ mod run;
 pub mod simulate;
 pub mod status;
 mod swap;
+pub mod tables;
 mod tag;
 mod watch;
 
@@ -45,3 +47,5 @@ pub use report::{REPORT_FOLDER, RenderReport, ReportSummary};
 pub use run::{Run, RunSummary};
 pub use tag::{SetTags, TagSummary};
 pub use watch::{Watch, WatchSettings};
+
+pub use crate::store::Earlier;

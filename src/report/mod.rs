@@ -8,6 +8,7 @@ pub mod number;
 pub mod pages;
 pub mod site;
 pub mod slug;
+pub mod tables;
 pub mod visible;
 
 pub use error::ReportError;

@@ -30,4 +30,5 @@ mod report_goldens;
 mod report_site;
 mod report_thesis;
 mod sidecars;
+mod tables;
 mod watch;
