@@ -8,8 +8,10 @@ pub mod export;
 pub mod false_discovery;
 pub mod findings;
 pub mod groups;
+pub mod json_rows;
 pub mod parameters;
 pub mod pooling;
+pub mod run_tables;
 pub mod same_tags;
 #[cfg(test)]
 pub mod sample_campaign;

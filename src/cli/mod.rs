@@ -7,6 +7,7 @@ mod effects;
 mod exit;
 mod explain;
 mod export;
+mod figure;
 mod fit;
 mod fit_choice;
 mod fit_group;
@@ -94,6 +95,7 @@ enum Verb {
     Status(status::StatusArgs),
     Table(table::TableArgs),
     Explain(explain::ExplainArgs),
+    Figure(figure::FigureArgs),
     Inspect(inspect::InspectArgs),
     Profile(profile::ProfileArgs),
     Simulate(simulate::SimulateArgs),
@@ -171,6 +173,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Status(args) => status::run(args, output),
         Verb::Table(args) => table::run(args, output),
         Verb::Explain(args) => explain::run(args, output),
+        Verb::Figure(args) => figure::run(args, output),
         Verb::Inspect(args) => inspect::run(args, output),
         Verb::Profile(args) => profile::run(args, output),
         Verb::Simulate(args) => simulate::run(args, global, output),

@@ -9,6 +9,7 @@ pub mod dma_document;
 mod error;
 pub mod explain;
 pub mod export;
+pub mod figures;
 mod fit;
 mod fit_extended;
 mod fit_groups;

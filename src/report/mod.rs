@@ -6,6 +6,7 @@ pub mod figures;
 pub mod input;
 pub mod number;
 pub mod pages;
+pub mod prints;
 pub mod site;
 pub mod slug;
 pub mod tables;

@@ -24,6 +24,7 @@ mod main_job;
 mod methods;
 mod models_reference;
 mod mutations;
+mod prints;
 mod real_campaigns;
 mod report_fixture;
 mod report_goldens;

@@ -179,6 +179,79 @@ fn no_name_from_a_file_is_a_command() {
     assert_eq!(reader.records().map(Result::unwrap).count(), input.runs.len());
 }
 
+/// Relative standard error given to the thesis's values, which it prints without one.
+const RELATIVE_ERROR: f64 = 0.01;
+
+/// One run per row of the thesis's table 5.
+fn thesis_input(path: &std::path::Path) -> Input {
+    let mut input = input(&["CNaf", "CPvf"], 1);
+    let mut reader = csv::Reader::from_path(path).expect("the table");
+    let rows = reader.records().map(|row| row.expect("a row"));
+    input.runs = rows.enumerate().map(|(index, row)| thesis_run(index, &row)).collect();
+    input
+}
+
+fn thesis_run(index: usize, row: &csv::StringRecord) -> ieap::domain::RunRecord {
+    let number = |column: usize| row[column].parse::<f64>().expect("a number");
+    let mut made = run(index, &row[0], 0, number(2), 1);
+    for tag in &mut made.tags {
+        if tag.key == "environment" {
+            row[1].clone_into(&mut tag.value);
+        }
+    }
+    let (r1, c1, r2, c2) = (number(3), number(4), number(5), number(6));
+    let values = [
+        ("rss_ohm_cm2", 1e3 * number(7)),
+        ("lambda_per_s", number(10)),
+        ("c_total_f_per_cm2", c1 + c2),
+        ("r_parallel_ohm_cm2", 1.0 / (1.0 / r1 + 1.0 / r2)),
+    ];
+    for (key, value) in values {
+        let parameters = &mut made.fit.as_mut().expect("fitted").parameters;
+        let parameter = parameters.iter_mut().find(|p| p.key == key).expect("the parameter");
+        let error = RELATIVE_ERROR * value;
+        parameter.estimate = match value > 0.0 {
+            true => Estimate::determined(value, error, value - 1.96 * error, value + 1.96 * error),
+            false => Estimate::below(1e-6, "the thesis prints 0"),
+        };
+    }
+    made
+}
+
+#[test]
+fn the_words_of_the_thesis_follow_from_its_numbers() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/thesis_table5.csv");
+    if !path.exists() {
+        println!("skipped: the reference values are not here");
+        return;
+    }
+    let table = table(&thesis_input(&path), "table6");
+    let words = |label: &str| -> Vec<String> {
+        let row = &table.rows[table.row_named(label).expect("a row")];
+        let word = |cell: &ieap::analysis::tables::Cell| ieap::report::tables::text_of(&cell.content);
+        row.cells[table.stub..].iter().map(word).collect()
+    };
+    // The author's table 6, which names no material but for back-relaxation.
+    assert_eq!(words("air, back_relaxation, CNaf"), ["minor", "moderate", "intense"]);
+    assert_eq!(words("air, back_relaxation, CPvf"), ["minor"; 3]);
+    assert_eq!(words("air, electrolysis, CNaf"), ["none", "present", "intensive"]);
+    let time_constants = words("air, time_constant, CNaf");
+    assert_eq!((&*time_constants[0], &*time_constants[2]), ("large", "small"));
+    for dry in ["vacuum", "inert"] {
+        for material in ["CNaf", "CPvf"] {
+            let of = |aspect: &str| words(&format!("{dry}, {aspect}, {material}"));
+            assert_eq!(of("back_relaxation"), ["minor"; 3], "{dry} {material}");
+            assert_eq!(of("electrolysis"), ["none"; 3], "{dry} {material}");
+            assert_eq!(of("time_constant"), ["small"; 3], "{dry} {material}");
+        }
+        assert_eq!(words(&format!("{dry}, steady_state_current, CNaf")), ["low"; 3]);
+        // Where the rules differ from the author's words: docs/tables.md.
+        assert_eq!(words(&format!("{dry}, steady_state_current, CPvf")), ["high"; 3]);
+    }
+    assert_eq!(words("air, electrolysis, CPvf"), ["none", "none", "present"]);
+    assert_eq!(words("air, time_constant, CPvf"), ["small"; 3]);
+}
+
 /// Two runs, fitted.
 fn fitted() -> CampaignFolder {
     let folder = CampaignFolder::new();
@@ -265,4 +338,31 @@ fn a_refit_tells_which_cells_moved() {
     assert_eq!(since["rows_new"], serde_json::json!(["runs/a.csv", "runs/b.csv"]));
     let refused = folder.ieap(&["table", "fits", "--since", "yesterday"]).expect(2);
     assert!(refused.stderr.contains("2026-11-20"), "{}", refused.stderr);
+}
+
+#[test]
+fn everything_is_exported_in_every_format() {
+    let folder = fitted();
+    let rows = |format: &str| {
+        let arguments = ["export", "--what", "all", "--format", format, "-o", "out", "--json"];
+        let files = folder.ieap(&arguments).expect(0).json()["files"].clone();
+        let rows = |file: &Value| file["rows"].as_u64().unwrap();
+        files.as_array().unwrap().iter().map(rows).collect::<Vec<_>>()
+    };
+    let parquet = rows("parquet");
+    assert_eq!(parquet, rows("csv"));
+    assert_eq!((parquet.len(), parquet[0]), (7, 2));
+    let refused = folder.ieap(&["export", "--what", "all", "-o", "out"]).expect(2);
+    assert!(refused.stderr.contains("--overwrite"), "{}", refused.stderr);
+    folder.ieap(&["export", "--what", "fits", "-o", "fits.json"]).expect(0);
+    let fits: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("fits.json")).unwrap()).unwrap();
+    assert_eq!(fits.as_array().unwrap().len() as u64, parquet[2]);
+    assert!(fits[0]["value"].is_number() && fits[0]["run"] == "runs/a.csv", "{}", fits[0]);
+    let mut tags = csv::Reader::from_path(folder.join("out/tags.csv")).unwrap();
+    let chosen = tags.records().map(Result::unwrap).filter(|row| &row[5] == "true").count();
+    assert!(chosen >= 6, "sample, environment and voltage of two runs: {chosen}");
+    let refused = folder.ieap(&["export", "--what", "traces", "-o", "traces.json"]).expect(2);
+    assert!(refused.stderr.contains(".parquet"), "{}", refused.stderr);
+    let leftovers = std::fs::read_dir(folder.path()).unwrap();
+    assert!(leftovers.flatten().all(|entry| !entry.file_name().to_string_lossy().ends_with(".part")));
 }

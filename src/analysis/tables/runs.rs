@@ -44,7 +44,9 @@ fn row(input: &TableInput, index: usize) -> Row {
     let run = &input.runs[index];
     let sources = || run_sources(input, &[index]);
     let text = |text: Option<&str>| Cell::text(text, sources());
-    let number = |key: &str| Cell::exact(run.tag_number(key), sources());
+    // Sensors are good to a few tenths at best: a mean over a run has more digits than that.
+    let tenths = |number: f64| (10.0 * number).round() / 10.0;
+    let number = |key: &str| Cell::exact(run.tag_number(key).map(tenths), sources());
     let cells = vec![
         text(Some(&run.path)),
         text(run.tag(keys::SAMPLE)),

@@ -28,7 +28,7 @@ const RELAXATION: Classes = Classes {
     limits: &[3e-4, 1e-3],
 };
 const ELECTROLYSIS: Classes = Classes {
-    words: &["none", "electrolysis", "intensive electrolysis"],
+    words: &["none", "present", "intensive"],
     limits: &[2.0, 20.0],
 };
 const TIME_CONSTANT: Classes = Classes {
@@ -51,7 +51,7 @@ pub fn rules() -> Vec<String> {
             half_life_min(intense)
         ),
         format!(
-            "Electrolysis of water is none up to {WATER_WINDOW_V} V (the window of water), without water (vacuum, inert gas, at most {DRY_UP_TO_PERCENT} % RH), and where Rₛₛ falls by less than a factor {} below that of the same material dry at the same voltage; it is intensive from a factor {}.",
+            "Electrolysis of water is none up to {WATER_WINDOW_V} V (the window of water), without water (vacuum, inert gas, at most {DRY_UP_TO_PERCENT} % RH), and where Rₛₛ falls by less than a factor {} below that of the same material dry at the same voltage; it is intensive from a factor {}, present between.",
             ELECTROLYSIS.limits[0], ELECTROLYSIS.limits[1]
         ),
         format!(

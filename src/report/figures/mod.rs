@@ -10,5 +10,6 @@ pub mod modulus;
 pub mod panel;
 pub mod residual;
 pub mod response;
+pub mod svg;
 
 pub use canvas::{Ink, svg};

@@ -1,6 +1,6 @@
 //! LaTeX with booktabs and siunitx: a document by itself, and a table where it is read by `\input`.
 
-use super::latex_text::{unit, words};
+use super::latex_text::{symbol, unit, words};
 use super::shown::{
     CONCISE, MISSING, NOT_DETERMINED, ShownCell, caption, grid, group_starts, has_errors, head, note_letter,
     note_letters, remarks, repeated,
@@ -48,7 +48,7 @@ pub fn write(table: &Table) -> String {
     );
     out += SHRINK;
     out += &format!("\\begin{{tabular}}{{{}}}\n\\toprule\n", layout.join(""));
-    let heads = table.columns.iter().map(head).map(|(symbol, _)| words(&symbol));
+    let heads = table.columns.iter().map(head).map(|(text, _)| symbol(&text));
     out += &format!("{} \\\\\n", heads.collect::<Vec<_>>().join(" & "));
     let second = table.columns.iter().map(|column| match column.unit.as_str() {
         "" => words(&head(column).1),

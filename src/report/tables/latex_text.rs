@@ -124,6 +124,20 @@ pub fn words(text: &str) -> String {
     out.replace("$$", "")
 }
 
+/// The title of a column: a single letter, with or without scripts, is a quantity and set as one.
+pub fn symbol(text: &str) -> String {
+    let is_script = |c: char| found(&LOWERED, c).or(found(&RAISED, c)).is_some();
+    let mut letters = text.chars();
+    let begins = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
+    match begins && letters.clone().all(is_script) {
+        true => {
+            let (letter, scripts) = text.split_at(1);
+            format!("${letter}${}", words(scripts)).replace("$$", "")
+        }
+        false => words(text),
+    }
+}
+
 /// A unit for `\unit`: `k\Omega.cm^{2}`.
 pub fn unit(text: &str) -> String {
     let mut out = String::from("\\unit{");
@@ -164,6 +178,9 @@ mod tests {
     fn symbols_and_units() {
         assert_eq!(words("Rₛₛ"), "R$_{\\mathrm{ss}}$");
         assert_eq!(words("α"), "$\\alpha$");
+        assert_eq!(symbol("Rₛₛ"), "$R_{\\mathrm{ss}}$");
+        assert_eq!(symbol("n"), "$n$");
+        assert_eq!(symbol("RH"), "RH");
         assert_eq!(unit("kΩ cm²"), "\\unit{k\\Omega .cm^{2}}");
         assert_eq!(unit("C⁻¹ cm⁻¹"), "\\unit{C^{-1}.cm^{-1}}");
         assert_eq!(unit("%"), "\\unit{\\%}");
