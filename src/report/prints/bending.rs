@@ -69,7 +69,7 @@ fn axes(points: &[(f64, f64)]) -> (Axis, Axis) {
     let ((from, to), (low, high)) = (range(|point| point.0), range(|point| point.1));
     let margin = 0.04 * (high - low);
     // Hours are read, thousands of seconds are not; short runs keep their seconds.
-    let x = Axis::linear(from.max(-0.02 * to), 1.01 * to, "Time since the step", "s", 4);
+    let x = Axis::linear(from.max(-0.02 * to), 1.01 * to, "Time after the step", "s", 4);
     (
         x,
         Axis::linear(low - margin, high + margin, "Curvature", "1/cm", 4),

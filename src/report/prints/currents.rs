@@ -101,7 +101,7 @@ fn axes(lines: &[Line]) -> Option<(Axis, Axis)> {
     let low = (0.5 * low).max(high / 10f64.powf(MOST_DECADES));
     (to > from && high > low).then(|| {
         (
-            Axis::log(0.9 * from, 1.1 * to, "Time since the step", "s"),
+            Axis::log(0.9 * from, 1.1 * to, "Time after the step", "s"),
             Axis::log(low, 1.5 * high, "Current", "mA cm⁻²"),
         )
     })

@@ -37,7 +37,7 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
             }
             let y = axis(parameter, groups.iter());
             panels.push(Panel {
-                title: format!("{name}, {}", parameter.name),
+                title: name.clone(),
                 draw: Box::new(move |area| comparison_on(area, &groups, &y)),
             });
         }

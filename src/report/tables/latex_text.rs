@@ -105,7 +105,7 @@ pub fn words(text: &str) -> String {
             '<' => "\\textless{}".to_owned(),
             '>' => "\\textgreater{}".to_owned(),
             '|' => "\\textbar{}".to_owned(),
-            '"' => "\\textquotedbl{}".to_owned(),
+            '"' => "''".to_owned(),
             '–' => "--".to_owned(),
             '—' => "---".to_owned(),
             '…' => "\\dots{}".to_owned(),
