@@ -101,6 +101,24 @@ fn repeats_are_pooled_and_their_spread_is_kept_apart() {
 }
 
 #[test]
+fn what_is_stated_for_every_run_gets_no_uncertainty_of_its_own() {
+    let mut input = distributed_input();
+    let mut again = input.runs[0].clone();
+    again.id += 1;
+    again.path = "runs/again.csv".to_owned();
+    input.runs.push(again);
+    let table = table(&input, "table3");
+    let cell = &table.rows[0].cells[table.column_named("re_ohm_per_sq").expect("a column")];
+    assert_eq!(ieap::report::tables::text_of(&cell.content), "2.50");
+    let cell = &table.rows[0].cells[table.column_named("rc_ohm_cm2").expect("a column")];
+    assert_eq!(
+        ieap::report::tables::text_of(&cell.content),
+        "4.50 ± 0.08",
+        "two runs know it better than one"
+    );
+}
+
+#[test]
 fn words_of_table6() {
     insta::assert_snapshot!("table6_text", written(&repeated_input(), "table6", "text"));
     insta::assert_snapshot!("table6_latex", written(&repeated_input(), "table6", "latex"));

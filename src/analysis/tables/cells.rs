@@ -154,6 +154,19 @@ fn mean(parts: &[&Contribution], shown: &Shown) -> Content {
         })
     };
     let repeats: Vec<Repeat> = parts.iter().filter_map(repeat).collect();
+    // Equal values without an error are stated, not measured: a mean would make up an uncertainty.
+    let is_stated = |repeat: &Repeat| repeat.standard_error == 0.0 && repeat.value == repeats[0].value;
+    if repeats.iter().all(is_stated) {
+        return repeats.first().map_or(Content::NotDetermined, |stated| {
+            Content::Measured(Measured {
+                value: stated.value,
+                standard_error: None,
+                low_95: None,
+                high_95: None,
+                pooled: None,
+            })
+        });
+    }
     // A value that is not positive has no logarithm: such a column is averaged as it is.
     let mean = pooled(&repeats, shown.averaging()).or_else(|| pooled(&repeats, Averaging::Linear));
     mean.map_or(Content::NotDetermined, |mean| {
@@ -173,7 +186,7 @@ fn without_value(parts: &[Contribution], shown: &Shown) -> Content {
         .iter()
         .filter_map(|part| part.estimate.as_ref().ok().copied())
         .collect();
-    if parts.iter().all(|part| part.estimate.is_err()) && parts.is_empty() {
+    if parts.is_empty() {
         return Content::Missing;
     }
     let side = |get: fn(&Estimate) -> Option<f64>, widest: fn(f64, f64) -> f64| {
