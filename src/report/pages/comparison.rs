@@ -262,7 +262,7 @@ fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Esti
     runs.iter().filter_map(of).collect()
 }
 
-/// An axis that shows every value and bound, and intervals as far as [`STRETCH`] lets them reach.
+/// An axis that shows every value and bound, and intervals as far as `STRETCH` lets them reach.
 pub fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Group>) -> Axis {
     let estimates: Vec<&Estimate> = groups
         .flat_map(|group| &group.slots)
