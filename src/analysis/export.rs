@@ -23,6 +23,8 @@ pub enum TableFormat {
     Csv,
     /// Apache Parquet.
     Parquet,
+    /// One JSON array with an object a row.
+    Json,
 }
 
 /// Why a table could not be made or written.
@@ -172,6 +174,7 @@ pub fn write_table(table: &mut DataFrame, format: TableFormat, path: &Path) -> R
     let written = match format {
         TableFormat::Csv => CsvWriter::new(&mut file).finish(table),
         TableFormat::Parquet => ParquetWriter::new(&mut file).finish(table).map(|_| ()),
+        TableFormat::Json => super::json_rows::write(table, &mut file),
     };
     written.map_err(|source| match source {
         PolarsError::IO { error, .. } => failed(io::Error::new(error.kind(), error.to_string())),
@@ -184,7 +187,7 @@ pub fn write_table(table: &mut DataFrame, format: TableFormat, path: &Path) -> R
 }
 
 /// Columns that say which run a row is about.
-fn run_columns(runs: &[&RunRecord], campaign: &Campaign) -> Vec<Column> {
+pub(super) fn run_columns(runs: &[&RunRecord], campaign: &Campaign) -> Vec<Column> {
     let tag = |name: &str, key: &str| texts(name, runs.iter().map(|run| run.tag(key).map(str::to_owned)));
     let number = |key: &str| numbers(key, runs.iter().map(|run| run.tag_number(key)));
     vec![

@@ -8,13 +8,17 @@ pub mod export;
 pub mod false_discovery;
 pub mod findings;
 pub mod groups;
+pub mod json_rows;
 pub mod laws;
 pub mod monitoring;
 pub mod parameters;
+pub mod pooling;
+pub mod run_tables;
 pub mod same_tags;
 #[cfg(test)]
 pub mod sample_campaign;
 pub mod sequence;
+pub mod tables;
 pub mod traces;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};

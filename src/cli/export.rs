@@ -12,7 +12,7 @@ use crate::pipeline::Context;
 use crate::pipeline::export::{Export, Table};
 use crate::pipeline::fits_document::fits_document;
 
-/// Write fits, conditions, traces or modulus logs as CSV or Parquet, units in the column names
+/// Write runs, tags, fits, conditions, traces or modulus logs as CSV, Parquet or JSON, units in the column names
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     #[command(flatten)]
@@ -20,9 +20,12 @@ pub struct ExportArgs {
     /// What to write
     #[arg(long, value_enum, default_value = "fits")]
     what: What,
-    /// File to write; its ending (.csv, .parquet) tells the format [default: WHAT.csv]
+    /// File to write; its ending (.csv, .parquet, .json) tells the format; with `--what all` a folder [default: WHAT.csv]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Format of the files of `--what all`
+    #[arg(long, value_enum, default_value = "parquet")]
+    format: FileFormat,
     /// Write over a file that is there
     #[arg(long)]
     overwrite: bool,
@@ -30,6 +33,10 @@ pub struct ExportArgs {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum What {
+    /// One row a run: tags, state, files with hashes, quality of the fit
+    Runs,
+    /// One row a run and tag, with its source
+    Tags,
     /// One row a run and parameter: value, standard error, interval
     Fits,
     /// One row a run, parameters side by side
@@ -40,30 +47,80 @@ enum What {
     Traces,
     /// Modulus logs: one row a humidity step and number
     Dma,
+    /// All of these, one file each, into a folder
+    All,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum FileFormat {
+    /// Apache Parquet
+    Parquet,
+    /// Comma-separated text
+    Csv,
+}
+
+impl What {
+    fn tables(self) -> Vec<Table> {
+        match self {
+            What::Runs => vec![Table::Runs],
+            What::Tags => vec![Table::Tags],
+            What::Fits => vec![Table::Fits],
+            What::FitsWide => vec![Table::FitsWide],
+            What::Conditions => vec![Table::Conditions],
+            What::Traces => vec![Table::Traces],
+            What::Dma => vec![Table::Dma],
+            What::All => Table::ALL.to_vec(),
+        }
+    }
 }
 
 pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
     let context = Context::open_read_only(&args.campaign.folder()?)?;
-    if output.json && args.output.is_none() {
+    if output.json && args.output.is_none() && matches!(args.what, What::Fits) {
         output.document(&fits_document(&context)?)?;
         return Ok(DONE);
     }
-    let (table, name) = match args.what {
-        What::Fits => (Table::Fits, "fits.csv"),
-        What::FitsWide => (Table::FitsWide, "fits-wide.csv"),
-        What::Conditions => (Table::Conditions, "conditions.csv"),
-        What::Traces => (Table::Traces, "traces.csv"),
-        What::Dma => (Table::Dma, "dma.csv"),
-    };
-    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
-    let rows = Export {
-        table,
-        path: path.clone(),
-        overwrite: args.overwrite,
+    let mut files = Vec::new();
+    for (table, path) in targets(args)? {
+        let overwrite = args.overwrite;
+        let rows = Export {
+            table,
+            path: path.clone(),
+            overwrite,
+        }
+        .run(&context)?;
+        output.result(&format!("{}: {rows} rows", path.display()));
+        files.push(json!({ "file": path.display().to_string(), "rows": rows }));
     }
-    .run(&context)?;
-    output.result(&format!("{}: {rows} rows", path.display()));
-    output
-        .document(&json!({ "schema": "ieap/export/1", "file": path.display().to_string(), "rows": rows }))?;
+    let first = files.first().cloned().unwrap_or_default();
+    output.document(
+        &json!({ "schema": "ieap/export/1", "file": first["file"], "rows": first["rows"], "files": files }),
+    )?;
     Ok(DONE)
+}
+
+/// Which table goes where.
+fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
+    let tables = args.what.tables();
+    if !matches!(args.what, What::All) {
+        let path = |table: &Table| {
+            args.output
+                .clone()
+                .unwrap_or_else(|| format!("{}.csv", table.name()).into())
+        };
+        return Ok(tables.iter().map(|table| (*table, path(table))).collect());
+    }
+    let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("export"));
+    std::fs::create_dir_all(&folder).map_err(|error| {
+        CliError::usage(&format!(
+            "{}: making the folder failed: {error}",
+            folder.display()
+        ))
+    })?;
+    let ending = match args.format {
+        FileFormat::Parquet => "parquet",
+        FileFormat::Csv => "csv",
+    };
+    let path = |table: &Table| folder.join(format!("{}.{ending}", table.name()));
+    Ok(tables.iter().map(|table| (*table, path(table))).collect())
 }

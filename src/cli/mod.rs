@@ -5,7 +5,9 @@ mod diagnose;
 mod dma;
 mod effects;
 mod exit;
+mod explain;
 mod export;
+mod figure;
 mod fit;
 mod fit_choice;
 mod fit_group;
@@ -21,6 +23,7 @@ mod report;
 mod run;
 mod simulate;
 mod status;
+mod table;
 mod tag;
 mod watch;
 
@@ -90,6 +93,9 @@ enum Verb {
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
     Status(status::StatusArgs),
+    Table(table::TableArgs),
+    Explain(explain::ExplainArgs),
+    Figure(figure::FigureArgs),
     Inspect(inspect::InspectArgs),
     Profile(profile::ProfileArgs),
     Simulate(simulate::SimulateArgs),
@@ -165,6 +171,9 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Status(args) => status::run(args, output),
+        Verb::Table(args) => table::run(args, output),
+        Verb::Explain(args) => explain::run(args, output),
+        Verb::Figure(args) => figure::run(args, output),
         Verb::Inspect(args) => inspect::run(args, output),
         Verb::Profile(args) => profile::run(args, output),
         Verb::Simulate(args) => simulate::run(args, global, output),

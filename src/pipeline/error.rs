@@ -72,6 +72,17 @@ pub enum PipelineError {
         /// A sentence with the nearest name, or nothing.
         nearest: String,
     },
+    /// A figure cannot be drawn.
+    #[error("{figure}: {reason}")]
+    Figure {
+        /// Which.
+        figure: &'static str,
+        /// What the campaign lacks, or what the drawing library says.
+        reason: String,
+    },
+    /// A table has no such row or column.
+    #[error("{0}")]
+    NotInTable(String),
     /// An argument of a verb makes no sense.
     #[error("{what}: found {found}, needed {needed}")]
     BadArgument {

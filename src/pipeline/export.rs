@@ -8,9 +8,13 @@ use crate::analysis::{self, TableFormat};
 /// What can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Table {
+    /// One row a run.
+    Runs,
+    /// One row a run and tag.
+    Tags,
     /// One row a run and parameter.
     Fits,
-    /// One row a run.
+    /// One row a run, parameters side by side.
     FitsWide,
     /// One row a condition.
     Conditions,
@@ -18,6 +22,32 @@ pub enum Table {
     Traces,
     /// One row a number of a modulus log.
     Dma,
+}
+
+impl Table {
+    /// Every table.
+    pub const ALL: [Table; 7] = [
+        Table::Runs,
+        Table::Tags,
+        Table::Fits,
+        Table::FitsWide,
+        Table::Conditions,
+        Table::Traces,
+        Table::Dma,
+    ];
+
+    /// Name of its file, without ending.
+    pub fn name(self) -> &'static str {
+        match self {
+            Table::Runs => "runs",
+            Table::Tags => "tags",
+            Table::Fits => "fits",
+            Table::FitsWide => "fits-wide",
+            Table::Conditions => "conditions",
+            Table::Traces => "traces",
+            Table::Dma => "dma",
+        }
+    }
 }
 
 /// The verb `export`.
@@ -32,7 +62,7 @@ pub struct Export {
 }
 
 impl Export {
-    /// Writes the table; gives the number of rows.
+    /// Writes the table; gives the number of rows. The file appears whole or not at all.
     ///
     /// # Errors
     /// The ending is not known, a file is there already, or the disk refuses.
@@ -43,22 +73,47 @@ impl Export {
                 path: self.path.clone(),
             });
         }
+        if (self.table, format) == (Table::Traces, TableFormat::Json) {
+            return Err(PipelineError::BadArgument {
+                what: "--output",
+                found: self.path.display().to_string(),
+                needed: "a file that ends in .parquet or .csv: readings are too many for JSON".to_owned(),
+            });
+        }
+        let part = self.path.with_file_name(format!(
+            ".{}.part",
+            self.path.file_name().unwrap_or_default().to_string_lossy()
+        ));
+        let rows = self.write(context, format, &part).inspect_err(|_| {
+            let _ = std::fs::remove_file(&part);
+        })?;
+        std::fs::rename(&part, &self.path).map_err(|source| PipelineError::File {
+            path: self.path.clone(),
+            doing: "putting the table in place",
+            source,
+        })?;
+        Ok(rows)
+    }
+
+    fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {
         let runs = context.store.runs()?;
         let campaign = &context.campaign;
         let mut table = match self.table {
+            Table::Runs => analysis::run_tables::runs_table(&runs, campaign)?,
+            Table::Tags => analysis::run_tables::tags_table(&runs)?,
             Table::Fits => analysis::fits_long(&runs, campaign)?,
             Table::FitsWide => analysis::fits_wide(&runs, campaign)?,
             Table::Conditions => analysis::conditions_table(&runs, campaign)?,
             Table::Dma => analysis::dma::table::modulus_table(&context.store.modulus_logs()?, campaign)?,
             Table::Traces => {
-                let mut writer = analysis::TraceWriter::create(&self.path, format)?;
+                let mut writer = analysis::TraceWriter::create(path, format)?;
                 for run in &runs {
                     writer.write(&run.path, &context.store.channels(run.id)?)?;
                 }
                 return Ok(writer.finish()?);
             }
         };
-        analysis::write_table(&mut table, format, &self.path)?;
+        analysis::write_table(&mut table, format, path)?;
         Ok(table.height())
     }
 }
@@ -67,10 +122,11 @@ fn format_of(path: &Path) -> Result<TableFormat, PipelineError> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") => Ok(TableFormat::Csv),
         Some("parquet") => Ok(TableFormat::Parquet),
+        Some("json") => Ok(TableFormat::Json),
         _ => Err(PipelineError::BadArgument {
             what: "--output",
             found: path.display().to_string(),
-            needed: "a file that ends in .csv or .parquet".to_owned(),
+            needed: "a file that ends in .csv, .parquet or .json".to_owned(),
         }),
     }
 }

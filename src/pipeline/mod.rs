@@ -10,7 +10,9 @@ mod diagnose;
 pub mod diagnosis_document;
 pub mod dma_document;
 mod error;
+pub mod explain;
 pub mod export;
+pub mod figures;
 mod fit;
 mod fit_extended;
 mod fit_groups;
@@ -29,6 +31,7 @@ mod run;
 pub mod simulate;
 pub mod status;
 mod swap;
+pub mod tables;
 mod tag;
 mod watch;
 
@@ -50,3 +53,5 @@ pub use report::{REPORT_FOLDER, RenderReport, ReportSummary};
 pub use run::{Run, RunSummary};
 pub use tag::{SetTags, TagSummary};
 pub use watch::{Watch, WatchSettings};
+
+pub use crate::store::Earlier;

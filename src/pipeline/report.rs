@@ -113,7 +113,11 @@ fn remove_leftovers(folder: &Path) {
     }
 }
 
-fn input(context: &Context, changes: u64, changed_at: &str) -> Result<report::Input, PipelineError> {
+pub(super) fn input(
+    context: &Context,
+    changes: u64,
+    changed_at: &str,
+) -> Result<report::Input, PipelineError> {
     let mut runs = context.store.runs()?;
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);

@@ -6,8 +6,10 @@ pub mod figures;
 pub mod input;
 pub mod number;
 pub mod pages;
+pub mod prints;
 pub mod site;
 pub mod slug;
+pub mod tables;
 pub mod visible;
 
 pub use error::ReportError;

@@ -9,86 +9,171 @@
 const PLAIN_UP_TO: i32 = 5;
 const PLAIN_DOWN_TO: i32 = -2;
 
+/// A number in pieces, for writers with a notation of their own: digits with a real minus, the uncertainty at the
+/// same place, and the power of ten that both share.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rounded {
+    /// Digits of the value: `24.62`, `9.4`.
+    pub value: String,
+    /// Digits of the uncertainty, with as many decimals as the value; none where there is no uncertainty.
+    pub error: Option<String>,
+    /// Power of ten of both; none where the digits stand for themselves.
+    pub exponent: Option<i32>,
+}
+
+impl Rounded {
+    /// `24.62 ± 0.31`, `(9.4 ± 1.2)·10⁻⁵`
+    pub fn text(&self) -> String {
+        match (&self.error, self.power()) {
+            (None, power) => format!("{}{power}", self.value),
+            (Some(error), power) if power.is_empty() => format!("{} ± {error}", self.value),
+            (Some(error), power) => format!("({} ± {error}){power}", self.value),
+        }
+    }
+
+    /// The value alone: `9.4·10⁻⁵`
+    pub fn value_text(&self) -> String {
+        format!("{}{}", self.value, self.power())
+    }
+
+    /// Value, and `± 1.2·10⁻⁵` to stand below it; the second is empty where there is no uncertainty.
+    pub fn stacked(&self) -> (String, String) {
+        let error = self.error.as_ref();
+        let error = error.map(|error| format!("± {error}{}", self.power()));
+        (self.value_text(), error.unwrap_or_default())
+    }
+
+    /// `24.62(31)`: the uncertainty in units of the last digit, with a minus that machines read.
+    pub fn concise(&self) -> String {
+        let value = self.value.replace('−', "-");
+        match &self.error {
+            Some(error) => format!("{value}({})", error.replace('.', "").trim_start_matches('0')),
+            None => value,
+        }
+    }
+
+    /// Whether the digits are a number: what is not finite is printed as a dash.
+    pub fn is_number(&self) -> bool {
+        self.value
+            .chars()
+            .all(|c| c.is_ascii_digit() || c == '.' || c == '−')
+    }
+
+    /// `·10⁻⁵`, or nothing.
+    fn power(&self) -> String {
+        self.exponent.map(power_of_ten).unwrap_or_default()
+    }
+}
+
+/// A value and its standard error, both rounded by the error. An error of zero or one that is no number gives the
+/// value alone with three digits.
+pub fn rounded(value: f64, standard_error: f64) -> Rounded {
+    if !value.is_finite() || !standard_error.is_finite() || standard_error <= 0.0 {
+        return rounded_to(value, 3);
+    }
+    let place = rounding_place(standard_error);
+    let leading = decimal_exponent(value.abs().max(standard_error));
+    if (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading) {
+        return Rounded {
+            value: rounded_at(value, place),
+            error: Some(rounded_at(standard_error, place)),
+            exponent: None,
+        };
+    }
+    let place = place - leading;
+    Rounded {
+        value: rounded_at(scaled(value, -leading), place),
+        error: Some(rounded_at(scaled(standard_error, -leading), place)),
+        exponent: Some(leading),
+    }
+}
+
+/// A number with `digits` significant digits, in pieces.
+pub fn rounded_to(value: f64, digits: i32) -> Rounded {
+    let alone = |value: String| Rounded {
+        value,
+        error: None,
+        exponent: None,
+    };
+    if !value.is_finite() {
+        return alone("–".to_owned());
+    }
+    if value == 0.0 {
+        return alone("0".to_owned());
+    }
+    let leading = exponent_after_rounding(value, digits);
+    if (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading) {
+        return alone(rounded_at(value, leading - digits + 1));
+    }
+    Rounded {
+        exponent: Some(leading),
+        ..alone(rounded_at(scaled(value, -leading), 1 - digits))
+    }
+}
+
+/// A bound with at most two digits, rounded up where it is an upper one and down where it is a lower one, so that
+/// it stays a bound.
+pub fn rounded_bound(bound: f64, is_upper: bool) -> Rounded {
+    outward(bound, if is_upper { f64::ceil } else { f64::floor })
+}
+
 /// `value ± standard_error`, both rounded by the uncertainty: `24.62 ± 0.31`, `(9.4 ± 1.2)·10⁻⁵`.
 ///
 /// An uncertainty of zero or one that is no number gives the value alone with three digits.
 pub fn measured(value: f64, standard_error: f64) -> String {
-    match parts(value, standard_error) {
-        (value, None, _) => value,
-        (value, Some(error), None) => format!("{value} ± {error}"),
-        (value, Some(error), Some(power)) => format!("({value} ± {error}){power}"),
-    }
+    rounded(value, standard_error).text()
 }
 
 /// The same in two pieces, for one above the other: `24.62` and `± 0.31`, `9.4·10⁻⁵` and `± 1.2·10⁻⁵`; the
 /// second is empty where there is no uncertainty.
 pub fn measured_stacked(value: f64, standard_error: f64) -> (String, String) {
-    let (value, error, power) = parts(value, standard_error);
-    let power = power.unwrap_or_default();
-    let error = error.map(|error| format!("± {error}{power}"));
-    (format!("{value}{power}"), error.unwrap_or_default())
+    rounded(value, standard_error).stacked()
 }
 
 /// `24.0 to 25.3`, `(9.1 to 9.7)·10⁻⁵`: the ends of a 95 % interval, to the digits that its width carries.
 pub fn interval(low: f64, high: f64) -> String {
     // A quarter of a 95 % interval is about one standard error.
     let error = (high - low).abs() / 4.0;
-    match (parts(low, error), parts(high, error)) {
-        ((low, Some(_), None), (high, Some(_), None)) => format!("{low} to {high}"),
-        ((low, Some(_), Some(power)), (high, Some(_), Some(same))) if power == same => {
-            format!("({low} to {high}){power}")
+    let (from, to) = (rounded(low, error), rounded(high, error));
+    match (
+        from.error.is_some() && to.error.is_some(),
+        from.exponent,
+        to.exponent,
+    ) {
+        (true, None, None) => format!("{} to {}", from.value, to.value),
+        (true, Some(power), Some(same)) if power == same => {
+            format!("({} to {}){}", from.value, to.value, power_of_ten(power))
         }
         _ => format!("{} to {}", significant(low, 3), significant(high, 3)),
     }
 }
 
-/// Value, uncertainty and power of ten, each rounded by the uncertainty.
-fn parts(value: f64, standard_error: f64) -> (String, Option<String>, Option<String>) {
-    if !value.is_finite() || !standard_error.is_finite() || standard_error <= 0.0 {
-        return (significant(value, 3), None, None);
+/// `0.996`; from 0.9995 on, the digits up to the second that differs from 9: a score never pretends to be 1.
+pub fn score(value: f64) -> String {
+    let short_of_one = 1.0 - value;
+    if (1e-9..5e-4).contains(&short_of_one) {
+        let decimals = (1 - short_of_one.log10().floor() as i32).max(3) as usize;
+        return fixed(value, decimals);
     }
-    let place = rounding_place(standard_error);
-    let leading = decimal_exponent(value.abs().max(standard_error));
-    if (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading) {
-        return (
-            rounded_at(value, place),
-            Some(rounded_at(standard_error, place)),
-            None,
-        );
+    match value.is_finite() && value.abs() < 1000.0 {
+        true => fixed(value, 3),
+        false => significant(value, 3),
     }
-    let (mantissa, error) = (scaled(value, -leading), scaled(standard_error, -leading));
-    let place = place - leading;
-    (
-        rounded_at(mantissa, place),
-        Some(rounded_at(error, place)),
-        Some(power_of_ten(leading)),
-    )
 }
 
 /// A number with `digits` significant digits: `0.996`, `1.53·10⁶`.
 pub fn significant(value: f64, digits: i32) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let leading = exponent_after_rounding(value, digits);
-    if (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading) {
-        return rounded_at(value, leading - digits + 1);
-    }
-    let mantissa = rounded_at(scaled(value, -leading), 1 - digits);
-    format!("{mantissa}{}", power_of_ten(leading))
+    rounded_to(value, digits).value_text()
 }
 
 /// `< 4·10⁻⁵`: an upper bound with at most two digits, rounded up so that it stays a bound.
 pub fn upper_bound(bound: f64) -> String {
-    format!("< {}", outward(bound, f64::ceil))
+    format!("< {}", rounded_bound(bound, true).value_text())
 }
 
 /// `> 1.2`: a lower bound with at most two digits, rounded down so that it stays a bound.
 pub fn lower_bound(bound: f64) -> String {
-    format!("> {}", outward(bound, f64::floor))
+    format!("> {}", rounded_bound(bound, false).value_text())
 }
 
 /// A fixed number of decimals with a real minus; a zero has no sign.
@@ -221,9 +306,9 @@ fn scaled(value: f64, power: i32) -> f64 {
 }
 
 /// Two digits, rounded away from what is excluded; a trailing zero after the point is dropped.
-fn outward(bound: f64, round: fn(f64) -> f64) -> String {
+fn outward(bound: f64, round: fn(f64) -> f64) -> Rounded {
     if !bound.is_finite() || bound == 0.0 {
-        return fixed(bound, 0);
+        return rounded_to(bound, 1);
     }
     let place = decimal_exponent(bound.abs()) - 1;
     let in_places = scaled(bound, -place);
@@ -233,101 +318,13 @@ fn outward(bound: f64, round: fn(f64) -> f64) -> String {
         true => nearest,
         false => round(in_places),
     };
-    let kept = scaled(kept, place);
-    let text = significant(kept, 2);
-    let (mantissa, rest) = text.split_at(text.find('·').unwrap_or(text.len()));
-    let mantissa = match mantissa.contains('.') && mantissa.ends_with('0') {
-        true => mantissa.trim_end_matches('0').trim_end_matches('.'),
-        false => mantissa,
+    let kept = rounded_to(scaled(kept, place), 2);
+    let value = match kept.value.contains('.') && kept.value.ends_with('0') {
+        true => kept.value.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => kept.value,
     };
-    format!("{mantissa}{rest}")
+    Rounded { value, ..kept }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn value_is_rounded_by_its_uncertainty() {
-        assert_eq!(measured(24.6183, 0.3142), "24.62 ± 0.31");
-        assert_eq!(measured(24.6183, 0.358), "24.6 ± 0.4");
-        assert_eq!(measured(24.6183, 0.0962), "24.62 ± 0.10");
-        assert_eq!(measured(1533.7, 214.0), "1530 ± 210");
-        assert_eq!(measured(1533.7, 0.0), "1530");
-        assert_eq!(measured(0.0391, 0.0012), "0.0391 ± 0.0012");
-        assert_eq!(measured(-2.5, 0.11), "−2.50 ± 0.11");
-    }
-
-    #[test]
-    fn small_and_large_values_share_one_power_of_ten() {
-        assert_eq!(measured(9.43e-5, 1.2e-6), "(9.43 ± 0.12)·10⁻⁵");
-        assert_eq!(measured(9.43e-5, 1.2e-5), "(9.4 ± 1.2)·10⁻⁵");
-        assert_eq!(measured(1.234567e7, 1.1e4), "(1.2346 ± 0.0011)·10⁷");
-        // The uncertainty is larger than the value: the power is the uncertainty's.
-        assert_eq!(measured(2e-6, 1.1e-5), "(0.2 ± 1.1)·10⁻⁵");
-    }
-
-    #[test]
-    fn the_three_ranges_of_the_rounding_rule() {
-        let last_digit = |error: f64| rounding_place(error);
-        assert_eq!((last_digit(0.100), last_digit(0.354)), (-2, -2));
-        assert_eq!((last_digit(0.355), last_digit(0.949)), (-1, -1));
-        assert_eq!(measured(1.0, 0.95), "1.0 ± 1.0");
-        assert_eq!(measured(1.0, 9.6), "1 ± 10");
-    }
-
-    #[test]
-    fn significant_digits() {
-        assert_eq!(significant(0.99649, 3), "0.996");
-        assert_eq!(significant(0.99961, 3), "1.00");
-        assert_eq!(significant(99_960.0, 3), "1.00·10⁵");
-        assert_eq!(significant(1.5e6, 3), "1.50·10⁶");
-        assert_eq!(significant(-9.4e-5, 2), "−9.4·10⁻⁵");
-        assert_eq!(significant(0.0, 3), "0");
-        assert_eq!(significant(f64::NAN, 3), "–");
-    }
-
-    #[test]
-    fn intervals_show_their_width_and_pieces_stack() {
-        assert_eq!(interval(12.271, 12.349), "12.271 to 12.349");
-        assert_eq!(interval(796.2, 1040.7), "800 to 1040");
-        assert_eq!(interval(1.794e-4, 1.814e-4), "(1.794 to 1.814)·10⁻⁴");
-        assert_eq!(interval(9.0e-5, 2.0e-4), "9.00·10⁻⁵ to 2.00·10⁻⁴");
-        assert_eq!(
-            measured_stacked(24.618, 0.31),
-            ("24.62".to_owned(), "± 0.31".to_owned())
-        );
-        assert_eq!(
-            measured_stacked(9.4e-5, 1.2e-5),
-            ("9.4·10⁻⁵".to_owned(), "± 1.2·10⁻⁵".to_owned())
-        );
-        assert_eq!(measured_stacked(9.4, 0.0), ("9.40".to_owned(), String::new()));
-    }
-
-    #[test]
-    fn bounds_are_rounded_outward() {
-        assert_eq!(upper_bound(4e-5), "< 4·10⁻⁵");
-        assert_eq!(upper_bound(3.61e-5), "< 3.7·10⁻⁵");
-        assert_eq!(lower_bound(123.0), "> 120");
-        assert_eq!(lower_bound(0.0399), "> 0.039");
-        assert_eq!(upper_bound(9.91), "< 10");
-    }
-
-    #[test]
-    fn prefixes_keep_numbers_between_one_and_a_thousand() {
-        assert_eq!(si_prefix(1.2e-3).symbol, "m");
-        assert_eq!(si_prefix(9.99e-4).symbol, "µ");
-        assert_eq!(si_prefix(1000.0).symbol, "k");
-        assert_eq!(si_prefix(0.0).symbol, "");
-        assert_eq!(si_prefix(1e-30).symbol, "p");
-        assert_eq!(with_unit(1.2e-3, "A"), "1.20 mA");
-    }
-
-    #[test]
-    fn minus_is_a_minus_and_zero_has_no_sign() {
-        assert_eq!(fixed(-0.7, 2), "−0.70");
-        assert_eq!(fixed(-0.0001, 2), "0.00");
-        assert_eq!(plain(-0.7), "−0.7");
-        assert_eq!(superscript(-12), "⁻¹²");
-    }
-}
+mod tests;

@@ -1,6 +1,6 @@
 //! Fits: what is to be fitted, what came out, what could not be done. Old fits stay.
 
-use rusqlite::{OptionalExtension, params};
+use rusqlite::{OptionalExtension, ToSql, params};
 
 use super::blob::{pack_f64, unpack_f64};
 use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
@@ -127,16 +127,27 @@ impl Store {
 
     /// The current fit of a run (without curves) with the version of the program that made it.
     pub(super) fn fit(&self, run_id: i64) -> Result<Option<(Fit, String)>, StoreError> {
+        self.fit_where("run_id = ?1 AND superseded_at IS NULL", &[&run_id])
+    }
+
+    /// The last fit (without curves) that a condition on table `fit` lets through.
+    pub(super) fn fit_where(
+        &self,
+        condition: &str,
+        values: &[&dyn ToSql],
+    ) -> Result<Option<(Fit, String)>, StoreError> {
         let doing = "reading a fit";
-        let sql = "SELECT id, model, model_version, code_version, method, converged, why_stopped, n_samples,
-                          r_squared_current, r_squared_curvature, noise, issues, evaluations
-                   FROM fit WHERE run_id = ?1 AND superseded_at IS NULL";
+        let sql = format!(
+            "SELECT id, model, model_version, code_version, method, converged, why_stopped, n_samples,
+                    r_squared_current, r_squared_curvature, noise, issues, evaluations
+             FROM fit WHERE {condition} ORDER BY id DESC LIMIT 1"
+        );
         let mut statement = self
             .connection
-            .prepare_cached(sql)
+            .prepare_cached(&sql)
             .map_err(|e| self.failed(doing, e))?;
         let found = statement
-            .query_row([run_id], |row| {
+            .query_row(values, |row| {
                 let fit = Fit {
                     model: row.get(1)?,
                     model_version: row.get(2)?,

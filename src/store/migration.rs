@@ -14,7 +14,7 @@ const HISTORY: [&str; 6] = [
     include_str!("../../migrations/0003_modulus_logs.sql"),
     include_str!("../../migrations/0004_origin.sql"),
     include_str!("../../migrations/0005_diagnosis.sql"),
-    include_str!("../../migrations/0007_alarms.sql"),
+    include_str!("../../migrations/0006_alarms.sql"),
 ];
 
 /// Schema version that this program writes.

@@ -1,6 +1,6 @@
 //! Analyses of modulus logs: what is to be analysed and what was found. Old ones stay.
 
-use rusqlite::{OptionalExtension, params};
+use rusqlite::{OptionalExtension, ToSql, params};
 
 use super::fits::{finite, insert_failure, read_curve, read_estimate};
 use super::{StepError, Store, StoreError, Transaction, blob::pack_f64, from_json, to_json};
@@ -64,13 +64,24 @@ impl Store {
     }
 
     fn modulus_analysis(&self, run_id: i64) -> Result<Option<ModulusAnalysis>, StoreError> {
+        self.modulus_analysis_where("run_id = ?1 AND superseded_at IS NULL", &[&run_id])
+    }
+
+    /// The last analysis that a condition on table `modulus_analysis` lets through.
+    pub(super) fn modulus_analysis_where(
+        &self,
+        condition: &str,
+        values: &[&dyn ToSql],
+    ) -> Result<Option<ModulusAnalysis>, StoreError> {
         let doing = "reading an analysis";
-        let sql = "SELECT id, analysis_version, modulus_source, frequency_hz, temperature_low_c,
-                          temperature_high_c, readings, issues
-                   FROM modulus_analysis WHERE run_id = ?1 AND superseded_at IS NULL";
+        let sql = format!(
+            "SELECT id, analysis_version, modulus_source, frequency_hz, temperature_low_c,
+                    temperature_high_c, readings, issues
+             FROM modulus_analysis WHERE {condition} ORDER BY id DESC LIMIT 1"
+        );
         let found = self
             .connection
-            .prepare_cached(sql)
+            .prepare_cached(&sql)
             .and_then(|mut statement| {
                 let read = |row: &rusqlite::Row<'_>| {
                     let range: (Option<f64>, Option<f64>) = (row.get(4)?, row.get(5)?);
@@ -87,7 +98,7 @@ impl Store {
                     };
                     Ok((row.get::<_, i64>(0)?, analysis, row.get::<_, String>(7)?))
                 };
-                statement.query_row([run_id], read).optional()
+                statement.query_row(values, read).optional()
             })
             .map_err(|e| self.failed(doing, e))?;
         let Some((id, mut analysis, issues)) = found else {

@@ -1,11 +1,7 @@
-//! What plotters draws on: a compact SVG writer.
-//!
-//! Plotters' own SVG backend rounds to whole pixels and writes one element per dot. This one counts in tenths
-//! of a pixel, joins dots into one path, writes relative coordinates, and names inks by a class, so that the
-//! style sheet can show them in dark mode and in print.
+//! What plotters draws on: a list of shapes, counted in tenths of a pixel, which pages show as SVG and prints as
+//! SVG, PNG or PDF.
 
 use std::convert::Infallible;
-use std::fmt::Write as _;
 
 use plotters::drawing::IntoDrawingArea;
 use plotters::prelude::{DrawingArea, RGBColor};
@@ -14,8 +10,6 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
     FontTransform,
 };
-
-use crate::report::visible::escaped;
 
 /// Canvas units per pixel.
 pub const TENTHS: i32 = 10;
@@ -85,8 +79,8 @@ impl Ink {
         }
     }
 
-    /// Class in the style sheet; `f-` sets `--ink`, which strokes and fills follow.
-    fn class(color: BackendColor) -> &'static str {
+    /// Class in the style sheet, which strokes and fills follow.
+    pub(super) fn class(color: BackendColor) -> &'static str {
         match Ink::ALL.into_iter().find(|ink| ink.rgb() == color.rgb) {
             Some(Ink::Muted) => "k-muted",
             Some(Ink::Grid) => "k-grid",
@@ -104,128 +98,117 @@ impl Ink {
 /// The drawing area that figures draw on.
 pub type Area<'a> = DrawingArea<Canvas<'a>, plotters::coord::Shift>;
 
-/// The SVG of what `draw` draws on a canvas of `width` x `height` pixels.
+/// A finished drawing.
+#[derive(Clone)]
+pub struct Drawing {
+    /// Width and height, tenths of a pixel.
+    pub size: (u32, u32),
+    /// Shapes from back to front.
+    pub shapes: Vec<Shape>,
+}
+
+/// One shape; positions and widths in tenths of a pixel.
+#[derive(Clone)]
+pub enum Shape {
+    /// An open line.
+    Stroke {
+        /// Corners.
+        points: Vec<BackendCoord>,
+        /// Width.
+        width: u32,
+        /// Colour with opacity.
+        color: BackendColor,
+    },
+    /// A filled polygon.
+    Fill {
+        /// Corners.
+        points: Vec<BackendCoord>,
+        /// Colour with opacity.
+        color: BackendColor,
+    },
+    /// A filled circle.
+    Dot {
+        /// Centre.
+        at: BackendCoord,
+        /// Radius.
+        radius: u32,
+        /// Colour with opacity.
+        color: BackendColor,
+    },
+    /// A circle's line.
+    Ring {
+        /// Centre.
+        at: BackendCoord,
+        /// Radius.
+        radius: u32,
+        /// Width.
+        width: u32,
+        /// Colour with opacity.
+        color: BackendColor,
+    },
+    /// One line of text.
+    Text(Label),
+}
+
+/// One line of text.
+#[derive(Clone)]
+pub struct Label {
+    /// Text as it came, nothing escaped.
+    pub text: String,
+    /// Position of the anchor on the base line, before turning.
+    pub at: BackendCoord,
+    /// Size, tenths of a pixel.
+    pub size: f64,
+    /// Which end of the text the anchor is.
+    pub anchor: HPos,
+    /// Whether it runs upward.
+    pub upward: bool,
+    /// Colour with opacity.
+    pub color: BackendColor,
+}
+
+/// What `draw` draws on a canvas of `width` x `height` pixels.
+///
+/// # Errors
+/// The message of the drawing library; a fault of the program.
+pub fn drawing<F>((width, height): (u32, u32), draw: F) -> Result<Drawing, String>
+where
+    F: FnOnce(&Area) -> Result<(), String>,
+{
+    let size = (width * TENTHS as u32, height * TENTHS as u32);
+    let mut shapes = Vec::new();
+    {
+        let area = Canvas {
+            shapes: &mut shapes,
+            size,
+        }
+        .into_drawing_area();
+        draw(&area)?;
+        area.present().map_err(|error| error.to_string())?;
+    }
+    Ok(Drawing { size, shapes })
+}
+
+/// The SVG of what `draw` draws on a canvas of `width` x `height` pixels, for a page.
 ///
 /// `id` must be unique on the page: the title and description are tied to it for screen readers.
 ///
 /// # Errors
 /// The message of the drawing library; a fault of the program.
-pub fn svg<F>(
-    id: &str,
-    (width, height): (u32, u32),
-    title: &str,
-    desc: &str,
-    draw: F,
-) -> Result<String, String>
+pub fn svg<F>(id: &str, size: (u32, u32), title: &str, desc: &str, draw: F) -> Result<String, String>
 where
     F: FnOnce(&Area) -> Result<(), String>,
 {
-    let mut body = String::new();
-    let size = (width * TENTHS as u32, height * TENTHS as u32);
-    {
-        let area = Canvas::new(&mut body, size).into_drawing_area();
-        draw(&area)?;
-        area.present().map_err(|error| error.to_string())?;
-    }
-    Ok(format!(
-        "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\" class=\"figure\" \
-         style=\"max-width:{width}px\"><title id=\"{id}-t\">{}</title><desc id=\"{id}-d\">{}</desc>{body}</svg>",
-        size.0,
-        size.1,
-        escaped(title),
-        escaped(desc),
-    ))
-}
-
-/// Dots that wait for others of their kind.
-struct Dots {
-    class: &'static str,
-    radius: u32,
-    opacity: f64,
-    path: String,
-    last: BackendCoord,
+    Ok(super::svg::inline(id, &drawing(size, draw)?, title, desc))
 }
 
 /// The backend.
 pub struct Canvas<'a> {
-    out: &'a mut String,
+    shapes: &'a mut Vec<Shape>,
     size: (u32, u32),
-    dots: Option<Dots>,
 }
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
-
-impl<'a> Canvas<'a> {
-    fn new(out: &'a mut String, size: (u32, u32)) -> Canvas<'a> {
-        Canvas {
-            out,
-            size,
-            dots: None,
-        }
-    }
-
-    fn element(&mut self, element: std::fmt::Arguments) {
-        self.flush_dots();
-        // Writing to a String cannot fail.
-        let _ = self.out.write_fmt(element);
-    }
-
-    fn flush_dots(&mut self) {
-        if let Some(dots) = self.dots.take() {
-            let _ = write!(
-                self.out,
-                "<path class=\"s {} dots\" stroke-width=\"{}\"{} d=\"{}\"/>",
-                dots.class,
-                2 * dots.radius,
-                opacity(dots.opacity),
-                dots.path
-            );
-        }
-    }
-
-    fn add_dot(&mut self, (x, y): BackendCoord, radius: u32, color: BackendColor) {
-        let class = Ink::class(color);
-        let same_kind = |dots: &Dots| (dots.class, dots.radius, dots.opacity) == (class, radius, color.alpha);
-        if !self.dots.as_ref().is_some_and(same_kind) {
-            self.flush_dots();
-        }
-        let dots = self.dots.get_or_insert_with(|| Dots {
-            class,
-            radius,
-            opacity: color.alpha,
-            path: String::new(),
-            last: (0, 0),
-        });
-        let _ = match dots.path.is_empty() {
-            true => write!(dots.path, "M{x} {y}h0"),
-            false => write!(dots.path, "m{} {}h0", x - dots.last.0, y - dots.last.1),
-        };
-        dots.last = (x, y);
-    }
-}
-
-/// Path data with relative coordinates; points that fall on the one before are left out.
-fn path_data(points: impl IntoIterator<Item = BackendCoord>) -> String {
-    let mut data = String::new();
-    let mut last: Option<BackendCoord> = None;
-    for (x, y) in points {
-        let _ = match last {
-            None => write!(data, "M{x} {y}l"),
-            Some(previous) if previous == (x, y) => continue,
-            Some((x0, y0)) if data.ends_with('l') => write!(data, "{} {}", x - x0, y - y0),
-            Some((x0, y0)) => write!(data, " {} {}", x - x0, y - y0),
-        };
-        last = Some((x, y));
-    }
-    data.replace(" -", "-")
-}
-
-fn opacity(alpha: f64) -> String {
-    match alpha < 1.0 {
-        true => format!(" opacity=\"{alpha}\""),
-        false => String::new(),
-    }
-}
 
 impl DrawingBackend for Canvas<'_> {
     type ErrorType = Infallible;
@@ -239,12 +222,11 @@ impl DrawingBackend for Canvas<'_> {
     }
 
     fn present(&mut self) -> Drawn {
-        self.flush_dots();
         Ok(())
     }
 
-    fn draw_pixel(&mut self, point: BackendCoord, color: BackendColor) -> Drawn {
-        self.add_dot(point, 1, color);
+    fn draw_pixel(&mut self, at: BackendCoord, color: BackendColor) -> Drawn {
+        self.shapes.push(Shape::Dot { at, radius: 1, color });
         Ok(())
     }
 
@@ -257,14 +239,11 @@ impl DrawingBackend for Canvas<'_> {
         path: I,
         style: &S,
     ) -> Drawn {
-        let data = path_data(path);
-        let color = style.color();
-        self.element(format_args!(
-            "<path class=\"s {}\" stroke-width=\"{}\"{} d=\"{data}\"/>",
-            Ink::class(color),
-            style.stroke_width(),
-            opacity(color.alpha),
-        ));
+        self.shapes.push(Shape::Stroke {
+            points: path.into_iter().collect(),
+            width: style.stroke_width(),
+            color: style.color(),
+        });
         Ok(())
     }
 
@@ -287,43 +266,35 @@ impl DrawingBackend for Canvas<'_> {
         vert: I,
         style: &S,
     ) -> Drawn {
-        let data = path_data(vert);
-        let color = style.color();
-        self.element(format_args!(
-            "<path class=\"f {}\"{} d=\"{data}z\"/>",
-            Ink::class(color),
-            opacity(color.alpha),
-        ));
+        self.shapes.push(Shape::Fill {
+            points: vert.into_iter().collect(),
+            color: style.color(),
+        });
         Ok(())
     }
 
     fn draw_circle<S: BackendStyle>(
         &mut self,
-        center: BackendCoord,
+        at: BackendCoord,
         radius: u32,
         style: &S,
         fill: bool,
     ) -> Drawn {
-        if fill {
-            self.add_dot(center, radius, style.color());
-            return Ok(());
-        }
-        let (x, y) = center;
-        self.element(format_args!(
-            "<circle class=\"s {}\" stroke-width=\"{}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>",
-            Ink::class(style.color()),
-            style.stroke_width(),
-        ));
+        let (color, width) = (style.color(), style.stroke_width());
+        self.shapes.push(match fill {
+            true => Shape::Dot { at, radius, color },
+            false => Shape::Ring {
+                at,
+                radius,
+                width,
+                color,
+            },
+        });
         Ok(())
     }
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Drawn {
         let size = style.size();
-        let anchor = match style.anchor().h_pos {
-            HPos::Left => "",
-            HPos::Center => " text-anchor=\"middle\"",
-            HPos::Right => " text-anchor=\"end\"",
-        };
         // Heights of capitals and figures over the font size, near enough for every system font.
         let below = match style.anchor().v_pos {
             VPos::Top => 0.74,
@@ -331,19 +302,15 @@ impl DrawingBackend for Canvas<'_> {
             VPos::Bottom => -0.05,
         };
         let drop = (below * size).round() as i32;
-        let class = Ink::class(style.color());
-        let text = escaped(text);
-        match style.transform() {
-            FontTransform::Rotate270 => self.element(format_args!(
-                "<text class=\"f {class}\" font-size=\"{size}\"{anchor} transform=\"translate({} {y})rotate(-90)\">\
-                 {text}</text>",
-                x + drop,
-            )),
-            _ => self.element(format_args!(
-                "<text class=\"f {class}\" font-size=\"{size}\"{anchor} x=\"{x}\" y=\"{}\">{text}</text>",
-                y + drop,
-            )),
-        }
+        let upward = matches!(style.transform(), FontTransform::Rotate270);
+        self.shapes.push(Shape::Text(Label {
+            text: text.to_owned(),
+            at: if upward { (x + drop, y) } else { (x, y + drop) },
+            size,
+            anchor: style.anchor().h_pos,
+            upward,
+            color: style.color(),
+        }));
         Ok(())
     }
 }

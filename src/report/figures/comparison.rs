@@ -5,7 +5,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{Color, ShapeStyle};
 
 use super::axis::Axis;
-use super::canvas::{Ink, svg};
+use super::canvas::{Area, Ink, TENTHS, svg};
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
 use crate::domain::Estimate;
 
@@ -47,6 +47,14 @@ pub struct Slot {
 /// # Errors
 /// The message of the drawing library.
 pub fn comparison(id: &str, groups: &[Group], y: &Axis, title: &str, desc: &str) -> Result<String, String> {
+    svg(id, SIZE, title, desc, |area| comparison_on(area, groups, y))
+}
+
+/// Draws one panel over the whole of `area`.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), String> {
     let slots: usize = groups.iter().map(|group| group.slots.len()).sum();
     let width = slots as f64 + GAP * groups.len().saturating_sub(1) as f64;
     let x = Axis {
@@ -54,24 +62,23 @@ pub fn comparison(id: &str, groups: &[Group], y: &Axis, title: &str, desc: &str)
         ticks: vec![],
         ..Axis::linear(-0.5, width - 0.5, "", "", 2)
     };
-    svg(id, SIZE, title, desc, |area| {
-        let mut chart = panel(area, MARGINS, &x, y, true)?;
-        let pixels_per_slot = f64::from(SIZE.0 - MARGINS.left - MARGINS.right) / width.max(1.0);
-        let axis_title = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
-        label(
-            &mut chart,
-            (0.5 * width - 0.5, y.low),
-            (0, 51),
-            "Step voltage (V)",
-            &axis_title,
-        )?;
-        let mut left = 0.0;
-        for group in groups {
-            draw_group(&mut chart, y, group, left, pixels_per_slot)?;
-            left += group.slots.len() as f64 + GAP;
-        }
-        Ok(())
-    })
+    let mut chart = panel(area, MARGINS, &x, y, true)?;
+    let pixels = f64::from(area.dim_in_pixel().0) / f64::from(TENTHS);
+    let pixels_per_slot = (pixels - f64::from(MARGINS.left + MARGINS.right)) / width.max(1.0);
+    let axis_title = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
+    label(
+        &mut chart,
+        (0.5 * width - 0.5, y.low),
+        (0, 51),
+        "Step voltage (V)",
+        &axis_title,
+    )?;
+    let mut left = 0.0;
+    for group in groups {
+        draw_group(&mut chart, y, group, left, pixels_per_slot)?;
+        left += group.slots.len() as f64 + GAP;
+    }
+    Ok(())
 }
 
 /// Room between two groups, in slots.
@@ -167,8 +174,14 @@ fn draw_estimate(
             marker(chart, (at, position(value)), style, y.shows(value))
         }
         (None, (Some(low), Some(high))) => draw_path(chart, &[(at, low), (at, high)], line),
-        (None, (None, Some(high))) => arrow(chart, (at, high), arrow_length(high - y.low, y), line),
-        (None, (Some(low), None)) => arrow(chart, (at, low), -arrow_length(y.high - low, y), line),
+        (None, (None, Some(high))) => {
+            let length = arrow_length(chart, high - y.low, y);
+            arrow(chart, (at, high), length, line)
+        }
+        (None, (Some(low), None)) => {
+            let length = -arrow_length(chart, y.high - low, y);
+            arrow(chart, (at, low), length, line)
+        }
         (None, (None, None)) => {
             let muted = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Bottom);
             label(chart, (at, y.low), (0, -4), "–", &muted)
@@ -177,8 +190,8 @@ fn draw_estimate(
 }
 
 /// Length of an arrow, tenths of a pixel: as long as there is room up to the frame, never less than its tip.
-fn arrow_length(room: f64, y: &Axis) -> i32 {
-    let plot_height = f64::from(SIZE.1 - MARGINS.top - MARGINS.bottom);
+fn arrow_length(chart: &Chart, room: f64, y: &Axis) -> i32 {
+    let plot_height = f64::from(chart.plotting_area().dim_in_pixel().1) / f64::from(TENTHS);
     let pixels = room / (y.high - y.low) * plot_height;
     (10.0 * pixels.clamp(7.0, 18.0)) as i32
 }
@@ -204,7 +217,7 @@ fn arrow(chart: &mut Chart, at: (f64, f64), down: i32, style: ShapeStyle) -> Res
 }
 
 /// Marker shapes differ as well as colours; a value outside the range shown is hollow.
-pub(super) fn marker(chart: &mut Chart, at: (f64, f64), style: usize, within: bool) -> Result<(), String> {
+pub fn marker(chart: &mut Chart, at: (f64, f64), style: usize, within: bool) -> Result<(), String> {
     use plotters::element::{EmptyElement, Polygon};
     let color = ink(style).color();
     let filled = color.filled();

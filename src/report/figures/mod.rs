@@ -12,5 +12,6 @@ pub mod panel;
 pub mod profile;
 pub mod residual;
 pub mod response;
+pub mod svg;
 
 pub use canvas::{Ink, svg};

@@ -7,7 +7,7 @@ use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axis::Axis;
-use super::canvas::{Area, Ink, TENTHS, svg};
+use super::canvas::{Area, Drawing, Ink, TENTHS, drawing, svg};
 use super::comparison::{ink, marker};
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
 use crate::domain::{Quantity, RunCurve};
@@ -46,6 +46,19 @@ pub struct NormalisedLog<'a> {
 /// # Errors
 /// The message of the drawing library.
 pub fn normalised(id: &str, logs: &[NormalisedLog], title: &str, desc: &str) -> Result<String, String> {
+    Ok(super::svg::inline(
+        id,
+        &normalised_drawing(WIDTH, logs)?,
+        title,
+        desc,
+    ))
+}
+
+/// The same `width` pixels wide, wherever it is shown.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn normalised_drawing(width: u32, logs: &[NormalisedLog]) -> Result<Drawing, String> {
     let minutes = |log: &NormalisedLog, time_s: f64| (time_s - log.origin_s) / SECONDS_PER_MINUTE;
     let modulus: Vec<Vec<(f64, f64)>> = logs
         .iter()
@@ -63,14 +76,15 @@ pub fn normalised(id: &str, logs: &[NormalisedLog], title: &str, desc: &str) -> 
         .collect();
     let time = range(modulus.iter().flatten().map(|point| point.0));
     let x = time_axis(time, "Time since the first humidity step");
-    let rows = (logs.len() as u32).div_ceil((WIDTH - 62) / LEGEND_ENTRY);
+    let entries = (width.saturating_sub(62) / LEGEND_ENTRY).max(1);
+    let rows = (logs.len() as u32).div_ceil(entries);
     let legend = rows * LEGEND_ROW;
     let with_humidity = humidity.iter().any(|points| !points.is_empty());
     let below = if with_humidity { FURTHER_HEIGHT } else { 0 };
-    let size = (WIDTH, legend + FIRST_HEIGHT + below + TIME_AXIS_HEIGHT);
-    svg(id, size, title, desc, |area| {
+    let size = (width, legend + FIRST_HEIGHT + below + TIME_AXIS_HEIGHT);
+    drawing(size, |area| {
         let (top, rest) = area.split_vertically((legend + 4) as i32 * TENTHS);
-        draw_legend(&top, logs)?;
+        draw_legend(&top, logs, entries)?;
         let shown = || modulus.iter().flatten().map(|point| point.1);
         let y = value_axis(shown(), "|E*| relative to before", "%");
         if !with_humidity {
@@ -201,7 +215,7 @@ fn draw_line(chart: &mut Chart, line: &[(f64, f64)], ink: Ink, width: u32) -> Re
         .map_err(|error| error.to_string())
 }
 
-fn draw_legend(area: &Area, logs: &[NormalisedLog]) -> Result<(), String> {
+fn draw_legend(area: &Area, logs: &[NormalisedLog], entries: u32) -> Result<(), String> {
     let (width, height) = area.dim_in_pixel();
     // Places in pixels, from the top left corner.
     let in_pixels = |low: f64, high: f64| Axis {
@@ -218,7 +232,7 @@ fn draw_legend(area: &Area, logs: &[NormalisedLog]) -> Result<(), String> {
         bottom: 0,
     };
     let mut chart = plain_chart(area, none, &x, &y)?;
-    let columns = ((WIDTH - 62) / LEGEND_ENTRY) as usize;
+    let columns = entries as usize;
     let text = text_style(Ink::Text, TICK_SIZE, HPos::Left, VPos::Center);
     for (style, log) in logs.iter().enumerate() {
         let left = 62.0 + f64::from(LEGEND_ENTRY) * (style % columns) as f64;

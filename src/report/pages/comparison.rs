@@ -215,7 +215,7 @@ fn says_something(estimate: &Estimate) -> bool {
 }
 
 /// Every surroundings with every voltage of the campaign, measured or not: panels of one row line up.
-fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group> {
+pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group> {
     let conditions = &site.conditions;
     let labels = voltage_labels(&conditions.voltages_v);
     let mut environments: Vec<&str> = Vec::new();
@@ -262,8 +262,8 @@ fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Esti
     runs.iter().filter_map(of).collect()
 }
 
-/// An axis that shows every value and bound, and intervals as far as [`STRETCH`] lets them reach.
-fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Group>) -> Axis {
+/// An axis that shows every value and bound, and intervals as far as `STRETCH` lets them reach.
+pub fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Group>) -> Axis {
     let estimates: Vec<&Estimate> = groups
         .flat_map(|group| &group.slots)
         .flat_map(|slot| &slot.estimates)

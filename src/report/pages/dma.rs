@@ -17,7 +17,7 @@ use crate::report::site::Site;
 
 const PER_MINUTE: f64 = 1.0 / 60.0;
 /// Logs drawn in the figure of all: as many as there are colours.
-const MOST_DRAWN: usize = Ink::SERIES.len();
+pub const MOST_DRAWN: usize = Ink::SERIES.len();
 /// Logs that have a section of their own; the table and the export have all.
 const MOST_SECTIONS: usize = 40;
 
@@ -236,6 +236,18 @@ fn curve(found: &ModulusAnalysis, quantity: Quantity) -> Option<&RunCurve> {
     found.curves.iter().find(|curve| curve.quantity == quantity)
 }
 
+/// A log as figure 24 shows it; none without a humidity step.
+pub fn drawable<'a>(log: &'a ModulusLog, found: &'a ModulusAnalysis) -> Option<NormalisedLog<'a>> {
+    let step = found.steps.first()?;
+    Some(NormalisedLog {
+        name: name(log).to_owned(),
+        modulus: curve(found, Quantity::ComplexModulus)?,
+        humidity: curve(found, Quantity::RelativeHumidity),
+        origin_s: step.start_s,
+        whole_mpa: step.estimate(step_keys::MODULUS_BEFORE)?.value?,
+    })
+}
+
 /// Figure 24, and which logs are missing from it.
 fn overview(
     analysed: &[(&ModulusLog, &ModulusAnalysis)],
@@ -243,16 +255,7 @@ fn overview(
 ) -> Result<(Option<String>, String), ReportError> {
     let drawable: Vec<NormalisedLog> = analysed
         .iter()
-        .filter_map(|(log, found)| {
-            let step = found.steps.first()?;
-            Some(NormalisedLog {
-                name: name(log).to_owned(),
-                modulus: curve(found, Quantity::ComplexModulus)?,
-                humidity: curve(found, Quantity::RelativeHumidity),
-                origin_s: step.start_s,
-                whole_mpa: step.estimate(step_keys::MODULUS_BEFORE)?.value?,
-            })
-        })
+        .filter_map(|(log, found)| drawable(log, found))
         .collect();
     let drawn = &drawable[..drawable.len().min(MOST_DRAWN)];
     if drawn.is_empty() {

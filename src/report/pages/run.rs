@@ -7,7 +7,6 @@ use serde::Serialize;
 use super::Content;
 use super::run_climate::{ClimatePanel, climate_panel};
 use super::run_evidence::{Evidence, evidence};
-use super::table5::r_squared_text;
 use super::wording::{
     EstimateText, IssueText, RunLink, counted, humidity_label, in_unit, voltage_label, why_unfitted,
 };
@@ -16,7 +15,7 @@ use crate::analysis::conditions::{material, nominal_voltage_v};
 use crate::domain::{ChannelNoise, ClimateCurve, Drive, Fit, RunCurve, RunRecord};
 use crate::report::error::ReportError;
 use crate::report::figures::response::{TimeView, response};
-use crate::report::number::{fixed, significant};
+use crate::report::number::{fixed, score, significant};
 use crate::report::site::Site;
 
 /// Residual over noise up to which the model describes the readings.
@@ -302,7 +301,7 @@ fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
         ),
         r_squared: r_squared
             .into_iter()
-            .filter_map(|(of, value)| Some((format!("R² of {of}"), r_squared_text(value?))))
+            .filter_map(|(of, value)| Some((format!("R² of {of}"), score(value?))))
             .chain(fit.noise.iter().map(noise_pair))
             .collect(),
     }

@@ -1,39 +1,36 @@
-//! The table of parameters: rows and columns of the thesis's table 5, each cell with its uncertainty.
+//! The page of parameters: table 5 of [`crate::analysis::tables`], one section a material, each row with its runs.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
-use super::wording::{RunLink, counted, estimate_of, humidity_label, voltage_labels};
-use crate::analysis::parameters::PARAMETERS;
-use crate::domain::RunRecord;
+use super::wording::RunLink;
+use crate::analysis::tables::{self, Cell, SourceOrigin, TableInput, named};
 use crate::report::error::ReportError;
-use crate::report::number::significant;
+use crate::report::number::interval;
 use crate::report::site::Site;
+use crate::report::tables::{ShownCell, grid, note_letter};
 
-/// Keys of the columns from the current, then of those from the curvature.
-const ELECTRICAL: [&str; 5] = [
-    "r1_ohm_cm2",
-    "c1_f_per_cm2",
-    "r2_ohm_cm2",
-    "c2_f_per_cm2",
-    "rss_ohm_cm2",
-];
-const MECHANICAL: [&str; 2] = ["alpha_per_c_cm", "lambda_per_s"];
+/// Place of the material among the columns, and of the first column that is no part of the condition.
+const MATERIAL: usize = 0;
+const FIRST_VALUE: usize = 4;
+/// The last two columns are numbers of samples and runs: the page shows the runs themselves.
+const COUNTS: usize = 2;
 
 #[derive(Debug, Serialize)]
-struct Table {
+struct Page {
     columns: Vec<Column>,
     materials: Vec<Material>,
     footnotes: Vec<Footnote>,
-    unplaced: String,
+    remarks: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
 struct Column {
     symbol: String,
     unit: String,
+    quantity: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -42,27 +39,27 @@ struct Material {
     rows: Vec<Row>,
 }
 
-/// One run. Environment and voltage are set in the first row of their kind only.
+/// One condition. The environment is set in the first row of its kind only.
 #[derive(Debug, Serialize)]
 struct Row {
     environment: String,
     humidity: String,
     voltage: String,
-    link: RunLink,
-    cells: Vec<Cell>,
+    links: Vec<RunLink>,
+    cells: Vec<ShownParameter>,
     starts_environment: bool,
 }
 
 #[derive(Debug, Serialize)]
-struct Cell {
+struct ShownParameter {
     text: String,
     /// Standard error, to stand below the value; empty where there is none.
     error: String,
-    /// 95 % interval and reason, shown on hover.
+    /// 95 % interval, numbers of runs and samples, reasons: shown on hover.
     hover: String,
     kind: &'static str,
-    /// Letter of the footnote that gives the reason: a figure beside a power of ten would be misread.
-    footnote: Option<String>,
+    /// Letters of the footnotes that give the reasons.
+    footnotes: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -73,184 +70,139 @@ struct Footnote {
 
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
-    let mut reasons: Vec<String> = Vec::new();
-    let names = site.conditions.materials.iter().enumerate();
-    let materials = names
-        .map(|(material, name)| Material {
-            name: name.clone(),
-            rows: rows(site, material, &mut reasons),
+    let input = site.input;
+    let table = named("table5").map(|named| {
+        named.table(&TableInput {
+            campaign: &input.campaign,
+            runs: &input.runs,
+            modulus_logs: &input.modulus_logs,
+            files: &input.files,
+            groups: &input.findings.groups,
+            origin: &input.origin.database,
         })
-        .collect();
-    let footnotes = reasons.into_iter().enumerate();
-    let unplaced = site.conditions.unplaced.len();
-    let table = Table {
-        columns: columns(),
-        materials,
-        footnotes: footnotes
-            .map(|(k, text)| Footnote {
-                letter: letter(k),
-                text,
-            })
-            .collect(),
-        unplaced: match unplaced {
-            0 => String::new(),
-            _ => format!(
-                "{} without sample, environment or voltage left out.",
-                counted(unplaced, "run")
-            ),
-        },
-    };
-    Content::new("table5.html", &table, BTreeMap::new())
-}
-
-fn columns() -> Vec<Column> {
-    let of_keys = |keys: &[&str]| -> Vec<Column> {
-        let known = PARAMETERS
-            .iter()
-            .filter(|parameter| keys.contains(&parameter.key));
-        known
-            .map(|parameter| Column {
-                symbol: parameter.symbol.to_owned(),
-                unit: parameter.shown_unit.to_owned(),
-            })
-            .collect()
-    };
-    let r_squared = |of: &str| Column {
-        symbol: "R²".to_owned(),
-        unit: of.to_owned(),
-    };
-    let mut columns = of_keys(&ELECTRICAL);
-    columns.push(r_squared("current"));
-    columns.extend(of_keys(&MECHANICAL));
-    columns.push(r_squared("curvature"));
-    columns
-}
-
-fn rows(site: &Site, material: usize, reasons: &mut Vec<String>) -> Vec<Row> {
-    let conditions = &site.conditions;
-    let voltages = voltage_labels(&conditions.voltages_v);
-    let mut rows = Vec::new();
-    let mut environment_before = None;
-    for condition in conditions
-        .measured
-        .iter()
-        .filter(|condition| condition.material == material)
-    {
-        let surroundings = &conditions.surroundings[condition.surroundings];
-        for (repeat, &run) in condition.runs.iter().enumerate() {
-            let starts_environment = environment_before != Some(condition.surroundings);
-            environment_before = Some(condition.surroundings);
-            let first = |text: String, is_first: bool| if is_first { text } else { String::new() };
-            rows.push(Row {
-                environment: first(surroundings.environment.clone(), starts_environment),
-                humidity: first(humidity_label(surroundings), starts_environment),
-                voltage: first(voltages[condition.voltage].clone(), repeat == 0),
-                link: RunLink::to(site, run),
-                cells: cells(&site.input.runs[run], reasons),
-                starts_environment,
-            });
+    });
+    let table = table.unwrap_or_default();
+    let shown = grid(&table);
+    let mut materials: Vec<Material> = Vec::new();
+    let mut before: Option<[String; 2]> = None;
+    for (row, cells) in table.rows.iter().zip(&shown) {
+        let name = cells[MATERIAL].text();
+        if materials.last().is_none_or(|material| material.name != name) {
+            materials.push(Material { name, rows: vec![] });
+            before = None;
+        }
+        let surroundings = [cells[1].text(), humidity(&cells[2])];
+        let starts_environment = before.as_ref() != Some(&surroundings);
+        before = Some(surroundings.clone());
+        let [environment, humidity] = match starts_environment {
+            true => surroundings,
+            false => Default::default(),
+        };
+        let row = Row {
+            environment,
+            humidity,
+            voltage: cells[3].text(),
+            links: links(site, &row.cells[MATERIAL]),
+            cells: parameters(&table, row, cells),
+            starts_environment,
+        };
+        if let Some(material) = materials.last_mut() {
+            material.rows.push(row);
         }
     }
-    rows
-}
-
-fn cells(run: &RunRecord, reasons: &mut Vec<String>) -> Vec<Cell> {
-    let fit = run.fit.as_ref();
-    let mut cells: Vec<Cell> = ELECTRICAL.iter().map(|key| cell(run, key, reasons)).collect();
-    cells.push(r_squared(fit.and_then(|fit| fit.r_squared_current)));
-    cells.extend(MECHANICAL.iter().map(|key| cell(run, key, reasons)));
-    cells.push(r_squared(fit.and_then(|fit| fit.r_squared_curvature)));
-    cells
-}
-
-fn cell(run: &RunRecord, key: &str, reasons: &mut Vec<String>) -> Cell {
-    let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.key == key) else {
-        return r_squared(None);
+    let values = FIRST_VALUE..table.columns.len().saturating_sub(COUNTS);
+    let columns = table
+        .columns
+        .get(values)
+        .unwrap_or_default()
+        .iter()
+        .map(|column| Column {
+            symbol: column.symbol.clone(),
+            unit: column.unit.clone(),
+            quantity: column.quantity.clone(),
+        });
+    let footnotes = table.notes.iter().enumerate().map(|(at, text)| Footnote {
+        letter: note_letter(at),
+        text: text.clone(),
+    });
+    let page = Page {
+        columns: columns.collect(),
+        materials,
+        footnotes: footnotes.collect(),
+        remarks: crate::report::tables::remarks(&table),
     };
-    let estimate = estimate_of(run, parameter);
-    let interval = match estimate.interval.is_empty() {
-        true => String::new(),
-        false => format!("95 %: {} {}", estimate.interval, parameter.shown_unit),
+    Content::new("table5.html", &page, BTreeMap::new())
+}
+
+/// `28–38 % RH`; empty where no humidity is known.
+fn humidity(cell: &ShownCell) -> String {
+    match cell {
+        ShownCell::Words(range) => format!("{range} % RH"),
+        _ => String::new(),
+    }
+}
+
+/// Links to the runs that a cell was made from.
+fn links(site: &Site, cell: &Cell) -> Vec<RunLink> {
+    let run = |source: &tables::Source| match source.origin {
+        SourceOrigin::Run(_) => site.run_of(&source.name),
+        _ => None,
     };
-    let hover: Vec<&str> = [interval.as_str(), estimate.reason.as_str()]
-        .into_iter()
-        .filter(|part| !part.is_empty())
-        .collect();
-    Cell {
-        hover: hover.join("; "),
-        footnote: (!estimate.reason.is_empty()).then(|| footnote(&estimate.reason, reasons)),
-        text: estimate.stacked.0,
-        error: estimate.stacked.1,
-        kind: estimate.kind,
+    cell.sources
+        .iter()
+        .filter_map(run)
+        .map(|run| RunLink::to(site, run))
+        .collect()
+}
+
+fn parameters(table: &tables::Table, row: &tables::Row, shown: &[ShownCell]) -> Vec<ShownParameter> {
+    let last = row.cells.len() - COUNTS;
+    (FIRST_VALUE..last)
+        .map(|at| {
+            let cell = &row.cells[at];
+            let (text, error) = stacked(&shown[at]);
+            let notes = cell
+                .notes
+                .iter()
+                .filter_map(|&note| table.notes.get(note).cloned());
+            let hover = spread(cell, &table.columns[at].unit).into_iter().chain(notes);
+            ShownParameter {
+                text,
+                error,
+                hover: hover.collect::<Vec<_>>().join("; "),
+                kind: kind(&shown[at]),
+                footnotes: cell.notes.iter().map(|&note| note_letter(note)).collect(),
+            }
+        })
+        .collect()
+}
+
+/// A value, and its standard error to stand below it.
+fn stacked(shown: &ShownCell) -> (String, String) {
+    match shown {
+        ShownCell::Number(number) => number.stacked(),
+        other => (other.text(), String::new()),
     }
 }
 
-/// Letter of the footnote with that text, made where it is new.
-fn footnote(reason: &str, reasons: &mut Vec<String>) -> String {
-    let known = reasons.iter().position(|text| text == reason);
-    letter(known.unwrap_or_else(|| {
-        reasons.push(reason.to_owned());
-        reasons.len() - 1
-    }))
+/// Interval, and numbers of runs and samples where there are several.
+fn spread(cell: &Cell, unit: &str) -> Vec<String> {
+    let tables::Content::Measured(measured) = &cell.content else {
+        return vec![];
+    };
+    let interval = match (measured.low_95, measured.high_95) {
+        (Some(low), Some(high)) => Some(format!("95 %: {} {unit}", interval(low, high))),
+        _ => None,
+    };
+    let pooled = measured.pooled.as_ref();
+    let pooled = pooled.map(|mean| format!("mean of {} runs, {} samples", mean.runs, mean.samples));
+    interval.into_iter().chain(pooled).collect()
 }
 
-/// `a` to `z`, then `aa`, `ab`, ...
-fn letter(index: usize) -> String {
-    let last = char::from(b'a' + (index % 26) as u8);
-    match index / 26 {
-        0 => last.to_string(),
-        before => format!("{}{last}", letter(before - 1)),
-    }
-}
-
-fn r_squared(value: Option<f64>) -> Cell {
-    Cell {
-        // Three decimals as in the thesis; a value that rounds to 1 keeps the digits that differ.
-        text: value.map_or_else(|| "–".to_owned(), r_squared_text),
-        error: String::new(),
-        hover: String::new(),
-        kind: if value.is_some() { "value" } else { "missing" },
-        footnote: None,
-    }
-}
-
-/// `0.996`; from 0.9995 on, the digits up to the second that differs from 9.
-pub fn r_squared_text(value: f64) -> String {
-    let short_of_one = 1.0 - value;
-    if (1e-9..5e-4).contains(&short_of_one) {
-        let decimals = (1 - short_of_one.log10().floor() as i32).max(3) as usize;
-        return crate::report::number::fixed(value, decimals);
-    }
-    match value.is_finite() && value.abs() < 1000.0 {
-        true => crate::report::number::fixed(value, 3),
-        false => significant(value, 3),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn r_squared_never_pretends_to_be_one() {
-        assert_eq!(r_squared_text(0.9961), "0.996");
-        assert_eq!(r_squared_text(0.99984), "0.99984");
-        assert_eq!(r_squared_text(0.999_999_7), "0.99999970");
-        assert_eq!(r_squared_text(1.0), "1.000");
-        assert_eq!(r_squared_text(-3.2), "−3.200");
-    }
-
-    #[test]
-    fn equal_reasons_share_a_footnote() {
-        let mut reasons = vec![];
-        let letters: Vec<String> = ["a", "b", "a"]
-            .iter()
-            .map(|reason| footnote(reason, &mut reasons))
-            .collect();
-        assert_eq!((letters.join(" "), reasons.len()), ("a b a".to_owned(), 2));
-        assert_eq!(
-            (letter(25), letter(26), letter(52)),
-            ("z".to_owned(), "aa".to_owned(), "ba".to_owned())
-        );
+fn kind(shown: &ShownCell) -> &'static str {
+    match shown {
+        ShownCell::Number(_) | ShownCell::Words(_) => "value",
+        ShownCell::Below(_) | ShownCell::Above(_) | ShownCell::Between(..) => "bound",
+        ShownCell::NotDetermined | ShownCell::Missing => "missing",
     }
 }

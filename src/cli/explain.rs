@@ -1,0 +1,112 @@
+//! `ieap explain`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{CliError, DONE};
+use super::fit::in_words;
+use super::output::Output;
+use crate::pipeline::Context;
+use crate::pipeline::explain::{Evidence, Explanation, explain, rows_and_columns};
+
+/// Say which runs, files, fits and versions stand behind a cell of a table
+///
+/// Without a row and a column it lists those of the table.
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// Which table, as `ieap table` lists them
+    table: String,
+    /// Its row: number, label, or a part of a label that fits one row only
+    #[arg(requires = "column")]
+    row: Option<String>,
+    /// Its column: number, key, symbol, or a part of one
+    column: Option<String>,
+    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
+    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
+    /// The same
+    #[arg(value_name = "CAMPAIGN", conflicts_with = "campaign")]
+    folder: Option<PathBuf>,
+}
+
+pub fn run(args: &ExplainArgs, output: &Output) -> Result<u8, CliError> {
+    let folder = args.campaign.as_deref().or(args.folder.as_deref());
+    let context = Context::open_read_only(&super::folder(folder)?)?;
+    let (Some(row), Some(column)) = (&args.row, &args.column) else {
+        return list(args, &context, output);
+    };
+    let explanation = explain(&context, &args.table, row, column)?;
+    print(&explanation, output);
+    output.document(&explanation)?;
+    Ok(DONE)
+}
+
+fn list(args: &ExplainArgs, context: &Context, output: &Output) -> Result<u8, CliError> {
+    let table = rows_and_columns(context, &args.table)?;
+    output.result("Rows:");
+    for (at, row) in table.rows.iter().enumerate() {
+        output.result(&format!("  {:>3} {}", at + 1, row.label));
+    }
+    output.result("Columns:");
+    for (at, column) in table.columns.iter().enumerate() {
+        output.result(&format!("  {:>3} {:<28} {}", at + 1, column.key, column.quantity));
+    }
+    let rows: Vec<&str> = table.rows.iter().map(|row| row.label.as_str()).collect();
+    let columns: Vec<&str> = table.columns.iter().map(|column| column.key.as_str()).collect();
+    output.document(
+        &json!({ "schema": "ieap/explain/1", "table": table.name, "rows": rows, "columns": columns }),
+    )?;
+    Ok(DONE)
+}
+
+fn print(found: &Explanation, output: &Output) {
+    output.result(&format!(
+        "{} / {} / {} ({})",
+        found.table, found.row, found.column, found.quantity
+    ));
+    output.result(&format!("  {} {}", found.text, found.unit));
+    output.result(&format!("  {}", found.how));
+    if let (Some(low), Some(high)) = (found.low_95, found.high_95) {
+        output.result(&format!("  95 % interval {low:.4e} to {high:.4e} {}", found.unit));
+    }
+    for note in &found.notes {
+        output.result(&format!("  note: {note}"));
+    }
+    if found.from.is_empty() {
+        output.result("made from no run");
+    }
+    for evidence in &found.from {
+        print_evidence(evidence, output);
+    }
+    output.result(&format!("explained by {}", found.origin));
+}
+
+fn print_evidence(evidence: &Evidence, output: &Output) {
+    let revision = evidence
+        .revision
+        .map_or(String::new(), |revision| format!(", revision {revision}"));
+    output.result(&format!("{} {}{revision}", evidence.kind, evidence.name));
+    if let Some(reason) = &evidence.left_out {
+        output.result(&format!("  left out: {reason}"));
+    }
+    if let (Some(key), Some(estimate)) = (&evidence.key, &evidence.estimate) {
+        output.result(&format!("  {key} {}", in_words(estimate)));
+    }
+    for file in &evidence.files {
+        output.result(&format!("  file {} ({} bytes)", file.path, file.size_bytes));
+        output.result(&format!("    BLAKE3 {}", file.hash));
+    }
+    if let (Some(reader), Some(hash)) = (&evidence.reader, &evidence.data_hash) {
+        output.result(&format!("  read as {reader}, readings {hash}"));
+    }
+    if let Some(result) = &evidence.result {
+        let id = result.id.map_or(String::new(), |id| format!(" {id}"));
+        output.result(&format!(
+            "  result{id}: {}, made by ieap {} at {}",
+            result.model, result.code_version, result.made_at
+        ));
+        output.result(&format!("    inputs {}", result.input_hash));
+    }
+}

@@ -1,0 +1,94 @@
+//! `ieap figure`.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::table::write;
+use crate::pipeline::Context;
+use crate::pipeline::figures::{MakeFigure, formats, listed};
+
+/// Draw a figure of the thesis, or of the campaign, for print: SVG, PNG or PDF at the width it will have
+///
+/// Without a name it lists the figures.
+#[derive(Debug, Args)]
+pub struct FigureArgs {
+    /// Which figure; none: list them
+    name: Option<String>,
+    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
+    #[arg(value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
+    /// List the figures
+    #[arg(long)]
+    list: bool,
+    /// svg, png or pdf [default: by the ending of --output, else svg]
+    #[arg(long, short, value_name = "FORMAT")]
+    format: Option<String>,
+    /// Width in print, mm [default: as the list says]
+    #[arg(long, value_name = "MM")]
+    width_mm: Option<f64>,
+    /// Resolution of a PNG, dots per inch
+    #[arg(long, value_name = "DPI", default_value_t = 600.0)]
+    dpi: f64,
+    /// File to write [default: NAME.FORMAT; - is stdout]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write over a file that is there
+    #[arg(long)]
+    overwrite: bool,
+}
+
+pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
+    let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
+        return list(output);
+    };
+    let context = Context::open_read_only(&super::folder(args.campaign.as_deref())?)?;
+    let format = format_of(args);
+    let figure = MakeFigure {
+        name: name.to_owned(),
+        format: format.clone(),
+        width_mm: args.width_mm,
+        dots_per_inch: args.dpi,
+    };
+    let bytes = figure.run(&context)?;
+    let path = args
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{name}.{format}")));
+    if path == Path::new("-") {
+        if std::io::stdout().is_terminal() && format != "svg" {
+            return Err(CliError::usage("stdout is a terminal: name a file with --output"));
+        }
+        let _ = std::io::stdout().write_all(&bytes);
+        return Ok(DONE);
+    }
+    write(&path, &bytes, args.overwrite, output)?;
+    output.document(
+        &json!({ "schema": "ieap/figure/1", "file": path.display().to_string(), "bytes": bytes.len() }),
+    )?;
+    Ok(DONE)
+}
+
+/// `--format`, else the ending of the file, else SVG.
+fn format_of(args: &FigureArgs) -> String {
+    let ending = args.output.as_deref().and_then(Path::extension);
+    let ending = ending.map(|ending| ending.to_string_lossy().into_owned());
+    args.format.clone().or(ending).unwrap_or_else(|| "svg".to_owned())
+}
+
+fn list(output: &Output) -> Result<u8, CliError> {
+    for (name, alias, width_mm, about) in listed() {
+        output.result(&format!("{name:<10} {alias:<12} {width_mm:>4} mm  {about}"));
+    }
+    let figures = listed().map(|(name, alias, width_mm, about)| {
+        json!({ "name": name, "alias": alias, "width_mm": width_mm, "about": about })
+    });
+    output.document(
+        &json!({ "schema": "ieap/figures/1", "formats": formats(), "figures": figures.collect::<Vec<_>>() }),
+    )?;
+    Ok(DONE)
+}

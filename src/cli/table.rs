@@ -1,0 +1,144 @@
+//! `ieap table`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::printable::printable;
+use crate::pipeline::tables::{MovedDocument, find_format, find_table, listed, moment, moved_since, table};
+use crate::pipeline::{Context, Earlier, PipelineError};
+
+/// Print a table of the thesis, or of the campaign, with uncertainties: as text, CSV, Markdown, LaTeX, Typst, HTML
+/// or JSON
+///
+/// Without a name it lists the tables.
+#[derive(Debug, Args)]
+pub struct TableArgs {
+    /// Which table; none: list them
+    name: Option<String>,
+    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
+    #[arg(value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
+    /// List the tables
+    #[arg(long)]
+    list: bool,
+    /// text, csv, markdown, latex, typst, html or json [default: by the ending of --output, else text]
+    #[arg(long, short, value_name = "FORMAT")]
+    format: Option<String>,
+    /// Write to a file in place of stdout
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write over a file that is there
+    #[arg(long)]
+    overwrite: bool,
+    /// Show which cells moved when runs were last fitted again, and by how many standard errors
+    #[arg(long)]
+    moved: bool,
+    /// Show which cells moved since a date or time
+    #[arg(long, value_name = "WHEN", conflicts_with = "moved")]
+    since: Option<String>,
+}
+
+pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
+    let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
+        return list(output);
+    };
+    find_table(name)?;
+    let context = Context::open_read_only(&super::folder(args.campaign.as_deref())?)?;
+    let earlier = match &args.since {
+        Some(typed) => Some(Earlier::At(moment(&context, typed)?)),
+        None => args.moved.then_some(Earlier::BeforeRefit),
+    };
+    if let Some(earlier) = earlier {
+        let document = moved_since(&context, name, &earlier)?;
+        print_moved(&document, output);
+        output.document(&document)?;
+        return Ok(DONE);
+    }
+    let format = format_of(args, output)?;
+    let text = (find_format(&format)?.write)(&table(&context, name)?);
+    match &args.output {
+        None => {
+            // Of what stands in files only text reaches the terminal unescaped.
+            let shown = printable(&text);
+            let _ = std::io::stdout().write_all(shown.as_bytes());
+        }
+        Some(path) => write(path, text.as_bytes(), args.overwrite, output)?,
+    }
+    Ok(DONE)
+}
+
+/// `--format`, else `--json`, else the ending of the file, else text.
+fn format_of(args: &TableArgs, output: &Output) -> Result<String, CliError> {
+    if let Some(format) = &args.format {
+        return Ok(format.clone());
+    }
+    if output.json {
+        return Ok("json".to_owned());
+    }
+    let ending = args.output.as_deref().and_then(Path::extension);
+    Ok(ending.map_or("text".to_owned(), |ending| ending.to_string_lossy().into_owned()))
+}
+
+/// Writes a file that is not there yet, or over one where that is allowed.
+pub(super) fn write(path: &Path, bytes: &[u8], overwrite: bool, output: &Output) -> Result<(), CliError> {
+    let failed = |source: std::io::Error| match source.kind() {
+        std::io::ErrorKind::AlreadyExists => PipelineError::FileExists {
+            path: path.to_owned(),
+        },
+        _ => PipelineError::File {
+            path: path.to_owned(),
+            doing: "writing",
+            source,
+        },
+    };
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true);
+    match overwrite {
+        true => options.create(true).truncate(true),
+        false => options.create_new(true),
+    };
+    let written = options.open(path).and_then(|mut file| file.write_all(bytes));
+    written.map_err(failed)?;
+    output.message(&format!("{}: {} bytes", path.display(), bytes.len()));
+    Ok(())
+}
+
+fn list(output: &Output) -> Result<u8, CliError> {
+    for (name, about) in listed() {
+        output.result(&format!("{name:<12} {about}"));
+    }
+    let tables = listed().map(|(name, about)| json!({ "name": name, "about": about }));
+    output.document(&json!({ "schema": "ieap/tables/1", "tables": tables.collect::<Vec<_>>() }))?;
+    Ok(DONE)
+}
+
+fn print_moved(document: &MovedDocument, output: &Output) {
+    output.result(&format!(
+        "{}: {} of {} cells moved against {}, {} of them by more than one standard error or to something else",
+        document.table,
+        document.cells.len(),
+        document.compared,
+        document.against,
+        document.beyond_one_sigma
+    ));
+    for cell in &document.cells {
+        let sigma = cell
+            .sigma
+            .map_or("    –".to_owned(), |sigma| format!("{sigma:5.1} σ"));
+        output.result(&format!(
+            "{sigma}  {}  {}: {} → {} {}",
+            cell.row, cell.column, cell.before, cell.after, cell.unit
+        ));
+    }
+    for row in &document.rows_gone {
+        output.result(&format!("row gone: {row}"));
+    }
+    for row in &document.rows_new {
+        output.result(&format!("row new: {row}"));
+    }
+}
