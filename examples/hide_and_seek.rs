@@ -1,6 +1,10 @@
 //! Hides effects in simulated groups of runs and counts what a diagnosis makes of them.
 //!
-//! `cargo run --release --example hide_and_seek -- null 200` or `-- effects 5 8,16,32 [id ...]`
+//! `cargo run --release --example hide_and_seek -- null 500`, `-- effects 5 8,16,32 [id ...]`, `-- outside 8 16,64`, or
+//! `-- short`, which fails where a few groups of each kind come out worse than chance would have them.
+//!
+//! Environment: `SHOW=1` and `NOISE=1` print details, `GROWING=1` lets the noise at the largest signal of a run be
+//! `sqrt(1 + GROWING^2)` times that at none.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +24,8 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let count: u64 = arguments.get(1).and_then(|n| n.parse().ok()).unwrap_or(20);
     match arguments.first().map(String::as_str) {
-        Some("null") => nulls(count),
+        Some("null") => drop(nulls(count)),
+        Some("short") => short(),
         Some("outside") => {
             let strengths = arguments
                 .get(2)
@@ -36,10 +41,40 @@ fn main() {
                 .split(',')
                 .filter_map(|d| d.parse().ok())
                 .collect();
-            effects(count, &strengths, &arguments[3.min(arguments.len())..]);
+            drop(effects(count, &strengths, &arguments[3.min(arguments.len())..]));
         }
-        _ => eprintln!("usage: hide_and_seek null N | effects N 8,16,32 [id ...]"),
+        _ => eprintln!("usage: hide_and_seek null N | effects N 8,16,32 [id ...] | outside N 16,64 | short"),
     }
+}
+
+/// The short form: limits that the long form passes by far, and chance breaks in less than one of a thousand runs.
+fn short() {
+    let (false_alarms, named) = nulls(60);
+    // 5 % of 60 are 3: 11 or more come by chance in less than 1 of 5,000 runs.
+    let mut failed = Vec::new();
+    if false_alarms > 10 || named > 1 {
+        failed.push(format!(
+            "{false_alarms} of 60 clean groups had p < 0.05, {named} were given a name"
+        ));
+    }
+    let ids = [
+        "faradaic-leak",
+        "voltage-dependent-capacitance",
+        "partial-relaxation",
+        "softening",
+        "slow-branch",
+    ];
+    let total = effects(3, &[32.0], &ids.map(str::to_owned));
+    let [hidden, seen, in_set, _, wrong, ..] = total;
+    if hidden < 12 || seen < hidden || 10 * in_set < 8 * hidden || wrong > 1 {
+        failed.push(format!(
+            "of {hidden} hidden effects {seen} were seen, {in_set} in the set, {wrong} given a wrong name"
+        ));
+    }
+    failed
+        .iter()
+        .for_each(|what| eprintln!("hide and seek failed: {what}"));
+    std::process::exit(i32::from(!failed.is_empty()));
 }
 
 const AREA: f64 = 0.1;
@@ -261,7 +296,8 @@ fn diagnose(case: &mut Case, responses: &[Responses]) -> ieap::domain::GroupDiag
     found
 }
 
-fn nulls(count: u64) {
+/// Groups with p below 0.05, and groups that were given a name, among so many clean ones.
+fn nulls(count: u64) -> (usize, usize) {
     let mut found: Vec<(f64, Verdict)> = (0..count)
         .into_par_iter()
         .map(|seed| {
@@ -305,6 +341,13 @@ fn nulls(count: u64) {
         "{verdicts:?}  KS distance {ks:.3} (5 % point {:.3})",
         1.36 / n.sqrt()
     );
+    (
+        found.iter().filter(|(p, _)| *p < 0.05).count(),
+        found
+            .iter()
+            .filter(|(_, verdict)| verdict.names_a_cause())
+            .count(),
+    )
 }
 
 /// Parameters of a random form of the effect, with a strength that gives about `d` sigmas after refit.
@@ -393,7 +436,9 @@ fn apart(case: &Case, truth: &[Responses], library: &[Responses]) -> f64 {
     sigmas_after_refit(&case.base, &case.design, &each.collect::<Vec<_>>(), case.noise)
 }
 
-fn effects(count: u64, strengths: &[f64], only: &[String]) {
+/// Groups, seen, in the set, uniquely named, wrongly named, unknown, strengths stated and covered, at the last strength.
+fn effects(count: u64, strengths: &[f64], only: &[String]) -> [usize; 8] {
+    let mut last = [0; 8];
     println!(
         "{:30} {:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
         "effect", "d", "n", "seen", "inset", "unique", "wrong", "unkn", "stated", "cover"
@@ -472,7 +517,9 @@ fn effects(count: u64, strengths: &[f64], only: &[String]) {
             "{:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
             "all", total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7]
         );
+        last = total;
     }
+    last
 }
 
 /// Id, key of the strength, first strength to try, and another parameter.

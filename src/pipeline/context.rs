@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::domain::{Campaign, Issue};
+use crate::ingest::archive::Archive;
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::{campaign_file, filesystem};
 use crate::store::{InstanceLock, Store, StoreError};
@@ -39,6 +40,8 @@ impl Context {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
         let lock = InstanceLock::take(folder)?;
+        // Whoever was killed while it archived left these; with the lock held nobody writes them now.
+        Archive::new(folder).remove_partial()?;
         let store = Store::open(folder)?;
         Context::with(folder, loaded, store, Some(lock))
     }
