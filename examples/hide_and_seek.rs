@@ -24,7 +24,9 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let count: u64 = arguments.get(1).and_then(|n| n.parse().ok()).unwrap_or(20);
     match arguments.first().map(String::as_str) {
-        Some("null") => drop(nulls(count)),
+        Some("null") => {
+            let _ = nulls(count);
+        }
         Some("short") => short(),
         Some("outside") => {
             let strengths = arguments
@@ -41,7 +43,7 @@ fn main() {
                 .split(',')
                 .filter_map(|d| d.parse().ok())
                 .collect();
-            drop(effects(count, &strengths, &arguments[3.min(arguments.len())..]));
+            let _ = effects(count, &strengths, &arguments[3.min(arguments.len())..]);
         }
         _ => eprintln!("usage: hide_and_seek null N | effects N 8,16,32 [id ...] | outside N 16,64 | short"),
     }
