@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::diagnose::library_hash;
+use super::diagnose::{library_hash, take_task};
 use super::fit::{FitSummary, Outcome, save};
 use super::fit_plan::ExtendedGroup;
 use super::{Context, Observer, PipelineError};
@@ -104,15 +104,7 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
 /// Hash of everything that the fits of a group depend on.
 fn input_hash(group: &ExtendedGroup, library: &str) -> String {
     let mut hasher = blake3::Hasher::new();
-    for task in &group.tasks {
-        let drive = format!("{:?}", task.drive);
-        for text in [&task.path, &task.data_hash, &drive] {
-            hasher.update(&(text.len() as u64).to_le_bytes());
-            hasher.update(text.as_bytes());
-        }
-        hasher.update(&task.area_cm2.to_le_bytes());
-        hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
-    }
+    group.tasks.iter().for_each(|task| take_task(&mut hasher, task));
     let version = model_version(group.choice.base);
     hasher.update(format!("{}/{version}/{library}", group.choice).as_bytes());
     hasher.finalize().to_hex().to_string()

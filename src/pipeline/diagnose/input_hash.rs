@@ -26,6 +26,17 @@ pub(in crate::pipeline) fn library_hash() -> String {
     hasher.finalize().to_hex().to_string()
 }
 
+/// Adds what a run of a group is known by: name, readings, drive, dimensions.
+pub(in crate::pipeline) fn take_task(hasher: &mut blake3::Hasher, task: &FitTask) {
+    let drive = format!("{:?}", task.drive);
+    for text in [&task.path, &task.data_hash, &drive] {
+        hasher.update(&(text.len() as u64).to_le_bytes());
+        hasher.update(text.as_bytes());
+    }
+    hasher.update(&task.area_cm2.to_le_bytes());
+    hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
+}
+
 /// Hash of readings, drives, dimensions, names, base model, library, seed, draws and versions.
 pub(super) fn input_hash(
     subject: &Subject,
@@ -35,14 +46,7 @@ pub(super) fn input_hash(
 ) -> String {
     let mut hasher = blake3::Hasher::new();
     for &member in &subject.members {
-        let task = &tasks[member];
-        let drive = format!("{:?}", task.drive);
-        for text in [&task.path, &task.data_hash, &drive] {
-            hasher.update(&(text.len() as u64).to_le_bytes());
-            hasher.update(text.as_bytes());
-        }
-        hasher.update(&task.area_cm2.to_le_bytes());
-        hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
+        take_task(&mut hasher, &tasks[member]);
     }
     let apart = subject.set_apart.as_ref().map_or("", |issue| &issue.message);
     let model = options.model;

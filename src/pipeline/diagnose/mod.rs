@@ -16,7 +16,7 @@ use crate::ingest::derived;
 use crate::model::ModelChoice;
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
 use input_hash::input_hash;
-pub(super) use input_hash::library_hash;
+pub(super) use input_hash::{library_hash, take_task};
 use subject::{Subject, subjects};
 
 /// Subjects diagnosed between two commits: bounds memory, and what an interruption costs.

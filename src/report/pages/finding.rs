@@ -441,10 +441,6 @@ fn residuals(
     found: &GroupDiagnosis,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<ResidualBlock>, ReportError> {
-    let size = |curve: &ResidualCurve| {
-        let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
-        finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
-    };
     let mut curves: Vec<&ResidualCurve> = found.residuals.iter().collect();
     if curves.len() > DRAWN {
         curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
@@ -469,15 +465,17 @@ fn residuals(
     Ok(blocks)
 }
 
+/// Mean square of what the base model leaves.
+fn size(curve: &ResidualCurve) -> f64 {
+    let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
+    finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
+}
+
 /// What the models leave of what took no part in their fits, the largest misfits of the base first.
 fn held_out(
     found: &GroupDiagnosis,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<ResidualBlock>, ReportError> {
-    let size = |curve: &&ResidualCurve| {
-        let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
-        finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
-    };
     let mut curves: Vec<&ResidualCurve> = found.held_out_residuals.iter().collect();
     curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let mut blocks = Vec::new();
