@@ -18,26 +18,30 @@ const WORTH: f64 = 3.0;
 /// Fits the base model with the effects of `choice` to all runs at once.
 ///
 /// The fits have the place of their run in `runs`; runs without enough readings have none. None at all where the base
-/// model cannot be fitted to any run. A pure function of its input: the same readings give the same numbers at any
+/// model cannot be fitted to any run, or an effect cannot act in these runs. A pure function of its input: the same readings give the same numbers at any
 /// number of threads.
 pub fn fit_extended(runs: &[RunInput], choice: &ModelChoice) -> Vec<(usize, Fit)> {
     let raw = Group::new(runs);
     let found = with_base(&raw, choice.base, |group, base| {
         let extended = extend(group, base.clone(), choice);
-        fits(group, &base, &extended, choice, runs)
+        extended.map_or_else(Vec::new, |extended| fits(group, &base, &extended, choice, runs))
     });
     found.unwrap_or_default()
 }
 
-/// Adds the effects one after another, each from its most promising shapes, and settles them together.
-fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelChoice) -> Fitted<'g> {
+/// Adds the effects one after another, each from its most promising shapes, and settles them together; none where one
+/// has no shape that acts in these runs.
+fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelChoice) -> Option<Fitted<'g>> {
     let scale = scale(group, &base.problem, &base.at);
-    choice.effects.iter().fold(base, |model, &effect| {
+    choice.effects.iter().try_fold(base, |model, &effect| {
         let signatures = signatures_of(&[effect], &model.problem, &model.at, &scale);
         let (_, tangent) = model.tangent();
         let directions = directions(&signatures, &tangent);
         let residuals = model.residuals();
-        added(&model, &residuals, &signatures, &directions).map_or(model, Fitted::exhausted)
+        let before = model.evaluations;
+        let mut with = added(&model, &residuals, &signatures, &directions)?.exhausted();
+        with.evaluations += before;
+        Some(with)
     })
 }
 
@@ -61,7 +65,7 @@ fn fits<'g>(
         let index = runs.iter().position(|given| given.name == run.given.name)?;
         let mut parameters = knowledge.parameters(choice.base, run.given.input.drive);
         parameters.extend(of_effects.clone());
-        let head = head(choice, parameters, issues.clone(), group.runs.len());
+        let head = head(choice, extended, parameters, issues.clone());
         let context = run.context(place, None);
         let predict = |current_s: &[f64], curvature_s: &[f64]| {
             let found = model.responses(&context, current_s, curvature_s);
@@ -73,13 +77,14 @@ fn fits<'g>(
     group.runs.iter().enumerate().filter_map(of_run).collect()
 }
 
-fn head(choice: &ModelChoice, parameters: Vec<Parameter>, issues: Vec<Issue>, runs: usize) -> Fit {
+fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, issues: Vec<Issue>) -> Fit {
+    let runs = extended.problem.runs.len();
     Fit {
         model: choice.to_string(),
         model_version: model_version(choice.base),
         method: format!("simultaneous least squares over {runs} runs of the group, weighted by the noise"),
-        converged: true,
-        why_stopped: "a further step would not lower the sum of squares noticeably".to_owned(),
+        converged: extended.stop.converged(),
+        why_stopped: extended.stop.words().to_owned(),
         n_samples: 0,
         parameters,
         r_squared_current: None,
@@ -87,7 +92,7 @@ fn head(choice: &ModelChoice, parameters: Vec<Parameter>, issues: Vec<Issue>, ru
         noise: Vec::new(),
         curves: Vec::new(),
         issues,
-        evaluations: 0,
+        evaluations: extended.evaluations,
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::domain::{Estimate, Parameter};
 use crate::model::LumpedModel;
 use crate::numerics::dense::Slope;
+use crate::numerics::levenberg::Stop;
 use crate::numerics::student::quantile_95;
 
 use super::group::Group;
@@ -28,6 +29,10 @@ pub(super) struct Fitted<'g> {
     pub(super) problem: Problem<'g>,
     pub(super) at: Vec<f64>,
     pub(super) square: f64,
+    /// Evaluations of all searches that led here.
+    pub(super) evaluations: u64,
+    /// How the last of them ended.
+    pub(super) stop: Stop,
 }
 
 impl<'g> Fitted<'g> {
@@ -38,15 +43,20 @@ impl<'g> Fitted<'g> {
         known: &[Vec<f64>],
     ) -> Option<Fitted<'g>> {
         let settle = settle(&problem, problem.square(starts.first()?));
-        let short = starts
-            .iter()
-            .map(|start| problem.descend(start, SHORT, settle, known));
+        let mut evaluations = 0;
+        let short = starts.iter().map(|start| {
+            let bottom = problem.descend(start, SHORT, settle, known);
+            evaluations += bottom.evaluations;
+            bottom
+        });
         let best = short
             .filter(|bottom| bottom.slope.square.is_finite())
             .min_by(|a, b| a.slope.square.total_cmp(&b.slope.square))?;
         Some(Fitted {
             at: best.at,
             square: best.slope.square,
+            evaluations,
+            stop: best.stop,
             problem,
         })
     }
@@ -58,6 +68,8 @@ impl<'g> Fitted<'g> {
         Fitted {
             at: bottom.at,
             square: bottom.slope.square,
+            evaluations: self.evaluations + bottom.evaluations,
+            stop: bottom.stop,
             problem: self.problem,
         }
     }
@@ -69,9 +81,11 @@ impl<'g> Fitted<'g> {
             let before = best.square;
             best = best.settled();
             if before - best.square <= SETTLE.max(SETTLE_PART * before) {
-                break;
+                best.stop = Stop::Converged;
+                return best;
             }
         }
+        best.stop = Stop::EvaluationLimit;
         best
     }
 

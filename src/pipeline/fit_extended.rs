@@ -88,11 +88,12 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
         Err(Issue::warning(
             "not-fitted",
             format!(
-                "it has too few readings of current or curvature after the step for {}, or no run of its group gives \
-                 the search a start",
+                "{} cannot be fitted: the run has too few readings of current or curvature after the step, or no run of \
+                 its group gives the search a start, or one of the effects cannot act in these runs",
                 group.choice
             ),
-        ))
+        )
+        .mend("`ieap effects ID` says what an effect needs; take it out of the model, or fit with the base alone"))
     };
     let mut outcomes: Vec<Outcome> = group.tasks.iter().map(|_| missing()).collect();
     for (place, fit) in found {

@@ -322,3 +322,33 @@ fn an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was() {
         unknown.stderr
     );
 }
+
+#[test]
+fn a_model_with_an_effect_that_cannot_act_is_not_fitted_under_its_name() {
+    let folder = CampaignFolder::new();
+    folder.write(
+        "campaign.toml",
+        CAMPAIGN.replace("length_mm = 5.0\nwidth_mm = 2.0", "area_cm2 = 0.1"),
+    );
+    std::fs::remove_file(folder.join("runs/tags.toml")).unwrap();
+    folder.write("simulation.toml", spec());
+    ieap(folder.path(), &["simulate", "simulation.toml"]).expect(0);
+    let fit = |model: &str| folder.ieap(&["fit", "--json", "--model", model]).expect(0);
+    let without = fit("lumped-2 + tip-formula");
+    assert_eq!(without.json()["fits"].as_array().unwrap().len(), 0);
+    assert!(
+        without.stderr.contains("cannot act in these runs"),
+        "{}",
+        without.stderr
+    );
+    let with = fit("lumped-2 + camera-zero").json();
+    let fits = with["fits"].as_array().unwrap();
+    assert_eq!(fits.len(), 6);
+    for fit in fits {
+        assert_eq!(fit["converged"], true);
+        assert!(
+            !fit["parameters"]["camera-zero.offset_per_cm"].is_null(),
+            "{fit:#}"
+        );
+    }
+}
