@@ -123,6 +123,21 @@ impl<'a> Group<'a> {
         group
     }
 
+    /// The same readings with even noise that remembers nothing, as large as `model` leaves it.
+    pub(super) fn memoryless(&self, model: &ExtendedModel) -> Group<'a> {
+        let mut group = self.clone();
+        for (index, run) in group.runs.iter_mut().enumerate() {
+            let context = run.context(index, None);
+            let found = model.responses(&context, run.times(0), run.times(1));
+            for (kind, fitted) in [found.current_a, found.curvature_per_cm].iter().enumerate() {
+                run.channels[kind] = run.channels[kind]
+                    .as_ref()
+                    .map(|channel| channel.forgetting(fitted, 0.0, 1.0));
+            }
+        }
+        group
+    }
+
     /// How the noise of that kind of channel grows with the signal, per signal; 0 where the readings do not ask for it.
     /// All runs are asked together: one instrument wrote them, and in one run the signal is large in few readings.
     fn growth(&self, kind: usize, fitted: &[[Vec<f64>; 2]]) -> f64 {

@@ -6,6 +6,7 @@
 //! rules, proved on held-out readings, and named only where no other explains the readings as well.
 
 mod base_fit;
+mod calibration;
 mod candidates;
 mod discrepancy;
 mod drawn;
@@ -27,6 +28,7 @@ mod signature;
 mod spikes;
 mod stretch;
 mod tangent;
+mod textbook;
 mod words;
 
 use crate::domain::GroupDiagnosis;
@@ -34,7 +36,9 @@ use crate::model::FitModel;
 
 pub use extend::{fit_extended, model_version};
 pub use group::RunInput;
-pub use sigmas::{DesignRun, KnownNoise, sigmas_after_refit};
+pub use next_run::proposals;
+pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_after_refit};
+pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
 pub const VERSION: u32 = 2;
@@ -107,6 +111,7 @@ fn diagnosed(
     let (null, directions) = ground.null(&base, 0);
     let residuals = base.residuals();
     let observed = null.observe(group, &residuals, &directions);
+    let calibration = ground.calibration(&null, &observed, &directions);
     let shown = outcome::Shown {
         name,
         group,
@@ -116,7 +121,7 @@ fn diagnosed(
         signatures: &signatures,
         stretches: &stretches,
         residuals: &residuals,
-        p_misfit: null.p_misfit(&observed),
+        p_misfit: null.p_misfit(&observed, calibration.as_ref()),
         options,
     };
     if shown.p_misfit >= outcome::WRONG {

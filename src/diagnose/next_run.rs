@@ -23,7 +23,7 @@ pub(super) fn next_run(group: &Group, members: &[(&'static str, &Fitted)]) -> Op
         .max_by(|a, b| volts(a.given.input.drive).total_cmp(&volts(b.given.input.drive)))?;
     let step_v = strongest.given.input.drive.nominal_step_v();
     let longest_s = strongest.duration_s;
-    let proposals = drives(step_v, longest_s);
+    let proposals = proposals(step_v, longest_s);
     let judged = proposals.into_iter().map(|(words, drive, duration_s)| {
         let (size, splits) = after(group, members, &drive, duration_s);
         (size, words, splits)
@@ -40,8 +40,9 @@ fn volts(drive: &Drive) -> f64 {
     drive.nominal_step_v().abs()
 }
 
-/// Drives that discovery has shown to separate causes, for a sample that was stepped to `v` for `t` s.
-fn drives(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
+/// Drives that are known to separate causes, for a sample that was stepped to `v` V for `t` s: in words, as a drive, and
+/// how long it takes, s.
+pub fn proposals(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
     let of = |levels: &[(f64, Option<f64>)]| Drive {
         baseline_v: 0.0,
         segments: levels

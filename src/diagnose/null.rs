@@ -7,6 +7,7 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use crate::numerics::sums::dot;
 
+use super::calibration::Calibration;
 use super::group::Group;
 use super::signature::Direction;
 use super::stretch::Stretch;
@@ -19,6 +20,9 @@ const KNOWN: f64 = 0.5;
 const DEPENDENT: f64 = 1e-3;
 /// Weights of the statistics in the smallest p: candidates first, then single stretches, all of them, and lines.
 const WEIGHTS: [f64; 4] = [0.80, 0.05, 0.10, 0.05];
+
+/// Draws below an observed p from which their count gives its own.
+const RESOLVED: usize = 10;
 
 /// Statistics of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -156,24 +160,43 @@ impl Null {
             .flatten()
             .map(|unit| dot(unit, residuals))
             .collect();
+        let candidate = directions
+            .iter()
+            .map(|direction| gain(direction, residuals))
+            .fold(0.0, f64::max);
+        let line = group
+            .blocks
+            .iter()
+            .map(|b| largest_line(&residuals[b.first..b.end]))
+            .fold(0.0, f64::max);
+        self.statistics(&means, candidate, line)
+    }
+
+    /// From the means of the stretches that are used, in their standard errors.
+    fn statistics(&self, means: &[f64], candidate: f64, line: f64) -> Statistics {
         let mut solved: Vec<f64> = Vec::with_capacity(self.pivots.len());
         for (&pivot, row) in self.pivots.iter().zip(&self.factor) {
             let known = dot(&row[..solved.len()], &solved);
             solved.push((means[pivot] - known) / row[solved.len()]);
         }
         Statistics {
-            candidate: directions
-                .iter()
-                .map(|direction| gain(direction, residuals))
-                .fold(0.0, f64::max),
+            candidate,
             stretch: means.iter().map(|z| z * z).fold(0.0, f64::max),
             together: dot(&solved, &solved),
-            line: group
-                .blocks
-                .iter()
-                .map(|b| largest_line(&residuals[b.first..b.end]))
-                .fold(0.0, f64::max),
+            line,
         }
+    }
+
+    /// Whether each stretch is used; a refit takes up the others.
+    pub(super) fn uses_stretch(&self) -> impl Iterator<Item = bool> {
+        self.stretch_units.iter().map(Option::is_some)
+    }
+
+    /// The p of simulated readings: means of the used stretches, and the largest gain of a candidate. Lines of the
+    /// periodogram do not depend on what is found of the noise, and are drawn.
+    pub(super) fn p_of_simulated(&self, means: &[f64], candidate: f64, generator: &mut ChaCha8Rng) -> f64 {
+        let line = chance_line(self.lines, generator);
+        self.unbounded_p(&self.statistics(means, candidate, line))
     }
 
     /// Mean of every stretch in its standard errors, 0 where a refit takes it up.
@@ -200,11 +223,24 @@ impl Null {
         gains.get(gains.len() * 95 / 100).copied().unwrap_or(0.0)
     }
 
-    /// Probability of residuals at least as bad by chance: of the smallest weighted p of the three statistics.
-    pub(super) fn p_misfit(&self, observed: &Statistics) -> f64 {
+    /// Probability of residuals at least as bad by chance, by the smallest weighted p of the statistics, read as the
+    /// calibration says. It is never smaller than the draws can tell.
+    pub(super) fn p_misfit(&self, observed: &Statistics, calibration: Option<&Calibration>) -> f64 {
+        let own = self.unbounded_p(observed);
+        let read = calibration.map_or(own, |calibration| calibration.calibrated(own));
+        read.clamp(1.0 / (1 + self.draws.len()) as f64, 1.0)
+    }
+
+    /// The same before it is calibrated, going on below what the draws can tell as the statistics' own tails do.
+    pub(super) fn unbounded_p(&self, observed: &Statistics) -> f64 {
         let own = self.weighted_p(observed);
         let below = self.smallest_p.partition_point(|p| *p <= own);
-        (1 + below) as f64 / (1 + self.draws.len()) as f64
+        let all = self.smallest_p.len();
+        if below >= RESOLVED.min(all) {
+            return (1 + below) as f64 / (1 + all) as f64;
+        }
+        let from = self.smallest_p[RESOLVED.min(all) - 1];
+        (1 + RESOLVED) as f64 / (1 + all) as f64 * (own / from).min(1.0)
     }
 
     fn weighted_p(&self, of: &Statistics) -> f64 {

@@ -1,5 +1,6 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
+use super::calibration::{Asked, Calibration};
 use super::candidates::{AS_GOOD, Looked, PRICE, least_score, look};
 use super::discrepancy;
 use super::fitted::Fitted;
@@ -111,6 +112,28 @@ impl<'g> Ground<'_, 'g> {
         (null, directions)
     }
 
+    /// How the p of the base's misfit must be read; none where it is clear without.
+    pub(super) fn calibration(
+        &self,
+        null: &Null,
+        observed: &Statistics,
+        directions: &[Direction],
+    ) -> Option<Calibration> {
+        if Calibration::is_needless(null.unbounded_p(observed)) {
+            return None;
+        }
+        let (_, tangent) = self.base.tangent();
+        Some(Calibration::of(&Asked {
+            group: self.group,
+            null,
+            tangent: &tangent,
+            signatures: self.signatures,
+            directions,
+            stretches: self.stretches,
+            seed: self.seed,
+        }))
+    }
+
     /// Selects, from the null distribution and directions beside the base.
     pub(super) fn select(&self, null: &Null, beside_base: &[Direction]) -> Selection<'g> {
         let mut model = self.base.clone();
@@ -118,7 +141,7 @@ impl<'g> Ground<'_, 'g> {
         let mut later: Option<(Null, Vec<Direction>)> = None;
         let residuals = model.residuals();
         let mut leftover = null.observe(self.group, &residuals, beside_base);
-        let mut p_leftover = null.p_misfit(&leftover);
+        let mut p_leftover = null.p_misfit(&leftover, None);
         while steps.len() < MOST_EFFECTS {
             let (null, directions) = later
                 .as_ref()
@@ -145,7 +168,7 @@ impl<'g> Ground<'_, 'g> {
             model = taken;
             let beside = self.null(&model, steps.len() as u64);
             leftover = beside.0.observe(self.group, &model.residuals(), &beside.1);
-            p_leftover = beside.0.p_misfit(&leftover);
+            p_leftover = beside.0.p_misfit(&leftover, None);
             later = Some(beside);
             if p_leftover >= TAKEN {
                 break;
@@ -212,7 +235,7 @@ impl<'g> Ground<'_, 'g> {
         let (null, directions) = self.null(&fitted, 1);
         let leftover = null.observe(self.group, &fitted.residuals(), &directions);
         Selection {
-            p_leftover: null.p_misfit(&leftover),
+            p_leftover: null.p_misfit(&leftover, None),
             leftover,
             model: fitted,
             held_out: Some(own),

@@ -44,16 +44,7 @@ pub fn sigmas_after_refit(
     responses: &[Responses],
     noise: KnownNoise,
 ) -> f64 {
-    let mut readings = Vec::new();
-    for responses in responses {
-        let series = [
-            (&responses.current_a, noise.current_a),
-            (&responses.curvature_per_cm, noise.curvature_per_cm),
-        ];
-        for (series, sd) in series {
-            readings.extend(white(series, sd, noise.autocorrelation));
-        }
-    }
+    let readings = in_units_of_noise(responses, noise);
     let mut model = base.clone();
     let mut least = f64::INFINITY;
     for _ in 0..REFITS {
@@ -64,7 +55,7 @@ pub fn sigmas_after_refit(
             return least.min(size);
         }
         least = size;
-        let step = step(&model, design, noise, &plain, &left);
+        let step = step(&model, design, noise, &left);
         for (k, by) in step.into_iter().enumerate() {
             model = scaled(&model, k, by.clamp(-0.5, 0.5).exp());
         }
@@ -72,22 +63,36 @@ pub fn sigmas_after_refit(
     least
 }
 
-/// Gauss-Newton step in the logarithms of the base parameters.
-fn step(
-    model: &LumpedModel,
-    design: &[DesignRun],
-    noise: KnownNoise,
-    plain: &[f64],
-    left: &[f64],
-) -> Vec<f64> {
-    let count = 2 * model.branches.len() + 3;
-    let columns: Vec<Vec<f64>> = (0..count)
+/// All readings in units of the noise, made white by its correlation: run by run, current before curvature.
+pub fn in_units_of_noise(responses: &[Responses], noise: KnownNoise) -> Vec<f64> {
+    let mut readings = Vec::new();
+    for responses in responses {
+        let series = [
+            (&responses.current_a, noise.current_a),
+            (&responses.curvature_per_cm, noise.curvature_per_cm),
+        ];
+        for (series, sd) in series {
+            readings.extend(white(series, sd, noise.autocorrelation));
+        }
+    }
+    readings
+}
+
+/// What small relative changes of the base parameters change in those readings, a column for each parameter.
+pub fn base_columns(model: &LumpedModel, design: &[DesignRun], noise: KnownNoise) -> Vec<Vec<f64>> {
+    let plain = of_base(model, design, noise);
+    (0..2 * model.branches.len() + 3)
         .map(|k| {
             let moved = of_base(&scaled(model, k, 1.0 + STEP), design, noise);
-            moved.iter().zip(plain).map(|(m, p)| (m - p) / STEP).collect()
+            moved.iter().zip(&plain).map(|(m, p)| (m - p) / STEP).collect()
         })
-        .collect();
-    let mut normal = Dense::zero(count);
+        .collect()
+}
+
+/// Gauss-Newton step in the logarithms of the base parameters.
+fn step(model: &LumpedModel, design: &[DesignRun], noise: KnownNoise, left: &[f64]) -> Vec<f64> {
+    let columns = base_columns(model, design, noise);
+    let mut normal = Dense::zero(columns.len());
     for (a, x) in columns.iter().enumerate() {
         for (b, y) in columns.iter().enumerate() {
             normal.add(a, b, dot(x, y));

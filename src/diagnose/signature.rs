@@ -46,6 +46,11 @@ pub(super) struct Direction {
 }
 
 impl Signature {
+    /// Whitened readings of the model with the probe's part less those without.
+    pub(super) fn change(&self) -> &[f64] {
+        &self.change
+    }
+
     /// The effect at this probe as something to search.
     pub(super) fn sought(&self) -> Sought {
         Sought::new(self.effect, self.variant, self.limits.clone(), &self.probe)

@@ -37,6 +37,11 @@ impl Tangent {
         }
     }
 
+    /// The directions, orthonormal.
+    pub(super) fn basis(&self) -> &[Vec<f64>] {
+        &self.basis
+    }
+
     /// Takes out of `series` what lies in the span.
     pub(super) fn remove(&self, series: &mut [f64]) {
         for direction in &self.basis {

@@ -33,7 +33,7 @@ pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
 };
 
-pub use whitened::WhitenedChannel;
+pub use whitened::{FoundAgain, NoiseAgain, WhitenedChannel};
 
 use bending::Bending;
 use electrical::Electrical;

@@ -4,18 +4,73 @@ use std::sync::Arc;
 
 use crate::domain::{Channel, Drive, NoiseCharacter, Quantity};
 
-use super::joint::noise::Noise;
+use super::joint::noise::{Again, Noise};
 use super::joint::readings::Response;
-use super::joint::whitening::Memory;
-use super::sampled::Sampled;
+use super::joint::whitening::{Memory, Whitener};
+use super::sampled::{Sampled, Span};
 
 /// Readings behind each edge of the drive that say nothing of growth: what a model misses there looks like it.
 const AT_EDGE: usize = 1;
+/// Readings further apart than so many times their neighbours have a gap between them.
+const WITHOUT_GAP: f64 = 2.5;
+
 /// One channel of a run with its noise.
 #[derive(Debug, Clone)]
 pub struct WhitenedChannel {
     response: Response,
+    memory: Continuing,
     readings_per_independent: f64,
+}
+
+/// The whitener over stretches of readings without a gap: noise remembers across the edges of the drive.
+#[derive(Debug, Clone)]
+struct Continuing {
+    stretches: Vec<Span>,
+    whitener: Whitener,
+}
+
+impl Continuing {
+    fn new(sampled: &Sampled, sd: &[f64], memory: &Memory) -> Continuing {
+        let mut joined = sampled.clone();
+        joined.spans = without_gaps(sampled);
+        Continuing {
+            whitener: Whitener::new(&joined, sd, memory),
+            stretches: joined.spans,
+        }
+    }
+
+    fn each(&self, series: &mut [f64], what: impl Fn(&Whitener, &Span, &mut [f64])) {
+        for stretch in &self.stretches {
+            what(&self.whitener, stretch, &mut series[stretch.first..stretch.end]);
+        }
+    }
+
+    fn whiten(&self, series: &mut [f64]) {
+        self.each(series, Whitener::whiten);
+    }
+}
+
+/// The spans of the drive's segments, joined where one follows the other without readings missing between them.
+fn without_gaps(sampled: &Sampled) -> Vec<Span> {
+    let mut stretches: Vec<Span> = Vec::new();
+    for span in &sampled.spans {
+        match stretches.last_mut() {
+            Some(last) if is_near(&sampled.time_s, span.first) => last.end = span.end,
+            _ => stretches.push(*span),
+        }
+    }
+    stretches
+}
+
+/// Whether the reading at `first` follows the one before it as closely as its neighbours follow each other.
+fn is_near(time_s: &[f64], first: usize) -> bool {
+    let gap = |k: usize| {
+        let later = time_s.get(k)?;
+        Some(later - time_s.get(k.checked_sub(1)?)?)
+    };
+    let around = [gap(first.wrapping_sub(1)), gap(first + 1)];
+    let usual = around.into_iter().flatten().fold(0.0, f64::max);
+    gap(first).is_some_and(|own| own <= WITHOUT_GAP * usual)
 }
 
 impl WhitenedChannel {
@@ -26,12 +81,15 @@ impl WhitenedChannel {
         if sampled.after_step() < needed {
             return None;
         }
-        let response = Response::new(sampled);
-        let readings_per_independent = response.sampled.len() as f64 / response.effective_readings();
-        Some(WhitenedChannel {
+        Some(WhitenedChannel::of(Response::new(sampled)))
+    }
+
+    fn of(response: Response) -> WhitenedChannel {
+        WhitenedChannel {
+            memory: Continuing::new(&response.sampled, &response.noise.sd, &response.noise.memory),
+            readings_per_independent: response.sampled.len() as f64 / response.effective_readings(),
             response,
-            readings_per_independent,
-        })
+        }
     }
 
     /// The same readings with noise found anew from what `fitted` leaves of them. Smooth misfit is not taken for
@@ -58,12 +116,7 @@ impl WhitenedChannel {
             proportional: noise.floor * per_signal,
             ..noise
         };
-        let response = Response::with_noise(self.response.sampled.clone(), noise);
-        let readings_per_independent = response.sampled.len() as f64 / response.effective_readings();
-        WhitenedChannel {
-            response,
-            readings_per_independent,
-        }
+        WhitenedChannel::of(Response::with_noise(self.response.sampled.clone(), noise))
     }
 
     /// The same readings with the memory of the noise cut to `longest` readings for an independent one, and to a fifth of
@@ -158,12 +211,61 @@ impl WhitenedChannel {
 
     /// Appends measured minus `fitted`, made white and in standard deviations.
     pub fn residuals(&self, fitted: &[f64], out: &mut Vec<f64>) {
-        self.response.whitened(fitted.iter().copied(), out);
+        let first = out.len();
+        out.extend(self.values().iter().zip(fitted).map(|(y, f)| y - f));
+        self.memory.whiten(&mut out[first..]);
     }
 
     /// Makes a series over the readings white, in standard deviations, in place.
     pub fn whiten(&self, series: &mut [f64]) {
-        self.response.whiten(series);
+        self.memory.whiten(series);
+    }
+
+    /// The inverse of [`WhitenedChannel::whiten`].
+    pub fn colour(&self, series: &mut [f64]) {
+        self.memory.each(series, Whitener::colour);
+    }
+
+    /// What finds the noise again in other residuals at the same readings.
+    pub fn noise_again(&self) -> NoiseAgain {
+        NoiseAgain {
+            sampled: self.response.sampled.clone(),
+            again: Again::new(&self.response.sampled, &self.response.noise),
+        }
+    }
+}
+
+/// Finds the noise of a channel again in simulated residuals, as a simulation of the whole procedure needs it: its size
+/// and its correlation by reading order; memory of another kind is taken as it was found.
+pub struct NoiseAgain {
+    sampled: Sampled,
+    again: Again,
+}
+
+/// A noise that was found again.
+pub struct FoundAgain {
+    memory: Continuing,
+}
+
+impl NoiseAgain {
+    /// The noise that `rest`, what a fit has left in canonical units, shows.
+    pub fn find(&self, rest: &[f64]) -> FoundAgain {
+        let (sd, memory) = self.again.find(rest);
+        FoundAgain {
+            memory: Continuing::new(&self.sampled, &sd, &memory),
+        }
+    }
+}
+
+impl FoundAgain {
+    /// Makes a series over the readings white, in standard deviations, in place.
+    pub fn whiten(&self, series: &mut [f64]) {
+        self.memory.whiten(series);
+    }
+
+    /// The transpose of [`FoundAgain::whiten`].
+    pub fn transpose(&self, series: &mut [f64]) {
+        self.memory.each(series, Whitener::transpose);
     }
 }
 

@@ -3,6 +3,7 @@
 //! The smooth part is a free sum of exponentials (of either sign, spread over the record), which follows any
 //! relaxation; what it leaves is judged by restricted likelihood, so that the smooth part costs no bias.
 
+mod again;
 mod growth;
 mod memory;
 mod smooth;
@@ -13,6 +14,7 @@ use crate::fit::sampled::Sampled;
 
 use super::whitening::{Memory, Whitener};
 
+pub(in crate::fit) use again::Again;
 use growth::growth;
 use smooth::Smooth;
 

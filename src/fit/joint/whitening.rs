@@ -132,6 +132,57 @@ impl Whitener {
         }
     }
 
+    /// The inverse of [`Whitener::whiten`]: white noise becomes noise of that size and memory.
+    pub(in crate::fit) fn colour(&self, span: &Span, column: &mut [f64]) {
+        match &self.rule {
+            Rule::Pairs(pairs) => {
+                let mut before = 0.0;
+                for (value, (rho, per_new)) in column.iter_mut().zip(&pairs[span.first..span.end]) {
+                    before = *value / per_new + rho * before;
+                    *value = before;
+                }
+            }
+            Rule::Orders(orders) => {
+                for k in 0..column.len() {
+                    let (order, per_new) = &orders[k.min(orders.len() - 1)];
+                    let predicted: f64 = order.iter().enumerate().map(|(j, a)| a * column[k - 1 - j]).sum();
+                    column[k] = column[k] / per_new + predicted;
+                }
+            }
+        }
+        for (value, per_sd) in column.iter_mut().zip(&self.per_sd[span.first..span.end]) {
+            *value /= per_sd;
+        }
+    }
+
+    /// The transpose of [`Whitener::whiten`]: the inner product of `column` with any whitened series is that of what it
+    /// becomes with the series itself.
+    pub(in crate::fit) fn transpose(&self, span: &Span, column: &mut [f64]) {
+        match &self.rule {
+            Rule::Pairs(pairs) => {
+                let mut after = 0.0;
+                for (value, (rho, per_new)) in column.iter_mut().zip(&pairs[span.first..span.end]).rev() {
+                    let own = *value * per_new;
+                    *value = own - after;
+                    after = rho * own;
+                }
+            }
+            Rule::Orders(orders) => {
+                for k in 0..column.len() {
+                    let (order, per_new) = &orders[k.min(orders.len() - 1)];
+                    let own = column[k] * per_new;
+                    column[k] = own;
+                    for (j, a) in order.iter().enumerate() {
+                        column[k - 1 - j] -= a * own;
+                    }
+                }
+            }
+        }
+        for (value, per_sd) in column.iter_mut().zip(&self.per_sd[span.first..span.end]) {
+            *value *= per_sd;
+        }
+    }
+
     /// Logarithm of the determinant of the covariance of all readings.
     pub(in crate::fit) fn log_determinant(&self, sampled: &Sampled) -> f64 {
         let scales: f64 = self.per_sd.iter().map(|per_sd| -2.0 * per_sd.ln()).sum();
@@ -192,6 +243,37 @@ mod tests {
                 let expected = if r == c { 1.0 } else { 0.0 };
                 assert!((value - expected).abs() < 1e-10, "{r} {c}: {value}");
             }
+        }
+    }
+
+    #[test]
+    fn colouring_undoes_whitening_and_the_transpose_moves_across_a_product() {
+        let time_s = [0.0, 0.1, 0.5, 2.0, 2.1, 7.0, 7.5];
+        let sampled = sampled(&time_s);
+        let span = sampled.spans[0];
+        let sd: Vec<f64> = (1..8).map(|k| 0.3 * f64::from(k)).collect();
+        let memories = [
+            Memory::Order(Vec::new()),
+            Memory::Order(vec![0.6]),
+            Memory::Order(vec![0.5, 0.3]),
+            Memory::Time {
+                correlation_time_s: 1.5,
+            },
+        ];
+        let x = [1.0, -2.0, 0.5, 3.0, 0.0, -1.0, 4.0];
+        let y = [0.2, 1.0, -1.0, 2.0, 5.0, 0.3, -0.7];
+        for memory in memories {
+            let whitener = Whitener::new(&sampled, &sd, &memory);
+            let (mut white, mut back) = (x.to_vec(), y.to_vec());
+            whitener.whiten(&span, &mut white);
+            whitener.transpose(&span, &mut back);
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            assert!((dot(&white, &y) - dot(&x, &back)).abs() < 1e-12, "{memory:?}");
+            whitener.colour(&span, &mut white);
+            assert!(
+                white.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-12),
+                "{memory:?}"
+            );
         }
     }
 

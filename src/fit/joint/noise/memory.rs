@@ -8,8 +8,10 @@ use crate::numerics::correlation::yule_walker;
 use super::EVIDENCE;
 use super::smooth::{Smooth, inner};
 
-/// Correlations tried by reading order, and correlation times.
-const CORRELATIONS: usize = 60;
+/// Correlations tried by reading order, between these inverse hyperbolic tangents; and correlation times.
+pub(super) const CORRELATIONS: usize = 60;
+pub(super) const FROM: f64 = -0.7;
+pub(super) const TO: f64 = 3.4;
 const TIMES: usize = 12;
 /// Readings from which orders above one are looked at.
 const ENOUGH_FOR_ORDER: usize = 300;
@@ -62,7 +64,7 @@ impl Smooth {
         let is_even = sampled.blocks.iter().all(|(_, block)| block.step_s.is_some());
         let lagged = self.lagged(sampled, scale);
         let of_order = |x: f64| self.deviance_of(&lagged, x.tanh());
-        best = search(best, (-0.7, 3.4, CORRELATIONS), by_order, of_order);
+        best = search(best, (FROM, TO, CORRELATIONS), by_order, of_order);
         if !is_even && shortest_s > 0.0 && shortest_s < longest_s {
             let span = (longest_s / shortest_s / 4.0).max(2.0).ln();
             let by_time = |x: f64| Memory::Time {

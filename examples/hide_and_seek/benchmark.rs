@@ -1,0 +1,392 @@
+//! Every method on the same groups: clean ones, single causes, pairs and triples, causes outside the library, and the
+//! run that is proposed next.
+
+use ieap::diagnose::{DesignRun, DiagnoseOptions, diagnose_group, proposals};
+use ieap::model::effects::{ALL, Applied};
+use rand::RngExt;
+use rayon::prelude::*;
+
+use crate::case::{AREA, Case, Drives, Plan, Readings, case, inputs, measured, responses, true_responses};
+use crate::figure;
+use crate::hidden::{OUTSIDE, hidden, outside};
+use crate::methods::{METHODS, ORACLE, OURS, Said, ask};
+use crate::oracle::oracle;
+
+/// Strengths in the table and the figure.
+const STRENGTHS: [f64; 5] = [4.0, 8.0, 16.0, 32.0, 64.0];
+/// Strength of each of several causes.
+const TOGETHER: f64 = 32.0;
+
+/// What is done, and how often.
+pub struct Extent {
+    /// Groups of every effect, design and strength.
+    pub each: u64,
+    /// First seed: development and final seeds differ.
+    pub first: u64,
+    /// Parts that are run; all where empty.
+    pub only: Vec<String>,
+    /// Where the figure goes.
+    pub figure: Option<std::path::PathBuf>,
+}
+
+/// Runs the benchmark and prints its tables in Markdown.
+pub fn benchmark(extent: &Extent) {
+    let wants = |part: &str| extent.only.is_empty() || extent.only.iter().any(|only| only == part);
+    println!("Seeds from {} on, {} of each.\n", extent.first, extent.each);
+    if wants("clean") {
+        clean(extent);
+    }
+    if wants("single") {
+        let lines = single(extent);
+        if let Some(path) = &extent.figure {
+            if let Err(error) = std::fs::write(path, figure::svg(&STRENGTHS, &lines)) {
+                eprintln!("{}: {error}", path.display());
+            }
+        }
+    }
+    if wants("several") {
+        several(extent, 2);
+        several(extent, 3);
+    }
+    if wants("outside") {
+        without(extent);
+    }
+    if wants("next") {
+        next(extent);
+    }
+}
+
+/// What a method made of groups.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    groups: usize,
+    seen: usize,
+    /// The hidden cause is the one name.
+    right: usize,
+    /// Another one is.
+    wrong: usize,
+    /// The hidden cause is among those given.
+    within: usize,
+    /// Groups with causes given, and how many these are in all.
+    given: usize,
+    causes: usize,
+}
+
+impl Tally {
+    fn add(&mut self, said: &Said, truth: Option<&str>) {
+        self.groups += 1;
+        self.seen += usize::from(said.seen);
+        if let Some(name) = &said.name {
+            *(if Some(name.as_str()) == truth {
+                &mut self.right
+            } else {
+                &mut self.wrong
+            }) += 1;
+        }
+        self.within += usize::from(truth.is_some_and(|truth| said.causes.iter().any(|c| c == truth)));
+        self.given += usize::from(!said.causes.is_empty());
+        self.causes += said.causes.len();
+    }
+}
+
+fn percent(part: usize, of: usize) -> String {
+    match of {
+        0 => "-".to_owned(),
+        _ => format!("{:.1}", 100.0 * part as f64 / of as f64),
+    }
+}
+
+fn tallied(all: &[(Vec<Said>, Option<&str>)]) -> Vec<Tally> {
+    let mut tallies = vec![Tally::default(); METHODS.len()];
+    for (said, truth) in all {
+        for (tally, said) in tallies.iter_mut().zip(said) {
+            tally.add(said, *truth);
+        }
+    }
+    tallies
+}
+
+/// Groups in which nothing is hidden, by the kind of noise.
+fn clean(extent: &Extent) {
+    let plan = |readings, autocorrelation| Plan {
+        readings,
+        autocorrelation: Some(autocorrelation),
+        ..Plan::default()
+    };
+    let kinds = [
+        ("white", plan(Readings::Even, 0.0)),
+        ("correlation 0.3", plan(Readings::Even, 0.3)),
+        ("correlation 0.6", plan(Readings::Even, 0.6)),
+        ("correlation 0.8", plan(Readings::Even, 0.8)),
+        ("uneven readings, 0.3", plan(Readings::Uneven, 0.3)),
+        ("steps of one sigma, 0.3", plan(Readings::Quantised, 0.3)),
+        ("1 % outliers, 0.3", plan(Readings::Outliers, 0.3)),
+    ];
+    println!("### Nothing hidden: said to be wrong, in percent (given one name)\n");
+    println!("| noise | groups | {} |", METHODS[..ORACLE].join(" | "));
+    println!("|---|---|{}", "---|".repeat(ORACLE));
+    for (name, plan) in kinds {
+        let all: Vec<(Vec<Said>, Option<&str>)> = (0..10 * extent.each)
+            .into_par_iter()
+            .map(|seed| {
+                let mut case = case(extent.first + seed, plan);
+                let plain = responses(&case, &[]);
+                (ask(&mut case, &plain).1, None)
+            })
+            .collect();
+        let cells: Vec<String> = tallied(&all)[..ORACLE]
+            .iter()
+            .map(|tally| {
+                let named = percent(tally.wrong, tally.groups);
+                format!("{} ({named})", percent(tally.seen, tally.groups))
+            })
+            .collect();
+        println!("| {name} | {} | {} |", all.len(), cells.join(" | "));
+    }
+    println!();
+}
+
+/// Single causes by design and strength; gives right names by method and strength on the five drives.
+fn single(extent: &Extent) -> Vec<(&'static str, Vec<f64>)> {
+    let designs = [
+        ("+2 V", Drives::Step),
+        ("+2 V; +2 V then 0 V", Drives::Discharge),
+        ("five drives", Drives::Five),
+    ];
+    let mut lines: Vec<(&'static str, Vec<f64>)> = METHODS.iter().map(|name| (*name, Vec::new())).collect();
+    println!("### One cause hidden: right name / wrong name (seen), in percent\n");
+    println!(
+        "| drives | d | groups | {} | truth in our set | our mean set | oracle's |",
+        METHODS.join(" | ")
+    );
+    println!("|---|---|---|{}---|---|---|", "---|".repeat(METHODS.len()));
+    for (name, drives) in designs {
+        for d in STRENGTHS {
+            let tallies = tallied(&hunted(extent, drives, d));
+            let cells: Vec<String> = tallies
+                .iter()
+                .map(|tally| {
+                    let of = |part| percent(part, tally.groups);
+                    format!("{} / {} ({})", of(tally.right), of(tally.wrong), of(tally.seen))
+                })
+                .collect();
+            let mean = |tally: &Tally| tally.causes as f64 / tally.given.max(1) as f64;
+            println!(
+                "| {name} | {d} | {} | {} | {} of {} | {:.1} | {:.1} |",
+                tallies[OURS].groups,
+                cells.join(" | "),
+                tallies[OURS].within,
+                tallies[OURS].given,
+                mean(&tallies[OURS]),
+                mean(&tallies[ORACLE]),
+            );
+            if drives == Drives::Five {
+                for (line, tally) in lines.iter_mut().zip(&tallies) {
+                    line.1.push(tally.right as f64 / tally.groups.max(1) as f64);
+                }
+            }
+        }
+    }
+    println!();
+    lines
+}
+
+fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<(Vec<Said>, Option<&'static str>)> {
+    let wanted: Vec<(usize, u64)> = (0..ALL.len())
+        .flat_map(|effect| (0..extent.each).map(move |seed| (effect, seed)))
+        .collect();
+    wanted
+        .into_par_iter()
+        .filter_map(|(effect, seed)| {
+            let plan = Plan {
+                drives,
+                ..Plan::default()
+            };
+            let mut case = case(extent.first + 1000 + 50 * seed + effect as u64, plan);
+            let (applied, _) = hidden(&mut case, ALL[effect], d)?;
+            let with = true_responses(&case, std::slice::from_ref(&applied))?;
+            let (_, mut said) = ask(&mut case, &with);
+            let ceiling = oracle(&mut case, &applied, &with);
+            said.push(Said {
+                seen: ceiling.seen,
+                name: match ceiling.set.as_slice() {
+                    [one] => Some((*one).to_owned()),
+                    _ => None,
+                },
+                causes: ceiling.set.iter().map(|id| (*id).to_owned()).collect(),
+            });
+            Some((said, Some(ALL[effect].about().id)))
+        })
+        .collect()
+}
+
+/// Pairs or triples of causes.
+fn several(extent: &Extent, count: usize) {
+    let found: Vec<(Vec<Said>, Vec<&'static str>)> = (0..20 * extent.each)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let mut case = case(extent.first + 100_000 + seed, Plan::default());
+            let mut applied: Vec<Applied> = Vec::new();
+            while applied.len() < count {
+                let effect = ALL[case.generator.random_range(0..ALL.len())];
+                if applied.iter().any(|a| a.effect.about().id == effect.about().id) {
+                    continue;
+                }
+                // Laws without free strength fit the noise to themselves, which two of them cannot.
+                let before = case.noise;
+                let one = hidden(&mut case, effect, TOGETHER);
+                if case.noise == before {
+                    applied.extend(one.map(|(one, _)| one));
+                }
+                case.noise = before;
+            }
+            let with = true_responses(&case, &applied)?;
+            let truth: Vec<&'static str> = applied.iter().map(|a| a.effect.about().id).collect();
+            Some((ask(&mut case, &with).1, truth))
+        })
+        .collect();
+    println!(
+        "### {count} causes hidden, d = {TOGETHER} each, five drives, {} groups\n",
+        found.len()
+    );
+    println!(
+        "| method | seen, % | all of them among the causes given, % | one at least, % | a cause given that is not there, mean |"
+    );
+    println!("|---|---|---|---|---|");
+    for (k, name) in METHODS[..ORACLE].iter().enumerate() {
+        let n = found.len();
+        let holds = |said: &Said, id: &str| said.causes.iter().any(|c| c == id);
+        let all = found
+            .iter()
+            .filter(|(said, truth)| truth.iter().all(|id| holds(&said[k], id)))
+            .count();
+        let one = found
+            .iter()
+            .filter(|(said, truth)| truth.iter().any(|id| holds(&said[k], id)))
+            .count();
+        let seen = found.iter().filter(|(said, _)| said[k].seen).count();
+        let false_causes: usize = found
+            .iter()
+            .map(|(said, truth)| {
+                let causes = said[k].causes.iter();
+                causes.filter(|c| !truth.contains(&c.as_str())).count()
+            })
+            .sum();
+        println!(
+            "| {name} | {} | {} | {} | {:.2} |",
+            percent(seen, n),
+            percent(all, n),
+            percent(one, n),
+            false_causes as f64 / n.max(1) as f64
+        );
+    }
+    println!();
+}
+
+/// Causes that no library holds.
+fn without(extent: &Extent) {
+    println!("### A cause outside the library, five drives: given one (wrong) name, in percent (seen)\n");
+    println!(
+        "| d | groups | {} | ours said to be unknown |",
+        METHODS[..ORACLE].join(" | ")
+    );
+    println!("|---|---|{}---|", "---|".repeat(ORACLE));
+    for d in [16.0, 64.0] {
+        let wanted: Vec<(usize, u64)> = (0..OUTSIDE.len())
+            .flat_map(|kind| (0..5 * extent.each).map(move |seed| (kind, seed)))
+            .collect();
+        let found: Vec<(Vec<Said>, bool)> = wanted
+            .into_par_iter()
+            .filter_map(|(kind, seed)| {
+                let mut case = case(extent.first + 200_000 + seed, Plan::default());
+                let with = outside(&case, OUTSIDE[kind], d)?;
+                let (found, said) = ask(&mut case, &with);
+                Some((said, found.verdict == ieap::domain::Verdict::Unknown))
+            })
+            .collect();
+        let unknown = found.iter().filter(|(_, unknown)| *unknown).count();
+        let all: Vec<(Vec<Said>, Option<&str>)> = found.into_iter().map(|(said, _)| (said, None)).collect();
+        let cells: Vec<String> = tallied(&all)[..ORACLE]
+            .iter()
+            .map(|t| format!("{} ({})", percent(t.wrong, t.groups), percent(t.seen, t.groups)))
+            .collect();
+        println!(
+            "| {d} | {} | {} | {} |",
+            all.len(),
+            cells.join(" | "),
+            percent(unknown, all.len())
+        );
+    }
+    println!();
+}
+
+/// The run that is proposed is made, and the group is diagnosed again.
+fn next(extent: &Extent) {
+    println!("### The proposed run, made\n");
+    println!(
+        "| drives before | d | groups with a set | mean set before | expected after | after | truth kept |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for (name, drives) in [("+2 V", Drives::Step), ("+2 V; +2 V then 0 V", Drives::Discharge)] {
+        for d in [16.0, 32.0] {
+            let wanted: Vec<(usize, u64)> = (0..ALL.len())
+                .flat_map(|effect| (0..extent.each).map(move |seed| (effect, seed)))
+                .collect();
+            let found: Vec<[f64; 4]> = wanted
+                .into_par_iter()
+                .filter_map(|(effect, seed)| {
+                    let plan = Plan {
+                        drives,
+                        ..Plan::default()
+                    };
+                    let case = case(extent.first + 300_000 + 50 * seed + effect as u64, plan);
+                    proposed(case, effect, d)
+                })
+                .collect();
+            let mean = |k: usize| found.iter().map(|row| row[k]).sum::<f64>() / found.len().max(1) as f64;
+            println!(
+                "| {name} | {d} | {} | {:.2} | {:.2} | {:.2} | {:.0} % |",
+                found.len(),
+                mean(0),
+                mean(1),
+                mean(2),
+                100.0 * mean(3)
+            );
+        }
+    }
+    println!();
+}
+
+/// Sizes of the set before, as expected after, and after the proposed run, and whether the truth stayed in it.
+fn proposed(mut case: Case, effect: usize, d: f64) -> Option<[f64; 4]> {
+    let (applied, _) = hidden(&mut case, ALL[effect], d)?;
+    let with = true_responses(&case, std::slice::from_ref(&applied))?;
+    let mut channels = measured(&mut case, &with);
+    let options = DiagnoseOptions::default();
+    let found = diagnose_group("case", &inputs(&case, &channels), &options);
+    let next = found.next_run.as_ref()?;
+    let (_, drive, duration_s) = proposals(2.0, 600.0)
+        .into_iter()
+        .find(|(words, ..)| *words == next.drive)?;
+    let step_s = (duration_s / 1200.0).max(1.0);
+    let time_s: Vec<f64> = (1..=(duration_s / step_s) as usize)
+        .map(|k| step_s * k as f64)
+        .collect();
+    case.design.push(DesignRun {
+        drive,
+        area_cm2: AREA,
+        current_time_s: time_s.clone(),
+        curvature_time_s: time_s,
+    });
+    let with = true_responses(&case, std::slice::from_ref(&applied))?;
+    let more = measured(&mut case, &with).pop()?;
+    channels.push(more);
+    let again = diagnose_group("case", &inputs(&case, &channels), &options);
+    let kept = again.set.iter().any(|id| id == ALL[effect].about().id);
+    Some([
+        found.set.len() as f64,
+        next.expected_set_size,
+        again.set.len() as f64,
+        f64::from(u8::from(kept)),
+    ])
+}

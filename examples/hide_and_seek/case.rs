@@ -1,0 +1,308 @@
+//! Groups of runs with known truth: random base parameters, a design of drives, noise of a chosen kind.
+
+use ieap::diagnose::{DesignRun, DiagnoseOptions, KnownNoise, RunInput, diagnose_group};
+use ieap::domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment};
+use ieap::fit::FitInput;
+use ieap::model::effects::Applied;
+use ieap::model::extended::{ExtendedModel, Responses, RunContext};
+use ieap::model::truth::{HiddenEffect, Truth, simulate};
+use ieap::model::{Branch, LumpedModel};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Active area, cm2, and free length, cm, of every sample.
+pub const AREA: f64 = 0.1;
+pub const LENGTH: f64 = 0.5;
+
+/// Drives of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drives {
+    /// +2 V.
+    Step,
+    /// +2 V, and +2 V then 0 V.
+    Discharge,
+    /// +2 V, +1 V, -2 V, +2 V then 0 V, and pulses of 20 s.
+    Five,
+}
+
+/// What the noise is like beside its memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Readings {
+    /// One a second.
+    Even,
+    /// Four a second at first, one in 2 s later.
+    Uneven,
+    /// In steps of the noise's standard deviation.
+    Quantised,
+    /// One in a hundred off by ten standard deviations.
+    Outliers,
+}
+
+/// How a group is measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan {
+    pub drives: Drives,
+    pub readings: Readings,
+    /// Correlation of neighbouring readings; none: 0, 0.3, 0.6 and 0.8 in turn.
+    pub autocorrelation: Option<f64>,
+    /// The noise at the largest signal of a run is `sqrt(1 + growing^2)` times that at none.
+    pub growing: f64,
+}
+
+impl Default for Plan {
+    fn default() -> Plan {
+        Plan {
+            drives: Drives::Five,
+            readings: Readings::Even,
+            autocorrelation: None,
+            growing: std::env::var("GROWING")
+                .ok()
+                .and_then(|g| g.parse().ok())
+                .unwrap_or(0.0),
+        }
+    }
+}
+
+/// A group before anything is hidden in it.
+pub struct Case {
+    pub base: LumpedModel,
+    pub design: Vec<DesignRun>,
+    pub noise: KnownNoise,
+    pub generator: ChaCha8Rng,
+    plan: Plan,
+}
+
+/// Random base parameters, each within a factor of two of its centre.
+pub fn case(seed: u64, plan: Plan) -> Case {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let mut about = |value: f64| value * generator.random_range(-0.7..0.7_f64).exp();
+    let (r1, c1, r2, c2) = (about(30.0), about(0.03), about(120.0), about(0.15));
+    let base = LumpedModel {
+        branches: vec![
+            Branch {
+                resistance_ohm_cm2: r1,
+                capacitance_f_per_cm2: c1,
+            },
+            Branch {
+                resistance_ohm_cm2: r2,
+                capacitance_f_per_cm2: c2.max(3.0 * r1 * c1 / r2),
+            },
+        ],
+        steady_state_resistance_ohm_cm2: about(3000.0),
+        charge_to_curvature_per_c_cm: about(20.0),
+        relaxation_rate_per_s: about(0.01),
+    };
+    let time_s: Vec<f64> = match plan.readings {
+        Readings::Uneven => (1..=200)
+            .map(|k| 0.25 * f64::from(k))
+            .chain((1..=275).map(|k| 50.0 + 2.0 * f64::from(k)))
+            .collect(),
+        _ => (1..=600).map(f64::from).collect(),
+    };
+    let pulses: Vec<(f64, f64)> = (0..30)
+        .map(|k| (20.0 * f64::from(k), if k % 2 == 0 { 2.0 } else { 0.0 }))
+        .collect();
+    let discharge = vec![(0.0, 2.0), (300.0, 0.0)];
+    let drives = match plan.drives {
+        Drives::Step => vec![vec![(0.0, 2.0)]],
+        Drives::Discharge => vec![vec![(0.0, 2.0)], discharge],
+        Drives::Five => vec![
+            vec![(0.0, 2.0)],
+            vec![(0.0, 1.0)],
+            vec![(0.0, -2.0)],
+            discharge,
+            pulses,
+        ],
+    };
+    let of = |levels: &Vec<(f64, f64)>| DesignRun {
+        drive: Drive {
+            baseline_v: 0.0,
+            segments: levels
+                .iter()
+                .map(|&(start_s, v)| Segment {
+                    start_s,
+                    level: Level::Voltage(v),
+                })
+                .collect(),
+        },
+        area_cm2: AREA,
+        current_time_s: time_s.clone(),
+        curvature_time_s: time_s.clone(),
+    };
+    let peak_a = AREA * 2.0 * (1.0 / r1 + 1.0 / r2);
+    let charge = AREA * 2.0 * (c1 + base.branches[1].capacitance_f_per_cm2);
+    let noise = KnownNoise {
+        current_a: 0.004 * peak_a,
+        curvature_per_cm: 0.006 * charge * base.charge_to_curvature_per_c_cm,
+        autocorrelation: plan
+            .autocorrelation
+            .unwrap_or([0.0, 0.3, 0.6, 0.8][(seed % 4) as usize]),
+    };
+    Case {
+        base,
+        design: drives.iter().map(of).collect(),
+        noise,
+        generator,
+        plan,
+    }
+}
+
+/// What the library gives, without noise.
+pub fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
+    let model = ExtendedModel {
+        base: case.base.clone(),
+        effects: applied.to_vec(),
+    };
+    let each = case.design.iter().enumerate().map(|(index, run)| {
+        let context = RunContext {
+            index,
+            drive: &run.drive,
+            area_cm2: AREA,
+            length_cm: Some(LENGTH),
+            duration_s: 600.0,
+            resolved_s: None,
+        };
+        model.responses(&context, &run.current_time_s, &run.curvature_time_s)
+    });
+    each.collect()
+}
+
+/// The same by the truth simulator, which shares no code with the library.
+pub fn true_responses(case: &Case, applied: &[Applied]) -> Option<Vec<Responses>> {
+    let hidden = applied.iter().map(|applied| {
+        let about = applied.effect.about();
+        let keys = about.parameters.iter().map(|p| p.key.to_owned());
+        HiddenEffect {
+            id: about.id.to_owned(),
+            variant: about.variants.get(applied.variant).map(|v| (*v).to_owned()),
+            parameters: keys.zip(applied.parameters.iter().copied()).collect(),
+        }
+    });
+    truly(case, hidden.collect())
+}
+
+/// What the truth simulator gives with these effects; none where it refuses them.
+pub fn truly(case: &Case, hidden: Vec<HiddenEffect>) -> Option<Vec<Responses>> {
+    let truth = Truth {
+        branches: case.base.branches.clone(),
+        steady_state_resistance_ohm_cm2: case.base.steady_state_resistance_ohm_cm2,
+        charge_to_curvature_per_c_cm: case.base.charge_to_curvature_per_c_cm,
+        relaxation_rate_per_s: case.base.relaxation_rate_per_s,
+        area_cm2: AREA,
+        length_cm: Some(LENGTH),
+        width_cm: None,
+        effects: hidden,
+    };
+    let each = case.design.iter().enumerate().map(|(index, run)| {
+        let found = simulate(
+            &truth,
+            &run.drive,
+            &run.current_time_s,
+            &run.curvature_time_s,
+            index,
+        );
+        let found = found.map_err(|error| eprintln!("{error}")).ok()?;
+        Some(Responses {
+            current_a: found.current_a,
+            curvature_per_cm: found.curvature_per_cm,
+        })
+    });
+    each.collect()
+}
+
+/// The series with noise of that size and memory.
+fn noisy(values: &[f64], sd: f64, rho: f64, plan: Plan, generator: &mut impl Rng) -> Vec<f64> {
+    let mut state: f64 = StandardNormal.sample(generator);
+    let new = (1.0 - rho * rho).sqrt();
+    let peak = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let each = values.iter().map(|v| {
+        let own = sd * (1.0 + (plan.growing * v / peak).powi(2)).sqrt();
+        let mut out = v + own * state;
+        let next: f64 = StandardNormal.sample(generator);
+        state = rho * state + new * next;
+        if plan.readings == Readings::Outliers && generator.random_bool(0.01) {
+            out += 10.0 * sd * if generator.random_bool(0.5) { 1.0 } else { -1.0 };
+        }
+        match plan.readings {
+            Readings::Quantised => (out / sd).round() * sd,
+            _ => out,
+        }
+    });
+    each.collect()
+}
+
+/// Current and curvature of every run with noise.
+pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
+    let (rho, noise, plan) = (case.noise.autocorrelation, case.noise, case.plan);
+    let each = case.design.iter().zip(responses).map(|(run, response)| {
+        let mut channel = |quantity, time_s: &[f64], values: &[f64], sd| {
+            let values = noisy(values, sd, rho, plan, &mut case.generator);
+            Channel::new(quantity, time_s.into(), values.into())
+        };
+        vec![
+            channel(
+                Quantity::Current,
+                &run.current_time_s,
+                &response.current_a,
+                noise.current_a,
+            ),
+            channel(
+                Quantity::Curvature,
+                &run.curvature_time_s,
+                &response.curvature_per_cm,
+                noise.curvature_per_cm,
+            ),
+        ]
+    });
+    each.collect()
+}
+
+/// The runs as a diagnosis takes them.
+pub fn inputs<'a>(case: &'a Case, channels: &'a [Vec<Channel>]) -> Vec<RunInput<'a>> {
+    const NAMES: [&str; 6] = ["first", "second", "third", "fourth", "fifth", "proposed"];
+    case.design
+        .iter()
+        .zip(channels)
+        .zip(NAMES)
+        .map(|((run, channels), name)| RunInput {
+            name,
+            input: FitInput {
+                channels,
+                drive: &run.drive,
+                area_cm2: AREA,
+            },
+            length_cm: Some(LENGTH),
+        })
+        .collect()
+}
+
+/// Adds noise and diagnoses.
+pub fn diagnose(case: &mut Case, responses: &[Responses]) -> GroupDiagnosis {
+    let channels = measured(case, responses);
+    let found = diagnose_group("case", &inputs(case, &channels), &DiagnoseOptions::default());
+    if std::env::var_os("NOISE").is_some() {
+        print_noise(case, &found);
+    }
+    found
+}
+
+fn print_noise(case: &Case, found: &GroupDiagnosis) {
+    for n in &found.noise {
+        let sd = match n.channel.as_str() {
+            "current" => case.noise.current_a,
+            _ => case.noise.curvature_per_cm,
+        };
+        println!(
+            "rho {} {:10} {:10} prop {:.2} sd/true {:.3} {:?} per independent {:.2} rms {:.3}",
+            case.noise.autocorrelation,
+            n.run,
+            n.channel,
+            n.proportional / sd,
+            n.standard_deviation / sd,
+            n.autoregression,
+            n.readings as f64 / n.independent_readings,
+            n.residual_rms_sigma
+        );
+    }
+}

@@ -1,0 +1,178 @@
+//! What a diagnosis makes of many groups, counted.
+
+use std::collections::BTreeMap;
+
+use ieap::domain::Verdict;
+use ieap::model::effects::ALL;
+use rayon::prelude::*;
+
+use crate::case::{Plan, case, diagnose, responses, true_responses};
+use crate::hidden::{OUTSIDE, apart, hidden, outside};
+
+/// Groups with p below 0.05, and groups that were given a name, among so many clean ones from seed `first` on.
+pub fn nulls(first: u64, count: u64) -> (usize, usize) {
+    let mut found: Vec<(f64, Verdict)> = (first..first + count)
+        .into_par_iter()
+        .map(|seed| {
+            let mut case = case(seed, Plan::default());
+            let plain = responses(&case, &[]);
+            let found = diagnose(&mut case, &plain);
+            if std::env::var_os("SHOW").is_some() && found.p_misfit.is_some_and(|p| p < 0.05) {
+                println!("seed {seed} p {:?} {}", found.p_misfit, found.sentence);
+                for n in found.noise.iter().filter(|_| seed % 4 == 3) {
+                    println!(
+                        "    {} {} {:?} growing {}",
+                        n.run, n.channel, n.autoregression, n.proportional
+                    );
+                }
+            }
+            (found.p_misfit.unwrap_or(f64::NAN), found.verdict)
+        })
+        .collect();
+    for rho in 0..4 {
+        let of: Vec<f64> = found.iter().skip(rho).step_by(4).map(|(p, _)| *p).collect();
+        let below = |limit: f64| of.iter().filter(|p| **p < limit).count() as f64 / of.len() as f64;
+        println!(
+            "rho {rho}: p<0.01 {:.3}  p<0.05 {:.3}  p<0.5 {:.3}",
+            below(0.01),
+            below(0.05),
+            below(0.5)
+        );
+    }
+    let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+    for (_, verdict) in &found {
+        *verdicts.entry(verdict.key()).or_default() += 1;
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let n = found.len() as f64;
+    let ks = found
+        .iter()
+        .enumerate()
+        .map(|(k, (p, _))| (p - (k as f64 + 0.5) / n).abs())
+        .fold(0.0, f64::max);
+    println!(
+        "{verdicts:?}  KS distance {ks:.3} (5 % point {:.3})",
+        1.36 / n.sqrt()
+    );
+    (
+        found.iter().filter(|(p, _)| *p < 0.05).count(),
+        found
+            .iter()
+            .filter(|(_, verdict)| verdict.names_a_cause())
+            .count(),
+    )
+}
+
+/// Groups, seen, in the set, uniquely named, wrongly named, unknown, strengths stated and covered, at the last strength.
+pub fn effects(count: u64, strengths: &[f64], only: &[String]) -> [usize; 8] {
+    let mut last = [0; 8];
+    println!(
+        "{:30} {:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
+        "effect", "d", "n", "seen", "inset", "unique", "wrong", "unkn", "stated", "cover"
+    );
+    for &d in strengths {
+        let mut total = [0usize; 8];
+        for &effect in ALL {
+            let id = effect.about().id;
+            if !only.is_empty() && !only.iter().any(|o| o == id) {
+                continue;
+            }
+            let began = std::time::Instant::now();
+            let found: Vec<_> = (0..count)
+                .into_par_iter()
+                .filter_map(|seed| {
+                    let mut case = case(1000 + seed, Plan::default());
+                    let (applied, _) = hidden(&mut case, effect, d)?;
+                    let with = true_responses(&case, std::slice::from_ref(&applied))?;
+                    let library = responses(&case, std::slice::from_ref(&applied));
+                    let apart = apart(&case, &with, &library);
+                    Some((diagnose(&mut case, &with), applied, apart))
+                })
+                .collect();
+            let mut row = [0usize; 8];
+            let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
+            for (found, applied, _) in &found {
+                row[0] += 1;
+                row[1] += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
+                let inset = found.set.iter().any(|s| s == id);
+                row[2] += usize::from(inset);
+                row[3] += usize::from(inset && found.set.len() == 1);
+                row[4] += usize::from(!inset && found.set.len() == 1);
+                row[5] += usize::from(found.verdict == Verdict::Unknown);
+                let own = found.effects.iter().find(|own| own.effect == id);
+                let strength = own
+                    .and_then(|own| own.parameters.first())
+                    .map(|own| &own.estimate);
+                if let Some((low, high)) = strength.and_then(|s| s.low_95.zip(s.high_95)) {
+                    row[6] += 1;
+                    row[7] += usize::from(low <= applied.parameters[0] && applied.parameters[0] <= high);
+                }
+                if std::env::var_os("SHOW").is_some() {
+                    println!(
+                        "    {:?} -> {} {:?} {} {:?}",
+                        applied.parameters,
+                        found.verdict.key(),
+                        found.set,
+                        found.sentence,
+                        found.gain.as_ref().map(|g| (g.deviance, g.parts.clone()))
+                    );
+                    for c in found.candidates.iter().take(8) {
+                        println!(
+                            "        {:30} forecast {:8.1} fitted {:?} +{} left {:.3}",
+                            c.effect, c.forecast_gain, c.fitted_gain, c.extra_parameters, c.left_after_refit
+                        );
+                    }
+                }
+            }
+            println!(
+                "{id:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}   simulators {worst:.2} sigma apart, {:.1} s",
+                row[0],
+                row[1],
+                row[2],
+                row[3],
+                row[4],
+                row[5],
+                row[6],
+                row[7],
+                began.elapsed().as_secs_f64()
+            );
+            for (t, r) in total.iter_mut().zip(row) {
+                *t += r;
+            }
+        }
+        println!(
+            "{:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
+            "all", total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7]
+        );
+        last = total;
+    }
+    last
+}
+
+/// Groups with an effect that no library holds: they must come back unknown.
+pub fn outsides(count: u64, d: f64) {
+    for kind in OUTSIDE {
+        let found: Vec<_> = (0..count)
+            .into_par_iter()
+            .filter_map(|seed| {
+                let mut case = case(5000 + seed, Plan::default());
+                let with = outside(&case, kind, d)?;
+                Some(diagnose(&mut case, &with))
+            })
+            .collect();
+        let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+        for found in &found {
+            *verdicts.entry(found.verdict.key()).or_default() += 1;
+            if std::env::var_os("SHOW").is_some() {
+                println!(
+                    "    {} {:?} leftover {:?} {}",
+                    found.verdict.key(),
+                    found.set,
+                    found.p_leftover,
+                    found.sentence
+                );
+            }
+        }
+        println!("{:25} d {d:>4} n {:>3} {verdicts:?}", kind.0, found.len());
+    }
+}

@@ -1,0 +1,138 @@
+//! Effects with a strength that leaves so many standard deviations after the base parameters are refitted.
+
+use ieap::diagnose::sigmas_after_refit;
+use ieap::model::effects::{Applied, Effect, Scale};
+use ieap::model::extended::Responses;
+use ieap::model::truth::HiddenEffect;
+use rand::RngExt;
+
+use crate::case::{AREA, Case, LENGTH, responses, truly};
+
+/// Parameters of a random form of the effect, with a strength that gives about `d` sigmas after refit.
+pub fn hidden(case: &mut Case, effect: &'static dyn Effect, d: f64) -> Option<(Applied, f64)> {
+    let scale = scale(case);
+    let variants = effect.about().variants.len().max(1);
+    let variant = case.generator.random_range(0..variants);
+    let search = effect.search(variant, &scale);
+    if search.probes.is_empty() {
+        return None;
+    }
+    let probe = search.probes[case.generator.random_range(0..search.probes.len())].clone();
+    let mut applied = Applied {
+        effect,
+        variant,
+        parameters: probe.clone(),
+    };
+    let at = |case: &Case, applied: &Applied| {
+        sigmas_after_refit(
+            &case.base,
+            &case.design,
+            &responses(case, std::slice::from_ref(applied)),
+            case.noise,
+        )
+    };
+    let limits = search.limits[0];
+    if limits.held {
+        // A law without free strength: the noise is made to fit instead.
+        applied.parameters[0] = 1.0;
+        let factor = at(case, &applied) / d;
+        case.noise.current_a *= factor;
+        case.noise.curvature_per_cm *= factor;
+        return (factor > 0.0).then_some((applied, d));
+    }
+    for _ in 0..8 {
+        let now = at(case, &applied);
+        if now <= 0.0 {
+            return None;
+        }
+        let wanted = applied.parameters[0] * (d / now).clamp(0.2, 30.0);
+        applied.parameters[0] = wanted.clamp(limits.low, limits.high);
+    }
+    let reached = at(case, &applied);
+    ((reached / d - 1.0).abs() < 0.15).then_some((applied, reached))
+}
+
+/// Sizes of the case, from which limits of effects follow.
+pub fn scale(case: &Case) -> Scale {
+    let plain = responses(case, &[]);
+    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mut scale = Scale {
+        base: case.base.clone(),
+        area_cm2: AREA,
+        length_cm: Some(LENGTH),
+        durations_s: vec![600.0; case.design.len()],
+        shortest_s: 1.0,
+        voltage_v: 2.0,
+        current_a: plain.iter().map(|r| peak(&r.current_a)).fold(0.0, f64::max),
+        curvature_per_cm: plain
+            .iter()
+            .map(|r| peak(&r.curvature_per_cm))
+            .fold(0.0, f64::max),
+        charge_c: 0.0,
+    };
+    scale.charge_c = scale.capacitance_f_per_cm2() * 2.0 * AREA;
+    scale
+}
+
+/// How far the two simulators are apart, in sigmas after refit.
+pub fn apart(case: &Case, truth: &[Responses], library: &[Responses]) -> f64 {
+    let plain = responses(case, &[]);
+    let difference = |plain: &[f64], a: &[f64], b: &[f64]| -> Vec<f64> {
+        plain.iter().zip(a).zip(b).map(|((p, a), b)| p + a - b).collect()
+    };
+    let each = plain
+        .iter()
+        .zip(truth)
+        .zip(library)
+        .map(|((plain, truth), library)| Responses {
+            current_a: difference(&plain.current_a, &truth.current_a, &library.current_a),
+            curvature_per_cm: difference(
+                &plain.curvature_per_cm,
+                &truth.curvature_per_cm,
+                &library.curvature_per_cm,
+            ),
+        });
+    sigmas_after_refit(&case.base, &case.design, &each.collect::<Vec<_>>(), case.noise)
+}
+
+/// Id, key of the strength, first strength to try, and another parameter.
+pub type Outside = (&'static str, &'static str, f64, Option<(&'static str, f64)>);
+
+/// Effects that no library holds.
+pub const OUTSIDE: [Outside; 4] = [
+    (
+        "x-current-oscillation",
+        "amplitude_a",
+        1e-5,
+        Some(("period_s", 50.0)),
+    ),
+    ("x-charge-hysteresis", "width_c_per_cm2", 1e-3, None),
+    ("x-dead-time", "dead_time_s", 0.5, None),
+    ("x-limit-cycle", "modulation", 0.05, Some(("period_s", 80.0))),
+];
+
+/// What the truth simulator gives with such an effect at a strength that leaves `d`; none where that cannot be reached.
+pub fn outside(case: &Case, (id, key, start, other): Outside, d: f64) -> Option<Vec<Responses>> {
+    let mut strength = start;
+    let hidden = |strength: f64| {
+        vec![HiddenEffect {
+            id: id.to_owned(),
+            variant: None,
+            parameters: other
+                .iter()
+                .map(|(k, v)| ((*k).to_owned(), *v))
+                .chain([(key.to_owned(), strength)])
+                .collect(),
+        }]
+    };
+    let size = |with: &[Responses]| sigmas_after_refit(&case.base, &case.design, with, case.noise);
+    for _ in 0..6 {
+        let with = truly(case, hidden(strength))?;
+        strength *= (d / size(&with)).clamp(0.1, 10.0);
+        if id == "x-limit-cycle" {
+            strength = strength.min(0.85);
+        }
+    }
+    let with = truly(case, hidden(strength))?;
+    ((size(&with) / d - 1.0).abs() <= 0.2).then_some(with)
+}

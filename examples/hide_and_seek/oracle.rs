@@ -1,0 +1,146 @@
+//! The ceiling: who knows the noise and the base parameters, sees to first order, and has the hidden effect's exact
+//! trace in the list.
+
+use ieap::diagnose::{base_columns, in_units_of_noise};
+use ieap::model::effects::{ALL, Applied};
+use ieap::model::extended::Responses;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::case::{Case, responses};
+use crate::hidden::scale;
+
+/// An effect is named where the next other one gains less by so much.
+const WORSE: f64 = 6.0;
+/// Part of a probe's strength at which its trace is taken.
+const SMALL: f64 = 0.1;
+/// Groups in which nothing is hidden, from which the limit of a gain follows.
+const NULLS: usize = 200;
+
+/// What the oracle says of a group.
+pub struct Said {
+    pub seen: bool,
+    /// Effects that gain as much as the best to within the margin.
+    pub set: Vec<&'static str>,
+}
+
+/// A trace after the refit, of unit length.
+struct Trace {
+    id: &'static str,
+    unit: Vec<f64>,
+    one_sided: bool,
+}
+
+/// Asks for `hidden`, of which `with` is what it leaves in the readings without noise.
+pub fn oracle(case: &mut Case, hidden: &Applied, with: &[Responses]) -> Said {
+    let basis = basis(case);
+    let plain = in_units_of_noise(&responses(case, &[]), case.noise);
+    let mut traces = traces(case, &plain, &basis);
+    let mut truth: Vec<f64> = in_units_of_noise(with, case.noise)
+        .iter()
+        .zip(&plain)
+        .map(|(with, plain)| with - plain)
+        .collect();
+    remove(&basis, &mut truth);
+    traces.extend(trace(hidden.effect.about().id, truth.clone(), false));
+    let mut noisy = |signal: &[f64]| -> Vec<f64> {
+        let each = signal.iter().map(|v| {
+            let fresh: f64 = StandardNormal.sample(&mut case.generator);
+            v + fresh
+        });
+        each.collect()
+    };
+    let seen = noisy(&truth);
+    let nothing = vec![0.0; truth.len()];
+    let mut largest: Vec<f64> = (0..NULLS).map(|_| best(&traces, &noisy(&nothing))).collect();
+    largest.sort_by(f64::total_cmp);
+    let limit = largest[NULLS * 95 / 100];
+    let most = best(&traces, &seen);
+    let mut set: Vec<&'static str> = traces
+        .iter()
+        .filter(|trace| gain(trace, &seen) > most - WORSE)
+        .map(|trace| trace.id)
+        .collect();
+    set.sort_unstable();
+    set.dedup();
+    let seen = most > limit;
+    Said {
+        seen,
+        set: if seen { set } else { Vec::new() },
+    }
+}
+
+fn traces(case: &Case, plain: &[f64], basis: &[Vec<f64>]) -> Vec<Trace> {
+    let scale = scale(case);
+    let mut traces = Vec::new();
+    for &effect in ALL {
+        for variant in 0..effect.about().variants.len().max(1) {
+            let search = effect.search(variant, &scale);
+            let (strength, absent) = (search.limits[0], search.absent);
+            for probe in search.probes {
+                let one_sided = strength.held
+                    || match probe[0] > absent {
+                        true => strength.low >= absent,
+                        false => strength.high <= absent,
+                    };
+                let mut parameters = probe;
+                parameters[0] *= if absent == 0.0 { SMALL } else { 1.0 };
+                let applied = Applied {
+                    effect,
+                    variant,
+                    parameters,
+                };
+                let with = in_units_of_noise(&responses(case, &[applied]), case.noise);
+                let mut change: Vec<f64> = with.iter().zip(plain).map(|(w, p)| w - p).collect();
+                remove(basis, &mut change);
+                traces.extend(trace(effect.about().id, change, one_sided));
+            }
+        }
+    }
+    traces
+}
+
+fn trace(id: &'static str, mut unit: Vec<f64>, one_sided: bool) -> Option<Trace> {
+    let norm = dot(&unit, &unit).sqrt();
+    (norm > 1e-6).then(|| {
+        unit.iter_mut().for_each(|v| *v /= norm);
+        Trace { id, unit, one_sided }
+    })
+}
+
+fn gain(trace: &Trace, readings: &[f64]) -> f64 {
+    let z = dot(&trace.unit, readings);
+    if z > 0.0 || !trace.one_sided { z * z } else { 0.0 }
+}
+
+fn best(traces: &[Trace], readings: &[f64]) -> f64 {
+    traces
+        .iter()
+        .map(|trace| gain(trace, readings))
+        .fold(0.0, f64::max)
+}
+
+/// An orthonormal basis of what a refit of the base parameters takes up.
+fn basis(case: &Case) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for mut column in base_columns(&case.base, &case.design, case.noise) {
+        remove(&basis, &mut column);
+        remove(&basis, &mut column);
+        let norm = dot(&column, &column).sqrt();
+        column.iter_mut().for_each(|v| *v /= norm);
+        basis.push(column);
+    }
+    basis
+}
+
+fn remove(basis: &[Vec<f64>], series: &mut [f64]) {
+    for direction in basis {
+        let part = dot(direction, series);
+        for (value, d) in series.iter_mut().zip(direction) {
+            *value -= part * d;
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
