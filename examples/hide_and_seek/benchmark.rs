@@ -38,10 +38,12 @@ pub fn benchmark(extent: &Extent) {
     }
     if wants("single") {
         let lines = single(extent);
-        if let Some(path) = &extent.figure {
-            if let Err(error) = std::fs::write(path, figure::svg(&STRENGTHS, &lines)) {
-                eprintln!("{}: {error}", path.display());
-            }
+        let written = extent
+            .figure
+            .as_ref()
+            .map(|path| std::fs::write(path, figure::svg(&STRENGTHS, &lines)));
+        if let Some(Err(error)) = written {
+            eprintln!("the figure could not be written: {error}");
         }
     }
     if wants("several") {
@@ -54,6 +56,21 @@ pub fn benchmark(extent: &Extent) {
     if wants("next") {
         next(extent);
     }
+}
+
+/// Does `what` to each on all threads, in the order given. A few at a time: a thread that waits for its parts would
+/// begin another one, and another, and keep them all.
+fn each<T: Sync, R: Send>(items: &[T], what: impl Fn(&T) -> Option<R> + Sync) -> Vec<R> {
+    let together = 2 * rayon::current_num_threads();
+    let mut found = Vec::new();
+    for (done, some) in items.chunks(together).enumerate() {
+        if items.len() > 10 * together && done % 10 == 0 {
+            eprintln!("{} of {}", done * together, items.len());
+        }
+        let these: Vec<Option<R>> = some.par_iter().map(&what).collect();
+        found.extend(these.into_iter().flatten());
+    }
+    found
 }
 
 /// What a method made of groups.
@@ -126,14 +143,12 @@ fn clean(extent: &Extent) {
     println!("| noise | groups | {} |", METHODS[..ORACLE].join(" | "));
     println!("|---|---|{}", "---|".repeat(ORACLE));
     for (name, plan) in kinds {
-        let all: Vec<(Vec<Said>, Option<&str>)> = (0..10 * extent.each)
-            .into_par_iter()
-            .map(|seed| {
-                let mut case = case(extent.first + seed, plan);
-                let plain = responses(&case, &[]);
-                (ask(&mut case, &plain).1, None)
-            })
-            .collect();
+        let seeds: Vec<u64> = (0..10 * extent.each).collect();
+        let all: Vec<(Vec<Said>, Option<&str>)> = each(&seeds, |seed| {
+            let mut case = case(extent.first + seed, plan);
+            let plain = responses(&case, &[]);
+            Some((ask(&mut case, &plain).1, None))
+        });
         let cells: Vec<String> = tallied(&all)[..ORACLE]
             .iter()
             .map(|tally| {
@@ -195,56 +210,51 @@ fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<(Vec<Said>, Option<&'s
     let wanted: Vec<(usize, u64)> = (0..ALL.len())
         .flat_map(|effect| (0..extent.each).map(move |seed| (effect, seed)))
         .collect();
-    wanted
-        .into_par_iter()
-        .filter_map(|(effect, seed)| {
-            let plan = Plan {
-                drives,
-                ..Plan::default()
-            };
-            let mut case = case(extent.first + 1000 + 50 * seed + effect as u64, plan);
-            let (applied, _) = hidden(&mut case, ALL[effect], d)?;
-            let with = true_responses(&case, std::slice::from_ref(&applied))?;
-            let (_, mut said) = ask(&mut case, &with);
-            let ceiling = oracle(&mut case, &applied, &with);
-            said.push(Said {
-                seen: ceiling.seen,
-                name: match ceiling.set.as_slice() {
-                    [one] => Some((*one).to_owned()),
-                    _ => None,
-                },
-                causes: ceiling.set.iter().map(|id| (*id).to_owned()).collect(),
-            });
-            Some((said, Some(ALL[effect].about().id)))
-        })
-        .collect()
+    each(&wanted, |&(effect, seed)| {
+        let plan = Plan {
+            drives,
+            ..Plan::default()
+        };
+        let mut case = case(extent.first + 1000 + 50 * seed + effect as u64, plan);
+        let (applied, _) = hidden(&mut case, ALL[effect], d)?;
+        let with = true_responses(&case, std::slice::from_ref(&applied))?;
+        let (_, mut said) = ask(&mut case, &with);
+        let ceiling = oracle(&mut case, &applied, &with);
+        said.push(Said {
+            seen: ceiling.seen,
+            name: match ceiling.set.as_slice() {
+                [one] => Some((*one).to_owned()),
+                _ => None,
+            },
+            causes: ceiling.set.iter().map(|id| (*id).to_owned()).collect(),
+        });
+        Some((said, Some(ALL[effect].about().id)))
+    })
 }
 
 /// Pairs or triples of causes.
 fn several(extent: &Extent, count: usize) {
-    let found: Vec<(Vec<Said>, Vec<&'static str>)> = (0..20 * extent.each)
-        .into_par_iter()
-        .filter_map(|seed| {
-            let mut case = case(extent.first + 100_000 + seed, Plan::default());
-            let mut applied: Vec<Applied> = Vec::new();
-            while applied.len() < count {
-                let effect = ALL[case.generator.random_range(0..ALL.len())];
-                if applied.iter().any(|a| a.effect.about().id == effect.about().id) {
-                    continue;
-                }
-                // Laws without free strength fit the noise to themselves, which two of them cannot.
-                let before = case.noise;
-                let one = hidden(&mut case, effect, TOGETHER);
-                if case.noise == before {
-                    applied.extend(one.map(|(one, _)| one));
-                }
-                case.noise = before;
+    let seeds: Vec<u64> = (0..20 * extent.each).collect();
+    let found: Vec<(Vec<Said>, Vec<&'static str>)> = each(&seeds, |seed| {
+        let mut case = case(extent.first + 100_000 + seed, Plan::default());
+        let mut applied: Vec<Applied> = Vec::new();
+        while applied.len() < count {
+            let effect = ALL[case.generator.random_range(0..ALL.len())];
+            if applied.iter().any(|a| a.effect.about().id == effect.about().id) {
+                continue;
             }
-            let with = true_responses(&case, &applied)?;
-            let truth: Vec<&'static str> = applied.iter().map(|a| a.effect.about().id).collect();
-            Some((ask(&mut case, &with).1, truth))
-        })
-        .collect();
+            // Laws without free strength fit the noise to themselves, which two of them cannot.
+            let before = case.noise;
+            let one = hidden(&mut case, effect, TOGETHER);
+            if case.noise == before {
+                applied.extend(one.map(|(one, _)| one));
+            }
+            case.noise = before;
+        }
+        let with = true_responses(&case, &applied)?;
+        let truth: Vec<&'static str> = applied.iter().map(|a| a.effect.about().id).collect();
+        Some((ask(&mut case, &with).1, truth))
+    });
     println!(
         "### {count} causes hidden, d = {TOGETHER} each, five drives, {} groups\n",
         found.len()
@@ -295,15 +305,12 @@ fn without(extent: &Extent) {
         let wanted: Vec<(usize, u64)> = (0..OUTSIDE.len())
             .flat_map(|kind| (0..5 * extent.each).map(move |seed| (kind, seed)))
             .collect();
-        let found: Vec<(Vec<Said>, bool)> = wanted
-            .into_par_iter()
-            .filter_map(|(kind, seed)| {
-                let mut case = case(extent.first + 200_000 + seed, Plan::default());
-                let with = outside(&case, OUTSIDE[kind], d)?;
-                let (found, said) = ask(&mut case, &with);
-                Some((said, found.verdict == ieap::domain::Verdict::Unknown))
-            })
-            .collect();
+        let found: Vec<(Vec<Said>, bool)> = each(&wanted, |&(kind, seed)| {
+            let mut case = case(extent.first + 200_000 + seed, Plan::default());
+            let with = outside(&case, OUTSIDE[kind], d)?;
+            let (found, said) = ask(&mut case, &with);
+            Some((said, found.verdict == ieap::domain::Verdict::Unknown))
+        });
         let unknown = found.iter().filter(|(_, unknown)| *unknown).count();
         let all: Vec<(Vec<Said>, Option<&str>)> = found.into_iter().map(|(said, _)| (said, None)).collect();
         let cells: Vec<String> = tallied(&all)[..ORACLE]
@@ -332,17 +339,14 @@ fn next(extent: &Extent) {
             let wanted: Vec<(usize, u64)> = (0..ALL.len())
                 .flat_map(|effect| (0..extent.each).map(move |seed| (effect, seed)))
                 .collect();
-            let found: Vec<[f64; 4]> = wanted
-                .into_par_iter()
-                .filter_map(|(effect, seed)| {
-                    let plan = Plan {
-                        drives,
-                        ..Plan::default()
-                    };
-                    let case = case(extent.first + 300_000 + 50 * seed + effect as u64, plan);
-                    proposed(case, effect, d)
-                })
-                .collect();
+            let found: Vec<[f64; 4]> = each(&wanted, |&(effect, seed)| {
+                let plan = Plan {
+                    drives,
+                    ..Plan::default()
+                };
+                let case = case(extent.first + 300_000 + 50 * seed + effect as u64, plan);
+                proposed(case, effect, d)
+            });
             let mean = |k: usize| found.iter().map(|row| row[k]).sum::<f64>() / found.len().max(1) as f64;
             println!(
                 "| {name} | {d} | {} | {:.2} | {:.2} | {:.2} | {:.0} % |",

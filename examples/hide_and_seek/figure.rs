@@ -10,8 +10,8 @@ const RIGHT: f64 = 400.0;
 const TOP: f64 = 20.0;
 const BOTTOM: f64 = 350.0;
 /// Okabe and Ito's colours, which the colour-blind can tell apart.
-const COLOURS: [&str; 7] = [
-    "#0072B2", "#E69F00", "#D55E00", "#CC79A7", "#009E73", "#999999", "#000000",
+const COLOURS: [&str; 8] = [
+    "#0072B2", "#56B4E9", "#E69F00", "#D55E00", "#CC79A7", "#009E73", "#999999", "#000000",
 ];
 
 /// As SVG; `lines` holds for each method the share of right names at each strength.

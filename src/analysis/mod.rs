@@ -11,6 +11,8 @@ pub mod groups;
 pub mod json_rows;
 pub mod laws;
 pub mod monitoring;
+pub mod one_fit;
+pub mod online;
 pub mod parameters;
 pub mod pooling;
 pub mod run_tables;

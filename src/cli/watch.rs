@@ -59,7 +59,13 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
         },
     };
     watch.run(&mut context, output, &stop, &mut |summary| {
-        run::print(summary, output)
+        run::print(summary, output);
+        for claimed in &summary.diagnose.claimed {
+            output.message(&format!(
+                "{}: the simulation is wrong (p = {:.2e}, at or below the level {:.2e} of its turn)",
+                claimed.run, claimed.p_misfit, claimed.level
+            ));
+        }
     })?;
     output.message("Stopped.");
     Ok(DONE)

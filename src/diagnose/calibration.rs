@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::fit::{FoundAgain, NoiseAgain};
 use crate::numerics::sums::dot;
@@ -29,11 +29,13 @@ const CLEAR: f64 = 1e-7;
 /// Set apart from other uses of the same seed.
 const STREAM: u64 = 1 << 40;
 
-/// How normal scores of p lie where nothing is wrong: mean and standard deviation, 0 and 1 for a perfect p.
+/// How normal scores of p lie where nothing is wrong: mean and standard deviation, 0 and 1 for a perfect p, known from
+/// so many draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Calibration {
     mean: f64,
     standard_deviation: f64,
+    draws: f64,
 }
 
 /// What is asked.
@@ -64,6 +66,7 @@ impl Calibration {
         Calibration {
             mean,
             standard_deviation: (square / (n - 1.0)).sqrt().max(0.1),
+            draws: n,
         }
     }
 
@@ -72,11 +75,13 @@ impl Calibration {
         p < CLEAR
     }
 
-    /// The probability of so small a p where nothing is wrong.
+    /// The probability of so small a p where nothing is wrong: that a further score, of a normal distribution known from
+    /// the draws, is as low.
     pub(super) fn calibrated(&self, p: f64) -> f64 {
-        let normal = Normal::standard();
-        let score = normal.inverse_cdf(p.clamp(1e-300, 1.0 - 1e-12));
-        normal.cdf((score - self.mean) / self.standard_deviation)
+        let score = Normal::standard().inverse_cdf(p.clamp(1e-300, 1.0 - 1e-12));
+        let error = self.standard_deviation * (1.0 + 1.0 / self.draws).sqrt();
+        let ratio = (score - self.mean) / error;
+        StudentsT::new(0.0, 1.0, self.draws - 1.0).map_or(p, |t| t.cdf(ratio))
     }
 }
 
@@ -182,4 +187,30 @@ fn mean_of(stretch: &Stretch, residuals: &[f64], tangent: &Tangent) -> f64 {
     let over = |series: &[f64]| stretch.rows.iter().map(|&row| series[row]).sum::<f64>() * each;
     let absorbed: f64 = tangent.basis().iter().map(|column| over(column).powi(2)).sum();
     over(residuals) / (1.0 - absorbed).max(1e-3).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_perfect_p_stays_and_a_shifted_one_is_put_back() {
+        let many = |mean, standard_deviation| Calibration {
+            mean,
+            standard_deviation,
+            draws: 1e6,
+        };
+        for p in [0.001, 0.05, 0.5, 0.9] {
+            assert!((many(0.0, 1.0).calibrated(p) / p - 1.0).abs() < 1e-3, "{p}");
+        }
+        // Where clean readings give scores half a deviation too high, a score of -1.145 is one of -1.645.
+        let p = Normal::standard().cdf(-1.144_854);
+        assert!((many(0.5, 1.0).calibrated(p) - 0.05).abs() < 1e-4);
+        // Few draws leave the tail uncertain.
+        let few = Calibration {
+            draws: 30.0,
+            ..many(0.0, 1.0)
+        };
+        assert!(few.calibrated(0.001) > 0.002);
+    }
 }

@@ -81,6 +81,12 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Whether the parameters were found from all runs of a group together, as those of extended models
+    /// (`lumped-2 + faradaic-leak`) are.
+    pub fn is_of_group(&self) -> bool {
+        self.model.contains('+')
+    }
+
     /// The estimate stored under `key`.
     pub fn parameter(&self, key: &str) -> Option<&Estimate> {
         self.parameters

@@ -1,5 +1,7 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::across_runs::campaign_laws;
@@ -9,6 +11,7 @@ use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
 use crate::analysis::false_discovery::judge_together;
 use crate::analysis::laws::{CampaignLaws, contrast};
+use crate::analysis::online::{Turn, turns};
 use crate::domain::{
     Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift,
     StrengthProfile, Verdict, Whereabouts,
@@ -55,6 +58,8 @@ pub struct RunEntry {
     pub p_misfit: Option<f64>,
     /// The same over all runs of the campaign.
     pub q_misfit: Option<f64>,
+    /// What could be claimed of it when it came.
+    pub online: Option<Turn>,
     /// Accepted effects.
     pub effects: Vec<EffectEntry>,
     /// Ids of the effects that may be the cause.
@@ -132,6 +137,8 @@ pub struct CurrentFindings {
     pub groups: Vec<GroupDiagnosis>,
     /// Of single runs, by name.
     pub runs: Vec<GroupDiagnosis>,
+    /// What could be claimed of every single run when it came, by name.
+    pub turns: BTreeMap<String, Turn>,
 }
 
 /// Reads the current findings and judges each kind together.
@@ -147,10 +154,28 @@ pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineEr
     let mut findings = CurrentFindings {
         groups: groups.into_iter().map(|stored| stored.found).collect(),
         runs: runs.into_iter().map(|stored| stored.found).collect(),
+        turns: BTreeMap::new(),
     };
+    findings.turns = turns_of(context, &findings.runs)?;
     judge_together(&mut findings.groups);
     judge_together(&mut findings.runs);
     Ok(findings)
+}
+
+/// Tests the runs in the order in which they were stored. Runs that were stored again count as new.
+fn turns_of(context: &Context, found: &[GroupDiagnosis]) -> Result<BTreeMap<String, Turn>, PipelineError> {
+    let p: BTreeMap<&str, f64> = found
+        .iter()
+        .filter_map(|found| Some((found.group.as_str(), found.p_misfit?)))
+        .collect();
+    let mut runs = context.store.runs()?;
+    runs.sort_by_key(|run| run.id);
+    let (paths, p): (Vec<String>, Vec<f64>) = runs
+        .into_iter()
+        .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path)))
+        .map(|(p, path)| (path, p))
+        .unzip();
+    Ok(paths.into_iter().zip(turns(&p)).collect())
 }
 
 /// The document of the current findings; of one group and its runs where one is named.
@@ -185,7 +210,14 @@ pub fn diagnosis_document(
         seed: options.seed,
         draws: options.draws,
         base_model: options.model.id,
-        runs: findings.runs.into_iter().map(run_entry).collect(),
+        runs: findings
+            .runs
+            .into_iter()
+            .map(|found| {
+                let online = findings.turns.get(&found.group).copied();
+                run_entry(found, online)
+            })
+            .collect(),
         groups: findings.groups.into_iter().map(group_entry).collect(),
         campaign: campaign_document::entries(&across),
         campaign_confounded: campaign_document::confounded(&across),
@@ -194,9 +226,10 @@ pub fn diagnosis_document(
     })
 }
 
-fn run_entry(found: GroupDiagnosis) -> RunEntry {
+fn run_entry(found: GroupDiagnosis, online: Option<Turn>) -> RunEntry {
     RunEntry {
         run: found.group,
+        online,
         verdict: found.verdict,
         sentence: found.sentence,
         p_misfit: found.p_misfit,

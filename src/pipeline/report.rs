@@ -190,6 +190,7 @@ fn findings(context: &Context) -> Result<report::Findings, PipelineError> {
     Ok(report::Findings {
         groups: found.groups,
         runs: found.runs,
+        turns: found.turns,
         effects: effects::ALL.iter().map(of_effect).collect(),
     })
 }

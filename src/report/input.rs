@@ -1,8 +1,11 @@
 //! Everything a report is made of, except the curves.
 
+use std::collections::BTreeMap;
+
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::contrast::Contrast;
 use crate::analysis::monitoring::Monitoring;
+use crate::analysis::online::Turn;
 use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
@@ -43,6 +46,8 @@ pub struct Findings {
     pub groups: Vec<GroupDiagnosis>,
     /// Of single runs, by name.
     pub runs: Vec<GroupDiagnosis>,
+    /// What could be claimed of every single run when it came, by name.
+    pub turns: BTreeMap<String, Turn>,
     /// Every effect that was looked for.
     pub effects: Vec<EffectText>,
 }

@@ -196,10 +196,12 @@ pub fn input_with_findings() -> Input {
         "Set apart, not diagnosed: not the same series.".to_owned(),
     );
     let mut alone = consistent.clone();
-    alone.group = c;
+    alone.group.clone_from(&c);
+    let turn = ieap::analysis::online::turns(&[0.31])[0];
     input.findings = Findings {
         groups: vec![named(&[&a]), set, consistent, apart],
         runs: vec![alone],
+        turns: [(c, turn)].into(),
         effects: effects(),
     };
     input

@@ -1,12 +1,13 @@
 //! Environments and voltages compared parameter by parameter: by what factor one differs from another, in how many
 //! samples, and what that does not say.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::covariate::Covariate;
 use super::facts::RunFacts;
 use super::fitted::Interval;
 use super::words::{counted, round, short, symbol};
+use crate::analysis::one_fit::SharedEstimate;
 use crate::analysis::parameters::{COMPARED, usable};
 use crate::domain::{Campaign, Estimate, RunRecord};
 use crate::numerics::student::quantile_95;
@@ -63,7 +64,7 @@ pub struct Contrast {
 }
 
 /// What is known of a parameter in one condition of one sample.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Level {
     sum: f64,
     variance: f64,
@@ -71,6 +72,8 @@ struct Level {
     /// Upper and lower bound of the logarithm, where a run gives no value.
     below: Option<f64>,
     above: Option<f64>,
+    /// Identity of a value that it may share with other conditions.
+    shared: Option<SharedEstimate>,
 }
 
 type Levels = BTreeMap<(String, String, String), Level>;
@@ -94,6 +97,7 @@ pub fn contrasts(runs: &[RunRecord], campaign: &Campaign, facts: &[RunFacts]) ->
 
 fn levels(runs: &[RunRecord], facts: &[RunFacts], material: &str, key: &str) -> Levels {
     let mut levels = Levels::new();
+    let mut shared = BTreeSet::new();
     for fact in facts.iter().filter(|fact| fact.material == material) {
         let name = |covariate| fact.names.get(&covariate).cloned();
         let (Some(environment), Some(volts)) = (name(Covariate::Environment), name(Covariate::Voltage))
@@ -103,15 +107,20 @@ fn levels(runs: &[RunRecord], facts: &[RunFacts], material: &str, key: &str) -> 
         let Some(estimate) = usable(&runs[fact.run], key) else {
             continue;
         };
-        let level = levels
-            .entry((environment, volts, fact.sample.clone()))
-            .or_insert(Level {
-                sum: 0.0,
-                variance: 0.0,
-                count: 0.0,
-                below: None,
-                above: None,
-            });
+        let condition = (environment, volts, fact.sample.clone());
+        // Repeats that share one parameter set are one measurement of this condition.
+        let own = SharedEstimate::of(&runs[fact.run], estimate);
+        if own.is_some() && !shared.insert((condition.clone(), own.clone())) {
+            continue;
+        }
+        let level = levels.entry(condition).or_insert(Level {
+            sum: 0.0,
+            variance: 0.0,
+            count: 0.0,
+            below: None,
+            above: None,
+            shared: own,
+        });
         level.add(estimate);
     }
     levels
@@ -208,7 +217,9 @@ fn ratio(levels: &Levels, upper: (&str, &str), lower: (&str, &str), place: &str)
         .iter()
         .filter_map(|(upper, lower)| {
             let ((a, va), (b, vb)) = (upper.mean()?, lower.mean()?);
-            Some((a - b, va + vb))
+            // One parameter set fitted to both says nothing of their difference.
+            let is_one = upper.shared.is_some() && upper.shared == lower.shared;
+            (!is_one).then_some((a - b, va + vb))
         })
         .collect();
     let blank = Ratio {

@@ -12,7 +12,7 @@ use super::offset::{LengthDoubt, length_doubts};
 use super::selection::{Attempt, Selection, selections};
 use super::table::Table;
 use super::values::{Values, keys, values};
-use crate::analysis::false_discovery::{CLAIMED_BELOW, q_values};
+use crate::analysis::false_discovery::{CLAIMED_BELOW, q_values, q_values_dependent};
 use crate::domain::{Campaign, Quantity, RunRecord};
 
 /// What laws are sought in.
@@ -86,7 +86,7 @@ pub fn find(evidence: &Evidence) -> CampaignLaws {
     }
     laws.selections = selections(evidence.attempts, evidence.seed);
     laws.facts = facts;
-    judge(&mut laws);
+    judge(&mut laws, shares_fits(evidence.runs));
     laws
 }
 
@@ -213,10 +213,18 @@ fn seed(of_campaign: u64, names: &[&str]) -> u64 {
     of_campaign ^ u64::from_le_bytes(bytes)
 }
 
+/// Whether any runs were fitted together with one parameter set.
+fn shares_fits(runs: &[RunRecord]) -> bool {
+    runs.iter()
+        .filter_map(|run| run.fit.as_ref())
+        .any(|fit| fit.is_of_group())
+}
+
 /// Fills in the q of every answer. Laws over covariates, differences of samples, their lengths, and failures are
 /// families of their own: samples do differ, and where many such findings are right, wrong ones would pass with them
-/// among the others. Each run is fitted alone, so that no two values share readings.
-fn judge(laws: &mut CampaignLaws) {
+/// among the others. Where runs share parameter sets (`is_shared`) nothing is known of how the answers depend on each
+/// other, and the rule of Benjamini and Yekutieli is used.
+fn judge(laws: &mut CampaignLaws, is_shared: bool) {
     let (of_samples, of_laws): (Vec<&mut Dependence>, Vec<&mut Dependence>) = laws
         .dependences
         .iter_mut()
@@ -235,7 +243,11 @@ fn judge(laws: &mut CampaignLaws) {
     for family in [&mut of_laws, &mut of_samples, &mut of_lengths, &mut of_failures] {
         questions += family.len();
         let p: Vec<f64> = family.iter().map(|(p, _)| *p).collect();
-        for ((_, target), q) in family.iter_mut().zip(q_values(&p)) {
+        let q = match is_shared {
+            true => q_values_dependent(&p),
+            false => q_values(&p),
+        };
+        for ((_, target), q) in family.iter_mut().zip(q) {
             **target = q;
         }
     }

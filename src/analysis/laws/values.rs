@@ -1,6 +1,9 @@
 //! The fitted values of one parameter over the runs of a material, on the scale on which laws are sought.
 
+use std::collections::BTreeSet;
+
 use super::facts::RunFacts;
+use crate::analysis::one_fit::SharedEstimate;
 use crate::analysis::parameters::usable;
 use crate::domain::RunRecord;
 
@@ -44,16 +47,22 @@ pub fn keys(runs: &[RunRecord], facts: &[RunFacts], places: &[usize]) -> Vec<Str
     keys
 }
 
-/// Values of the parameter `key` over `places`. A bound is no value: it is left out and counted.
+/// Values of the parameter `key` over `places`. A bound is no value: it is left out and counted. Of runs that share one
+/// parameter set the first stands for all.
 pub fn values(runs: &[RunRecord], facts: &[RunFacts], places: &[usize], key: &str) -> Values {
     let mut known = Vec::new();
     let mut left_out = Vec::new();
+    let mut shared = BTreeSet::new();
     for &place in places {
         let run = &runs[facts[place].run];
         if run.fit.as_ref().and_then(|fit| fit.parameter(key)).is_none() {
             continue;
         }
         let estimate = usable(run, key).filter(|estimate| !estimate.at_bound);
+        let own = estimate.and_then(|estimate| SharedEstimate::of(run, estimate));
+        if own.is_some_and(|own| !shared.insert(own)) {
+            continue;
+        }
         let numbers = estimate.and_then(|estimate| {
             let value = estimate.value?;
             let error = estimate

@@ -1,8 +1,11 @@
 //! Cells of fitted parameters: one run's estimate as it is, several pooled, bounds and gaps with their reasons.
 
+use std::collections::BTreeSet;
+
 use super::TableInput;
 use super::table::{Cell, Column, Content, Measured, Notes, Source, SourceOrigin};
 use crate::analysis::conditions::{Condition, Conditions, Surroundings};
+use crate::analysis::one_fit::SharedEstimate;
 use crate::analysis::parameters::ParameterInfo;
 use crate::analysis::pooling::{Averaging, Repeat, pooled};
 use crate::domain::tag::keys;
@@ -69,6 +72,8 @@ pub struct Contribution<'a> {
     pub sample: Option<&'a str>,
     /// Its number, or why it has none.
     pub estimate: Result<&'a Estimate, String>,
+    /// Identity of a number that several runs share.
+    pub shared: Option<SharedEstimate>,
 }
 
 /// What a run says of a parameter.
@@ -84,6 +89,10 @@ pub fn contribution<'a>(run: &'a RunRecord, key: &str) -> Contribution<'a> {
         origin: SourceOrigin::Run(run.id),
         name: &run.path,
         sample: run.tag(keys::SAMPLE),
+        shared: estimate
+            .as_ref()
+            .ok()
+            .and_then(|own| SharedEstimate::of(run, own)),
         estimate,
     }
 }
@@ -105,12 +114,14 @@ pub fn parameter_cell(input: &TableInput, runs: &[usize], shown: &Shown, notes: 
 
 /// One cell from what several runs say.
 ///
-/// Runs with a value are pooled and the others are left out, with a footnote. Where none has a value, bounds on the
+/// Runs with a value are pooled, those that share one count once, and the others are left out, with a footnote. Where none has a value, bounds on the
 /// same side give the bound that holds for every run.
 pub fn combined(parts: &[Contribution], shown: &Shown, notes: &mut Notes) -> Cell {
+    let mut counted = BTreeSet::new();
     let values: Vec<&Contribution> = parts
         .iter()
         .filter(|part| matches!(part.estimate, Ok(estimate) if estimate.value.is_some()))
+        .filter(|part| part.shared.as_ref().is_none_or(|own| counted.insert(own)))
         .collect();
     let content = match values.as_slice() {
         [] => without_value(parts, shown),

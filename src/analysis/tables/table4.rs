@@ -207,6 +207,7 @@ fn part<'a>(log: &'a ModulusLog, step: &'a ModulusStep, key: &str) -> Contributi
         origin: SourceOrigin::ModulusLog(log.run.id),
         name: &log.run.path,
         sample: log.run.tag(keys::SAMPLE),
+        shared: None,
         estimate: estimate.ok_or_else(|| "the log has no such number".to_owned()),
     }
 }

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 
 use super::context::{CODE_VERSION, now};
+use super::diagnosis_document::current_findings;
 use super::{Context, Observer, PipelineError};
 use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group};
 use crate::domain::{Campaign, Channel, GroupDiagnosis};
@@ -63,8 +64,19 @@ pub struct DiagnoseRuns {
     pub group: Option<String>,
 }
 
+/// A run that the simulation may be said to be wrong about when it came.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ClaimedRun {
+    /// Path relative to the campaign.
+    pub run: String,
+    /// Probability of residuals at least as bad by chance.
+    pub p_misfit: f64,
+    /// Level at which it was tested.
+    pub level: f64,
+}
+
 /// What `diagnose` did.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct DiagnoseSummary {
     /// Groups and single runs diagnosed.
     pub diagnosed: usize,
@@ -72,6 +84,8 @@ pub struct DiagnoseSummary {
     pub up_to_date: usize,
     /// Groups and single runs whose diagnosis stopped on an internal fault.
     pub failed: Vec<String>,
+    /// Runs diagnosed now that may be claimed to be wrong as they came, with p and the level that they were tested at.
+    pub claimed: Vec<ClaimedRun>,
     /// Keys of `group_by` that no run carries.
     pub unknown_keys: Vec<String>,
 }
@@ -130,6 +144,7 @@ impl DiagnoseRuns {
             save_batch(context, batch, found, (&tasks, &options, &library), &mut summary)?;
         }
         observer.end();
+        summary.claimed = claimed(context, &due)?;
         Ok(summary)
     }
 
@@ -157,6 +172,28 @@ impl DiagnoseRuns {
         };
         Ok(all.iter().filter(belongs).collect())
     }
+}
+
+/// Runs among those diagnosed that may be claimed as they came.
+fn claimed(context: &Context, due: &[Due]) -> Result<Vec<ClaimedRun>, PipelineError> {
+    let subjects = due.iter().flat_map(|(_, _, subjects)| subjects);
+    let new: BTreeSet<&str> = subjects
+        .filter(|subject| subject.kind == DiagnosisKind::Run)
+        .map(|subject| subject.name.as_str())
+        .collect();
+    if new.is_empty() {
+        return Ok(Vec::new());
+    }
+    let findings = current_findings(context)?;
+    let one = |found: &GroupDiagnosis| {
+        let turn = findings.turns.get(&found.group)?;
+        (turn.is_claimed && new.contains(found.group.as_str())).then_some(ClaimedRun {
+            run: found.group.clone(),
+            p_misfit: found.p_misfit?,
+            level: turn.level,
+        })
+    };
+    Ok(findings.runs.iter().filter_map(one).collect())
 }
 
 /// Retires diagnoses of groups and runs that are no more.

@@ -51,6 +51,12 @@ struct RunRow {
     set: Vec<String>,
     p: String,
     q: String,
+    /// Place in the order of arrival.
+    place: String,
+    /// Level at which it was tested when it came.
+    level: String,
+    /// Whether it was claimed then.
+    claimed: &'static str,
 }
 
 /// Makes the page.
@@ -122,7 +128,15 @@ fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
 }
 
 fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
+    let turn = site.input.findings.turns.get(&found.group);
     RunRow {
+        place: turn.map_or_else(String::new, |turn| turn.place.to_string()),
+        level: probability(turn.map(|turn| turn.level)),
+        claimed: match turn {
+            Some(turn) if turn.is_claimed => "wrong",
+            Some(_) => "not shown",
+            None => "",
+        },
         link: site.run_of(&found.group).map(|run| RunLink::to(site, run)),
         path: found.group.clone(),
         verdict: verdict_word(found.verdict),
