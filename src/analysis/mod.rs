@@ -20,6 +20,7 @@ pub mod same_tags;
 #[cfg(test)]
 pub mod sample_campaign;
 pub mod sequence;
+pub mod shared_effects;
 pub mod tables;
 pub mod traces;
 

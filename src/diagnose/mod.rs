@@ -12,6 +12,7 @@ mod discrepancy;
 mod drawn;
 mod extend;
 mod fitted;
+mod from_others;
 mod gain;
 mod group;
 mod held_out;
@@ -35,6 +36,7 @@ use crate::domain::GroupDiagnosis;
 use crate::model::FitModel;
 
 pub use extend::{fit_extended, model_version};
+pub use from_others::{FromOthersFall, fall_from_others};
 pub use group::RunInput;
 pub use next_run::proposals;
 pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_after_refit};

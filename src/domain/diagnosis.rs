@@ -314,6 +314,7 @@ impl GroupDiagnosis {
             residuals: Vec::new(),
             held_out_residuals: Vec::new(),
             remarks: Vec::new(),
+            from_others: Vec::new(),
         }
     }
 }
@@ -371,4 +372,33 @@ pub struct GroupDiagnosis {
     pub held_out_residuals: Vec<ResidualCurve>,
     /// What a reader must know of the readings.
     pub remarks: Vec<String>,
+    /// How well effects with the parameters of other samples describe this one.
+    #[serde(default)]
+    pub from_others: Vec<FromOthers>,
+}
+
+/// An effect with the parameters that other samples of the material gave it, held against a sample that had no part in
+/// them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FromOthers {
+    /// Id of the effect.
+    pub effect: String,
+    /// Form that it takes, where it has several.
+    pub variant: Option<String>,
+    /// Samples that its parameters are from.
+    pub samples: Vec<String>,
+    /// Keys and values of its parameters.
+    pub parameters: Vec<(String, f64)>,
+    /// Fall of the sum of squares beside the base model refitted alone, in units of the noise; no number where the effect
+    /// cannot be held against this sample.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub fall: f64,
+    /// Standard error of the fall, from the noise.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub standard_error: f64,
+    /// Fall with the strength found from this sample, and the other parameters from the others.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub fall_own_strength: f64,
+    /// Hash of everything that this depends on.
+    pub made_of: String,
 }

@@ -27,8 +27,8 @@ pub use climate::{
     RunClimate, SensorPair, SensorStatement, SensorSummary,
 };
 pub use diagnosis::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, MisfitStretch, NextRun,
-    ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
+    Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, Gain, GroupDiagnosis, MisfitStretch,
+    NextRun, ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;

@@ -8,6 +8,7 @@ use super::across_runs::campaign_laws;
 use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry};
 use super::diagnose::library_hash;
 use super::fits_document::{ParameterEntry, as_object, parameter_entries};
+use super::shared_effects_document::{SharedEffectEntry, shared_effect_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
 use crate::analysis::false_discovery::judge_together;
 use crate::analysis::laws::{CampaignLaws, contrast};
@@ -35,6 +36,8 @@ pub struct DiagnosisDocument {
     pub runs: Vec<RunEntry>,
     /// Every group, by name.
     pub groups: Vec<GroupEntry>,
+    /// Causes that several samples of a material share.
+    pub campaign_effects: Vec<SharedEffectEntry>,
     /// Effects that only a comparison of runs shows, as far as they may be claimed.
     pub campaign: Vec<CampaignEntry>,
     /// Covariates that the design lets nobody tell apart.
@@ -204,6 +207,7 @@ pub fn diagnosis_document(
         None => campaign_laws(context, &runs, choice.seed)?,
     };
     let compared = contrast::contrasts(&runs, &context.campaign, &across.facts);
+    let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     Ok(DiagnosisDocument {
         schema: "ieap/diagnosis/1",
         library: library_hash(),
@@ -219,6 +223,7 @@ pub fn diagnosis_document(
             })
             .collect(),
         groups: findings.groups.into_iter().map(group_entry).collect(),
+        campaign_effects,
         campaign: campaign_document::entries(&across),
         campaign_confounded: campaign_document::confounded(&across),
         campaign_tests: campaign_document::tests(&across),

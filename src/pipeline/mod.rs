@@ -28,6 +28,7 @@ mod observer;
 pub mod profile;
 mod report;
 mod run;
+mod shared_effects_document;
 pub mod simulate;
 pub mod status;
 mod swap;

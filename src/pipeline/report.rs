@@ -8,7 +8,9 @@ use super::diagnosis_document::current_findings;
 use super::swap::replace_folder;
 use super::{Context, Observer, PipelineError};
 use crate::analysis::laws::contrast;
+use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::{monitoring, same_tags, sequence};
+use crate::domain::RunRecord;
 use crate::model::effects::{self, Effect};
 use crate::pipeline::ingest::run_window;
 use crate::report;
@@ -160,12 +162,12 @@ pub(super) fn input(
             .filter_map(run_window)
             .map(|window| (window.from_s, window.to_s))
             .collect(),
+        findings: findings(context, &runs)?,
         runs,
-        findings: findings(context)?,
     })
 }
 
-fn findings(context: &Context) -> Result<report::Findings, PipelineError> {
+fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, PipelineError> {
     let found = current_findings(context)?;
     let of_effect = |effect: &&dyn Effect| {
         let about = effect.about();
@@ -187,7 +189,15 @@ fn findings(context: &Context) -> Result<report::Findings, PipelineError> {
                 .collect(),
         }
     };
+    let shared = shared_effects(&found.groups, runs, &context.campaign)
+        .into_iter()
+        .map(|effect| {
+            let said = sentence(&effect, &found.groups);
+            (effect, said)
+        })
+        .collect();
     Ok(report::Findings {
+        shared,
         groups: found.groups,
         runs: found.runs,
         turns: found.turns,

@@ -6,6 +6,7 @@ use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::contrast::Contrast;
 use crate::analysis::monitoring::Monitoring;
 use crate::analysis::online::Turn;
+use crate::analysis::shared_effects::SharedEffect;
 use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
@@ -48,6 +49,8 @@ pub struct Findings {
     pub runs: Vec<GroupDiagnosis>,
     /// What could be claimed of every single run when it came, by name.
     pub turns: BTreeMap<String, Turn>,
+    /// Causes that several samples of a material share, with the finding in words.
+    pub shared: Vec<(SharedEffect, String)>,
     /// Every effect that was looked for.
     pub effects: Vec<EffectText>,
 }

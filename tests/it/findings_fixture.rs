@@ -202,6 +202,7 @@ pub fn input_with_findings() -> Input {
         groups: vec![named(&[&a]), set, consistent, apart],
         runs: vec![alone],
         turns: [(c, turn)].into(),
+        shared: Vec::new(),
         effects: effects(),
     };
     input

@@ -33,6 +33,7 @@ mod report_goldens;
 mod report_site;
 mod report_thesis;
 mod samples;
+mod shared_effects;
 mod sidecars;
 mod tables;
 mod watch;

@@ -1,5 +1,6 @@
 //! Diagnoses every group of runs, and every run alone, that is new or whose input changed.
 
+mod from_others;
 mod input_hash;
 mod subject;
 
@@ -145,6 +146,7 @@ impl DiagnoseRuns {
         }
         observer.end();
         summary.claimed = claimed(context, &due)?;
+        from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
         Ok(summary)
     }
 
@@ -256,29 +258,41 @@ fn diagnose_one(
         return found;
     }
     let diagnosed = std::panic::catch_unwind(|| {
-        let responses: Vec<Vec<Channel>> = members
-            .iter()
-            .zip(channels)
-            .map(|(&index, channels)| derived::responses(channels, tasks[index].length_cm))
-            .collect();
-        let inputs: Vec<RunInput> = members
-            .iter()
-            .zip(&responses)
-            .map(|(&index, channels)| RunInput {
-                name: &tasks[index].path,
-                input: FitInput {
-                    channels,
-                    drive: &tasks[index].drive,
-                    area_cm2: tasks[index].area_cm2,
-                },
-                length_cm: tasks[index].length_cm,
-            })
-            .collect();
-        diagnose_group(&subject.name, &inputs, options)
+        with_inputs(members, tasks, channels, |inputs| {
+            diagnose_group(&subject.name, inputs, options)
+        })
     });
     diagnosed.unwrap_or_else(|_| {
         GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, FAULT.to_owned())
     })
+}
+
+/// Calls `then` with the runs as a diagnosis takes them; `channels` are theirs as they are stored.
+fn with_inputs<R>(
+    members: &[usize],
+    tasks: &[FitTask],
+    channels: &[Vec<Channel>],
+    then: impl FnOnce(&[RunInput]) -> R,
+) -> R {
+    let responses: Vec<Vec<Channel>> = members
+        .iter()
+        .zip(channels)
+        .map(|(&index, channels)| derived::responses(channels, tasks[index].length_cm))
+        .collect();
+    let inputs: Vec<RunInput> = members
+        .iter()
+        .zip(&responses)
+        .map(|(&index, channels)| RunInput {
+            name: &tasks[index].path,
+            input: FitInput {
+                channels,
+                drive: &tasks[index].drive,
+                area_cm2: tasks[index].area_cm2,
+            },
+            length_cm: tasks[index].length_cm,
+        })
+        .collect();
+    then(&inputs)
 }
 
 /// What is said of a group whose diagnosis stopped.

@@ -7,8 +7,10 @@ use serde::Serialize;
 use super::Content;
 use super::finding_words::{campaign_lead, probability, verdict_word};
 use super::wording::{RunLink, counted};
-use crate::domain::GroupDiagnosis;
+use crate::analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
+use crate::domain::{FromOthers, GroupDiagnosis};
 use crate::report::error::ReportError;
+use crate::report::number::{interval, measured, significant};
 use crate::report::site::Site;
 
 #[derive(Debug, Serialize)]
@@ -16,6 +18,7 @@ struct FindingsPage {
     /// Findings first.
     summary: Vec<String>,
     groups: Vec<GroupRow>,
+    shared: Vec<SharedSection>,
     ledger: Vec<LedgerRow>,
     runs: Vec<RunRow>,
 }
@@ -31,6 +34,33 @@ struct GroupRow {
     set: Vec<String>,
     p: String,
     q: String,
+}
+
+/// A cause of several samples.
+#[derive(Debug, Serialize)]
+struct SharedSection {
+    title: String,
+    sentence: String,
+    parameters: Vec<SharedRow>,
+    left_out: Vec<LeftOutRow>,
+}
+
+#[derive(Debug, Serialize)]
+struct SharedRow {
+    key: String,
+    mean: String,
+    interval: String,
+    spread: String,
+    is_one: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct LeftOutRow {
+    sample: String,
+    group: String,
+    from: String,
+    fall: String,
+    own: String,
 }
 
 /// One test: what was asked, and how often chance answers as strongly.
@@ -75,6 +105,11 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let page = FindingsPage {
         summary,
         groups: (0..groups.len()).map(|place| group_row(site, place)).collect(),
+        shared: findings
+            .shared
+            .iter()
+            .map(|(effect, said)| shared_section(effect, said, groups))
+            .collect(),
         ledger: groups.iter().flat_map(ledger).collect(),
         runs: findings.runs.iter().map(|found| run_row(site, found)).collect(),
     };
@@ -95,6 +130,46 @@ fn group_row(site: &Site, place: usize) -> GroupRow {
         set: found.set.clone(),
         p: probability(found.p_misfit),
         q: probability(found.q_misfit),
+    }
+}
+
+fn shared_section(effect: &SharedEffect, said: &str, groups: &[GroupDiagnosis]) -> SharedSection {
+    let row = |parameter: &SharedParameter| {
+        let mean = parameter.mean;
+        let spread = mean.and_then(|mean| mean.between_samples);
+        SharedRow {
+            key: parameter.key.clone(),
+            mean: mean.map_or_else(
+                || "not determined".to_owned(),
+                |mean| measured(mean.value, mean.standard_error),
+            ),
+            interval: mean.map_or_else(String::new, |mean| interval(mean.low_95, mean.high_95)),
+            spread: spread.map_or_else(String::new, |spread| significant(spread, 2)),
+            is_one: match parameter.p_equal {
+                Some(_) if parameter.is_one() => "one value for all",
+                Some(_) => "samples differ",
+                None => "not asked: no errors",
+            },
+        }
+    };
+    let held = |(sample, group, held): (&str, &str, &FromOthers)| LeftOutRow {
+        sample: sample.to_owned(),
+        group: group.to_owned(),
+        from: held.samples.join(", "),
+        fall: match held.fall.is_finite() {
+            true => measured(held.fall, held.standard_error),
+            false => "cannot be held against it".to_owned(),
+        },
+        own: match held.fall_own_strength.is_finite() {
+            true => significant(held.fall_own_strength, 4),
+            false => String::new(),
+        },
+    };
+    SharedSection {
+        title: format!("{} in {}", effect.effect, effect.material),
+        sentence: said.to_owned(),
+        parameters: effect.parameters.iter().map(row).collect(),
+        left_out: left_out(effect, groups).map(held).collect(),
     }
 }
 
