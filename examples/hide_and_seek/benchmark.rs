@@ -253,7 +253,23 @@ fn several(extent: &Extent, count: usize) {
         }
         let with = true_responses(&case, &applied)?;
         let truth: Vec<&'static str> = applied.iter().map(|a| a.effect.about().id).collect();
-        Some((ask(&mut case, &with).1, truth))
+        let (found, said) = ask(&mut case, &with);
+        if std::env::var_os("SHOW").is_some() {
+            println!(
+                "{truth:?} -> {} {:?} {:?} leftover {:?} held out {:?}",
+                found.verdict.key(),
+                found
+                    .effects
+                    .iter()
+                    .map(|e| (&e.effect, &e.twins))
+                    .collect::<Vec<_>>(),
+                found.set,
+                found.p_leftover,
+                found.gain.as_ref().map(|gain| gain.deviance)
+            );
+            println!("    {}", found.sentence);
+        }
+        Some((said, truth))
     });
     println!(
         "### {count} causes hidden, d = {TOGETHER} each, five drives, {} groups\n",

@@ -1,8 +1,8 @@
 //! The finding about a group, put together.
 
 use crate::domain::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift,
-    ResidualCurve, Verdict,
+    Candidate, Confusable, DiagnosisNoise, EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve,
+    Verdict,
 };
 use crate::model::effects::effect;
 
@@ -164,18 +164,19 @@ impl<'g> Shown<'_, 'g> {
         found
     }
 
-    /// Whether the readings tell the strength of every effect from none: a gain that two effects share without
-    /// either being told proves no cause.
+    /// Whether the readings tell the strength of the effect from none. Of several effects none is there whose leaving
+    /// out would not cost much more than chance: a strength that is drawn towards none only by the uncertain shape of
+    /// another is no doubt of it.
     fn determines(&self, model: &Fitted) -> bool {
-        let parameters = model.effect_parameters(self.group);
-        let of = |(sought, parameters): (&super::problem::Sought, &Vec<Parameter>)| {
-            let strength = parameters.first().map(|parameter| &parameter.estimate);
-            let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
-            // A logarithm never reaches none: there the gain alone decides.
-            let limits = sought.limits[0];
-            limits.held || limits.logarithmic || interval.is_some_and(|(low, high)| low * high > 0.0)
+        let [sought] = model.problem.effects.as_slice() else {
+            return true;
         };
-        model.problem.effects.iter().zip(&parameters).all(of)
+        let parameters = model.effect_parameters(self.group);
+        let strength = parameters[0].first().map(|parameter| &parameter.estimate);
+        let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
+        // A logarithm never reaches none: there the gain alone decides.
+        let limits = sought.limits[0];
+        limits.held || limits.logarithmic || interval.is_some_and(|(low, high)| low * high > 0.0)
     }
 
     /// Everything that does not depend on a cause.
