@@ -103,6 +103,9 @@ fn print(status: &Status, output: &Output) {
     alarms(status, output);
     let older = "fitted by another version of ieap";
     list(output, "run", older, &status.fitted_by_older_program);
+    list(output, "group", "not diagnosed yet", &status.groups_not_diagnosed);
+    let outdated = "with a finding that is out of date (`ieap diagnose` makes it anew)";
+    list(output, "group", outdated, &status.findings_out_of_date);
 }
 
 /// Climate logs: how many, which runs they cover, what is wrong with them.

@@ -17,6 +17,9 @@ const MOST_EFFECTS: usize = 3;
 const TAKEN: f64 = 0.01;
 /// ... and the Bayes information criterion asks for it this strongly.
 const BAYES: f64 = 10.0;
+/// An effect takes another one's place where the sum of squares falls by so much more than for parameters it adds: twice
+/// what two causes that explain as well may differ by.
+const EXCHANGED: f64 = 12.0;
 /// Part of the gain that must be found on held-out readings.
 const HELD_OUT: f64 = 0.25;
 
@@ -174,7 +177,15 @@ impl<'g> Ground<'_, 'g> {
                 break;
             }
         }
-        let model = self.backward(model);
+        let mut model = self.backward(model);
+        if p_leftover < TAKEN
+            && let Some(better) = self.exchanged(&model, &mut steps)
+        {
+            model = self.backward(better);
+            let (null, directions) = self.null(&model, steps.len() as u64);
+            leftover = null.observe(self.group, &model.residuals(), &directions);
+            p_leftover = null.p_misfit(&leftover, None);
+        }
         let held_out = (!model.problem.effects.is_empty()).then(|| HeldOut {
             before: held_out::parts(self.base, self.group),
             after: held_out::parts(&model, self.group),
@@ -257,6 +268,72 @@ impl<'g> Ground<'_, 'g> {
         null.p_of_gain(best.gain) < TAKEN && best.gain - price > BAYES
     }
 
+    /// What came first was chosen before the others were known: each effect is left out in turn, and where another one
+    /// then fits better by far, it takes the place. None where all stay. The exchange is added to the steps.
+    fn exchanged(&self, model: &Fitted<'g>, steps: &mut Vec<Step<'g>>) -> Option<Fitted<'g>> {
+        let count = model.problem.effects.len();
+        if count < 2 {
+            return None;
+        }
+        let mut found: Option<Fitted<'g>> = None;
+        for place in 0..count {
+            let current = found.as_ref().unwrap_or(model).clone();
+            let own = current.problem.effects[0].effect.about().id;
+            // What is left out goes from the front, what is taken comes to the end: every effect has its turn.
+            let Some(without) = self.without(&current, 0) else {
+                continue;
+            };
+            let (null, directions) = self.null(&without, (MOST_EFFECTS + 1 + place) as u64);
+            let mut looked = look(&without, &without.residuals(), self.signatures, &directions);
+            let better = looked.first().and_then(|best| {
+                let fitted = best.fitted.clone()?;
+                let price = PRICE * (fitted.extra() as f64 - current.extra() as f64);
+                let is_other = best.effect != own && fitted.square + price < current.square - EXCHANGED;
+                let p = null.p_of_gain(best.gain);
+                (is_other && p < TAKEN).then_some((fitted, p))
+            });
+            let rotated = match better {
+                Some((fitted, p)) => {
+                    steps.push(Step {
+                        looked: std::mem::take(&mut looked),
+                        rivals: Vec::new(),
+                        p,
+                        taken: true,
+                    });
+                    fitted
+                }
+                None => match self.rotated(&current) {
+                    Some(rotated) => rotated,
+                    None => continue,
+                },
+            };
+            found = Some(rotated);
+        }
+        found.filter(|found| found.square < model.square - EXCHANGED)
+    }
+
+    /// The same effects, the first of them last.
+    fn rotated(&self, model: &Fitted<'g>) -> Option<Fitted<'g>> {
+        let mut effects = model.problem.effects.clone();
+        let mut values = model.effect_values();
+        effects.rotate_left(1);
+        values.rotate_left(1);
+        let problem = Problem::new(self.group, &model.base(), effects);
+        let start = problem.coordinates(&model.base(), &values);
+        Fitted::search(problem, &[start], &[])
+    }
+
+    /// The model without one of its effects, refitted.
+    fn without(&self, model: &Fitted<'g>, place: usize) -> Option<Fitted<'g>> {
+        let mut effects = model.problem.effects.clone();
+        let mut values = model.effect_values();
+        effects.remove(place);
+        values.remove(place);
+        let problem = Problem::new(self.group, &model.base(), effects);
+        let start = problem.coordinates(&model.base(), &values);
+        Fitted::search(problem, &[start], &[]).map(Fitted::settled)
+    }
+
     /// Drops effects that the others have made needless.
     fn backward(&self, model: Fitted<'g>) -> Fitted<'g> {
         let count = model.problem.effects.len();
@@ -265,14 +342,8 @@ impl<'g> Ground<'_, 'g> {
         }
         let mut model = model;
         for drop in (0..count).rev() {
-            let mut effects = model.problem.effects.clone();
-            let mut values = model.effect_values();
-            let price = PRICE + BAYES * effects[drop].free() as f64;
-            effects.remove(drop);
-            values.remove(drop);
-            let problem = Problem::new(self.group, &model.base(), effects);
-            let start = problem.coordinates(&model.base(), &values);
-            let Some(without) = Fitted::search(problem, &[start], &[]).map(Fitted::settled) else {
+            let price = PRICE + BAYES * model.problem.effects[drop].free() as f64;
+            let Some(without) = self.without(&model, drop) else {
                 continue;
             };
             if without.square - model.square < price {

@@ -38,6 +38,10 @@ pub struct Status {
     pub gaps: Vec<Gap>,
     /// Runs whose fit an older program made.
     pub fitted_by_older_program: Vec<String>,
+    /// Groups that were never diagnosed.
+    pub groups_not_diagnosed: Vec<String>,
+    /// Groups whose finding is out of date: runs, tags, base model or the library of effects changed since.
+    pub findings_out_of_date: Vec<String>,
     /// Climate logs and what they come to.
     pub climate: ClimateStatus,
     /// Alarms of long-term monitoring.
@@ -127,6 +131,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             issues: log.run.issues.clone(),
         })
         .collect();
+    let waiting = super::diagnose::waiting(context)?;
     let watched = super::alarms::monitoring(context)?;
     let missing = files
         .iter()
@@ -143,6 +148,8 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         pending: file_list(FileState::Pending),
         aliases: file_list(FileState::Alias).len(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
+        groups_not_diagnosed: waiting.missing,
+        findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,

@@ -352,3 +352,26 @@ fn a_model_with_an_effect_that_cannot_act_is_not_fitted_under_its_name() {
         );
     }
 }
+
+#[test]
+fn status_says_which_findings_wait() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["fit"]).expect(0);
+    let lists = |of: &str| {
+        let status = folder.ieap(&["status", "--json"]).expect(0).json();
+        status["status"][of].as_array().unwrap().clone()
+    };
+    assert_eq!(lists("groups_not_diagnosed"), ["sample=S1,environment=air"]);
+    // Draws and seed are the user's choice, and no reason to ask again.
+    folder
+        .ieap(&["diagnose", "--draws", "99", "--seed", "7"])
+        .expect(0);
+    assert_eq!(lists("groups_not_diagnosed").len(), 0);
+    assert_eq!(lists("findings_out_of_date").len(), 0);
+    folder.write("runs/b.csv", run_table(2));
+    folder.ieap(&["ingest"]).expect(0);
+    assert_eq!(lists("findings_out_of_date"), ["sample=S1,environment=air"]);
+    folder.ieap(&["diagnose", "--draws", "99"]).expect(0);
+    assert_eq!(lists("findings_out_of_date").len(), 0);
+}

@@ -2,6 +2,7 @@
 
 mod from_others;
 mod input_hash;
+mod outdated;
 mod subject;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,6 +20,7 @@ use crate::model::ModelChoice;
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
 use input_hash::input_hash;
 pub(super) use input_hash::{library_hash, take_task};
+pub(super) use outdated::waiting;
 use subject::{Subject, subjects};
 
 /// Subjects diagnosed between two commits: bounds memory, and what an interruption costs.
