@@ -1,22 +1,22 @@
 //! The finding about a group, put together.
 
-use crate::domain::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve,
-    Verdict,
-};
-use crate::model::effects::effect;
+mod causes;
+mod sentence;
+mod sets;
 
-use super::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
+use sentence::SPIKED_WORDS;
+
+use crate::domain::{DiagnosisNoise, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
+
 use super::drawn::{drawn, paired};
 use super::fitted::Fitted;
 use super::gain::gain;
 use super::group::Group;
 use super::held_out::Part;
 use super::next_run::next_run;
-use super::null::{self, Null};
-use super::problem::Problem;
+use super::null::Null;
 use super::profile::profiles;
-use super::select::{BEATEN, Selection};
+use super::select::Selection;
 use super::signature::{Direction, Signature};
 use super::stretch::Stretch;
 use super::words::{channel_name, whereabouts};
@@ -30,12 +30,6 @@ const RIGHT: f64 = 0.05;
 const MOST_OF_IT: f64 = 0.8;
 /// Spikes beyond this part of the readings make the readings themselves the problem.
 const SPIKED: f64 = 0.05;
-/// Candidates that are reported.
-const REPORTED: usize = 20;
-/// Candidates whose traces are compared with each other.
-const COMPARED: usize = 10;
-/// A strength that is known to this part of itself is one number: a law without free strength is held against it.
-const SHARP: f64 = 0.1;
 
 /// What is known before a cause is looked for.
 pub(super) struct Shown<'a, 'g> {
@@ -248,228 +242,6 @@ impl<'g> Shown<'_, 'g> {
         self.null.independent_stretches() as f64
     }
 
-    /// How alike the traces of the leading candidates are.
-    fn confusable(&self, places: impl Iterator<Item = usize>) -> Confusable {
-        let leading: Vec<&Direction> = places
-            .take(COMPARED)
-            .map(|place| &self.directions[place])
-            .collect();
-        let likeness = |a: &Direction, b: &Direction| dot(&a.unit, &b.unit).abs().min(1.0);
-        Confusable {
-            effects: leading
-                .iter()
-                .map(|direction| self.signatures[direction.signature].effect.about().id.to_owned())
-                .collect(),
-            likeness: leading
-                .iter()
-                .map(|a| leading.iter().map(|b| likeness(a, b)).collect())
-                .collect(),
-        }
-    }
-
-    /// The best direction of every effect with its forecast, the best first.
-    fn by_forecast(&self) -> Vec<(usize, f64)> {
-        let mut best: Vec<(usize, f64)> = Vec::new();
-        for (place, direction) in self.directions.iter().enumerate() {
-            let id = self.signatures[direction.signature].effect.about().id;
-            let forecast = null::gain(direction, self.residuals);
-            let same = |(other, _): &&mut (usize, f64)| {
-                self.signatures[self.directions[*other].signature]
-                    .effect
-                    .about()
-                    .id
-                    == id
-            };
-            match best.iter_mut().find(same) {
-                Some(known) if known.1 < forecast => *known = (place, forecast),
-                Some(_) => {}
-                None => best.push((place, forecast)),
-            }
-        }
-        best.sort_by(|a, b| b.1.total_cmp(&a.1));
-        best
-    }
-
-    /// Candidates by forecast alone.
-    fn forecasts(&self) -> Vec<Candidate> {
-        let best = self.by_forecast();
-        let first = best.first().map(|(place, _)| *place);
-        best.iter()
-            .take(REPORTED)
-            .map(|&(place, forecast)| self.candidate(place, first, forecast))
-            .collect()
-    }
-
-    fn candidate(&self, place: usize, best: Option<usize>, forecast_gain: f64) -> Candidate {
-        let direction = &self.directions[place];
-        let signature = &self.signatures[direction.signature];
-        let about = signature.effect.about();
-        // Seen in 80 % of groups: 0.84 standard deviations beyond what chance passes in 5 %.
-        let seen = self.null.gain_at_5_percent().sqrt() + 0.84;
-        let likeness = best.map_or(0.0, |best| {
-            dot(&direction.unit, &self.directions[best].unit).abs()
-        });
-        Candidate {
-            effect: about.id.to_owned(),
-            variant: about.variants.get(signature.variant).map(|v| (*v).to_owned()),
-            forecast_gain,
-            fitted_gain: None,
-            extra_parameters: signature.sought().free(),
-            held_out_gain: None,
-            left_after_refit: direction.left,
-            detectable_strength: detectable(signature, seen / direction.norm),
-            likeness,
-            accepted: false,
-        }
-    }
-
-    fn candidates(&self, selection: &Selection, passed: bool) -> Vec<Candidate> {
-        let Some(step) = selection.steps.first() else {
-            return self.forecasts();
-        };
-        let first = step.looked.first().map(|looked| looked.direction);
-        let taken: Vec<&str> = selection
-            .model
-            .problem
-            .effects
-            .iter()
-            .map(|sought| sought.effect.about().id)
-            .collect();
-        let held_out: Option<f64> = selection.held_out.as_ref().map(|h| h.falls().iter().sum());
-        let of = |looked: &Looked| {
-            let accepted = passed && taken.contains(&looked.effect);
-            Candidate {
-                fitted_gain: looked.fitted.as_ref().map(|_| looked.gain),
-                held_out_gain: held_out.filter(|_| taken == [looked.effect]),
-                accepted,
-                ..self.candidate(looked.direction, first, looked.forecast)
-            }
-        };
-        step.looked.iter().take(REPORTED).map(of).collect()
-    }
-
-    /// For every effect of the model the ids that could stand in its place, itself first.
-    fn sets(&self, selection: &Selection<'g>) -> Vec<Vec<&'static str>> {
-        if let Some(proved) = &selection.proved {
-            return vec![proved.clone()];
-        }
-        let effects = &selection.model.problem.effects;
-        if let ([_], Some(step)) = (effects.as_slice(), selection.steps.first())
-            && step
-                .looked
-                .first()
-                .is_some_and(|best| effects[0].effect.about().id == best.effect)
-        {
-            return vec![self.sharpened(step, &selection.model)];
-        }
-        (0..effects.len())
-            .map(|place| self.stand_ins(selection, place))
-            .collect()
-    }
-
-    /// The rivals of a single cause; one that has no free strength wins where the fitted strength of its twin is
-    /// sharp, for it could have been anything.
-    fn sharpened(&self, step: &super::select::Step, model: &Fitted) -> Vec<&'static str> {
-        let rivals = step.rivals.clone();
-        let is_free = |id: &str| {
-            step.looked
-                .iter()
-                .any(|looked| looked.effect == id && looked.extra > 0)
-        };
-        let free: Vec<&&str> = rivals.iter().filter(|id| is_free(id)).collect();
-        let fixed: Vec<&&str> = rivals.iter().filter(|id| !is_free(id)).collect();
-        let sharp = || {
-            let twin = step
-                .looked
-                .iter()
-                .find(|looked| rivals.contains(&looked.effect) && is_free(looked.effect));
-            let fitted = twin.and_then(|twin| twin.fitted.as_ref()).unwrap_or(model);
-            let parameters = fitted.effect_parameters(self.group);
-            let strength = parameters.first().and_then(|p| p.first()).map(|p| &p.estimate);
-            strength.is_some_and(|s| match (s.value, s.standard_error) {
-                (Some(value), Some(sd)) => sd < SHARP * value.abs(),
-                _ => false,
-            })
-        };
-        if let ([fixed], false) = (fixed.as_slice(), free.is_empty())
-            && sharp()
-        {
-            return vec![**fixed];
-        }
-        rivals
-    }
-
-    /// Effects that fit as well in the place of one of several.
-    fn stand_ins(&self, selection: &Selection<'g>, place: usize) -> Vec<&'static str> {
-        let model = &selection.model;
-        let own = model.problem.effects[place].effect.about().id;
-        let step = selection
-            .steps
-            .iter()
-            .find_map(|step| step.looked.first().filter(|best| best.effect == own));
-        let own_gain = step.map_or(0.0, |best| best.gain);
-        let mut set = vec![own];
-        let taken: Vec<&str> = model
-            .problem
-            .effects
-            .iter()
-            .map(|s| s.effect.about().id)
-            .collect();
-        let known = selection.steps.iter().flat_map(|step| step.looked.iter().take(8));
-        for looked in known {
-            let Some(fitted) = looked.fitted.as_ref().filter(|_| !taken.contains(&looked.effect)) else {
-                continue;
-            };
-            if set.contains(&looked.effect) {
-                continue;
-            }
-            let Some(other) = fitted.problem.effects.last() else {
-                continue;
-            };
-            let mut effects = model.problem.effects.clone();
-            let mut values = model.effect_values();
-            let extra = other.free() as f64 - effects[place].free() as f64;
-            effects[place] = other.clone();
-            values[place] = fitted.effect_values().pop().unwrap_or_default();
-            let problem = Problem::new(self.group, &model.base(), effects);
-            let start = problem.coordinates(&model.base(), &values);
-            let Some(found) = Fitted::search(problem, &[start], &[]).map(Fitted::settled) else {
-                continue;
-            };
-            let margin = AS_GOOD + INEXACT * own_gain;
-            if found.square + PRICE * extra < model.square + margin {
-                set.push(looked.effect);
-            }
-        }
-        set
-    }
-
-    fn findings(&self, selection: &Selection, sets: &[Vec<&'static str>]) -> Vec<EffectFinding> {
-        let model = &selection.model;
-        let parameters = model.effect_parameters(self.group);
-        let each = model.problem.effects.iter().zip(parameters).zip(sets);
-        each.map(|((sought, parameters), set)| {
-            let about = sought.effect.about();
-            let step = selection.steps.iter().find(|step| {
-                let is_first = |looked: &Looked| looked.effect == about.id || selection.proved.is_some();
-                step.taken && step.looked.first().is_some_and(is_first)
-            });
-            EffectFinding {
-                effect: about.id.to_owned(),
-                variant: about.variants.get(sought.variant).map(|v| (*v).to_owned()),
-                parameters,
-                p: step.map_or(1.0, |step| step.p),
-                q: None,
-                twins: set
-                    .iter()
-                    .filter(|id| **id != about.id)
-                    .map(|id| (*id).to_owned())
-                    .collect(),
-            }
-        })
-        .collect()
-    }
-
     fn shifts(&self, model: &Fitted) -> Vec<ParameterShift> {
         let after = model.base_parameters();
         let of = |(key, before, _): (String, f64, f64)| {
@@ -509,65 +281,5 @@ impl<'g> Shown<'_, 'g> {
             drawn(self.group, block, fitted, &|_| true)
         };
         self.group.blocks.iter().filter_map(of_block).collect()
-    }
-
-    fn sentence(&self, found: &GroupDiagnosis, taken: &[&str], passed: bool) -> String {
-        let place = found.whereabouts.as_ref().map_or("", |w| &w.text);
-        let summary = |id: &str| {
-            effect(id).map_or_else(|| id.to_owned(), |e| format!("{} ({})", id, e.about().summary))
-        };
-        let proof = found.gain.as_ref().map_or_else(String::new, |gain| {
-            format!(
-                " On held-out readings the extended model lowers the sum of squares by {:.0} +- {:.0}.",
-                gain.deviance, gain.standard_error
-            )
-        });
-        match found.verdict {
-            Verdict::Named => {
-                let names: Vec<String> = taken.iter().map(|id| summary(id)).collect();
-                format!("The simulation misses {}: {place}.{proof}", names.join(" and "))
-            }
-            Verdict::Set => format!(
-                "The simulation is wrong ({place}); {} explain it equally well.{proof}",
-                found.set.join(", ")
-            ),
-            Verdict::Partial => format!(
-                "The simulation is wrong ({place}); {} explains most of it, and a misfit is left.{proof}",
-                taken.join(" with ")
-            ),
-            Verdict::DataProblem => SPIKED_WORDS.into(),
-            _ if !taken.is_empty() && is_beaten(found) => format!(
-                "The simulation is wrong ({place}), and no known cause is proved: {} fits, but a smooth answer to the voltage without a name predicts held-out readings better.",
-                taken.join(" with ")
-            ),
-            _ if !taken.is_empty() && !passed => format!(
-                "The simulation is wrong ({place}), and no known cause is proved: {} fits, but does not predict held-out readings.",
-                taken.join(" with ")
-            ),
-            _ => format!(
-                "The simulation is wrong ({place}), and no known cause explains it. It leaves {:.1} times the noise.",
-                (self.base.square / self.group.rows().max(1) as f64).sqrt()
-            ),
-        }
-    }
-}
-
-/// Whether what has no name predicts held-out readings better.
-fn is_beaten(found: &GroupDiagnosis) -> bool {
-    found
-        .gain
-        .as_ref()
-        .is_some_and(|gain| gain.nameless_deviance > gain.deviance + BEATEN)
-}
-
-const SPIKED_WORDS: &str =
-    "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
-
-/// Strength of that many times what the signature was taken at.
-fn detectable(signature: &Signature, times: f64) -> f64 {
-    if signature.absent == 0.0 {
-        times * signature.part * signature.probe[0]
-    } else {
-        signature.probe[0]
     }
 }

@@ -1,0 +1,59 @@
+//! The finding in one plain sentence.
+
+use super::Shown;
+use crate::diagnose::select::BEATEN;
+use crate::domain::{GroupDiagnosis, Verdict};
+use crate::model::effects::effect;
+
+impl Shown<'_, '_> {
+    pub(super) fn sentence(&self, found: &GroupDiagnosis, taken: &[&str], passed: bool) -> String {
+        let place = found.whereabouts.as_ref().map_or("", |w| &w.text);
+        let summary = |id: &str| {
+            effect(id).map_or_else(|| id.to_owned(), |e| format!("{} ({})", id, e.about().summary))
+        };
+        let proof = found.gain.as_ref().map_or_else(String::new, |gain| {
+            format!(
+                " On held-out readings the extended model lowers the sum of squares by {:.0} +- {:.0}.",
+                gain.deviance, gain.standard_error
+            )
+        });
+        match found.verdict {
+            Verdict::Named => {
+                let names: Vec<String> = taken.iter().map(|id| summary(id)).collect();
+                format!("The simulation misses {}: {place}.{proof}", names.join(" and "))
+            }
+            Verdict::Set => format!(
+                "The simulation is wrong ({place}); {} explain it equally well.{proof}",
+                found.set.join(", ")
+            ),
+            Verdict::Partial => format!(
+                "The simulation is wrong ({place}); {} explains most of it, and a misfit is left.{proof}",
+                taken.join(" with ")
+            ),
+            Verdict::DataProblem => SPIKED_WORDS.into(),
+            _ if !taken.is_empty() && is_beaten(found) => format!(
+                "The simulation is wrong ({place}), and no known cause is proved: {} fits, but a smooth answer to the voltage without a name predicts held-out readings better.",
+                taken.join(" with ")
+            ),
+            _ if !taken.is_empty() && !passed => format!(
+                "The simulation is wrong ({place}), and no known cause is proved: {} fits, but does not predict held-out readings.",
+                taken.join(" with ")
+            ),
+            _ => format!(
+                "The simulation is wrong ({place}), and no known cause explains it. It leaves {:.1} times the noise.",
+                (self.base.square / self.group.rows().max(1) as f64).sqrt()
+            ),
+        }
+    }
+}
+
+/// Whether what has no name predicts held-out readings better.
+fn is_beaten(found: &GroupDiagnosis) -> bool {
+    found
+        .gain
+        .as_ref()
+        .is_some_and(|gain| gain.nameless_deviance > gain.deviance + BEATEN)
+}
+
+pub(super) const SPIKED_WORDS: &str =
+    "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
