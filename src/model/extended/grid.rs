@@ -9,6 +9,8 @@ use super::system::{RunContext, System};
 /// has passed since: the error of steps that hold coefficients at their middle stays below 2e-3 of what an effect changes.
 const FIRST: f64 = 0.045;
 const GROWTH: f64 = 0.07;
+/// First step after an edge at least, as part of the record: no reading tells what is faster.
+const FINEST: f64 = 1e-9;
 /// How many times longer they may be while parameters are searched: the error is six times as large, and far below noise.
 const SEARCHED: f64 = 2.5;
 /// Points of an exposure's mean (the trapezoidal rule over this many intervals).
@@ -98,8 +100,11 @@ fn resolved_s(system: &System, opens: bool) -> Option<f64> {
     (shortest_s.is_finite() && shortest_s > 0.0).then_some(shortest_s)
 }
 
-/// With steps of `first_s` after every edge that grow by `growth` of the time since.
+/// With steps of `first_s` after every edge that grow by `growth` of the time since. No step is below what the
+/// resolution of numbers lets time go on by.
 fn refined(time_s: &[f64], run: &RunContext, first_s: f64, growth: f64) -> Vec<f64> {
+    let furthest_s = time_s.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
+    let first_s = first_s.max(FINEST * furthest_s);
     let mut edges = run
         .drive
         .segments
@@ -133,4 +138,37 @@ fn refined(time_s: &[f64], run: &RunContext, first_s: f64, growth: f64) -> Vec<f
     }
     out.extend(time_s.last());
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::{Drive, Segment};
+
+    #[test]
+    fn a_time_constant_beyond_the_resolution_of_numbers_ends() {
+        let drive = Drive {
+            baseline_v: 0.0,
+            segments: [(0.0, 2.0), (300.0, 0.0)]
+                .map(|(start_s, volts)| Segment {
+                    start_s,
+                    level: Level::Voltage(volts),
+                })
+                .to_vec(),
+        };
+        let run = RunContext {
+            index: 0,
+            drive: &drive,
+            area_cm2: 0.1,
+            length_cm: None,
+            duration_s: 600.0,
+            resolved_s: None,
+        };
+        let times: Vec<f64> = (0..=600).map(f64::from).collect();
+        let plain = refined(&times, &run, 0.01, GROWTH).len();
+        let steep = refined(&times, &run, 1e-25, GROWTH);
+        // Logarithmically more: from 1e-2 to 6e-7 s by 7 % each, after two edges.
+        assert!(steep.len() < plain + 400, "{} {plain}", steep.len());
+        assert!(steep.windows(2).all(|pair| pair[0] < pair[1]));
+    }
 }
