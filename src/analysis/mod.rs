@@ -14,6 +14,7 @@ pub mod monitoring;
 pub mod one_fit;
 pub mod online;
 pub mod parameters;
+pub mod plan;
 pub mod pooling;
 pub mod run_tables;
 pub mod same_tags;

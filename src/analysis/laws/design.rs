@@ -41,8 +41,18 @@ pub struct Rows {
     pub confounded: BTreeMap<Covariate, BTreeSet<Covariate>>,
 }
 
-/// The rows of `places` (indices in `facts`) at each level, with the covariates that differ there.
+/// The rows of `places` (indices in `facts`) at each level, with the covariates that differ there and the sets that
+/// cannot be told apart.
 pub fn rows(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
+    let mut levels = columns_by_level(facts, places);
+    for rows in &mut levels {
+        rows.find_sets();
+    }
+    levels
+}
+
+/// The rows without the sets, which take longest to find.
+pub fn columns_by_level(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
     let mut samples: Vec<&str> = places.iter().map(|&place| facts[place].sample.as_str()).collect();
     samples.sort_unstable();
     samples.dedup();
@@ -87,9 +97,6 @@ pub fn rows(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
             }
             None => {}
         }
-    }
-    for rows in [&mut within, &mut between] {
-        rows.find_sets();
     }
     [within, between]
 }
