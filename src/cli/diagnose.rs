@@ -171,6 +171,12 @@ fn print_across(document: &DiagnosisDocument, output: &Output) {
             found.effect, found.sentence, found.p, found.q
         ));
     }
+    if !document.campaign_next_runs.is_empty() {
+        output.result(&format!(
+            "    {} to make next: `ieap next`",
+            counted(document.campaign_next_runs.len(), "run")
+        ));
+    }
     if !document.campaign_contrasts.is_empty() {
         output.result("    environments and voltages compared: report/humidity.html, or --json");
     }

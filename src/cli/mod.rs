@@ -16,6 +16,7 @@ mod ingest;
 mod init;
 mod inspect;
 mod models;
+mod next;
 mod output;
 mod printable;
 mod profile;
@@ -90,6 +91,7 @@ enum Verb {
     Fit(fit::FitArgs),
     Dma(dma::DmaArgs),
     Diagnose(diagnose::DiagnoseArgs),
+    Next(next::NextArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
     Status(status::StatusArgs),
@@ -168,6 +170,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Fit(args) => fit::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
+        Verb::Next(args) => next::run(args, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
         Verb::Status(args) => status::run(args, output),

@@ -99,6 +99,7 @@ fn print(status: &Status, output: &Output) {
         .map(|gap| format!("{} in {} at {} V", gap.material, gap.environment, gap.voltage_v))
         .collect();
     list(output, "condition", "without a run", &gaps);
+    planned(status, output);
     climate(status, output);
     alarms(status, output);
     let older = "fitted by another version of ieap";
@@ -106,6 +107,34 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", "not diagnosed yet", &status.groups_not_diagnosed);
     let outdated = "with a finding that is out of date (`ieap diagnose` makes it anew)";
     list(output, "group", outdated, &status.findings_out_of_date);
+}
+
+/// Run sheets: how many of their runs have been made, and which have not.
+fn planned(status: &Status, output: &Output) {
+    let planned = &status.planned;
+    if planned.sheets.is_empty() && planned.damaged_sheets.is_empty() {
+        return;
+    }
+    output.result(&format!(
+        "planned runs: {} done, {} open on {}",
+        planned.done.len(),
+        planned.open.len(),
+        counted(planned.sheets.len(), "run sheet")
+    ));
+    for row in &planned.open {
+        let passed = if row.passed_over { ", passed over" } else { "" };
+        let sample = row.sample.as_deref().unwrap_or("");
+        output.result(&format!(
+            "  {} {sample}: {}, to be saved as {} ({}{passed})",
+            row.planned, row.drive, row.file, row.sheet
+        ));
+    }
+    list(
+        output,
+        "run sheet",
+        "that cannot be used",
+        &planned.damaged_sheets,
+    );
 }
 
 /// Climate logs: how many, which runs they cover, what is wrong with them.

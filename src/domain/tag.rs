@@ -32,6 +32,8 @@ pub mod keys {
     pub const OPEN_CIRCUIT: &str = "open_circuit";
     /// Seconds to add to the times of every clock of a run but the one of its voltage (or current).
     pub const CLOCK_OFFSET_S: &str = "clock_offset_s";
+    /// Id of the planned run that this is, from a run sheet; a free tag.
+    pub const PLANNED: &str = "planned";
     /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, [`OPEN_CIRCUIT`],
     /// which may be a list, and [`CLOCK_OFFSET_S`], which speaks of the record and not of the run.
     pub const CONDITIONS: [&str; 11] = [
@@ -71,6 +73,8 @@ pub enum TagSource {
     Sidecar,
     /// `tags.toml` in the file's folder or one above it.
     Folder,
+    /// A row of a run sheet whose planned name is the file's.
+    RunSheet,
     /// `name_pattern` matched against the file name.
     FileName,
     /// The file's own header.
@@ -85,10 +89,11 @@ pub enum TagSource {
 
 impl TagSource {
     /// Every source, strongest first.
-    pub const ALL: [TagSource; 8] = [
+    pub const ALL: [TagSource; 9] = [
         TagSource::Hand,
         TagSource::Sidecar,
         TagSource::Folder,
+        TagSource::RunSheet,
         TagSource::FileName,
         TagSource::Header,
         TagSource::Channel,
@@ -102,6 +107,7 @@ impl TagSource {
             TagSource::Hand => "hand",
             TagSource::Sidecar => "sidecar",
             TagSource::Folder => "folder",
+            TagSource::RunSheet => "run_sheet",
             TagSource::FileName => "file_name",
             TagSource::Header => "header",
             TagSource::Channel => "channel",
@@ -121,6 +127,7 @@ impl TagSource {
             TagSource::Hand => "set by hand",
             TagSource::Sidecar => "sidecar",
             TagSource::Folder => "tags.toml",
+            TagSource::RunSheet => "run sheet",
             TagSource::FileName => "file name",
             TagSource::Header => "file header",
             TagSource::Channel => "voltage channel",

@@ -13,6 +13,7 @@ pub mod name_pattern;
 pub mod named_columns;
 pub mod profiles;
 pub mod reading;
+pub mod run_sheet;
 pub mod scan;
 pub mod tags;
 pub mod text;

@@ -2,6 +2,7 @@
 
 use super::PipelineError;
 use super::context::Context;
+use super::planned::{PlannedRow, planned};
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
 use crate::domain::tag::keys;
 use crate::domain::{FileState, Quantity, RunCurve, RunRecord, RunState, RunStatus};
@@ -51,7 +52,8 @@ fn integral(curve: &RunCurve) -> f64 {
         .sum()
 }
 
-/// Every run that was tried: stored ones, and refused files whose name says what they were.
+/// Every run that was tried: stored ones, refused files whose name says what they were, and planned ones that were
+/// passed over.
 fn attempts(context: &Context, runs: &[RunRecord]) -> Result<Vec<Attempt>, PipelineError> {
     let mut attempts: Vec<Attempt> = runs
         .iter()
@@ -59,6 +61,7 @@ fn attempts(context: &Context, runs: &[RunRecord]) -> Result<Vec<Attempt>, Pipel
         .map(attempt)
         .collect();
     attempts.extend(refused(context)?);
+    attempts.extend(passed_over(context, runs)?);
     Ok(attempts)
 }
 
@@ -71,6 +74,18 @@ fn attempt(run: &RunRecord) -> Attempt {
         relative_humidity_percent: run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT),
         failed: !usable || broken,
     }
+}
+
+/// Planned runs that never came: open rows of run sheets of which a later one has been made.
+fn passed_over(context: &Context, runs: &[RunRecord]) -> Result<Vec<Attempt>, PipelineError> {
+    let open = planned(context, runs)?.open.into_iter();
+    let attempt = |row: PlannedRow| Attempt {
+        environment: row.environment,
+        voltage_v: row.voltage_v.map(f64::abs),
+        relative_humidity_percent: row.relative_humidity_percent,
+        failed: true,
+    };
+    Ok(open.filter(|row| row.passed_over).map(attempt).collect())
 }
 
 /// Refused files of runs whose name gives a tag.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::domain::{Campaign, Issue};
 use crate::ingest::archive::Archive;
 use crate::ingest::profiles::{self, Profile};
+use crate::ingest::run_sheet::RunSheets;
 use crate::ingest::{campaign_file, filesystem};
 use crate::store::{InstanceLock, Store, StoreError};
 
@@ -24,6 +25,8 @@ pub struct Context {
     pub warnings: Vec<Issue>,
     /// Saved profiles of the campaign, by id.
     pub profiles: Vec<Profile>,
+    /// Run sheets among the runs, as they were read last; none until runs are tagged.
+    pub sheets: RunSheets,
     /// BLAKE3 of campaign.toml's text.
     pub campaign_digest: String,
     /// The database.
@@ -92,6 +95,7 @@ impl Context {
         Ok(Context {
             folder: folder.to_owned(),
             profiles: profiles::load(folder)?,
+            sheets: RunSheets::default(),
             campaign_digest: digest(&loaded.text),
             campaign: loaded.campaign,
             warnings: loaded.warnings,

@@ -8,6 +8,7 @@ use super::across_runs::campaign_laws;
 use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry};
 use super::diagnose::library_hash;
 use super::fits_document::{ParameterEntry, as_object, parameter_entries};
+use super::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
 use super::shared_effects_document::{SharedEffectEntry, shared_effect_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
 use crate::analysis::false_discovery::judge_together;
@@ -44,6 +45,10 @@ pub struct DiagnosisDocument {
     pub campaign_confounded: Vec<ConfoundedEntry>,
     /// Every question that was asked across runs.
     pub campaign_tests: Vec<CampaignTest>,
+    /// What it takes to tell the confounded covariates apart.
+    pub campaign_untying: Vec<UntyingEntry>,
+    /// Runs to make next, the first first.
+    pub campaign_next_runs: Vec<NextRunEntry>,
     /// Environments and voltages compared, in words.
     pub campaign_contrasts: Vec<String>,
 }
@@ -206,6 +211,10 @@ pub fn diagnosis_document(
         Some(_) => CampaignLaws::default(),
         None => campaign_laws(context, &runs, choice.seed)?,
     };
+    let plan = match group {
+        Some(_) => Plan::default(),
+        None => next_runs::plan_from(context, &runs, &across, &findings.groups)?,
+    };
     let compared = contrast::contrasts(&runs, &context.campaign, &across.facts);
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     Ok(DiagnosisDocument {
@@ -227,6 +236,8 @@ pub fn diagnosis_document(
         campaign: campaign_document::entries(&across),
         campaign_confounded: campaign_document::confounded(&across),
         campaign_tests: campaign_document::tests(&across),
+        campaign_untying: next_runs::untying_entries(&plan),
+        campaign_next_runs: next_runs::entries(&plan),
         campaign_contrasts: campaign_document::contrasts(&compared),
     })
 }

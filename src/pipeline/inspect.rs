@@ -9,6 +9,7 @@ use crate::domain::{FlaggedStretch, Issue, Quantity};
 use crate::ingest::campaign_file;
 use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::profiles::{self, Choice, Claim, Profile, Reader};
+use crate::ingest::run_sheet;
 use crate::ingest::{Reading, RunTable, StartedAt};
 
 /// A file as a reader sees it.
@@ -127,6 +128,9 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
 pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile]) -> Inspection {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shown = file.display().to_string();
+    if run_sheet::is_sheet(&name, bytes) {
+        return sheet(shown, bytes);
+    }
     let choice = match profiles::choose(profiles, &name, bytes) {
         Ok(choice) => choice,
         Err(error) => return refused(shown, &[], &error),
@@ -151,6 +155,15 @@ fn scores(claims: &[Claim]) -> Vec<CandidateScore> {
     claims.iter().map(score).collect()
 }
 
+/// A run sheet: what it plans is tags, not readings.
+fn sheet(file: String, bytes: &[u8]) -> Inspection {
+    let (status, issue) = match run_sheet::read(bytes) {
+        Ok(rows) => ("sidecar", run_sheet::note(rows.len())),
+        Err(issue) => ("refused", issue),
+    };
+    not_read(file, &[], status, issue)
+}
+
 fn refused(file: String, claims: &[Claim], error: &ReadError) -> Inspection {
     let issue = error.issue();
     let status = match error {
@@ -158,6 +171,10 @@ fn refused(file: String, claims: &[Claim], error: &ReadError) -> Inspection {
         error if error.is_sidecar() => "sidecar",
         _ => "refused",
     };
+    not_read(file, claims, status, issue)
+}
+
+fn not_read(file: String, claims: &[Claim], status: &str, issue: Issue) -> Inspection {
     Inspection {
         schema: "ieap/inspect/1",
         file,

@@ -6,8 +6,9 @@ use super::across_runs::campaign_laws;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::swap::replace_folder;
-use super::{Context, Observer, PipelineError};
+use super::{Context, Observer, PipelineError, next_runs};
 use crate::analysis::laws::contrast;
+use crate::analysis::laws::matrix::confounding_maps;
 use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::{monitoring, same_tags, sequence};
 use crate::domain::RunRecord;
@@ -133,8 +134,13 @@ pub(super) fn input(
     news.sort_by(|a, b| b.at.cmp(&a.at).then_with(|| a.run_path.cmp(&b.run_path)));
     let laws = campaign_laws(context, &runs, None)?;
     let contrasts = contrast::contrasts(&runs, &context.campaign, &laws.facts);
+    let findings = findings(context, &runs)?;
+    let plan = next_runs::plan_from(context, &runs, &laws, &findings.groups)?;
     let monitoring = monitoring::monitor(&runs, &context.campaign, &laws);
     Ok(report::Input {
+        confounding: confounding_maps(&laws, &runs),
+        untying: plan.untying,
+        next_runs: plan.runs,
         laws,
         contrasts,
         monitoring,
@@ -162,7 +168,7 @@ pub(super) fn input(
             .filter_map(run_window)
             .map(|window| (window.from_s, window.to_s))
             .collect(),
-        findings: findings(context, &runs)?,
+        findings,
         runs,
     })
 }

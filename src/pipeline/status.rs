@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::context::CODE_VERSION;
+use super::planned::{Planned, planned};
 use super::{Context, PipelineError};
 use crate::domain::tag::keys;
 use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunRecord, RunState};
@@ -44,6 +45,8 @@ pub struct Status {
     pub findings_out_of_date: Vec<String>,
     /// Climate logs and what they come to.
     pub climate: ClimateStatus,
+    /// Rows of run sheets, made and not.
+    pub planned: Planned,
     /// Alarms of long-term monitoring.
     pub alarms: Vec<Alarm>,
     /// Why nothing is watched; none where something is.
@@ -153,6 +156,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
+        planned: planned(context, &runs)?,
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
             .iter()

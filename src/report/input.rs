@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::contrast::Contrast;
+use crate::analysis::laws::matrix::ConfoundingMap;
 use crate::analysis::monitoring::Monitoring;
 use crate::analysis::online::Turn;
+use crate::analysis::plan::{PlannedRun, Untying};
 use crate::analysis::shared_effects::SharedEffect;
 use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
@@ -30,6 +32,12 @@ pub struct Input {
     pub findings: Findings,
     /// What holds across runs.
     pub laws: CampaignLaws,
+    /// What it takes to tell apart what the design ties together.
+    pub untying: Vec<Untying>,
+    /// Runs to make next, the first first.
+    pub next_runs: Vec<PlannedRun>,
+    /// How far covariates leave each other unclear, by material.
+    pub confounding: Vec<ConfoundingMap>,
     /// Environments and voltages compared.
     pub contrasts: Vec<Contrast>,
     /// Parameters over the life of the samples.

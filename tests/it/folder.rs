@@ -472,6 +472,7 @@ fn the_campaigns_with_known_answers_are_tagged() {
                 name_pattern: loaded.campaign.name_pattern.as_deref(),
                 needed: RunKind::Actuation.needed_tags(),
                 hand: &[],
+                planned: &[],
                 header: &[],
                 channel_voltage_v: Some(5.0),
                 ambient: &[],

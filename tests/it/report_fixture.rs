@@ -260,6 +260,9 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
     }
     let latest = runs.iter().rev().take(4);
     Input {
+        untying: Vec::new(),
+        next_runs: Vec::new(),
+        confounding: Vec::new(),
         campaign: campaign(materials),
         climate: Default::default(),
         laws: Default::default(),

@@ -13,6 +13,7 @@ pub mod facts;
 pub mod find;
 pub mod fitted;
 pub mod jump;
+pub mod matrix;
 pub mod offset;
 pub mod samples;
 pub mod selection;

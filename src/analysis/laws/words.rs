@@ -289,7 +289,7 @@ pub fn selection(found: &Selection) -> String {
         (None, None) => String::new(),
     };
     format!(
-        "{} of {} runs failed, and not at random: {how}. A law over the runs that are left may be one of the failures.",
+        "{} of {} runs failed or never came, and not at random: {how}. A law over the runs that are left may be one of the failures.",
         found.failed, found.attempts
     )
 }

@@ -26,10 +26,13 @@ pub struct Material<'a> {
     campaign: &'a Campaign,
     /// By how much what grows with use grows from run to run.
     steps: BTreeMap<Covariate, f64>,
+    /// Charge that a run passes, by its voltage.
+    charge: BTreeMap<String, f64>,
 }
 
 impl<'a> Material<'a> {
-    /// Learns from the runs at `places` by how much age, charge and exposure grow from run to run: their medians.
+    /// Learns from the runs at `places` by how much age, charge and exposure grow from run to run: their medians, of
+    /// the charge at each voltage.
     pub fn of(name: &str, campaign: &'a Campaign, facts: &[RunFacts], places: &[usize]) -> Material<'a> {
         let mut steps = BTreeMap::new();
         for covariate in Covariate::OF_AGE {
@@ -42,6 +45,7 @@ impl<'a> Material<'a> {
         Material {
             name: name.to_owned(),
             campaign,
+            charge: charge_by_voltage(facts, places),
             steps,
         }
     }
@@ -87,8 +91,13 @@ impl<'a> Material<'a> {
                 .filter_map(|&place| facts[place].numbers.get(&covariate))
                 .map(|known| known.value)
                 .reduce(f64::max);
+            let passed = match covariate {
+                Covariate::ChargeBefore => self.charge_of(before),
+                _ => None,
+            };
             if let Some(largest) = largest {
-                fact.numbers.insert(covariate, exact(largest + step));
+                let grown = largest + passed.unwrap_or(step);
+                fact.numbers.insert(covariate, exact(grown));
             }
         }
         if let Some(first) = fact.numbers.get_mut(&Covariate::FirstRun) {
@@ -98,6 +107,11 @@ impl<'a> Material<'a> {
             fact.numbers.insert(Covariate::Direction, exact(direction));
         }
         fact
+    }
+
+    /// Charge that a run like this one passes.
+    fn charge_of(&self, fact: &RunFacts) -> Option<f64> {
+        self.charge.get(fact.names.get(&Covariate::Voltage)?).copied()
     }
 
     /// The first run of a sample; nothing is known of it that no other sample's runs state.
@@ -177,6 +191,40 @@ fn direction(before: &RunFacts, after: &RunFacts) -> Option<f64> {
         true => -0.5,
         false => earlier,
     })
+}
+
+/// Median of the charge that runs at each voltage passed: what the next run of their sample has more before it.
+fn charge_by_voltage(facts: &[RunFacts], places: &[usize]) -> BTreeMap<String, f64> {
+    let mut of_sample: BTreeMap<&str, Vec<(f64, &RunFacts)>> = BTreeMap::new();
+    for &place in places {
+        let fact = &facts[place];
+        if let Some(known) = fact.numbers.get(&Covariate::ChargeBefore) {
+            of_sample
+                .entry(&fact.sample)
+                .or_default()
+                .push((known.value, fact));
+        }
+    }
+    let mut passed: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for runs in of_sample.values_mut() {
+        runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for pair in runs.windows(2) {
+            if let Some(voltage) = pair[0].1.names.get(&Covariate::Voltage) {
+                passed
+                    .entry(voltage.clone())
+                    .or_default()
+                    .push(pair[1].0 - pair[0].0);
+            }
+        }
+    }
+    let median = |mut charges: Vec<f64>| {
+        charges.sort_by(f64::total_cmp);
+        charges[charges.len() / 2]
+    };
+    passed
+        .into_iter()
+        .map(|(voltage, charges)| (voltage, median(charges)))
+        .collect()
 }
 
 /// Median growth of a number from one run of a sample to the next.

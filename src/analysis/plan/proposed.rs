@@ -14,6 +14,8 @@ use crate::domain::{Campaign, GroupDiagnosis, RunRecord};
 
 /// Voltages that differ by less are one, V.
 const ONE_VOLTAGE_V: f64 = 0.01;
+/// Pairs that a reason names.
+const SAID: usize = 3;
 
 /// What a run is expected to bring.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -82,6 +84,10 @@ fn of_step(plan: &Untying, step: &Step, runs: &[RunRecord], campaign: &Campaign,
     }
     let told = match pairs.is_empty() {
         true => "loosens what is tied".to_owned(),
+        false if pairs.len() > SAID => {
+            let more = pairs.len() - SAID;
+            format!("tells {}, and {more} more pairs", pairs[..SAID].join(", "))
+        }
         false => format!("tells {}", pairs.join(", ")),
     };
     Proposal {
@@ -138,7 +144,7 @@ fn drive_of(setting: &Setting, voltage_v: Option<f64>, runs: &[RunRecord], campa
         let duration_s = run.channels.iter().filter_map(|c| c.last_time_s).reduce(last)?;
         Some(words::drive(run.drive.as_ref()?, duration_s))
     });
-    described.unwrap_or_else(|| voltage_v.map_or_else(String::new, |volts| format!("{volts:.2} V")))
+    described.unwrap_or_else(|| voltage_v.map_or_else(String::new, |volts| format!("hold {volts:.2} V")))
 }
 
 /// The run that splits the set of a group, where one is known.
@@ -156,9 +162,12 @@ pub fn of_group(group: &GroupDiagnosis, runs: &[RunRecord], campaign: &Campaign)
         let mean = numbers.iter().sum::<f64>() / numbers.len().max(1) as f64;
         (!numbers.is_empty()).then(|| (mean * 10.0).round() / 10.0)
     };
-    let size = group.set.len() as f64;
+    // Of several effects that were found, each with its twins, a run is proposed for the first that has any.
+    let twins = group.effects.iter().map(|effect| effect.twins.len());
+    let causes = 1 + twins.into_iter().find(|twins| *twins > 0)?;
+    let size = causes as f64;
     let after = next.expected_set_size;
-    if !after.is_finite() || size < 2.0 {
+    if !after.is_finite() {
         return None;
     }
     Some(Proposal {
@@ -173,7 +182,7 @@ pub fn of_group(group: &GroupDiagnosis, runs: &[RunRecord], campaign: &Campaign)
         voltage_v: leading_volts(&next.drive),
         rest_before_s: mean(keys::REST_BEFORE_S),
         names: BTreeMap::new(),
-        drive: next.drive.clone(),
+        drive: format!("hold {}", next.drive),
         splits: next.splits.clone(),
         expected: Expected {
             set_size: Some((size, after)),
@@ -183,7 +192,7 @@ pub fn of_group(group: &GroupDiagnosis, runs: &[RunRecord], campaign: &Campaign)
             "tells {} apart in {} ({} causes → {} expected)",
             next.splits.join(", "),
             group.group,
-            group.set.len(),
+            causes,
             crate::analysis::laws::words::short(after)
         )],
         closes: (1.0 - (after - 1.0) / (size - 1.0)).clamp(0.0, 1.0),

@@ -259,3 +259,22 @@ fn names_of_use_alone_need_no_run_but_a_rest() {
         words::reached(&found)
     );
 }
+
+#[test]
+fn a_thousand_runs_are_planned_as_well() {
+    let names: Vec<String> = (0..111).map(|k| format!("CNaf-{k:03}")).collect();
+    let samples: Vec<&str> = names.iter().map(String::as_str).collect();
+    let facts = thesis(&samples, false);
+    let begun = std::time::Instant::now();
+    let found = planned(&facts, &campaign(), Level::Within);
+    println!("{} runs planned in {:?}", facts.len(), begun.elapsed());
+    // Six runs among a thousand loosen little, and that is said.
+    assert_eq!(found.steps.len(), MOST_RUNS);
+    assert!(found.inflation_after < found.inflation_before, "{found:#?}");
+    let sentence = words::reached(&found).remove(0);
+    assert_eq!(
+        found.is_reached(),
+        !sentence.contains("still above 5"),
+        "{sentence}"
+    );
+}

@@ -233,27 +233,26 @@ impl Design {
         )
     }
 
-    /// The tightest ties with their inflations. Of the names of use one stands for all, for they grow together: the
-    /// one in the tightest of all. What is judged by is few, for every candidate is judged by it.
+    /// The tightest ties with their inflations, few, for every candidate is judged by them. Names of use grow together,
+    /// so that of ties that differ only in which of them they hold one stands for all: the tightest.
     fn tightest(&self) -> (Vec<Tie>, Vec<f64>) {
         let mut active: Vec<usize> = (0..self.ties.len())
             .filter(|&k| self.inflations[k] > INFLATION_LIMIT)
             .collect();
         active.sort_by(|&a, &b| self.inflations[b].total_cmp(&self.inflations[a]).then(a.cmp(&b)));
-        let uses = |k: usize| {
+        let mut seen: Vec<(Covariate, Vec<Covariate>)> = Vec::new();
+        active.retain(|&k| {
             let tie = &self.ties[k];
-            let names = std::iter::once(tie.one).chain(tie.others.clone());
-            names
-                .filter(|name| Covariate::OF_AGE.contains(name))
-                .collect::<Vec<_>>()
-        };
-        let stands_for_all = active.iter().find_map(|&k| uses(k).first().copied());
-        active.retain(|&k| uses(k).iter().all(|name| Some(*name) == stands_for_all));
+            let mut others: Vec<Covariate> = tie.others.iter().map(|other| class(*other)).collect();
+            others.sort();
+            let kind = (class(tie.one), others);
+            let is_new = !seen.contains(&kind);
+            seen.push(kind);
+            is_new
+        });
         active.truncate(JUDGED_BY);
-        active
-            .iter()
-            .map(|&k| (self.ties[k].clone(), self.inflations[k]))
-            .unzip()
+        let pair = |k: usize| (self.ties[k].clone(), self.inflations[k]);
+        active.into_iter().map(pair).unzip()
     }
 
     fn make(&mut self, material: &Material, setting: &Setting) -> Step {

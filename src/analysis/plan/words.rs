@@ -135,7 +135,8 @@ fn level(fact: &RunFacts, covariate: Covariate) -> Option<String> {
     Some(format!("{} {value}", covariate.label()))
 }
 
-/// A drive in words, for one who sets it: `2.00 V for 600 s, then 0.00 V for 300 s`.
+/// A drive in words, for one who sets it: `hold 2.00 V for 600 s, then 0.00 V for 300 s`. The first word keeps
+/// spreadsheets from taking a negative voltage for a formula.
 pub fn drive(drive: &Drive, duration_s: f64) -> String {
     const SHOWN: usize = 4;
     let starts = drive.segments.iter().map(|segment| segment.start_s);
@@ -154,5 +155,5 @@ pub fn drive(drive: &Drive, duration_s: f64) -> String {
         true => format!(", and so on for {duration_s:.0} s"),
         false => String::new(),
     };
-    format!("{}{more}", parts.join(", then "))
+    format!("hold {}{more}", parts.join(", then "))
 }

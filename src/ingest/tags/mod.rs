@@ -31,6 +31,8 @@ pub struct TagRequest<'a> {
     pub needed: &'a [&'a str],
     /// Tags set by hand (source [`TagSource::Hand`]), the newest of each key first.
     pub hand: &'a [Tag],
+    /// Tags of the run sheets' rows that plan this file (source [`TagSource::RunSheet`]); empty where none does.
+    pub planned: &'a [Tag],
     /// Tags of the file's header: tag key, value, and the header's own name of it.
     pub header: &'a [(String, String, String)],
     /// Nominal level of the voltage channel, V, where the file has one.

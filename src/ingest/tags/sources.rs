@@ -59,6 +59,7 @@ pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> 
             }
         }
     }
+    tags.extend_from_slice(request.planned);
     tags.extend(in_name(request, issues));
     for (key, value, header_name) in request.header {
         let pair = [(key.clone(), value.clone())];

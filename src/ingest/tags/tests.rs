@@ -49,6 +49,7 @@ const FILE: &str = "runs/set/CNaf-01_air_2.5V.csv";
 #[derive(Default)]
 struct Given {
     hand: Vec<Tag>,
+    planned: Vec<Tag>,
     header: Vec<(String, String, String)>,
     channel_voltage_v: Option<f64>,
     stem: Option<&'static str>,
@@ -72,6 +73,7 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         name_pattern: campaign.name_pattern.as_deref(),
         needed: RunKind::Actuation.needed_tags(),
         hand: &given.hand,
+        planned: &given.planned,
         header: &given.header,
         channel_voltage_v: given.channel_voltage_v,
         ambient: &[],
@@ -116,6 +118,7 @@ fn sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said() 
         &files,
         Given {
             hand,
+            planned: vec![tag("4.5", TagSource::RunSheet, "runs/next.run-sheet.csv, P01")],
             header,
             channel_voltage_v: Some(3.0),
             stem: None,
@@ -125,15 +128,15 @@ fn sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said() 
         .into_iter()
         .map(|(value, _)| value)
         .collect();
-    assert_eq!(values, ["9", "8", "7", "6", "5", "2.5", "4", "3"]);
+    assert_eq!(values, ["9", "8", "7", "6", "5", "4.5", "2.5", "4", "3"]);
     let disagreements: Vec<&Issue> = found
         .issues
         .iter()
         .filter(|i| i.code == "tag-disagreement")
         .collect();
-    assert_eq!(disagreements.len(), 7);
+    assert_eq!(disagreements.len(), 8);
     assert_eq!(
-        disagreements[5].message,
+        disagreements[6].message,
         "`voltage_v` is 9 (set by hand: tester) and 4 (file header: VSTEP1): the first is used"
     );
     // Chosen of each key first: no key comes twice before all keys have come once.
@@ -344,6 +347,7 @@ proptest::proptest! {
             name_pattern: campaign.name_pattern.as_deref(),
             needed: RunKind::Actuation.needed_tags(),
             hand: &[],
+            planned: &[],
             header: &[],
             channel_voltage_v: None,
             ambient: &[],

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::context::now;
-use super::{Context, Observer, PipelineError};
+use super::{Context, Observer, PipelineError, planned};
 use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
@@ -108,6 +108,7 @@ impl Ingest<'_> {
         self.take_logs(context, &logs, &mut summary, observer)?;
         let shelf = Shelf::open(&context.store)?;
         let kind_of = |path: &str| context.campaign.kind_of(path);
+        context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
         let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
         in_batches(context, &groups, observer, &mut |context, prepared, observer| {

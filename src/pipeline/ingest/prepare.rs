@@ -7,6 +7,7 @@ use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::formats::ReadContext;
 use crate::ingest::profiles::{self, Profile};
+use crate::ingest::run_sheet;
 use crate::ingest::scan::{self, ReadFileError, SeenFile};
 use crate::ingest::{Reading, RunTable};
 
@@ -133,6 +134,13 @@ fn read(kind: RunKind, file: &SeenFile, profiles: &[Profile], bytes: &[u8]) -> (
         ..ReadContext::default()
     };
     let name = file.display.rsplit('/').next().unwrap_or(&file.display);
+    if kind == RunKind::Actuation && run_sheet::is_sheet(name, bytes) {
+        let outcome = match run_sheet::read(bytes) {
+            Ok(rows) => Outcome::Sidecar(run_sheet::note(rows.len())),
+            Err(issue) => Outcome::Refused(issue),
+        };
+        return (outcome, None);
+    }
     let read = || profiles::read(profiles, name, bytes, &context);
     let outcome = match std::panic::catch_unwind(std::panic::AssertUnwindSafe(read)) {
         Ok(Ok((reading, profile))) => return (Outcome::Read(Box::new(reading)), profile.cloned()),

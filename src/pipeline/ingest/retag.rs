@@ -12,6 +12,7 @@ use crate::domain::tag::keys;
 use crate::domain::{RunRecord, TagSource};
 use crate::ingest::{StartedAt, Timestamp};
 use crate::pipeline::climate::Shelf;
+use crate::pipeline::planned::known_sheets;
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Tags again every current run whose tag sources changed; gives their names.
@@ -20,6 +21,7 @@ use crate::pipeline::{Context, Observer, PipelineError};
 /// The database refuses.
 pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<String>, PipelineError> {
     let shelf = Shelf::open(&context.store)?;
+    context.sheets = known_sheets(context)?;
     let windows: BTreeMap<i64, Option<Window>> = context
         .store
         .run_times()?
@@ -39,7 +41,9 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         return Ok(Vec::new());
     }
     let all = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
-    let runs: Vec<RunRecord> = all.filter(|run| due.contains(&run.id)).collect();
+    // What a sheet stated before it was damaged stays until it is mended.
+    let is_held = |run: &RunRecord| run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
+    let runs: Vec<RunRecord> = all.filter(|run| due.contains(&run.id) && !is_held(run)).collect();
     for batch in runs.chunks(MOST_FILES) {
         together(context, |context| {
             batch.iter().try_for_each(|run| retag(context, &shelf, run))

@@ -53,6 +53,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         RunKind::Actuation => voltage_of_channel(input),
         RunKind::Dma => None,
     };
+    let planned = planned_tags(context, input.run_path, &files);
     let request = TagRequest {
         campaign: &context.campaign,
         folder: &context.folder,
@@ -61,6 +62,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         name_pattern: context.campaign.name_pattern_of(input.kind),
         needed: input.kind.needed_tags(),
         hand: &hand,
+        planned: &planned,
         header: &header,
         channel_voltage_v,
         ambient: &[],
@@ -175,10 +177,24 @@ pub fn digest(
     hasher.update(context.campaign_digest.as_bytes());
     hasher.update(tags::tag_sources_digest(&context.folder, files).as_bytes());
     hasher.update(shelf.digest(window).as_bytes());
+    for tag in planned_tags(context, run_path, files) {
+        hasher.update(format!("planned {:?}", (tag.key, tag.value, tag.detail)).as_bytes());
+    }
     for tag in hand_tags(context, run_path)? {
         hasher.update(format!("{:?}", (tag.key, tag.value)).as_bytes());
     }
     Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// Tags of the run sheets' rows that plan this file. Modulus logs are not planned.
+fn planned_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<Tag> {
+    match context.campaign.kind_of(run_path) {
+        RunKind::Actuation => {
+            let named = files.first().map_or(Path::new(run_path), PathBuf::as_path);
+            context.sheets.tags_of(&tags::stem(named))
+        }
+        RunKind::Dma => Vec::new(),
+    }
 }
 
 fn hand_tags(context: &Context, run_path: &str) -> Result<Vec<Tag>, PipelineError> {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
+use super::across;
 use super::finding_words::{campaign_lead, probability, verdict_word};
 use super::wording::{RunLink, counted};
 use crate::analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
@@ -17,6 +18,8 @@ use crate::report::site::Site;
 struct FindingsPage {
     /// Findings first.
     summary: Vec<String>,
+    /// What to measure next, where anything is.
+    next: String,
     groups: Vec<GroupRow>,
     shared: Vec<SharedSection>,
     ledger: Vec<LedgerRow>,
@@ -104,6 +107,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     }
     let page = FindingsPage {
         summary,
+        next: across::next_words(site),
         groups: (0..groups.len()).map(|place| group_row(site, place)).collect(),
         shared: findings
             .shared

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
+use super::across::{self, MapTable, MatrixTable, NextRow};
 use super::finding_words::probability;
 use super::wording::counted;
 use crate::analysis::ParameterInfo;
@@ -20,10 +21,20 @@ use crate::report::site::Site;
 
 /// Places at which a law is drawn.
 const DRAWN: usize = 40;
+/// Claims that are said before anything else.
+const STRONGEST: usize = 3;
 
 #[derive(Debug, Serialize)]
 struct HumidityPage {
+    /// Findings first, the strongest of them.
     summary: Vec<String>,
+    /// What the design leaves open.
+    tied: Vec<String>,
+    matrices: Vec<MatrixTable>,
+    maps: Vec<MapTable>,
+    untying: Vec<String>,
+    next_runs: Vec<NextRow>,
+    runs_folder: String,
     claims: Vec<Claim>,
     studies: Vec<Study>,
     compared: Vec<Compared>,
@@ -103,7 +114,7 @@ struct Asked {
 
 /// Whether a report of that input has the page.
 pub fn is_shown(input: &Input) -> bool {
-    !input.laws.dependences.is_empty() || !input.contrasts.is_empty()
+    !input.laws.dependences.is_empty() || !input.contrasts.is_empty() || !input.next_runs.is_empty()
 }
 
 /// Makes the page.
@@ -112,6 +123,12 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
     let page = HumidityPage {
         summary: summary(site),
+        tied: laws.tied.iter().map(words::tied).collect(),
+        matrices: across::matrix_tables(site),
+        maps: across::map_tables(site),
+        untying: across::untying(site),
+        next_runs: across::next_rows(site),
+        runs_folder: site.input.campaign.runs_folder.clone(),
         claims: claims(site),
         studies: studies(site, &mut figures)?,
         compared: compared(site),
@@ -151,7 +168,12 @@ fn summary(site: &Site) -> Vec<String> {
             }
         ),
     }];
-    sentences.extend(laws.tied.iter().map(words::tied));
+    let mut strongest: Vec<&Dependence> = laws
+        .claimed()
+        .filter(|found| found.covariate != Covariate::Sample)
+        .collect();
+    strongest.sort_by(|a, b| a.q.total_cmp(&b.q).then(a.p.total_cmp(&b.p)));
+    sentences.extend(strongest.into_iter().take(STRONGEST).map(words::sentence));
     sentences
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
+use super::across;
 use super::comparison::{caution, contrast_sentences};
 use super::wording::{
     IssueText, RunLink, counted, has_warnings, humidity_label, listed, moment, voltage_labels,
@@ -27,6 +28,8 @@ const NOTABLE_RATIO: f64 = 1.5;
 struct Index {
     findings: Vec<String>,
     caution: Vec<String>,
+    /// Runs to make next, where there are any.
+    next: String,
     /// What the modulus logs say; empty where there are none.
     modulus: Vec<String>,
     counts: Vec<Count>,
@@ -100,6 +103,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let index = Index {
         findings: findings(site),
         caution: caution(site),
+        next: across::next_words(site),
         modulus: modulus(site),
         counts: counts(site),
         voltages: voltage_labels(&site.conditions.voltages_v),

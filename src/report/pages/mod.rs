@@ -1,5 +1,6 @@
 //! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
 
+pub mod across;
 pub mod climate;
 pub mod comparison;
 pub mod dma;

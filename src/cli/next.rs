@@ -1,0 +1,106 @@
+//! `ieap next`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::CampaignArg;
+use super::exit::{CliError, DONE};
+use super::output::{Output, counted};
+use crate::pipeline::Context;
+use crate::pipeline::next_runs::{NextRunEntry, SheetSummary, entries, plan, untying_entries, write_sheet};
+
+/// Which runs to make next, and what each would tell apart; as a run sheet for the bench with --sheet
+#[derive(Debug, Args)]
+pub struct NextArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    /// Write the list as a table to fill the bench's day with. Kept in the runs folder, it tags the files that are
+    /// saved under its names
+    #[arg(long, value_name = "FILE.csv")]
+    sheet: Option<PathBuf>,
+}
+
+pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
+    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let plan = plan(&context)?;
+    let (list, untying) = (entries(&plan), untying_entries(&plan));
+    untying
+        .iter()
+        .flat_map(|set| &set.sentences)
+        .for_each(|sentence| output.result(sentence));
+    if list.is_empty() {
+        output.result("no run to make next: nothing that a run at hand can untie, and no set of causes that one would split");
+    }
+    list.iter().for_each(|entry| print(entry, output));
+    let written = match &args.sheet {
+        Some(file) => Some(write_sheet(&context, &plan, file)?),
+        None => None,
+    };
+    if let Some(summary) = &written {
+        say(summary, &context.campaign.runs_folder, output);
+    }
+    output.document(&json!({
+        "schema": "ieap/next/1",
+        "next_runs": list,
+        "untying": untying,
+        "sheet": written,
+    }))?;
+    Ok(DONE)
+}
+
+fn print(entry: &NextRunEntry, output: &Output) {
+    let mut place = vec![entry.sample.clone()];
+    place.extend(entry.environment.as_ref().map(|name| format!("in {name}")));
+    place.extend(entry.relative_humidity_percent.map(|rh| format!("at {rh} % RH")));
+    place.extend(entry.temperature_c.map(|t| format!("and {t} °C")));
+    place.extend(entry.rest_before_s.map(|rest| format!("after {rest} s of rest")));
+    let named = [
+        ("with", &entry.instrument),
+        ("calibrated by", &entry.calibration),
+        ("by", &entry.operator),
+    ];
+    for (word, name) in named {
+        place.extend(name.as_ref().map(|name| format!("{word} {name}")));
+    }
+    output.result(&format!(
+        "{:>2}. {}  {}: {}",
+        entry.rank,
+        entry.planned,
+        place.join(" "),
+        entry.drive
+    ));
+    output.result(&format!("    {}", entry.why));
+    let on_sheet = match &entry.on_sheet {
+        Some(sheet) => format!(" (on {sheet})"),
+        None => String::new(),
+    };
+    output.result(&format!("    save as {}{on_sheet}", entry.file));
+}
+
+fn say(summary: &SheetSummary, runs_folder: &str, output: &Output) {
+    output.message(&format!(
+        "{}: {} to make, {} made before",
+        summary.sheet.display(),
+        counted(summary.open, "run"),
+        summary.kept
+    ));
+    if !summary.dropped.is_empty() {
+        output.message(&format!(
+            "no longer needed, taken off it: {}",
+            summary.dropped.join(", ")
+        ));
+    }
+    if !summary.elsewhere.is_empty() {
+        output.message(&format!(
+            "on another sheet already: {}",
+            summary.elsewhere.join(", ")
+        ));
+    }
+    if !summary.among_runs {
+        output.message(&format!(
+            "copy it into {runs_folder}/ before the next `ieap run`: there it tags the files that are saved under its names"
+        ));
+    }
+}

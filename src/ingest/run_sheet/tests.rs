@@ -1,0 +1,118 @@
+//! Tests of run sheets: what is read, what is refused, and where.
+
+use proptest::prelude::*;
+
+use super::*;
+
+const SHEET: &str = "planned,file,sample,environment,voltage_v,drive,why,operator\n\
+    P01,P01-S1-air-1200mV,S1,air,1.20,\"hold 1.20 V for 600 s, then 0.00 V for 600 s\",tells a from b,\n\
+    P02,P02-S1-air-2500mV,S1,air,2.5,hold 2.50 V for 600 s,\"said \"\"so\"\"\",MK\n";
+
+#[test]
+fn a_row_tags_the_file_of_its_name() {
+    let rows = read(SHEET.as_bytes()).unwrap();
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[0].tag("voltage_v"), Some("1.2"));
+    assert_eq!(rows[0].tag("planned"), Some("P01"));
+    assert_eq!(rows[0].tag("operator"), None);
+    assert_eq!(rows[1].tag("operator"), Some("MK"));
+    assert_eq!(rows[1].said("why"), "said \"so\"");
+    assert!(rows.iter().all(|row| row.tag("drive").is_none()));
+    let sheets = RunSheets {
+        sheets: vec![RunSheet {
+            path: "runs/a.run-sheet.csv".to_owned(),
+            rows,
+        }],
+        ..RunSheets::default()
+    };
+    let tags = sheets.tags_of("P02-S1-air-2500mV");
+    assert!(tags.iter().all(|tag| tag.source == TagSource::RunSheet));
+    assert_eq!(tags[0].detail, "runs/a.run-sheet.csv, P02");
+    assert!(sheets.tags_of("P02").is_empty());
+}
+
+#[test]
+fn what_a_spreadsheet_saves_is_read() {
+    let text = "\u{feff}Planned;File;voltage_v;drive\r\nP01;a;1,25;hold\r\n;;;\r\n";
+    let rows = read(text.as_bytes()).unwrap();
+    assert_eq!(rows.len(), 1);
+    assert_eq!(rows[0].tag("voltage_v"), Some("1.25"));
+    let wide: Vec<u8> = "planned\tfile\nP01\ta\n"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    assert_eq!(
+        read(&[&[0xff, 0xfe], wide.as_slice()].concat()).unwrap()[0].file,
+        "a"
+    );
+}
+
+#[test]
+fn a_fault_has_its_place_and_its_mend() {
+    for (text, place, found) in [
+        ("file,sample\na,S1\n", "line 1", "planned and file"),
+        ("planned,file\nP01,\n", "line 2, column file", "empty"),
+        ("planned,file\nP01,a\nP02,a\n", "line 3", "on line 2 already"),
+        ("planned,file\nP01,a\nP01,b\n", "line 3", "the planned id"),
+        (
+            "planned,file\nP01,runs/a\n",
+            "line 2, column file",
+            "no name of a file",
+        ),
+        (
+            "planned,file,voltage_v\nP01,a,two\n",
+            "line 2, column voltage_v",
+            "no number",
+        ),
+        (
+            "planned,file,voltage_v\nP01,a,1,2\n",
+            "line 2",
+            "beyond the 3 columns",
+        ),
+        ("planned,file,file\nP01,a,b\n", "line 1", "stands twice"),
+        ("planned,file,why\nP01,a,\"cut o", "", "never closed"),
+    ] {
+        let issue = read(text.as_bytes()).unwrap_err();
+        assert_eq!(
+            (issue.code.as_str(), issue.place.as_str()),
+            (IS_DAMAGED, place),
+            "{text}"
+        );
+        assert!(
+            issue.message.contains(found) && !issue.mend.is_empty(),
+            "{issue:?}"
+        );
+    }
+}
+
+#[test]
+fn sheets_are_told_by_name_or_columns() {
+    assert!(is_sheet("run-sheet.csv", b""));
+    assert!(is_sheet("2026-11.RUN-SHEET.csv", b"\0"));
+    assert!(is_sheet("next.csv", SHEET.as_bytes()));
+    assert!(!is_sheet("next.dta", SHEET.as_bytes()));
+    assert!(!is_sheet("a.csv", b"time_s,current_a\n0,1\n"));
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_a_sheet_or_are_refused(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        if let Err(issue) = read(&bytes) {
+            prop_assert_eq!(issue.code, IS_DAMAGED);
+        }
+    }
+
+    #[test]
+    fn damage_to_a_sheet_never_gives_a_number_that_is_none(at in 0..SHEET.len(), byte in any::<u8>()) {
+        let mut bytes = SHEET.as_bytes().to_vec();
+        bytes[at] = byte;
+        if let Ok(rows) = read(&bytes) {
+            for row in rows {
+                prop_assert!(!row.planned.is_empty() && !row.file.is_empty());
+                if let Some(volts) = row.tag("voltage_v") {
+                    prop_assert!(volts.parse::<f64>().unwrap().is_finite());
+                }
+            }
+        }
+    }
+}
