@@ -7,6 +7,7 @@ pub mod input;
 pub mod number;
 pub mod pages;
 pub mod prints;
+pub mod run_index;
 pub mod site;
 pub mod slug;
 pub mod tables;

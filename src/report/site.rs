@@ -8,8 +8,10 @@ use serde_json::{Map, Value, json};
 use tera::Tera;
 
 use super::error::ReportError;
+use super::figures::svg::dot_markers;
 use super::input::Input;
 use super::pages::{Content, FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, finding_content, run_content};
+use super::run_index::{self, run_index};
 use super::slug::slugs;
 use super::visible::write_escaped;
 use crate::analysis::dma::table::modulus_table;
@@ -51,6 +53,11 @@ impl<'a> Site<'a> {
     /// Address of a run's page, relative to the site's root.
     pub fn run_href(&self, run: usize) -> String {
         format!("runs/{}.html", self.slugs[run])
+    }
+
+    /// Name of a run's page, without folder and ending.
+    pub fn run_slug(&self, run: usize) -> &str {
+        &self.slugs[run]
     }
 
     /// Address of a group's page, relative to the site's root.
@@ -104,6 +111,8 @@ pub fn render(
     let groups = input.findings.groups.len();
     let total = pages.len() + groups + input.runs.len();
     let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
+    bytes += write(&out_dir.join("site.js"), SCRIPT)?;
+    bytes += write(&out_dir.join(run_index::FILE), &run_index(&site))?;
     for (done, page) in pages.iter().enumerate() {
         let html = filled(&templates, &site, page.file, page.title, (page.content)(&site)?)?;
         bytes += write(&out_dir.join(page.file), &html)?;
@@ -138,6 +147,7 @@ pub fn render(
 /// Pages that lie in a folder of their own.
 const BELOW: [&str; 2] = ["run.html", "finding.html"];
 const STYLE: &str = include_str!("../../templates/style.css");
+const SCRIPT: &str = include_str!("../../templates/site.js");
 const LAYOUT: &str = include_str!("../../templates/layout.html");
 
 /// All templates with the escaping of [`write_escaped`].
@@ -206,6 +216,7 @@ fn filled(
         .filter(|page| (page.is_shown)(site.input))
         .map(|page| json!({ "href": page.file, "title": page.title, "current": page.file == file }))
         .collect();
+    let dots = dot_markers(content.figures.values());
     let figures: Map<String, Value> = content
         .figures
         .into_iter()
@@ -220,6 +231,7 @@ fn filled(
         "notice": campaign.notice,
         "nav": nav,
         "origin": { "program": site.input.origin.program, "database": site.input.origin.database },
+        "dots": dots,
         "figures": figures,
         "page": content.context,
     });

@@ -48,7 +48,7 @@ fn text_and_lines_are_right_for_paper_at_any_width() {
                     Shape::Stroke { width, .. } | Shape::Ring { width, .. } => {
                         assert!(points(f64::from(*width)) >= 0.5, "{}: {width}", figure.name);
                     }
-                    Shape::Dot { .. } | Shape::Fill { .. } => {}
+                    Shape::Dot { .. } | Shape::Fill { .. } | Shape::Open(_) | Shape::Close => {}
                 }
             }
         }

@@ -9,6 +9,10 @@ pub enum Scale {
     Linear,
     /// Proportional to the logarithm; numbers must be positive.
     Log,
+    /// Proportional, of seconds since 1970 UTC.
+    Calendar,
+    /// Places of names: a position is no number.
+    Names,
 }
 
 /// A mark on an axis: its position on the scale and its text (empty for a minor tick).
@@ -33,6 +37,8 @@ pub struct Axis {
     pub ticks: Vec<Tick>,
     /// Quantity with its unit.
     pub title: String,
+    /// Number as the title's unit shows it, over the number of a position; on a log axis both are the same.
+    pub shown_factor: f64,
 }
 
 impl Axis {
@@ -51,6 +57,7 @@ impl Axis {
             high,
             ticks: linear_ticks(low, high, step, prefix),
             title: titled(quantity, &format!("{}{}", prefix.symbol, shown_unit(unit))),
+            shown_factor: prefix.factor,
         }
     }
 
@@ -65,6 +72,7 @@ impl Axis {
             high,
             ticks: linear_ticks(low, high, step, si_prefix(1.0)),
             title: titled(quantity, shown_unit(unit)),
+            shown_factor: 1.0,
         }
     }
 
@@ -77,13 +85,14 @@ impl Axis {
             high,
             ticks: log_ticks(low, high),
             title: titled(quantity, shown_unit(unit)),
+            shown_factor: 1.0,
         }
     }
 
     /// Position of a number on the scale.
     pub fn position(&self, number: f64) -> f64 {
         match self.scale {
-            Scale::Linear => number,
+            Scale::Linear | Scale::Calendar | Scale::Names => number,
             Scale::Log => number.log10(),
         }
     }

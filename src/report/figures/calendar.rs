@@ -40,7 +40,7 @@ pub fn calendar_axis(low_s: f64, high_s: f64, wanted: usize) -> Axis {
     };
     let from = moment(low_s).map_or_else(String::new, |low| low.strftime(from).to_string());
     Axis {
-        scale: Scale::Linear,
+        scale: Scale::Calendar,
         low: low_s,
         high: high_s,
         ticks: ticks(low_s, high_s, *step, format),
@@ -48,6 +48,7 @@ pub fn calendar_axis(low_s: f64, high_s: f64, wanted: usize) -> Axis {
             true => "Time (UTC)".to_owned(),
             false => format!("Time (UTC), from {from}"),
         },
+        shown_factor: 1.0,
     }
 }
 

@@ -11,6 +11,8 @@ use plotters_backend::{
     FontTransform,
 };
 
+use super::group::Group;
+
 /// Canvas units per pixel.
 pub const TENTHS: i32 = 10;
 
@@ -148,6 +150,10 @@ pub enum Shape {
     },
     /// One line of text.
     Text(Label),
+    /// The shapes up to its [`Shape::Close`], or of a panel up to the next panel, belong together. Nothing is seen of it.
+    Open(Group),
+    /// Ends the innermost group that is no panel.
+    Close,
 }
 
 /// One line of text.
@@ -204,7 +210,7 @@ where
 
 /// The backend.
 pub struct Canvas<'a> {
-    shapes: &'a mut Vec<Shape>,
+    pub(super) shapes: &'a mut Vec<Shape>,
     size: (u32, u32),
 }
 
@@ -318,27 +324,7 @@ impl DrawingBackend for Canvas<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plotters::prelude::{Circle, EmptyElement, PathElement, Text};
-    use plotters::style::Color;
-
-    #[test]
-    fn dots_join_into_one_path_and_lines_are_relative() {
-        let drawn = svg("f", (10, 10), "t", "d", |area| {
-            for x in [10, 20, 30] {
-                area.draw(&Circle::new((x, 50), 8, Ink::Blue.color().filled()))
-                    .map_err(|error| error.to_string())?;
-            }
-            area.draw(&PathElement::new(
-                [(0, 5), (7, 2), (7, 2), (9, 9)],
-                Ink::Text.color(),
-            ))
-            .map_err(|error| error.to_string())
-        })
-        .unwrap();
-        assert_eq!(drawn.matches("<path").count(), 2, "{drawn}");
-        assert!(drawn.contains("d=\"M10 50h0m10 0h0m10 0h0\""), "{drawn}");
-        assert!(drawn.contains("d=\"M0 5l7-3 2 7\""), "{drawn}");
-    }
+    use plotters::prelude::{EmptyElement, Text};
 
     #[test]
     fn text_of_files_is_text_in_figures() {

@@ -7,7 +7,9 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::axis::Axis;
 use super::calendar::calendar_axis;
 use super::canvas::{Ink, TENTHS, svg};
-use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
+use super::group::series;
+use super::panel::{Chart, Margins, TICK_SIZE, label, panel, pixels, text_style};
+use super::thin;
 use crate::domain::{ClimateCurve, ClimateQuantity};
 
 /// Width of the figure of one run, px.
@@ -68,13 +70,20 @@ pub fn around_run(
             };
             let y = value_axis(curve.quantity, curve.values.iter().copied());
             let mut chart = panel(&own, margins(is_last), &x, &y, is_last)?;
-            let shade = Rectangle::new(
-                [(0.0, y.low), (length_s / factor, y.high)],
-                Ink::Sky.color().mix(0.18).filled(),
-            );
-            chart.draw_series([shade]).map_err(|error| error.to_string())?;
+            series(&mut chart, "", |chart| {
+                let shade = Rectangle::new(
+                    [(0.0, y.low), (length_s / factor, y.high)],
+                    Ink::Sky.color().mix(0.18).filled(),
+                );
+                chart
+                    .draw_series([shade])
+                    .map(|_| ())
+                    .map_err(|error| error.to_string())
+            })?;
             let time: Vec<f64> = curve.time_s.iter().map(|t| t / factor).collect();
-            lines(&mut chart, &time, &curve.values, Ink::SERIES[at % 2])?;
+            series(&mut chart, &curve.sensor, |chart| {
+                lines(chart, &time, &curve.values, Ink::SERIES[at % 2])
+            })?;
             let name = text_style(Ink::Muted, TICK_SIZE, HPos::Right, VPos::Top);
             label(
                 &mut chart,
@@ -92,6 +101,8 @@ pub fn around_run(
 /// A sensor's thinned readings in an overview.
 #[derive(Debug, Clone, Copy)]
 pub struct Drawn<'a> {
+    /// Name of the sensor.
+    pub name: &'a str,
     /// Time of each reading, s since 1970 UTC.
     pub times_s: &'a [f64],
     /// Readings.
@@ -132,19 +143,27 @@ pub fn overview(
         |area| {
             let mut chart = panel(area, margins(true), &x, &y, true)?;
             let height = 0.03 * (y.high - y.low);
-            for &(from, to) in runs.iter().filter(|(from, to)| *to >= x.low && *from <= x.high) {
+            let within = runs.iter().filter(|(from, to)| *to >= x.low && *from <= x.high);
+            let marks = within.map(|&(from, to)| {
                 let width = (to - from).max(0.0015 * (x.high - x.low));
                 let right = (from.max(x.low) + width).min(x.high);
-                let mark = Rectangle::new(
+                Rectangle::new(
                     [(from.max(x.low), y.low), (right, y.low + height)],
                     Ink::Text.color().filled(),
-                );
-                chart.draw_series([mark]).map_err(|error| error.to_string())?;
-            }
+                )
+            });
+            series(&mut chart, "", |chart| {
+                chart
+                    .draw_series(marks)
+                    .map(|_| ())
+                    .map_err(|error| error.to_string())
+            })?;
             // The last drawn lies on top: the coloured ones over the grey ones.
             for sensor in sensors.iter().rev() {
                 let ink = Ink::SERIES.get(sensor.style).copied().unwrap_or(Ink::Muted);
-                lines(&mut chart, sensor.times_s, sensor.values, ink)?;
+                series(&mut chart, sensor.name, |chart| {
+                    lines(chart, sensor.times_s, sensor.values, ink)
+                })?;
             }
             Ok(())
         },
@@ -178,6 +197,7 @@ fn lines(chart: &mut Chart, times: &[f64], values: &[f64], ink: Ink) -> Result<(
         }
         let points: Vec<(f64, f64)> = (start..at).map(|k| (times[k], values[k])).collect();
         if !points.is_empty() {
+            let points = thin::dots(&points, pixels(chart));
             let line = PathElement::new(points, ink.color().stroke_width(13));
             chart.draw_series([line]).map_err(|error| error.to_string())?;
         }
@@ -242,6 +262,7 @@ mod tests {
             .collect();
         let values = vec![40.0; 200];
         let sensor = Drawn {
+            name: "a",
             times_s: &times,
             values: &values,
             style: 0,
@@ -255,7 +276,8 @@ mod tests {
             "d",
         );
         let drawn = drawn.unwrap().unwrap();
-        assert_eq!(drawn.matches("s k-1").count(), 2);
+        let line = drawn.split("s k-1").nth(1).unwrap().split("/>").next().unwrap();
+        assert_eq!(line.matches('M').count(), 2, "{line}");
         assert!(drawn.contains("Time (UTC)"));
         assert_eq!(
             overview("o", ClimateQuantity::Temperature, &[], &[], "t", "d").unwrap(),

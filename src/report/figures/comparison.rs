@@ -4,8 +4,9 @@ use plotters::element::{Circle, PathElement};
 use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{Color, ShapeStyle};
 
-use super::axis::Axis;
+use super::axis::{Axis, Scale};
 use super::canvas::{Area, Ink, TENTHS, svg};
+use super::group::series;
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
 use crate::domain::Estimate;
 
@@ -58,6 +59,7 @@ pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), Stri
     let slots: usize = groups.iter().map(|group| group.slots.len()).sum();
     let width = slots as f64 + GAP * groups.len().saturating_sub(1) as f64;
     let x = Axis {
+        scale: Scale::Names,
         title: String::new(),
         ticks: vec![],
         ..Axis::linear(-0.5, width - 0.5, "", "", 2)
@@ -75,7 +77,10 @@ pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), Stri
     )?;
     let mut left = 0.0;
     for group in groups {
-        draw_group(&mut chart, y, group, left, pixels_per_slot)?;
+        draw_names(&mut chart, y, group, left, pixels_per_slot)?;
+        series(&mut chart, &group.label, |chart| {
+            draw_estimates(chart, y, group, left)
+        })?;
         left += group.slots.len() as f64 + GAP;
     }
     Ok(())
@@ -84,7 +89,20 @@ pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), Stri
 /// Room between two groups, in slots.
 const GAP: f64 = 0.6;
 
-fn draw_group(
+/// The values of a group, repeats of a condition side by side.
+fn draw_estimates(chart: &mut Chart, y: &Axis, group: &Group, left: f64) -> Result<(), String> {
+    for (index, slot) in group.slots.iter().enumerate() {
+        let n = slot.estimates.len() as f64;
+        for (repeat, estimate) in slot.estimates.iter().enumerate() {
+            let beside = (repeat as f64 - 0.5 * (n - 1.0)) * (0.7 / n).min(0.22);
+            draw_estimate(chart, y, left + index as f64 + beside, estimate, group.style)?;
+        }
+    }
+    Ok(())
+}
+
+/// Voltages and surroundings under a group.
+fn draw_names(
     chart: &mut Chart,
     y: &Axis,
     group: &Group,
@@ -105,11 +123,6 @@ fn draw_group(
         let at = left + index as f64;
         if index % every == 0 {
             label(chart, (at, y.low), (0, 7), &slot.label, &tick)?;
-        }
-        let n = slot.estimates.len() as f64;
-        for (repeat, estimate) in slot.estimates.iter().enumerate() {
-            let beside = (repeat as f64 - 0.5 * (n - 1.0)) * (0.7 / n).min(0.22);
-            draw_estimate(chart, y, at + beside, estimate, group.style)?;
         }
     }
     let count = group.slots.len() as f64;
@@ -283,7 +296,8 @@ mod tests {
         let y = Axis::log(1e-5, 1e-2, "λ", "s⁻¹");
         let empty = drawn(vec![], &y);
         let bound = drawn(vec![Estimate::below(1e-4, "r")], &y);
-        assert_eq!(bound.matches("<path").count(), empty.matches("<path").count() + 3);
+        // A bar, a shaft and a tip.
+        assert_eq!(bound.matches('M').count(), empty.matches('M').count() + 3);
         let gap = drawn(vec![Estimate::not_determined("r")], &y);
         assert!(gap.contains(">–</text>") && !empty.contains(">–</text>"));
     }

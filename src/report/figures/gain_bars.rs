@@ -104,11 +104,12 @@ fn rows(candidates: &[&Candidate]) -> Axis {
         label: candidate.effect.clone(),
     };
     Axis {
-        scale: Scale::Linear,
+        scale: Scale::Names,
         low: row_of(candidates.len()) + 0.5,
         high: 0.5,
         ticks: candidates.iter().enumerate().map(tick).collect(),
         title: String::new(),
+        shown_factor: 1.0,
     }
 }
 

@@ -1,11 +1,12 @@
 //! A parameter against a covariate: points with error bars on both axes, samples told apart, and a law with its band.
 
-use plotters::element::{PathElement, Polygon};
+use plotters::element::{Circle, PathElement, Polygon};
 use plotters::style::Color;
 
 use super::axis::Axis;
 use super::canvas::{Ink, svg};
 use super::comparison::{ink, marker};
+use super::group::{Group, grouped, series};
 use super::panel::{Chart, Margins, panel};
 
 /// Size of one panel, px.
@@ -68,60 +69,86 @@ pub fn law_panel(
 ) -> Result<String, String> {
     svg(id, SIZE, title, desc, |area| {
         let mut chart = panel(area, MARGINS, x, y, true)?;
-        let inside = |value: f64| match y.shows(value) {
-            true => y.position(value),
-            false if value > 0.0 && y.position(value) > y.high => y.high,
-            false => y.low,
-        };
-        if beside.law.x.len() > 1 {
-            let at = |k: usize| x.position(beside.law.x[k]);
-            let forth = (0..beside.law.x.len()).map(|k| (at(k), inside(beside.law.band[k].0)));
-            let back = (0..beside.law.x.len())
-                .rev()
-                .map(|k| (at(k), inside(beside.law.band[k].1)));
-            let band = Polygon::new(
-                forth.chain(back).collect::<Vec<_>>(),
-                Ink::Muted.color().mix(0.18).filled(),
-            );
-            chart.draw_series([band]).map_err(|error| error.to_string())?;
-            let curve: Vec<(f64, f64)> = (0..beside.law.x.len())
-                .map(|k| (at(k), inside(beside.law.y[k])))
-                .collect();
-            line(&mut chart, curve, Ink::Text, 14)?;
+        series(&mut chart, "", |chart| draw_beside(chart, x, y, beside))?;
+        let styles = marks.iter().map(|mark| mark.style + 1).max().unwrap_or(0);
+        for style in 0..styles {
+            let own: Vec<&Mark> = marks.iter().filter(|mark| mark.style == style).collect();
+            draw_marks(&mut chart, (x, y), &own, style)?;
         }
-        for &limit in beside.limits.iter().filter(|limit| y.shows(**limit)) {
-            line(
-                &mut chart,
-                vec![(x.low, y.position(limit)), (x.high, y.position(limit))],
-                Ink::Vermillion,
-                12,
-            )?;
-        }
-        for &change in beside.changes.iter().filter(|change| x.shows(**change)) {
-            line(
-                &mut chart,
-                vec![(x.position(change), y.low), (x.position(change), y.high)],
-                Ink::Muted,
-                10,
-            )?;
-        }
+        Ok(())
+    })
+}
+
+/// Position on the vertical axis, brought to its ends.
+fn inside(y: &Axis, value: f64) -> f64 {
+    match y.shows(value) {
+        true => y.position(value),
+        false if value > 0.0 && y.position(value) > y.high => y.high,
+        false => y.low,
+    }
+}
+
+/// The law with its band, limits and changes.
+fn draw_beside(chart: &mut Chart, x: &Axis, y: &Axis, beside: &Beside) -> Result<(), String> {
+    if beside.law.x.len() > 1 {
+        let at = |k: usize| x.position(beside.law.x[k]);
+        let forth = (0..beside.law.x.len()).map(|k| (at(k), inside(y, beside.law.band[k].0)));
+        let back = (0..beside.law.x.len())
+            .rev()
+            .map(|k| (at(k), inside(y, beside.law.band[k].1)));
+        let band = Polygon::new(
+            forth.chain(back).collect::<Vec<_>>(),
+            Ink::Muted.color().mix(0.18).filled(),
+        );
+        chart.draw_series([band]).map_err(|error| error.to_string())?;
+        let curve: Vec<(f64, f64)> = (0..beside.law.x.len())
+            .map(|k| (at(k), inside(y, beside.law.y[k])))
+            .collect();
+        line(chart, curve, Ink::Text, 14)?;
+    }
+    for &limit in beside.limits.iter().filter(|limit| y.shows(**limit)) {
+        let across = vec![(x.low, y.position(limit)), (x.high, y.position(limit))];
+        line(chart, across, Ink::Vermillion, 12)?;
+    }
+    for &change in beside.changes.iter().filter(|change| x.shows(**change)) {
+        let up = vec![(x.position(change), y.low), (x.position(change), y.high)];
+        line(chart, up, Ink::Muted, 10)?;
+    }
+    Ok(())
+}
+
+/// The marks of one sample over their bars.
+fn draw_marks(
+    chart: &mut Chart,
+    (x, y): (&Axis, &Axis),
+    marks: &[&Mark],
+    style: usize,
+) -> Result<(), String> {
+    let group = Group::Series {
+        name: if marks.is_empty() { "" } else { "Value" }.to_owned(),
+        runs: Vec::new(),
+        form: style,
+    };
+    let color = ink(style);
+    grouped(chart, group, |chart| {
         for mark in marks {
-            let (across, up) = (x.position(mark.x), inside(mark.y));
-            let color = ink(mark.style);
-            line(
-                &mut chart,
-                vec![(across, inside(mark.bar.0)), (across, inside(mark.bar.1))],
-                color,
-                10,
-            )?;
+            let (across, up) = (x.position(mark.x), inside(y, mark.y));
+            let bar = vec![(across, inside(y, mark.bar.0)), (across, inside(y, mark.bar.1))];
+            line(chart, bar, color, 10)?;
             if mark.x_error > 0.0 {
                 let ends = [mark.x - mark.x_error, mark.x + mark.x_error]
                     .map(|end| x.position(end).clamp(x.low, x.high));
-                line(&mut chart, vec![(ends[0], up), (ends[1], up)], color, 10)?;
+                line(chart, vec![(ends[0], up), (ends[1], up)], color, 10)?;
             }
-            marker(&mut chart, (across, up), mark.style, y.shows(mark.y))?;
         }
-        Ok(())
+        let (within, beyond): (Vec<&&Mark>, Vec<&&Mark>) = marks.iter().partition(|mark| y.shows(mark.y));
+        let dots = within.iter().map(|mark| {
+            let at = (x.position(mark.x), y.position(mark.y));
+            Circle::new(at, 36, color.color().filled())
+        });
+        chart.draw_series(dots).map_err(|error| error.to_string())?;
+        let mut beyond = beyond.into_iter();
+        beyond.try_for_each(|mark| marker(chart, (x.position(mark.x), inside(y, mark.y)), style, false))
     })
 }
 
@@ -160,7 +187,9 @@ mod tests {
         };
         let drawn = law_panel("p", (&x, &y), &[mark], &beside, "t", "d").unwrap();
         assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");
-        assert_eq!(drawn.matches("s k-2").count(), 3, "{drawn}");
+        // The limit; both bars in one path; the mark with the form of its sample.
+        assert_eq!(drawn.matches("s k-2").count(), 2, "{drawn}");
+        assert_eq!(drawn.matches("url(#dot-k-2-1)").count(), 1, "{drawn}");
         assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
     }
 }

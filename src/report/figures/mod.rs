@@ -6,6 +6,7 @@ pub mod canvas;
 pub mod climate;
 pub mod comparison;
 pub mod gain_bars;
+pub mod group;
 pub mod law;
 pub mod modulus;
 pub mod panel;
@@ -13,5 +14,6 @@ pub mod profile;
 pub mod residual;
 pub mod response;
 pub mod svg;
+pub mod thin;
 
 pub use canvas::{Ink, svg};

@@ -9,7 +9,9 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::axis::Axis;
 use super::canvas::{Area, Drawing, Ink, TENTHS, drawing, svg};
 use super::comparison::{ink, marker};
-use super::panel::{Chart, Margins, TICK_SIZE, label, panel, text_style};
+use super::group::series;
+use super::panel::{Chart, Margins, TICK_SIZE, label, panel, pixels, text_style};
+use super::thin;
 use crate::domain::{Quantity, RunCurve};
 
 /// Width of a figure, px.
@@ -88,12 +90,12 @@ pub fn normalised_drawing(width: u32, logs: &[NormalisedLog]) -> Result<Drawing,
         let shown = || modulus.iter().flatten().map(|point| point.1);
         let y = value_axis(shown(), "|E*| relative to before", "%");
         if !with_humidity {
-            return draw_lines(&rest, &x, &y, &modulus, true);
+            return draw_lines(&rest, &x, &y, (&modulus, logs), true);
         }
         let (above, below) = rest.split_vertically(FIRST_HEIGHT as i32 * TENTHS);
-        draw_lines(&above, &x, &y, &modulus, false)?;
+        draw_lines(&above, &x, &y, (&modulus, logs), false)?;
         let y = value_axis(humidity.iter().flatten().map(|point| point.1), "RH", "%");
-        draw_lines(&below, &x, &y, &humidity, true)
+        draw_lines(&below, &x, &y, (&humidity, logs), true)
     })
 }
 
@@ -133,16 +135,28 @@ pub fn log_panels(
             let (name, unit) = axis_name(curve.quantity);
             let y = value_axis(all, name, unit);
             let mut chart = panel(&here, margins(is_last), &x, &y, is_last)?;
-            for step in steps_s.iter().map(|&t| minutes(t)).filter(|&t| x.shows(t)) {
-                draw_line(&mut chart, &[(step, y.low), (step, y.high)], Ink::Muted, 8)?;
-            }
-            let dots = points(curve, minutes, |v| v);
-            let style = Ink::Text.color().mix(0.6).filled();
-            chart
-                .draw_series(dots.into_iter().map(|point| Circle::new(point, 9, style)))
-                .map_err(|error| error.to_string())?;
-            for stretch in fitted_stretches(curve, minutes) {
-                draw_line(&mut chart, &stretch, Ink::Vermillion, 16)?;
+            series(&mut chart, "", |chart| {
+                let steps = steps_s.iter().map(|&t| minutes(t)).filter(|&t| x.shows(t));
+                steps
+                    .map(|step| [(step, y.low), (step, y.high)])
+                    .try_for_each(|line| draw_line(chart, &line, Ink::Muted, 8))
+            })?;
+            let dots = thin::dots(&points(curve, minutes, |v| v), pixels(&chart));
+            series(&mut chart, "Readings", |chart| {
+                let style = Ink::Text.color().mix(0.6).filled();
+                chart
+                    .draw_series(dots.into_iter().map(|point| Circle::new(point, 9, style)))
+                    .map(|_| ())
+                    .map_err(|error| error.to_string())
+            })?;
+            let stretches = fitted_stretches(curve, minutes);
+            if !stretches.is_empty() {
+                series(&mut chart, "Fit", |chart| {
+                    stretches.iter().try_for_each(|stretch| {
+                        let corners = thin::line(stretch, pixels(chart));
+                        draw_line(chart, &corners, Ink::Vermillion, 16)
+                    })
+                })?;
             }
         }
         Ok(())
@@ -191,18 +205,24 @@ fn draw_lines(
     area: &Area,
     x: &Axis,
     y: &Axis,
-    lines: &[Vec<(f64, f64)>],
+    (lines, logs): (&[Vec<(f64, f64)>], &[NormalisedLog]),
     x_labels: bool,
 ) -> Result<(), String> {
     let mut chart = panel(area, margins(x_labels), x, y, x_labels)?;
-    for (style, line) in lines.iter().enumerate() {
-        draw_line(&mut chart, line, ink(style), 14)?;
+    for (style, (line, log)) in lines.iter().zip(logs).enumerate() {
         // Each line has its markers at other places, so that they do not hide each other.
         let spacing = (line.len() / MARKERS).max(1);
         let offset = spacing * (style + 1) / (lines.len() + 1);
-        for &point in line.iter().skip(offset).step_by(spacing) {
-            marker(&mut chart, point, style, true)?;
-        }
+        let thinned = thin::dots(line, pixels(&chart));
+        series(&mut chart, &log.name, |chart| {
+            draw_line(chart, &thinned, ink(style), 14)
+        })?;
+        series(&mut chart, "", |chart| {
+            let marked = line.iter().skip(offset).step_by(spacing);
+            marked
+                .copied()
+                .try_for_each(|point| marker(chart, point, style, true))
+        })?;
     }
     Ok(())
 }

@@ -9,6 +9,8 @@ use plotters::style::{Color, FontTransform};
 
 use super::axis::Axis;
 use super::canvas::{Area, Canvas, Ink, TENTHS};
+use super::group::{Group, grouped, open_panel};
+use super::thin::Pixels;
 
 /// Size of tick labels, px.
 pub const TICK_SIZE: i32 = 11;
@@ -58,49 +60,19 @@ pub fn panel<'a, 'b>(
         .margin_bottom(tenths(margins.bottom))
         .build_cartesian_2d(x.low..x.high, y.low..y.high)
         .map_err(|error| error.to_string())?;
-    let line = |chart: &mut Chart<'a, 'b>, points: Vec<(f64, f64)>, ink: Ink, width: u32| {
-        let path = PathElement::new(points, ink.color().stroke_width(width));
-        chart
-            .draw_series([path])
-            .map(|_| ())
-            .map_err(|error| error.to_string())
-    };
-    for tick in &y.ticks {
-        line(
-            &mut chart,
-            vec![(x.low, tick.at), (x.high, tick.at)],
-            Ink::Grid,
-            10,
-        )?;
-    }
-    line(&mut chart, vec![(x.low, y.low), (x.high, y.low)], Ink::Muted, 10)?;
-    let label_right = text_style(Ink::Muted, TICK_SIZE, HPos::Right, VPos::Center);
-    for tick in y.ticks.iter().filter(|tick| !tick.label.is_empty()) {
-        label(&mut chart, (x.low, tick.at), (-6, 0), &tick.label, &label_right)?;
-    }
-    let below = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
-    for tick in &x.ticks {
-        let mark = EmptyElement::at((tick.at, y.low))
-            + PathElement::new([(0, 0), (0, 4 * TENTHS)], Ink::Muted.color().stroke_width(10));
-        chart.draw_series([mark]).map_err(|error| error.to_string())?;
-        if x_labels {
-            label(&mut chart, (tick.at, y.low), (0, 7), &tick.label, &below)?;
-        }
-    }
+    open_panel(&mut chart, x, y)?;
+    grouped(&mut chart, Group::Axes, |chart| axes(chart, x, y, x_labels))?;
     let middle_y = 0.5 * (y.low + y.high);
     let rotated = ("sans-serif", TITLE_SIZE * TENTHS)
         .into_font()
         .transform(FontTransform::Rotate270)
         .color(&Ink::Text.color())
         .pos(Pos::new(HPos::Center, VPos::Top));
-    label(
-        &mut chart,
-        (x.low, middle_y),
-        (-(margins.left as i32) + 2, 0),
-        &y.title,
-        &rotated,
-    )?;
-    if x_labels {
+    if !y.title.is_empty() {
+        let left = -(margins.left as i32) + 2;
+        label(&mut chart, (x.low, middle_y), (left, 0), &y.title, &rotated)?;
+    }
+    if x_labels && !x.title.is_empty() {
         let title = text_style(Ink::Text, TITLE_SIZE, HPos::Center, VPos::Top);
         label(
             &mut chart,
@@ -111,6 +83,44 @@ pub fn panel<'a, 'b>(
         )?;
     }
     Ok(chart)
+}
+
+/// Grid lines, the line at the bottom, tick marks and tick labels.
+fn axes(chart: &mut Chart, x: &Axis, y: &Axis, x_labels: bool) -> Result<(), String> {
+    let grid = y.ticks.iter().map(|tick| {
+        let across = vec![(x.low, tick.at), (x.high, tick.at)];
+        PathElement::new(across, Ink::Grid.color().stroke_width(10))
+    });
+    chart.draw_series(grid).map_err(|error| error.to_string())?;
+    let bottom = vec![(x.low, y.low), (x.high, y.low)];
+    let muted = Ink::Muted.color().stroke_width(10);
+    chart
+        .draw_series([PathElement::new(bottom, muted)])
+        .map_err(|error| error.to_string())?;
+    let marks = x
+        .ticks
+        .iter()
+        .map(|tick| EmptyElement::at((tick.at, y.low)) + PathElement::new([(0, 0), (0, 4 * TENTHS)], muted));
+    chart.draw_series(marks).map_err(|error| error.to_string())?;
+    let right = text_style(Ink::Muted, TICK_SIZE, HPos::Right, VPos::Center);
+    for tick in y.ticks.iter().filter(|tick| !tick.label.is_empty()) {
+        label(chart, (x.low, tick.at), (-6, 0), &tick.label, &right)?;
+    }
+    let below = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
+    for tick in x.ticks.iter().filter(|tick| x_labels && !tick.label.is_empty()) {
+        label(chart, (tick.at, y.low), (0, 7), &tick.label, &below)?;
+    }
+    Ok(())
+}
+
+/// Pixels per unit of the positions in `chart`.
+pub fn pixels(chart: &Chart) -> Pixels {
+    let (width, height) = chart.plotting_area().dim_in_pixel();
+    let (across, up) = (chart.x_range(), chart.y_range());
+    Pixels {
+        across: f64::from(width) / f64::from(TENTHS) / (across.end - across.start),
+        up: f64::from(height) / f64::from(TENTHS) / (up.end - up.start),
+    }
 }
 
 /// Writes `text` at a position, moved by `shift` px (right, down).

@@ -7,6 +7,7 @@ use plotters::style::Color;
 
 use super::axis::Axis;
 use super::canvas::{Ink, svg};
+use super::group::series;
 use super::panel::{Margins, panel};
 
 const WIDTH: u32 = 420;
@@ -54,22 +55,25 @@ pub fn profile(
             bottom: 42,
         };
         let mut chart = panel(area, margins, &x, &y, true)?;
-        let failed = |error: &dyn std::fmt::Display| error.to_string();
-        let level = [(x.low, BOUND), (x.high, BOUND)];
-        chart
-            .draw_series([PathElement::new(level, Ink::Vermillion.color().stroke_width(10))])
-            .map_err(|error| failed(&error))?;
-        chart
-            .draw_series(LineSeries::new(
-                points.clone(),
-                Ink::Blue.color().stroke_width(16),
-            ))
-            .map_err(|error| failed(&error))?;
-        let style = Ink::Blue.color().filled();
-        chart
-            .draw_series(points.iter().map(|point| Circle::new(*point, 22, style)))
-            .map_err(|error| failed(&error))?;
-        Ok(())
+        series(&mut chart, "", |chart| {
+            let level = [(x.low, BOUND), (x.high, BOUND)];
+            chart
+                .draw_series([PathElement::new(level, Ink::Vermillion.color().stroke_width(10))])
+                .map(|_| ())
+                .map_err(|error| error.to_string())?;
+            let line = LineSeries::new(points.clone(), Ink::Blue.color().stroke_width(16));
+            chart
+                .draw_series(line)
+                .map(|_| ())
+                .map_err(|error| error.to_string())
+        })?;
+        series(&mut chart, "Rise", |chart| {
+            let style = Ink::Blue.color().filled();
+            chart
+                .draw_series(points.iter().map(|point| Circle::new(*point, 22, style)))
+                .map(|_| ())
+                .map_err(|error| error.to_string())
+        })
     })?;
     Ok(Some(drawn))
 }

@@ -7,7 +7,9 @@ use plotters::style::Color;
 
 use super::axis::Axis;
 use super::canvas::{Area, Ink, TENTHS, svg};
-use super::panel::{Chart, Margins, panel};
+use super::group::series;
+use super::panel::{Chart, Margins, panel, pixels};
+use super::thin;
 use crate::domain::ResidualCurve;
 
 /// Width of each half, px.
@@ -100,7 +102,29 @@ impl Half<'_> {
             bottom: 42,
         };
         let mut chart = panel(area, margins, self.x, self.y, true)?;
-        let failed = |error: &dyn std::fmt::Display| error.to_string();
+        series(&mut chart, "", |chart| self.band(chart))?;
+        let before = thin::dots(&self.points(&self.curve.before_sigma, shown), pixels(&chart));
+        series(&mut chart, "Base model", |chart| {
+            let style = Ink::Vermillion.color().filled();
+            chart
+                .draw_series(before.into_iter().map(|point| Circle::new(point, 15, style)))
+                .map(|_| ())
+                .map_err(|error| error.to_string())
+        })?;
+        if self.curve.after_sigma.is_empty() {
+            return Ok(());
+        }
+        let after = thin::dots(&self.points(&self.curve.after_sigma, shown), pixels(&chart));
+        series(&mut chart, "Extended model", |chart| {
+            chart
+                .draw_series(LineSeries::new(after, Ink::Blue.color().stroke_width(16)))
+                .map(|_| ())
+                .map_err(|error| error.to_string())
+        })
+    }
+
+    /// The band that noise fills, and its middle.
+    fn band(&self, chart: &mut Chart) -> Result<(), String> {
         let (low, high) = (self.x.low, self.x.high);
         let corners = vec![
             (low, -BAND_SIGMA),
@@ -110,37 +134,20 @@ impl Half<'_> {
         ];
         chart
             .draw_series([Polygon::new(corners, Ink::Muted.color().mix(0.16))])
-            .map_err(|error| failed(&error))?;
+            .map_err(|error| error.to_string())?;
         let zero = [(low, 0.0), (high, 0.0)];
         chart
             .draw_series([PathElement::new(zero, Ink::Muted.color().stroke_width(10))])
-            .map_err(|error| failed(&error))?;
-        self.dots(&mut chart, shown)?;
-        if !self.curve.after_sigma.is_empty() {
-            let points = self.points(&self.curve.after_sigma, shown);
-            chart
-                .draw_series(LineSeries::new(points, Ink::Blue.color().stroke_width(16)))
-                .map_err(|error| failed(&error))?;
-        }
-        Ok(())
-    }
-
-    fn dots(&self, chart: &mut Chart, shown: &[usize]) -> Result<(), String> {
-        let style = Ink::Vermillion.color().filled();
-        let dots = self
-            .points(&self.curve.before_sigma, shown)
-            .map(|point| Circle::new(point, 15, style));
-        chart
-            .draw_series(dots)
             .map(|_| ())
             .map_err(|error| error.to_string())
     }
 
-    fn points<'a>(&'a self, sigma: &'a [f64], shown: &'a [usize]) -> impl Iterator<Item = (f64, f64)> + 'a {
+    fn points(&self, sigma: &[f64], shown: &[usize]) -> Vec<(f64, f64)> {
         shown
             .iter()
             .map(|&k| (self.x.position(self.curve.time_s[k]), sigma[k]))
             .filter(|(x, y)| x.is_finite() && y.is_finite())
+            .collect()
     }
 }
 

@@ -12,7 +12,9 @@ use plotters::style::Color;
 
 use super::axis::Axis;
 use super::canvas::{Area, Ink, TENTHS, svg};
-use super::panel::{Chart, Margins, panel};
+use super::group::series;
+use super::panel::{Chart, Margins, panel, pixels};
+use super::thin;
 use crate::domain::RunCurve;
 use crate::report::number::fixed;
 
@@ -93,17 +95,20 @@ impl Drawing<'_> {
         let quantity = curve.quantity;
         let y = Axis::linear(low - margin, high + margin, quantity.label(), quantity.unit(), 5);
         let mut chart = panel(area, margins(x_labels), self.x, &y, x_labels)?;
-        self.dots(&mut chart, &curve.measured, 11, 0.6)?;
-        if curve.fitted.len() == curve.time_s.len() {
-            let points = self
-                .shown
-                .iter()
-                .map(|&index| (self.x_at(index), curve.fitted[index]))
-                .filter(|(_, value)| value.is_finite());
-            let line = LineSeries::new(points, Ink::Vermillion.color().stroke_width(16));
-            chart.draw_series(line).map_err(|error| error.to_string())?;
+        series(&mut chart, "Readings", |chart| {
+            self.dots(chart, &curve.measured, 11, 0.6)
+        })?;
+        if curve.fitted.len() != curve.time_s.len() {
+            return Ok(());
         }
-        Ok(())
+        let points = thin::line(&self.points(&curve.fitted), pixels(&chart));
+        series(&mut chart, "Fit", |chart| {
+            let line = LineSeries::new(points, Ink::Vermillion.color().stroke_width(16));
+            chart
+                .draw_series(line)
+                .map(|_| ())
+                .map_err(|error| error.to_string())
+        })
     }
 
     fn residuals(&self, area: &Area) -> Result<(), String> {
@@ -112,25 +117,31 @@ impl Drawing<'_> {
         let reach = 1.05 * low.abs().max(high.abs()).max(3.0);
         let y = Axis::linear(-reach, reach, "Residual / σ", "", 4);
         let mut chart = panel(area, margins(true), self.x, &y, true)?;
-        let zero = [(self.x.low, 0.0), (self.x.high, 0.0)];
-        chart
-            .draw_series([PathElement::new(zero, Ink::Vermillion.color().stroke_width(10))])
-            .map_err(|error| error.to_string())?;
-        self.dots(&mut chart, residuals, 12, 0.6)
+        series(&mut chart, "", |chart| {
+            let zero = [(self.x.low, 0.0), (self.x.high, 0.0)];
+            chart
+                .draw_series([PathElement::new(zero, Ink::Vermillion.color().stroke_width(10))])
+                .map(|_| ())
+                .map_err(|error| error.to_string())
+        })?;
+        series(&mut chart, "Residuals", |chart| {
+            self.dots(chart, residuals, 12, 0.6)
+        })
     }
 
     fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32, opacity: f64) -> Result<(), String> {
         let style = Ink::Text.color().mix(opacity).filled();
-        let dot = |&index: &usize| Circle::new((self.x_at(index), values[index]), radius, style);
+        let points = thin::dots(&self.points(values), pixels(chart));
         chart
-            .draw_series(
-                self.shown
-                    .iter()
-                    .filter(|&&index| values[index].is_finite())
-                    .map(dot),
-            )
+            .draw_series(points.into_iter().map(|point| Circle::new(point, radius, style)))
             .map(|_| ())
             .map_err(|error| error.to_string())
+    }
+
+    /// Positions of the readings shown, those that are no number left out.
+    fn points(&self, values: &[f64]) -> Vec<(f64, f64)> {
+        let points = self.shown.iter().map(|&index| (self.x_at(index), values[index]));
+        points.filter(|(_, value)| value.is_finite()).collect()
     }
 
     fn x_at(&self, index: usize) -> f64 {
@@ -247,7 +258,7 @@ mod tests {
             },
         ] {
             let drawn = response("c", &curve(450, true), view, "t", "d").unwrap().unwrap();
-            assert!(drawn.len() < 20_000, "{} bytes", drawn.len());
+            assert!(drawn.len() < 8_000, "{} bytes", drawn.len());
         }
     }
 

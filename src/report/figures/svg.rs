@@ -1,22 +1,32 @@
 //! Drawings as SVG in a page.
 //!
 //! Plotters' own SVG backend rounds to whole pixels and writes one element per dot. This writer counts in tenths of a
-//! pixel, joins dots into one path, writes relative coordinates, and names inks by a class, so that the style sheet
-//! can show them in dark mode and in print.
+//! pixel, joins dots, strokes and texts of one kind that follow each other, writes relative coordinates, and names inks
+//! by a class, so that the style sheet can show them in dark mode and in print. Dots are the corners of a path that is
+//! not stroked, with a marker at each: the page holds the markers (see [`dot_markers`]).
 
 use std::fmt::Write as _;
 
 use plotters_backend::text_anchor::HPos;
 use plotters_backend::{BackendColor, BackendCoord};
+use serde::Serialize;
 
+use super::axis::Scale;
 use super::canvas::{Drawing, Ink, Label, Shape, TENTHS};
+use super::group::{Group, Span};
 use crate::report::visible::escaped;
+
+/// Start of the id of a marker; the ink's class and the form follow.
+const MARKER: &str = "dot-";
 
 /// The drawing as an element of a page; `id` must be unique on it.
 pub fn inline(id: &str, drawing: &Drawing, title: &str, desc: &str) -> String {
     let mut body = Body::default();
     drawing.shapes.iter().for_each(|shape| body.add(shape));
-    body.flush_dots();
+    body.flush();
+    if body.in_panel {
+        body.out.push_str("</g>");
+    }
     let (width, height) = drawing.size;
     format!(
         "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\" class=\"figure\" \
@@ -28,130 +38,392 @@ pub fn inline(id: &str, drawing: &Drawing, title: &str, desc: &str) -> String {
     )
 }
 
-/// Dots that wait for others of their kind.
-struct Dots {
-    class: &'static str,
-    radius: u32,
-    opacity: f64,
-    path: String,
-    last: BackendCoord,
+/// Outlines of dots about their middle, for a stroke width of 1: round, square, pointing up, diamond, pointing down.
+pub const FORMS: [&str; 5] = [
+    "M0-.5a.5.5 0 1 0 .01 0z",
+    "M-.45-.45h.9v.9h-.9z",
+    "M0-.6l.58 1.04h-1.16z",
+    "M0-.66l.66.66-.66.66-.66-.66z",
+    "M0 .6l.58-1.04h-1.16z",
+];
+
+/// A marker that a page must hold so that dots are seen.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct DotMarker {
+    /// Id that paths name.
+    pub id: String,
+    /// Class of the ink.
+    pub ink: String,
+    /// Outline.
+    pub outline: &'static str,
+}
+
+/// The markers of these figures.
+pub fn dot_markers<'a>(figures: impl Iterator<Item = &'a String>) -> Vec<DotMarker> {
+    let start = format!("url(#{MARKER}");
+    let named = figures.flat_map(|svg| {
+        svg.split(&start)
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+    });
+    let marker = |name: &str| {
+        let (ink, form) = name.rsplit_once('-')?;
+        Some(DotMarker {
+            id: format!("{MARKER}{name}"),
+            ink: ink.to_owned(),
+            outline: FORMS.get(form.parse::<usize>().ok()?)?,
+        })
+    };
+    let mut markers: Vec<DotMarker> = named.filter_map(marker).collect();
+    markers.sort_unstable();
+    markers.dedup();
+    markers
+}
+
+/// What waits for others of its kind.
+enum Waiting {
+    /// Corners with dots.
+    Dots {
+        color: BackendColor,
+        radius: u32,
+        points: Vec<BackendCoord>,
+    },
+    /// Path data.
+    Strokes {
+        color: BackendColor,
+        width: u32,
+        data: String,
+    },
+    /// Labels; never empty.
+    Texts(Vec<Label>),
 }
 
 /// Elements written so far.
 #[derive(Default)]
 struct Body {
     out: String,
-    dots: Option<Dots>,
+    waiting: Option<Waiting>,
+    in_panel: bool,
+    form: usize,
 }
 
 impl Body {
     fn add(&mut self, shape: &Shape) {
         match shape {
             Shape::Dot { at, radius, color } => self.add_dot(*at, *radius, *color),
-            Shape::Stroke { points, width, color } => self.element(format_args!(
-                "<path class=\"s {}\" stroke-width=\"{width}\"{} d=\"{}\"/>",
-                Ink::class(*color),
-                opacity(color.alpha),
-                path_data(points)
-            )),
-            Shape::Fill { points, color } => self.element(format_args!(
-                "<path class=\"f {}\"{} d=\"{}z\"/>",
-                Ink::class(*color),
-                opacity(color.alpha),
-                path_data(points)
-            )),
+            Shape::Stroke { points, width, color } => self.add_stroke(points, *width, *color),
+            Shape::Fill { points, color } => {
+                self.flush();
+                let _ = write!(
+                    self.out,
+                    "<path class=\"f {}\"{} d=\"{}z\"/>",
+                    Ink::class(*color),
+                    opacity(color.alpha),
+                    path_data(points)
+                );
+            }
             Shape::Ring {
                 at: (x, y),
                 radius,
                 width,
                 color,
-            } => self.element(format_args!(
-                "<circle class=\"s {}\" stroke-width=\"{width}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>",
-                Ink::class(*color),
-            )),
+            } => {
+                self.flush();
+                let _ = write!(
+                    self.out,
+                    "<circle class=\"s {}\" stroke-width=\"{width}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>",
+                    Ink::class(*color),
+                );
+            }
             Shape::Text(label) => self.add_text(label),
+            Shape::Open(group) => self.open(group),
+            Shape::Close => {
+                self.flush();
+                self.form = 0;
+                self.out.push_str("</g>");
+            }
         }
     }
 
-    fn element(&mut self, element: std::fmt::Arguments) {
-        self.flush_dots();
+    fn open(&mut self, group: &Group) {
+        self.flush();
         // Writing to a String cannot fail.
-        let _ = self.out.write_fmt(element);
+        let _ = match group {
+            Group::Panel { frame, x, y } => {
+                let [left, top, right, bottom] = frame;
+                let ends = if self.in_panel { "</g>" } else { "" };
+                self.in_panel = true;
+                write!(
+                    self.out,
+                    "{ends}<g data-f=\"{left} {top} {right} {bottom}\" data-x=\"{}\" data-y=\"{}\">",
+                    span(x),
+                    span(y)
+                )
+            }
+            Group::Axes => write!(self.out, "<g class=\"axes\">"),
+            Group::Series { name, runs, form } => {
+                self.form = form % FORMS.len();
+                let runs = match runs.is_empty() {
+                    true => String::new(),
+                    false => format!(" data-r=\"{}\"", run_list(runs)),
+                };
+                write!(self.out, "<g data-s=\"{}\"{runs}>", escaped(name))
+            }
+        };
+    }
+
+    fn flush(&mut self) {
+        match self.waiting.take() {
+            None => {}
+            Some(Waiting::Dots {
+                color,
+                radius,
+                points,
+            }) => {
+                let class = Ink::class(color);
+                // A path of one corner has no marker without a stretch.
+                let alone = if points.len() == 1 { "h0" } else { "" };
+                let _ = write!(
+                    self.out,
+                    "<path class=\"dots\" style=\"marker:url(#{MARKER}{class}-{})\" stroke-width=\"{}\"{} d=\"{}{alone}\"/>",
+                    self.form,
+                    2 * radius,
+                    opacity(color.alpha),
+                    corners(&points, false)
+                );
+            }
+            Some(Waiting::Strokes { color, width, data }) => {
+                let _ = write!(
+                    self.out,
+                    "<path class=\"s {}\" stroke-width=\"{width}\"{} d=\"{data}\"/>",
+                    Ink::class(color),
+                    opacity(color.alpha),
+                );
+            }
+            Some(Waiting::Texts(labels)) => self.write_texts(&labels),
+        }
+    }
+
+    fn add_stroke(&mut self, points: &[BackendCoord], width: u32, color: BackendColor) {
+        let more = path_data(points);
+        match &mut self.waiting {
+            Some(Waiting::Strokes {
+                color: c,
+                width: w,
+                data,
+            }) if same(*c, color) && *w == width && c.alpha == 1.0 => {
+                data.push_str(&more);
+            }
+            _ => {
+                self.flush();
+                self.waiting = Some(Waiting::Strokes {
+                    color,
+                    width,
+                    data: more,
+                });
+            }
+        }
+    }
+
+    fn add_dot(&mut self, at: BackendCoord, radius: u32, color: BackendColor) {
+        match &mut self.waiting {
+            Some(Waiting::Dots {
+                color: c,
+                radius: r,
+                points,
+            }) if same(*c, color) && *r == radius => points.push(at),
+            _ => {
+                self.flush();
+                self.waiting = Some(Waiting::Dots {
+                    color,
+                    radius,
+                    points: vec![at],
+                });
+            }
+        }
     }
 
     fn add_text(&mut self, label: &Label) {
-        let Label { at: (x, y), size, .. } = label;
-        let anchor = match label.anchor {
-            HPos::Left => "",
-            HPos::Center => " text-anchor=\"middle\"",
-            HPos::Right => " text-anchor=\"end\"",
+        let alike = |first: &Label| {
+            (first.size, first.upward, anchor(first)) == (label.size, label.upward, anchor(label))
+                && same(first.color, label.color)
         };
-        let class = Ink::class(label.color);
-        let text = escaped(&label.text);
-        match label.upward {
-            true => self.element(format_args!(
-                "<text class=\"f {class}\" font-size=\"{size}\"{anchor} transform=\"translate({x} {y})rotate(-90)\">\
-                 {text}</text>",
-            )),
-            false => self.element(format_args!(
-                "<text class=\"f {class}\" font-size=\"{size}\"{anchor} x=\"{x}\" y=\"{y}\">{text}</text>",
-            )),
+        match &mut self.waiting {
+            Some(Waiting::Texts(labels)) if alike(&labels[0]) => labels.push(label.clone()),
+            _ => {
+                self.flush();
+                self.waiting = Some(Waiting::Texts(vec![label.clone()]));
+            }
         }
     }
 
-    fn flush_dots(&mut self) {
-        if let Some(dots) = self.dots.take() {
-            let _ = write!(
-                self.out,
-                "<path class=\"s {} dots\" stroke-width=\"{}\"{} d=\"{}\"/>",
-                dots.class,
-                2 * dots.radius,
-                opacity(dots.opacity),
-                dots.path
-            );
-        }
-    }
-
-    fn add_dot(&mut self, (x, y): BackendCoord, radius: u32, color: BackendColor) {
-        let class = Ink::class(color);
-        let same_kind = |dots: &Dots| (dots.class, dots.radius, dots.opacity) == (class, radius, color.alpha);
-        if !self.dots.as_ref().is_some_and(same_kind) {
-            self.flush_dots();
-        }
-        let dots = self.dots.get_or_insert_with(|| Dots {
-            class,
-            radius,
-            opacity: color.alpha,
-            path: String::new(),
-            last: (0, 0),
-        });
-        let _ = match dots.path.is_empty() {
-            true => write!(dots.path, "M{x} {y}h0"),
-            false => write!(dots.path, "m{} {}h0", x - dots.last.0, y - dots.last.1),
+    fn write_texts(&mut self, labels: &[Label]) {
+        let first = &labels[0];
+        let look = format!(
+            "class=\"f {}\" font-size=\"{}\"{}",
+            Ink::class(first.color),
+            first.size,
+            anchor(first)
+        );
+        let (look_of_each, opened) = match labels.len() {
+            1 => (format!(" {look}"), false),
+            _ => (String::new(), true),
         };
-        dots.last = (x, y);
+        if opened {
+            let _ = write!(self.out, "<g {look}>");
+        }
+        for Label {
+            text,
+            at: (x, y),
+            upward,
+            ..
+        } in labels
+        {
+            let text = escaped(text);
+            let _ = match upward {
+                true => write!(
+                    self.out,
+                    "<text{look_of_each} transform=\"translate({x} {y})rotate(-90)\">{text}</text>"
+                ),
+                false => write!(self.out, "<text{look_of_each} x=\"{x}\" y=\"{y}\">{text}</text>"),
+            };
+        }
+        if opened {
+            self.out.push_str("</g>");
+        }
     }
+}
+
+fn same(one: BackendColor, other: BackendColor) -> bool {
+    (one.rgb, one.alpha) == (other.rgb, other.alpha)
+}
+
+fn anchor(label: &Label) -> &'static str {
+    match label.anchor {
+        HPos::Left => "",
+        HPos::Center => " text-anchor=\"middle\"",
+        HPos::Right => " text-anchor=\"end\"",
+    }
+}
+
+/// `0 -0.07 3.669`: scale (0 linear, 1 logarithm, 2 calendar, 3 names) and ends.
+fn span(span: &Span) -> String {
+    let scale = match span.scale {
+        Scale::Linear => 0,
+        Scale::Log => 1,
+        Scale::Calendar => 2,
+        Scale::Names => 3,
+    };
+    format!("{scale} {} {}", shortest(span.low), shortest(span.high))
+}
+
+/// As many digits as a position on a screen has, and for a moment those of its seconds.
+fn shortest(number: f64) -> String {
+    match number.abs() >= 1e7 {
+        true => format!("{number:.0}"),
+        false => format!("{number:.6e}")
+            .parse::<f64>()
+            .map_or_else(|_| number.to_string(), |rounded| rounded.to_string()),
+    }
+}
+
+/// `3-7 9`: numbers that follow each other are written by their ends.
+fn run_list(runs: &[usize]) -> String {
+    let stretches: Vec<String> = runs
+        .chunk_by(|a, b| a + 1 == *b)
+        .map(|stretch| match stretch {
+            [only] => only.to_string(),
+            _ => format!("{}-{}", stretch[0], stretch[stretch.len() - 1]),
+        })
+        .collect();
+    stretches.join(" ")
 }
 
 /// Path data with relative coordinates; points that fall on the one before are left out.
 fn path_data(points: &[BackendCoord]) -> String {
-    let mut data = String::new();
-    let mut last: Option<BackendCoord> = None;
-    for &(x, y) in points {
-        let _ = match last {
-            None => write!(data, "M{x} {y}l"),
-            Some(previous) if previous == (x, y) => continue,
-            Some((x0, y0)) if data.ends_with('l') => write!(data, "{} {}", x - x0, y - y0),
-            Some((x0, y0)) => write!(data, " {} {}", x - x0, y - y0),
+    let mut distinct = points.to_vec();
+    distinct.dedup();
+    corners(&distinct, true)
+}
+
+/// Path data through all these corners; a stretch along an axis alone is written by its length.
+fn corners(points: &[BackendCoord], with_axes: bool) -> String {
+    let Some(&(x, y)) = points.first() else {
+        return String::new();
+    };
+    let mut data = format!("M{x} {y}");
+    if let (&[(x0, y0), (x1, y1)], true) = (points, with_axes)
+        && (x0 == x1 || y0 == y1)
+    {
+        let _ = match y0 == y1 {
+            true => write!(data, "h{}", x1 - x0),
+            false => write!(data, "v{}", y1 - y0),
         };
-        last = Some((x, y));
+        return data;
     }
-    data.replace(" -", "-")
+    for (k, pair) in points.windows(2).enumerate() {
+        let (dx, dy) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
+        let before = match (k == 0, dx < 0) {
+            (true, _) => "l",
+            (false, true) => "",
+            (false, false) => " ",
+        };
+        let between = if dy < 0 { "" } else { " " };
+        let _ = write!(data, "{before}{dx}{between}{dy}");
+    }
+    data
 }
 
 fn opacity(alpha: f64) -> String {
     match alpha < 1.0 {
         true => format!(" opacity=\"{alpha}\""),
         false => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::figures::canvas::drawing;
+    use plotters::prelude::{Circle, PathElement};
+    use plotters::style::Color;
+
+    #[test]
+    fn dots_and_strokes_join_and_lines_are_relative() {
+        let drawn = drawing((10, 10), |area| {
+            for x in [10, 20, 30] {
+                area.draw(&Circle::new((x, 50), 8, Ink::Blue.color().filled()))
+                    .map_err(|error| error.to_string())?;
+            }
+            for points in [vec![(0, 5), (7, 2), (7, 2), (9, 9)], vec![(3, 4), (8, 4)]] {
+                area.draw(&PathElement::new(points, Ink::Text.color()))
+                    .map_err(|error| error.to_string())?;
+            }
+            Ok(())
+        });
+        let drawn = inline("f", &drawn.unwrap(), "t", "d");
+        assert_eq!(drawn.matches("<path").count(), 2, "{drawn}");
+        assert!(
+            drawn.contains("marker:url(#dot-k-1-0)\" stroke-width=\"16\" d=\"M10 50l10 0 10 0\""),
+            "{drawn}"
+        );
+        assert!(drawn.contains("d=\"M0 5l7-3 2 7M3 4h5\""), "{drawn}");
+        let markers = dot_markers([drawn].iter());
+        assert_eq!(markers.len(), 1);
+        assert_eq!(
+            (markers[0].id.as_str(), markers[0].ink.as_str()),
+            ("dot-k-1-0", "k-1")
+        );
+    }
+
+    #[test]
+    fn runs_in_a_row_are_written_by_their_ends() {
+        assert_eq!(run_list(&[3, 4, 5, 9, 12, 13]), "3-5 9 12-13");
+    }
+
+    #[test]
+    fn ends_of_axes_carry_the_digits_of_a_screen() {
+        assert_eq!(shortest(-0.069_333_333_333), "-0.06933333");
+        assert_eq!(shortest(1_763_000_123.4), "1763000123");
     }
 }

@@ -185,6 +185,7 @@ fn drawn(
         .iter()
         .enumerate()
         .map(|(style, sensor)| Drawn {
+            name: &sensor.sensor,
             times_s: &sensor.curve.0,
             values: &sensor.curve.1,
             style,

@@ -39,7 +39,7 @@ struct Material {
     rows: Vec<Row>,
 }
 
-/// One condition. The environment is set in the first row of its kind only.
+/// One condition.
 #[derive(Debug, Serialize)]
 struct Row {
     environment: String,
@@ -94,10 +94,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         let surroundings = [cells[1].text(), humidity(&cells[2])];
         let starts_environment = before.as_ref() != Some(&surroundings);
         before = Some(surroundings.clone());
-        let [environment, humidity] = match starts_environment {
-            true => surroundings,
-            false => Default::default(),
-        };
+        let [environment, humidity] = surroundings;
         let row = Row {
             environment,
             humidity,

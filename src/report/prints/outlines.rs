@@ -56,7 +56,9 @@ pub fn outlines(drawing: &Drawing) -> Result<Vec<Outline>, String> {
     let font = FontRef::new(dejavu::sans::regular()).map_err(|error| error.to_string())?;
     let mut found: Vec<Outline> = Vec::new();
     for shape in &drawing.shapes {
-        let outline = outline(shape, &font);
+        let Some(outline) = outline(shape, &font) else {
+            continue;
+        };
         match found.last_mut() {
             // Dots of one kind are one path: files stay small.
             Some(last) if is_dots(&outline) && alike(last, &outline) => last.pieces.extend(outline.pieces),
@@ -74,8 +76,8 @@ fn alike(a: &Outline, b: &Outline) -> bool {
     (a.paint, a.rgb, a.opacity) == (b.paint, b.rgb, b.opacity)
 }
 
-fn outline(shape: &Shape, font: &FontRef) -> Outline {
-    match shape {
+fn outline(shape: &Shape, font: &FontRef) -> Option<Outline> {
+    Some(match shape {
         Shape::Stroke { points, width, color } => {
             painted(*color, Paint::Line(*width as f32), polygon(points, false))
         }
@@ -91,7 +93,8 @@ fn outline(shape: &Shape, font: &FontRef) -> Outline {
             color,
         } => painted(*color, Paint::Line(*width as f32), circle(*at, *radius)),
         Shape::Text(label) => painted(label.color, Paint::Fill, letters(label, font)),
-    }
+        Shape::Open(_) | Shape::Close => return None,
+    })
 }
 
 fn painted(color: BackendColor, paint: Paint, pieces: Vec<Piece>) -> Outline {

@@ -1,0 +1,120 @@
+//! Thinning for drawing: fewer points, the same picture. No peak is lost.
+
+/// Width of a column of dots, px: dots are two wide.
+const COLUMN: f64 = 4.0;
+/// How far a thinned line may lie from the full one, px.
+const TOLERANCE: f64 = 0.25;
+
+/// Pixels per unit of a panel's positions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pixels {
+    /// To the right.
+    pub across: f64,
+    /// Upward.
+    pub up: f64,
+}
+
+/// The points that dots need: in every column of four pixels the first of the smallest and the first of the largest,
+/// in their order (min-max decimation). `points` go from left to right.
+pub fn dots(points: &[(f64, f64)], pixels: Pixels) -> Vec<(f64, f64)> {
+    let column = |point: &(f64, f64)| (point.0 * pixels.across / COLUMN).floor();
+    let mut kept = Vec::new();
+    for stretch in points.chunk_by(|a, b| column(a) == column(b)) {
+        let mut ends = [stretch[0]; 2];
+        for &point in stretch {
+            if point.1 < ends[0].1 {
+                ends[0] = point;
+            }
+            if point.1 > ends[1].1 {
+                ends[1] = point;
+            }
+        }
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.extend_from_slice(if ends[0] == ends[1] { &ends[..1] } else { &ends });
+    }
+    kept
+}
+
+/// The corners that a line needs to lie within a quarter of a pixel of the full one (Douglas and Peucker 1973).
+pub fn line(points: &[(f64, f64)], pixels: Pixels) -> Vec<(f64, f64)> {
+    let Some(last) = points.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let at = |k: usize| (points[k].0 * pixels.across, points[k].1 * pixels.up);
+    let mut keep = vec![false; points.len()];
+    (keep[0], keep[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((from, to)) = open.pop() {
+        let farthest = (from + 1..to)
+            .map(|k| (distance(at(k), at(from), at(to)), k))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, k)) = farthest.filter(|(far, _)| *far > TOLERANCE) {
+            keep[k] = true;
+            open.extend([(from, k), (k, to)]);
+        }
+    }
+    let kept = points.iter().zip(keep).filter(|(_, keep)| *keep);
+    kept.map(|(point, _)| *point).collect()
+}
+
+/// Distance of `p` from the stretch between `a` and `b`.
+fn distance(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
+    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let length = dx * dx + dy * dy;
+    let along = match length > 0.0 {
+        true => (((p.0 - a.0) * dx + (p.1 - a.1) * dy) / length).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    (p.0 - a.0 - along * dx).hypot(p.1 - a.1 - along * dy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const PIXELS: Pixels = Pixels {
+        across: 100.0,
+        up: 50.0,
+    };
+
+    fn rising(values: &[f64]) -> Vec<(f64, f64)> {
+        let at = |(k, value): (usize, &f64)| (k as f64 * 0.004, *value);
+        values.iter().enumerate().map(at).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn every_column_keeps_its_extremes_and_order(values in prop::collection::vec(-5.0..5.0f64, 0..400)) {
+            let all = rising(&values);
+            let kept = dots(&all, PIXELS);
+            prop_assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
+            prop_assert!(kept.len() <= 2 * (values.len() / 10 + 1));
+            let column = |point: &(f64, f64)| (point.0 * PIXELS.across / COLUMN).floor() as i64;
+            for point in &all {
+                let same: Vec<f64> = kept.iter().filter(|k| column(k) == column(point)).map(|k| k.1).collect();
+                let low = same.iter().copied().fold(f64::INFINITY, f64::min);
+                let high = same.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                prop_assert!((low..=high).contains(&point.1));
+            }
+        }
+
+        #[test]
+        fn a_thinned_line_stays_near_every_point(values in prop::collection::vec(-5.0..5.0f64, 2..200)) {
+            let all = rising(&values);
+            let kept = line(&all, PIXELS);
+            let pixels = |p: (f64, f64)| (p.0 * PIXELS.across, p.1 * PIXELS.up);
+            for point in &all {
+                let near = kept.windows(2).map(|pair| distance(pixels(*point), pixels(pair[0]), pixels(pair[1])));
+                prop_assert!(near.fold(f64::INFINITY, f64::min) <= TOLERANCE + 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_smooth_curve_needs_few_corners() {
+        let decay: Vec<f64> = (0..450).map(|k| 3.0 * (-f64::from(k) / 40.0).exp()).collect();
+        let kept = line(&rising(&decay), PIXELS);
+        assert!((3..30).contains(&kept.len()), "{}", kept.len());
+    }
+}

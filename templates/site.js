@@ -1,0 +1,753 @@
+// What a page gains where scripts run: readouts, zoom with linked axes, series that can be hidden, points grouped and
+// filtered by tags, tables that sort and filter, runs found by typing. Every page is complete without it.
+//
+// Numbers are read back from the drawn shapes: a panel is <g data-f="left top right bottom" data-x="scale low high"
+// data-y="...">, a series <g data-s="name" data-r="runs">. Scales: 0 linear, 1 logarithm, 2 seconds since 1970 UTC,
+// 3 names. Runs are indices in runs.js, which is loaded when it is first needed.
+"use strict";
+(() => {
+  const root = document.documentElement.dataset.root || "";
+  const SVG = "http://www.w3.org/2000/svg";
+  const make = (name, attributes = {}, ...children) => {
+    const element = document.createElement(name);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    element.append(...children);
+    return element;
+  };
+  const draw = (name, attributes, into) => {
+    const element = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    into.append(element);
+    return element;
+  };
+
+  // One voice for readouts and counts.
+  const voice = make("p", { role: "status", "aria-live": "polite", class: "unseen" });
+  document.body.append(voice);
+  let saying;
+  const say = (text) => { clearTimeout(saying); saying = setTimeout(() => { voice.textContent = text; }, 250); };
+
+  // ---------------------------------------------------------------- numbers
+  const SUPER = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+  const raised = (n) => String(n).replace("-", "⁻").replace(/\d/g, (d) => SUPER[d]);
+  const minus = (text) => text.replace("-", "−");
+  const fixed = (value, decimals) => minus((Math.abs(value) < 0.5 * 10 ** -decimals ? 0 : value).toFixed(decimals));
+  // As many digits as `step`, the size of a tenth of a pixel, allows.
+  const shown = (value, step) => {
+    if (!isFinite(value)) return "–";
+    const size = Math.max(Math.abs(value), step);
+    const digits = Math.min(5, Math.max(2, Math.ceil(Math.log10(size / step)) + 1));
+    const power = value === 0 ? 0 : Math.floor(Math.log10(Math.abs(value)));
+    if (power >= 5 || power < -2) return fixed(value / 10 ** power, digits - 1) + "·10" + raised(power);
+    return fixed(value, Math.max(0, Math.min(6, digits - 1 - power)));
+  };
+  const moment = (seconds) => new Date(1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+  // First number of a cell: `< 4·10⁻⁵`, `24.6 ± 0.3`, `20 Nov 2026, 15:08 UTC`.
+  const numberIn = (text) => {
+    const date = /^\d{1,2} [A-Z][a-z]{2} \d{4}/.test(text) && Date.parse(text.replace(",", ""));
+    if (date) return date;
+    const found = /[−-]?\d+(?:\.\d+)?/.exec(text);
+    if (!found) return NaN;
+    const power = /·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)/.exec(text);
+    const exponent = power ? Number([...power[1]].map((c) => (c === "⁻" ? "-" : SUPER.indexOf(c))).join("")) : 0;
+    return Number(found[0].replace("−", "-")) * 10 ** exponent;
+  };
+
+  // ---------------------------------------------------------------- runs
+  let runsLoaded;
+  const runs = () => {
+    runsLoaded ??= new Promise((resolve) => {
+      const script = make("script", { src: root + "runs.js" });
+      const done = () => {
+        const index = window.ieapRuns || { keys: [], values: [], runs: [] };
+        resolve(index.runs.map(([name, page, ...tags]) => {
+          const run = { name, href: root + "runs/" + page + ".html", tags: {} };
+          tags.forEach((at, k) => { if (at >= 0) run.tags[index.keys[k]] = index.values[k][at]; });
+          run.text = (name + " " + Object.entries(run.tags).map(([key, value]) => key + "=" + value).join(" ")).toLowerCase();
+          return run;
+        }));
+      };
+      script.onload = done;
+      script.onerror = done;
+      document.head.append(script);
+    });
+    return runsLoaded;
+  };
+  // Whether a run answers every word: `air`, `voltage_v=2.5`, `relative_humidity_percent>60`.
+  const matcher = (query) => {
+    const words = query.toLowerCase().split(/\s+/).filter(Boolean).map((word) => {
+      const compare = /^([a-z_0-9]+)(<=|>=|<|>|=)(.+)$/.exec(word);
+      if (!compare) return (run) => run.text.includes(word);
+      const [, key, sign, wanted] = compare;
+      return (run) => {
+        const known = Object.keys(run.tags).find((tag) => tag === key) ?? Object.keys(run.tags).find((tag) => tag.startsWith(key));
+        if (known === undefined) return false;
+        const value = run.tags[known].toLowerCase();
+        const [a, b] = [Number(value), Number(wanted)];
+        switch (sign) {
+          case "<": return a < b;
+          case ">": return a > b;
+          case "<=": return a <= b;
+          case ">=": return a >= b;
+          default: return value === wanted || (isFinite(b) && a === b);
+        }
+      };
+    });
+    return (run) => words.every((word) => word(run));
+  };
+
+  // ---------------------------------------------------------------- a run found by typing
+  const finder = () => {
+    const header = document.querySelector("header.site");
+    if (!header) return;
+    const LISTED = 12;
+    const input = make("input", {
+      type: "search", id: "find-run", placeholder: "Find a run", autocomplete: "off", spellcheck: "false", role: "combobox",
+      "aria-label": "Find a run by name or tag", "aria-autocomplete": "list", "aria-expanded": "false", "aria-controls": "found-runs",
+    });
+    const list = make("ul", { id: "found-runs", role: "listbox", "aria-label": "Runs found", hidden: "" });
+    header.append(make("div", { class: "finder" }, input, list));
+    let at = -1;
+    const close = () => { list.hidden = true; input.setAttribute("aria-expanded", "false"); input.removeAttribute("aria-activedescendant"); at = -1; };
+    const choose = (next) => {
+      const options = list.querySelectorAll("[role=option]");
+      if (!options.length) return;
+      at = (next + options.length) % options.length;
+      options.forEach((option, k) => option.setAttribute("aria-selected", String(k === at)));
+      options[at].scrollIntoView({ block: "nearest" });
+      input.setAttribute("aria-activedescendant", options[at].id);
+    };
+    const look = async () => {
+      const query = input.value.trim();
+      if (!query) return close();
+      const found = (await runs()).filter(matcher(query));
+      if (input.value.trim() !== query) return;
+      at = -1;
+      list.replaceChildren(...found.slice(0, LISTED).map((run, k) => {
+        const tags = ["sample", "environment", "voltage_v", "relative_humidity_percent"];
+        const units = { voltage_v: " V", relative_humidity_percent: " % RH" };
+        const words = tags.filter((key) => run.tags[key] !== undefined).map((key) => run.tags[key] + (units[key] || ""));
+        const link = make("a", { href: run.href, tabindex: "-1" }, run.name, make("small", {}, words.join(", ")));
+        return make("li", { role: "option", id: "found-run-" + k, "aria-selected": "false" }, link);
+      }));
+      if (found.length > LISTED) list.append(make("li", { class: "more", role: "presentation" }, `${found.length - LISTED} more: type more of it`));
+      if (!found.length) list.append(make("li", { class: "more", role: "presentation" }, "No run has all of this."));
+      list.hidden = false;
+      input.setAttribute("aria-expanded", "true");
+      say(`${found.length} runs found`);
+    };
+    input.addEventListener("focus", runs, { once: true });
+    input.addEventListener("input", look);
+    input.addEventListener("keydown", (event) => {
+      if (event.key === "ArrowDown") choose(at + 1);
+      else if (event.key === "ArrowUp") choose(at < 0 ? -1 : at - 1);
+      else if (event.key === "Escape") { input.value = ""; close(); }
+      else if (event.key === "Enter") list.querySelectorAll("[role=option] a")[Math.max(at, 0)]?.click();
+      else return;
+      event.preventDefault();
+    });
+    document.addEventListener("click", (event) => { if (!event.target.closest(".finder")) close(); });
+    document.addEventListener("keydown", (event) => {
+      const typing = event.target.closest?.("input, select, textarea, [contenteditable]");
+      if (event.key === "/" && !typing && !event.ctrlKey && !event.metaKey) { input.focus(); event.preventDefault(); }
+    });
+  };
+
+  // ---------------------------------------------------------------- tables
+  const FEWEST_SORTED = 3, FEWEST_FILTERED = 15, AT_ONCE = 100;
+  const sortable = (table) => {
+    const body = table.tBodies[0], head = table.tHead?.rows[0];
+    if (!body || !head || table.tHead.rows.length > 1 || table.matches(".matrix, .coverage")) return;
+    const rows = [...body.rows];
+    if (rows.length < FEWEST_SORTED || rows.some((row) => [...row.cells].some((cell) => cell.rowSpan > 1 || cell.colSpan > 1))) return;
+    const asRead = (cell) => {
+      const copy = cell.cloneNode(true);
+      copy.querySelectorAll("sup").forEach((mark) => mark.remove());
+      return copy.textContent.trim();
+    };
+    let visible = rows, limit = rows.length > 2 * AT_ONCE ? AT_ONCE : Infinity;
+    const show = () => {
+      const wanted = new Set(visible.slice(0, limit));
+      rows.forEach((row) => { row.hidden = !wanted.has(row); });
+      more.hidden = visible.length <= limit;
+      more.textContent = `Show all ${visible.length} rows`;
+    };
+    const more = make("button", { type: "button", class: "tool", hidden: "" });
+    more.addEventListener("click", () => { limit = Infinity; show(); });
+    [...head.cells].forEach((cell, column) => {
+      if (!cell.textContent.trim()) return;
+      const button = make("button", { type: "button", class: "sort" });
+      button.append(...cell.childNodes);
+      cell.append(button);
+      cell.setAttribute("aria-sort", "none");
+      button.addEventListener("click", () => {
+        const up = cell.getAttribute("aria-sort") !== "ascending";
+        [...head.cells].forEach((other) => other.hasAttribute("aria-sort") && other.setAttribute("aria-sort", "none"));
+        cell.setAttribute("aria-sort", up ? "ascending" : "descending");
+        const texts = new Map(rows.map((row) => [row, asRead(row.cells[column])]));
+        const numeric = cell.classList.contains("number") || rows.every((row) => /^[<>]? ?[−-]?\d[\d.]*$/.test(texts.get(row)));
+        const keys = new Map(rows.map((row) => [row, numeric ? numberIn(texts.get(row)) : texts.get(row)]));
+        const order = (a, b) => {
+          const [x, y] = [keys.get(a), keys.get(b)];
+          if (!numeric) return (up ? 1 : -1) * x.localeCompare(y, "en", { numeric: true });
+          // What is no number stands last either way.
+          if (isNaN(x) || isNaN(y)) return isNaN(x) - isNaN(y);
+          return up ? x - y : y - x;
+        };
+        rows.sort(order);
+        visible = rows.filter((row) => visible.includes(row));
+        body.append(...rows);
+        show();
+        say(`sorted by ${button.textContent.trim()}, ${up ? "ascending" : "descending"}`);
+      });
+    });
+    const place = table.closest(".scroll") || table;
+    place.after(more);
+    if (rows.length >= FEWEST_FILTERED) {
+      const input = make("input", { type: "search", placeholder: "Filter rows", autocomplete: "off", "aria-label": "Filter the rows of this table" });
+      const count = make("span", { role: "status" });
+      const texts = new Map(rows.map((row) => [row, row.textContent.toLowerCase()]));
+      input.addEventListener("input", () => {
+        const words = input.value.toLowerCase().split(/\s+/).filter(Boolean);
+        visible = rows.filter((row) => words.every((word) => texts.get(row).includes(word)));
+        show();
+        count.textContent = words.length ? `${visible.length} of ${rows.length} rows` : "";
+      });
+      place.before(make("p", { class: "tools" }, input, count));
+    }
+    show();
+  };
+
+  // ---------------------------------------------------------------- shapes
+  // Stretches of path data as lists of absolute points; `z` closes one.
+  const parsed = (data) => {
+    const stretches = [];
+    let points, x = 0, y = 0, command = "M";
+    const numbers = /([MmLlHhVvz])|(-?\d*\.?\d+(?:e-?\d+)?)/g;
+    let match, pair = [];
+    while ((match = numbers.exec(data))) {
+      if (match[1]) {
+        command = match[1];
+        if (command === "z" && points) points.closed = true;
+        continue;
+      }
+      const number = Number(match[2]);
+      if (command === "h" || command === "v") {
+        if (command === "h") x += number; else y += number;
+        points.push([x, y]);
+        continue;
+      }
+      pair.push(number);
+      if (pair.length < 2) continue;
+      if (command === "M" || command === "L") [x, y] = pair; else { x += pair[0]; y += pair[1]; }
+      if (command === "M" || command === "m") {
+        stretches.push((points = []));
+        command = command === "M" ? "L" : "l";
+      }
+      points.push([x, y]);
+      pair = [];
+    }
+    return stretches;
+  };
+  const written = (stretches) => stretches.map((points) =>
+    "M" + points.map(([x, y]) => x.toFixed(1) + " " + y.toFixed(1)).join("L") + (points.closed ? "z" : points.length === 1 ? "h0" : "")).join("");
+  const SMALL = 150; // a closed shape not larger than this, in tenths of a pixel, is a mark
+
+  // `3-7 9` as 3 4 5 6 7 9.
+  const listOf = (text) => (text || "").split(" ").filter(Boolean).flatMap((part) => {
+    const [from, to = from] = part.split("-").map(Number);
+    return Array.from({ length: to - from + 1 }, (_, k) => from + k);
+  });
+
+  class Series {
+    constructor(element, panel) {
+      this.element = element;
+      this.name = element.dataset.s;
+      this.hidden = false;
+      this.shapes = [...element.querySelectorAll("path, circle")].map((shape) => {
+        if (shape.tagName === "circle") {
+          const at = [Number(shape.getAttribute("cx")), Number(shape.getAttribute("cy"))];
+          return { shape, ring: true, stretches: [[at]], marks: [at] };
+        }
+        const stretches = parsed(shape.getAttribute("d"));
+        const small = (points) => {
+          const [xs, ys] = [points.map((p) => p[0]), points.map((p) => p[1])];
+          const mid = [(Math.min(...xs) + Math.max(...xs)) / 2, (Math.min(...ys) + Math.max(...ys)) / 2];
+          return points.closed && Math.max(...xs) - Math.min(...xs) < SMALL && Math.max(...ys) - Math.min(...ys) < SMALL ? mid : null;
+        };
+        return { shape, dots: shape.classList.contains("dots"), stretches, small: stretches.map(small) };
+      });
+      const marks = this.shapes.flatMap((s) => (s.dots ? s.stretches.flat() : s.ring ? s.marks : s.small.filter(Boolean)));
+      const lines = this.shapes.filter((s) => s.shape.classList.contains("s") && !s.ring).flatMap((s) => s.stretches);
+      this.points = (marks.length ? marks : lines.flat()).map(([px, py]) => ({ px, py }));
+      const owners = listOf(element.dataset.r);
+      this.points.forEach((point, k) => { if (owners.length) point.run = owners[k]; });
+      // Bars over marks are their intervals.
+      const [upright, level] = [new Map(), new Map()];
+      if (marks.length) for (const bar of lines.filter((points) => points.length === 2)) {
+        const [[x0, y0], [x1, y1]] = bar;
+        if (x0 === x1) upright.set(x0, [...(upright.get(x0) || []), [Math.max(y0, y1), Math.min(y0, y1)]]);
+        else if (y0 === y1) level.set(y0, [...(level.get(y0) || []), [Math.min(x0, x1), Math.max(x0, x1)]]);
+      }
+      for (const point of this.points) {
+        point.bar = upright.get(Math.round(point.px))?.find(([low, high]) => point.py <= low + 2 && point.py >= high - 2);
+        point.side = level.get(Math.round(point.py))?.find(([low, high]) => point.px >= low - 2 && point.px <= high + 2);
+      }
+      this.panel = panel;
+    }
+    place(to) {
+      for (const { shape, ring, stretches, small } of this.shapes) {
+        if (ring) { const [x, y] = to(stretches[0][0]); shape.setAttribute("cx", x); shape.setAttribute("cy", y); continue; }
+        shape.setAttribute("d", written(stretches.map((points, k) => {
+          const mid = small?.[k];
+          if (!mid) return Object.assign(points.map(to), { closed: points.closed });
+          const [nx, ny] = to(mid);
+          return Object.assign(points.map(([x, y]) => [x + nx - mid[0], y + ny - mid[1]]), { closed: true });
+        })));
+      }
+    }
+  }
+
+  const titleParts = (title) => /^(.*?)(?: \(([^()]*)\))?$/.exec(title || "");
+  class Panel {
+    constructor(element, chart) {
+      const numbers = (name) => element.dataset[name].split(" ").map(Number);
+      this.element = element;
+      this.chart = chart;
+      [this.left, this.top, this.right, this.bottom] = numbers("f");
+      const axis = ([scale, low, high]) => ({ scale, low, high });
+      this.x = axis(numbers("x"));
+      this.y = axis(numbers("y"));
+      this.view = null;
+      this.axes = element.querySelector(".axes");
+      const own = [...element.querySelectorAll(":scope > text")];
+      const upward = own.find((text) => text.hasAttribute("transform"));
+      [, this.quantity, this.unit = ""] = titleParts(upward?.textContent);
+      const across = own.filter((text) => !text.hasAttribute("transform")).find((text) => Math.abs(Number(text.getAttribute("x")) - (this.left + this.right) / 2) < 40);
+      this.xTitle = across?.textContent || "";
+      this.labelled = !!this.xTitle;
+      this.series = [...element.querySelectorAll(":scope > [data-s]")].map((s) => new Series(s, this));
+    }
+    // Position on the scale of a drawn place, as it was first drawn.
+    xAt(px) { return this.x.low + ((px - this.left) / (this.right - this.left)) * (this.x.high - this.x.low); }
+    yAt(py) { return this.y.low + ((this.bottom - py) / (this.bottom - this.top)) * (this.y.high - this.y.low); }
+    get range() { return this.view || { x: [this.x.low, this.x.high], y: [this.y.low, this.y.high] }; }
+    // Where a place of the first drawing stands now.
+    to([px, py]) {
+      const { x, y } = this.range;
+      return [this.left + ((this.xAt(px) - x[0]) / (x[1] - x[0])) * (this.right - this.left),
+        this.bottom - ((this.yAt(py) - y[0]) / (y[1] - y[0])) * (this.bottom - this.top)];
+    }
+    position(px) { const { x } = this.range; return x[0] + ((px - this.left) / (this.right - this.left)) * (x[1] - x[0]); }
+    show(x) {
+      if (!x) { this.view = null; } else {
+        const inside = this.series.filter((s) => s.name && !s.hidden).flatMap((s) => s.points)
+          .filter((p) => this.xAt(p.px) >= x[0] && this.xAt(p.px) <= x[1]).flatMap((p) => [p.py, ...(p.bar || [])].map((py) => this.yAt(py)));
+        let y = [this.y.low, this.y.high];
+        if (inside.length > 1) {
+          const [low, high] = [Math.min(...inside), Math.max(...inside)];
+          const room = 0.08 * (high - low) || 0.02 * (this.y.high - this.y.low);
+          y = [low - room, high + room];
+        }
+        this.view = { x, y };
+      }
+      if (!this.drawn) this.drawn = this.axes.innerHTML;
+      const clip = this.chart.clip(this);
+      this.series.forEach((s) => {
+        s.place((point) => this.to(point));
+        if (this.view) s.element.setAttribute("clip-path", `url(#${clip})`); else s.element.removeAttribute("clip-path");
+      });
+      if (!this.view) this.axes.innerHTML = this.drawn; else this.drawAxes();
+    }
+    drawAxes() {
+      const { x, y } = this.range;
+      this.axes.replaceChildren();
+      const across = (at) => this.left + ((at - x[0]) / (x[1] - x[0])) * (this.right - this.left);
+      const up = (at) => this.bottom - ((at - y[0]) / (y[1] - y[0])) * (this.bottom - this.top);
+      const [xs, ys] = [ticks(this.x.scale, ...x, 6), ticks(this.y.scale, ...y, 5)];
+      const wide = this.right - this.left;
+      draw("path", { class: "s k-grid", "stroke-width": 10, d: ys.map((t) => `M${this.left} ${up(t.at).toFixed(0)}h${wide}`).join("") }, this.axes);
+      draw("path", { class: "s k-muted", "stroke-width": 10, d: `M${this.left} ${this.bottom}h${wide}` + xs.map((t) => `M${across(t.at).toFixed(0)} ${this.bottom}v40`).join("") }, this.axes);
+      const labels = draw("g", { class: "f k-muted", "font-size": 110, "text-anchor": "end" }, this.axes);
+      ys.forEach((t) => { draw("text", { x: this.left - 60, y: up(t.at) + 40 }, labels).textContent = t.label; });
+      if (!this.labelled) return;
+      const below = draw("g", { class: "f k-muted", "font-size": 110, "text-anchor": "middle" }, this.axes);
+      xs.forEach((t) => { draw("text", { x: across(t.at), y: this.bottom + 151 }, below).textContent = t.label; });
+    }
+    number(scale, position, span) {
+      if (scale === 2) return moment(position);
+      const step = Math.abs(span) / 2000;
+      return scale === 1 ? shown(10 ** position, 10 ** position * 2.3 * step) : shown(position, step);
+    }
+  }
+
+  const ticks = (scale, low, high, wanted) => {
+    const span = high - low;
+    if (scale === 2) {
+      const steps = [60, 300, 900, 3600, 10800, 21600, 43200, 86400, 172800, 604800, 1209600, 2629800, 7889400, 31557600];
+      const step = steps.find((s) => span / s <= wanted) || steps[steps.length - 1];
+      return listed(low, high, step).map((at) => ({ at, label: step < 86400 ? moment(at).slice(5) : moment(at).slice(0, 10) }));
+    }
+    if (scale === 1 && span >= 1) {
+      const every = Math.ceil(span / 7);
+      return listed(low, high, every).map((at) => ({ at, label: Math.abs(at) < 5 ? fixed(10 ** at, Math.max(0, -at)) : "10" + raised(at) }));
+    }
+    const [from, to] = scale === 1 ? [10 ** low, 10 ** high] : [low, high];
+    const rough = (to - from) / wanted, power = 10 ** Math.floor(Math.log10(rough));
+    const step = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= rough * (1 - 1e-9));
+    const decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+    return listed(from, to, step).map((value) => ({ at: scale === 1 ? Math.log10(value) : value, label: fixed(value, decimals) }));
+  };
+  const listed = (low, high, step) => {
+    const found = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step && found.length < 100; k++) found.push(k * step);
+    return found;
+  };
+
+  // ---------------------------------------------------------------- charts
+  const charts = [];
+  const box = make("div", { class: "readout", "aria-hidden": "true", hidden: "" });
+  document.body.append(box);
+  const HELP = "Arrow keys read values, plus and minus zoom, Escape shows all.";
+
+  class Chart {
+    constructor(svg) {
+      this.svg = svg;
+      this.panels = [...svg.querySelectorAll("[data-f]")].map((g) => new Panel(g, this)).filter((p) => p.series.some((s) => s.name));
+      if (!this.panels.length) return;
+      const last = this.panels[this.panels.length - 1];
+      this.panels.forEach((p) => { if (!p.xTitle) p.xTitle = last.xTitle; });
+      // Axes of the same quantity go together.
+      this.link = last.x.scale === 3 || !last.xTitle ? null : last.x.scale + last.xTitle;
+      this.byRun = this.panels.some((p) => p.series.some((s) => s.points.some((point) => point.run !== undefined)));
+      svg.setAttribute("tabindex", "0");
+      svg.setAttribute("role", "application");
+      svg.setAttribute("aria-roledescription", "chart");
+      svg.classList.add("live");
+      this.cursor = draw("path", { class: "cursor", d: "" }, svg);
+      this.listen();
+      charts.push(this);
+    }
+    clip(panel) {
+      const id = panel.clipId ??= `clip-${charts.indexOf(this)}-${this.panels.indexOf(panel)}`;
+      if (!document.getElementById(id)) {
+        const clip = draw("clipPath", { id }, this.svg);
+        draw("rect", { x: panel.left, y: panel.top, width: panel.right - panel.left, height: panel.bottom - panel.top }, clip);
+      }
+      return id;
+    }
+    at(event) {
+      const matrix = this.svg.getScreenCTM();
+      const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
+      const reach = 60;
+      const panel = this.panels.find((p) => point.y >= p.top - reach && point.y <= p.bottom + reach && point.x >= p.left - reach && point.x <= p.right + reach);
+      return panel && { panel, px: Math.min(Math.max(point.x, panel.left), panel.right), py: point.y };
+    }
+    listen() {
+      const { svg } = this;
+      let from = null, band = null;
+      svg.addEventListener("pointermove", (event) => {
+        const here = this.at(event);
+        if (from && here) {
+          const [a, b] = [from.px, here.px].sort((p, q) => p - q);
+          band ??= draw("rect", { class: "band" }, svg);
+          for (const [key, value] of Object.entries({ x: a, y: from.panel.top, width: b - a, height: from.panel.bottom - from.panel.top })) band.setAttribute(key, value);
+        }
+        if (here) this.read(here, event); else this.leave();
+      });
+      svg.addEventListener("pointerleave", () => this.leave());
+      svg.addEventListener("pointerdown", (event) => {
+        if (event.pointerType === "touch" || event.button || !this.link) return;
+        from = this.at(event) || null;
+        if (from) { svg.setPointerCapture(event.pointerId); event.preventDefault(); svg.focus({ preventScroll: true }); }
+      });
+      const release = (event) => {
+        const to = from && this.at(event);
+        band?.remove();
+        band = null;
+        if (to && Math.abs(to.px - from.px) > 60) {
+          const ends = [from.panel.position(from.px), from.panel.position(to.px)].sort((p, q) => p - q);
+          this.zoom(ends);
+        } else if (this.near?.run !== undefined && event.type === "pointerup" && event.pointerType !== "touch") {
+          runs().then((all) => { if (all[this.near?.run]) location.href = all[this.near.run].href; });
+        }
+        from = null;
+      };
+      svg.addEventListener("pointerup", release);
+      svg.addEventListener("pointercancel", release);
+      svg.addEventListener("dblclick", () => this.zoom(null));
+      svg.addEventListener("wheel", (event) => {
+        // A page that is scrolled past a chart must not zoom it: only the chart in use does, or Ctrl says so.
+        if (!this.link || (!event.ctrlKey && document.activeElement !== svg)) return;
+        const here = this.at(event);
+        if (!here) return;
+        event.preventDefault();
+        this.scale(Math.exp(0.002 * event.deltaY), here.panel.position(here.px));
+      }, { passive: false });
+      svg.addEventListener("keydown", (event) => this.key(event));
+      svg.addEventListener("focus", () => { if (svg.matches(":focus-visible")) say(HELP); });
+      svg.addEventListener("blur", () => this.leave());
+    }
+    scale(factor, about) {
+      const panel = this.panels[0];
+      const [low, high] = panel.range.x;
+      const ends = [about - factor * (about - low), about + factor * (high - about)].map((end) => Math.min(Math.max(end, panel.x.low), panel.x.high));
+      const whole = panel.x.high - panel.x.low;
+      if (ends[1] - ends[0] < 1e-4 * whole) return;
+      this.zoom(ends[1] - ends[0] > 0.999 * whole ? null : ends);
+    }
+    zoom(ends) {
+      if (!this.link) return;
+      charts.filter((chart) => chart.link === this.link).forEach((chart) => {
+        chart.panels.forEach((panel) => panel.show(ends));
+        chart.reset(!!ends);
+      });
+    }
+    reset(zoomed) {
+      if (zoomed && !this.back) {
+        this.back = make("button", { type: "button", class: "tool back" }, "Show all");
+        this.back.addEventListener("click", () => { this.zoom(null); this.svg.focus(); });
+        this.svg.after(this.back);
+      } else if (!zoomed) { this.back?.remove(); this.back = null; }
+    }
+    key(event) {
+      const panel = this.panels[0];
+      const all = panel.series.filter((s) => s.name && !s.hidden).flatMap((s) => s.points).sort((a, b) => a.px - b.px)
+        .filter((p) => { const at = panel.xAt(p.px); return at >= panel.range.x[0] && at <= panel.range.x[1]; });
+      const middle = () => panel.position(this.near ? panel.to([this.near.px, this.near.py])[0] : (panel.left + panel.right) / 2);
+      const step = event.shiftKey ? 10 : 1;
+      switch (event.key) {
+        case "ArrowRight": case "ArrowLeft": {
+          if (!all.length) return;
+          const now = all.indexOf(this.near);
+          const next = now < 0 ? 0 : Math.min(Math.max(now + (event.key === "ArrowRight" ? step : -step), 0), all.length - 1);
+          const [px, py] = panel.to([all[next].px, all[next].py]);
+          this.read({ panel, px, py, point: all[next] }, null);
+          break;
+        }
+        case "+": case "=": this.scale(0.5, middle()); break;
+        case "-": this.scale(2, middle()); break;
+        case "Escape": case "0": this.zoom(null); this.leave(); break;
+        case "Enter": if (this.near?.run === undefined) return; runs().then((all) => { location.href = all[this.near.run].href; }); break;
+        default: return;
+      }
+      event.preventDefault();
+    }
+    leave() { box.hidden = true; this.near = null; charts.forEach((chart) => chart.cursor?.setAttribute("d", "")); }
+    nearest(panel, series, px, py) {
+      let best = null, least = Infinity;
+      for (const point of series.points) {
+        const [x, y] = panel.to([point.px, point.py]);
+        if (x < panel.left - 1 || x > panel.right + 1 || point.off) continue;
+        const far = py === undefined ? Math.abs(x - px) : Math.hypot(x - px, y - py);
+        if (far < least) { least = far; best = point; }
+      }
+      return best && { point: best, far: least, series };
+    }
+    async read(here, event) {
+      const { panel } = here;
+      const lines = [];
+      const number = (p, py) => p.number(p.y.scale, p.yAt(py), p.range.y[1] - p.range.y[0]) + (p.unit ? " " + p.unit : "");
+      const across = (px) => {
+        const [, name, unit = ""] = titleParts(panel.xTitle);
+        return [name, panel.number(panel.x.scale, panel.xAt(px), panel.range.x[1] - panel.range.x[0]) + (unit && unit !== "UTC" ? " " + unit : unit ? " UTC" : "")];
+      };
+      const interval = (p, point) => (point.bar ? ` [${number(p, point.bar[0]).replace(" " + p.unit, "")}, ${number(p, point.bar[1]).replace(" " + p.unit, "")}]` : "");
+      const single = this.byRun || panel.x.scale === 3;
+      if (single) {
+        const found = here.point ? { point: here.point, series: panel.series.find((s) => s.points.includes(here.point)) }
+          : panel.series.filter((s) => s.name && !s.hidden).map((s) => this.nearest(panel, s, here.px, here.py)).filter(Boolean).sort((a, b) => a.far - b.far)[0];
+        if (!found || found.far > 260) return this.leave();
+        this.near = found.point;
+        lines.push([found.series.name, ""]);
+        lines.push([panel.quantity, number(panel, found.point.py) + interval(panel, found.point)]);
+        if (panel.x.scale !== 3) lines.push(across(found.point.px));
+        if (found.point.run !== undefined) {
+          const run = (await runs())[found.point.run];
+          if (this.near !== found.point) return;
+          if (run) lines[0] = [run.name, ""];
+        }
+        const [x, y] = panel.to([found.point.px, found.point.py]);
+        this.cursor.setAttribute("d", `M${x - 70} ${y}a70 70 0 1 0 140 0a70 70 0 1 0-140 0`);
+      } else {
+        const first = here.point ? { point: here.point } : panel.series.filter((s) => s.name && !s.hidden).map((s) => this.nearest(panel, s, here.px)).filter(Boolean).sort((a, b) => a.far - b.far)[0];
+        if (!first) return this.leave();
+        this.near = first.point;
+        lines.push(across(first.point.px));
+        const at = panel.to([first.point.px, 0])[0];
+        for (const p of this.panels) for (const series of p.series.filter((s) => s.name && !s.hidden)) {
+          const found = this.nearest(p, series, at);
+          if (found && found.far < 200) lines.push([(series.name === p.quantity || /^Residual/.test(series.name) ? "" : p.quantity + ", ") + series.name.toLowerCase(), number(p, found.point.py) + interval(p, found.point)]);
+        }
+        const position = panel.position(at);
+        charts.filter((chart) => chart === this || (this.link && chart.link === this.link)).forEach((chart) => {
+          chart.cursor.setAttribute("d", chart.panels.map((p) => {
+            const x = p.left + ((position - p.range.x[0]) / (p.range.x[1] - p.range.x[0])) * (p.right - p.left);
+            return x < p.left || x > p.right ? "" : `M${x.toFixed(1)} ${p.top}V${p.bottom}`;
+          }).join(""));
+        });
+      }
+      box.replaceChildren(...lines.map(([name, value]) => make("div", {}, make("span", {}, name), make("b", {}, value))));
+      box.hidden = false;
+      const place = event ? { x: event.clientX, y: event.clientY } : (() => {
+        const [x, y] = panel.to([this.near.px, this.near.py]);
+        return new DOMPoint(x, y).matrixTransform(this.svg.getScreenCTM());
+      })();
+      const wide = box.offsetWidth, high = box.offsetHeight;
+      box.style.left = Math.max(4, place.x + 16 + wide > innerWidth ? place.x - wide - 16 : place.x + 16) + "px";
+      box.style.top = Math.max(4, Math.min(place.y + 12, innerHeight - high - 4)) + "px";
+      if (!event) say(lines.map((line) => line.join(" ").trim()).join("; "));
+    }
+  }
+
+  // ---------------------------------------------------------------- legends: what can be hidden
+  const swatch = (series) => {
+    const shape = series.shapes.find((s) => s.dots) || series.shapes[0];
+    const svg = document.createElementNS(SVG, "svg");
+    svg.setAttribute("viewBox", "0 0 200 100");
+    svg.setAttribute("class", "swatch figure");
+    svg.setAttribute("aria-hidden", "true");
+    if (!shape) return svg;
+    const mark = shape.shape.cloneNode();
+    if (shape.dots) { mark.setAttribute("d", "M100 50h0"); mark.setAttribute("stroke-width", "70"); mark.removeAttribute("opacity"); }
+    else if (shape.shape.classList.contains("s")) { mark.setAttribute("d", "M20 50h160"); mark.setAttribute("stroke-width", "30"); }
+    else { mark.setAttribute("d", "M60 15h80v70h-80z"); }
+    svg.append(mark);
+    return svg;
+  };
+  const legend = (all, name, series) => {
+    const button = make("button", { type: "button", class: "key", "aria-pressed": "true" }, swatch(series[0]), name);
+    button.addEventListener("click", () => {
+      const off = button.getAttribute("aria-pressed") === "true";
+      button.setAttribute("aria-pressed", String(!off));
+      series.forEach((s) => { s.hidden = off; s.element.style.display = off ? "none" : ""; });
+      say(`${name} ${off ? "hidden" : "shown"}`);
+    });
+    return button;
+  };
+  const legends = () => {
+    const sections = new Map();
+    for (const chart of charts.filter((c) => !c.byRun)) {
+      const section = chart.svg.closest("section") || chart.svg.closest("figure") || chart.svg;
+      if (!sections.has(section)) sections.set(section, []);
+      sections.get(section).push(chart);
+    }
+    for (const of of sections.values()) {
+      const named = new Map();
+      for (const series of of.flatMap((c) => c.panels).flatMap((p) => p.series).filter((s) => s.name)) {
+        if (!named.has(series.name)) named.set(series.name, []);
+        named.get(series.name).push(series);
+      }
+      if (named.size < 2 || named.size > 24) continue;
+      const bar = make("div", { class: "tools legend", role: "group", "aria-label": "Series shown" }, ...[...named].map(([name, series]) => legend(of, name, series)));
+      const first = of[0].svg.closest(".panels") || of[0].svg.closest("figure") || of[0].svg;
+      first.before(bar);
+    }
+  };
+
+  // ---------------------------------------------------------------- points grouped and filtered by tags
+  const FORMS = ["M0-.5a.5.5 0 1 0 .01 0z", "M-.45-.45h.9v.9h-.9z", "M0-.6l.58 1.04h-1.16z", "M0-.66l.66.66-.66.66-.66-.66z", "M0 .6l.58-1.04h-1.16z"];
+  const marker = (k) => {
+    const id = `dot-k-${(k % 6) + 1}-${k % FORMS.length}`;
+    if (!document.getElementById(id)) {
+      const defs = document.querySelector(".dot-forms defs");
+      const made = draw("marker", { id, overflow: "visible" }, defs);
+      draw("path", { class: `f k-${(k % 6) + 1}`, d: FORMS[k % FORMS.length] }, made);
+    }
+    return id;
+  };
+  const byTags = async () => {
+    const place = document.querySelector("[data-by-tags]");
+    const own = charts.filter((chart) => chart.byRun);
+    if (!place || !own.length) return;
+    const all = await runs();
+    const panels = own.flatMap((chart) => chart.panels);
+    for (const panel of panels) panel.points = panel.series.flatMap((s) => s.points.filter((p) => p.run !== undefined));
+    const drawnRuns = new Set(panels.flatMap((p) => p.points.map((point) => point.run)));
+    const keys = new Map();
+    for (const run of drawnRuns) for (const [key, value] of Object.entries(all[run]?.tags || {})) {
+      if (!keys.has(key)) keys.set(key, new Set());
+      keys.get(key).add(value);
+    }
+    const MOST = 12;
+    const usable = [...keys].filter(([, values]) => values.size > 1 && values.size <= MOST).map(([key]) => key).sort();
+    const select = make("select", { id: "group-by" }, ...usable.map((key) => make("option", { value: key }, key)));
+    if (usable.includes(place.dataset.byTags)) select.value = place.dataset.byTags;
+    const filter = make("input", { type: "search", id: "filter-runs", autocomplete: "off", list: "tag-values", placeholder: "air voltage_v=2.5 relative_humidity_percent>60" });
+    const words = make("datalist", { id: "tag-values" }, ...[...keys].filter(([, values]) => values.size <= 40).flatMap(([key, values]) => [...values].map((value) => make("option", { value: `${key}=${value}` }))));
+    const count = make("span", { role: "status" });
+    const chips = make("div", { class: "legend", role: "group", "aria-label": "Values shown" });
+    const hidden = new Set();
+    const groupOf = (run) => all[run]?.tags[select.value] ?? "not stated";
+    const redraw = () => {
+      const passes = matcher(filter.value);
+      const values = [...new Set([...drawnRuns].map(groupOf))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
+      const shownRuns = new Set([...drawnRuns].filter((run) => all[run] && passes(all[run]) && !hidden.has(groupOf(run))));
+      for (const panel of panels) {
+        panel.series.filter((s) => s.points.some((p) => p.run !== undefined)).forEach((s) => s.element.remove());
+        panel.series = panel.series.filter((s) => !s.points.some((p) => p.run !== undefined));
+        values.forEach((value, k) => {
+          const points = panel.points.filter((p) => shownRuns.has(p.run) && groupOf(p.run) === value);
+          if (!points.length) return;
+          const group = draw("g", { "data-s": value, "data-r": points.map((p) => p.run).join(" ") }, panel.element);
+          const bars = points.flatMap((p) => [p.bar && [[p.px, p.bar[0]], [p.px, p.bar[1]]], p.side && [[p.side[0], p.py], [p.side[1], p.py]]]).filter(Boolean);
+          if (bars.length) draw("path", { class: `s k-${(k % 6) + 1}`, "stroke-width": 10, d: written(bars) }, group);
+          draw("path", { class: "dots", style: `marker:url(#${marker(k)})`, "stroke-width": 64, d: written([points.map((p) => [p.px, p.py])]) }, group);
+          const series = new Series(group, panel);
+          series.points = points;
+          panel.series.push(series);
+        });
+        panel.show(panel.view?.x || null);
+      }
+      chips.replaceChildren(...values.map((value, k) => {
+        const dot = document.createElementNS(SVG, "svg");
+        for (const [key, attribute] of Object.entries({ viewBox: "0 0 100 100", class: "swatch figure dot", "aria-hidden": "true" })) dot.setAttribute(key, attribute);
+        draw("path", { class: "dots", style: `marker:url(#${marker(k)})`, "stroke-width": 70, d: "M50 50h0" }, dot);
+        const chip = make("button", { type: "button", class: "key", "aria-pressed": String(!hidden.has(value)) }, dot, value);
+        chip.addEventListener("click", () => {
+          if (!hidden.delete(value)) hidden.add(value);
+          redraw();
+          chips.querySelectorAll("button")[k]?.focus();
+        });
+        return chip;
+      }));
+      count.textContent = `${shownRuns.size} of ${drawnRuns.size} runs shown`;
+    };
+    select.addEventListener("change", () => { hidden.clear(); redraw(); });
+    filter.addEventListener("input", redraw);
+    place.append(
+      make("label", { for: "group-by" }, "Colour by "), select,
+      make("label", { for: "filter-runs" }, "Only runs with "), filter, words, count, chips);
+    place.hidden = false;
+    redraw();
+  };
+
+  // ---------------------------------------------------------------- served: the page follows the report
+  const follow = () => {
+    if (!/^https?:$/.test(location.protocol)) return;
+    let known = null;
+    const look = async () => {
+      try {
+        const answer = await fetch(root + ".made-from", { cache: "no-store" });
+        if (!answer.ok) return;
+        const now = await answer.text();
+        if (known !== null && now !== known) {
+          sessionStorage.setItem("at " + location.pathname, String(scrollY));
+          return location.reload();
+        }
+        known = now;
+      } catch { /* the server is away for a moment */ }
+      setTimeout(look, 2000);
+    };
+    const at = sessionStorage.getItem("at " + location.pathname);
+    if (at !== null) { sessionStorage.removeItem("at " + location.pathname); scrollTo(0, Number(at)); }
+    look();
+  };
+
+  finder();
+  document.querySelectorAll("main table").forEach(sortable);
+  document.querySelectorAll("main svg.figure").forEach((svg) => new Chart(svg));
+  legends();
+  byTags();
+  follow();
+})();
