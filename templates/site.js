@@ -627,7 +627,7 @@
   };
   const legends = () => {
     const sections = new Map();
-    for (const chart of charts.filter((c) => !c.byRun)) {
+    for (const chart of charts.filter((c) => !c.byRun && c.panels.every((p) => p.x.scale !== 3))) {
       const section = chart.svg.closest("section") || chart.svg.closest("figure") || chart.svg;
       if (!sections.has(section)) sections.set(section, []);
       sections.get(section).push(chart);
@@ -678,10 +678,13 @@
     const count = make("span", { role: "status" });
     const chips = make("div", { class: "legend", role: "group", "aria-label": "Values shown" });
     const hidden = new Set();
+    // The same order, and so the same colours, as without scripts.
+    const first = [...document.querySelectorAll(".groups .key")].map((key) => key.textContent.trim());
+    const rank = (value) => (first.includes(value) ? first.indexOf(value) : first.length);
     const groupOf = (run) => all[run]?.tags[select.value] ?? "not stated";
     const redraw = () => {
       const passes = matcher(filter.value);
-      const values = [...new Set([...drawnRuns].map(groupOf))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
+      const values = [...new Set([...drawnRuns].map(groupOf))].sort((a, b) => rank(a) - rank(b) || a.localeCompare(b, "en", { numeric: true }));
       const shownRuns = new Set([...drawnRuns].filter((run) => all[run] && passes(all[run]) && !hidden.has(groupOf(run))));
       for (const panel of panels) {
         panel.series.filter((s) => s.points.some((p) => p.run !== undefined)).forEach((s) => s.element.remove());
@@ -719,6 +722,7 @@
       make("label", { for: "group-by" }, "Colour by "), select,
       make("label", { for: "filter-runs" }, "Only runs with "), filter, words, count, chips);
     place.hidden = false;
+    document.querySelectorAll(".groups").forEach((drawn) => { drawn.hidden = true; });
     redraw();
   };
 

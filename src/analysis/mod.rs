@@ -1,6 +1,7 @@
 //! Comparison across conditions, and the climate of runs.
 
 pub mod climate;
+pub mod comparison;
 pub mod conditions;
 pub mod design;
 pub mod dma;

@@ -42,6 +42,7 @@ pub fn campaign() -> Campaign {
         sensors: vec![],
         climate: Default::default(),
         monitoring: Default::default(),
+        compare: Default::default(),
     }
 }
 

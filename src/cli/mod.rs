@@ -22,6 +22,7 @@ mod printable;
 mod profile;
 mod report;
 mod run;
+mod serve;
 mod simulate;
 mod status;
 mod table;
@@ -87,6 +88,7 @@ enum Verb {
     Init(init::InitArgs),
     Run(run::RunArgs),
     Watch(watch::WatchArgs),
+    Serve(serve::ServeArgs),
     Ingest(ingest::IngestArgs),
     Fit(fit::FitArgs),
     Dma(dma::DmaArgs),
@@ -166,6 +168,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Init(args) => init::run(args, output),
         Verb::Run(args) => run::run(args, global, output),
         Verb::Watch(args) => watch::run(args, global, output),
+        Verb::Serve(args) => serve::run(args, global, output),
         Verb::Ingest(args) => ingest::run(args, global, output),
         Verb::Fit(args) => fit::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),

@@ -123,6 +123,17 @@ pub struct Campaign {
     /// Rules for long-term monitoring.
     #[serde(default)]
     pub monitoring: MonitoringRules,
+    /// Rules for comparisons.
+    #[serde(default)]
+    pub compare: CompareRules,
+}
+
+/// Rules of campaign.toml, `[compare]`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct CompareRules {
+    /// Tags of the condition that others are compared with (`environment`, `relative_humidity_percent`, `voltage_v`);
+    /// one that is left out is held equal. Empty: the condition with the most runs.
+    pub reference: Vec<(String, String)>,
 }
 
 impl Campaign {

@@ -20,7 +20,7 @@ pub mod thinning;
 pub mod unit;
 mod unit_spelling;
 
-pub use campaign::{Campaign, Environment, Material, Sample};
+pub use campaign::{Campaign, CompareRules, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use climate::{
     ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,

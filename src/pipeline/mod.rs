@@ -30,6 +30,7 @@ pub mod planned;
 pub mod profile;
 mod report;
 mod run;
+pub mod serve;
 mod shared_effects_document;
 pub mod simulate;
 pub mod status;

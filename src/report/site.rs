@@ -15,6 +15,7 @@ use super::run_index::{self, run_index};
 use super::slug::slugs;
 use super::visible::write_escaped;
 use crate::analysis::dma::table::modulus_table;
+use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::{Conditions, TableFormat, conditions, conditions_table, fits_wide, write_table};
 use crate::domain::{ClimateCurve, CurveSource, RunCurve};
 
@@ -35,6 +36,10 @@ pub struct Site<'a> {
     pub input: &'a Input,
     /// Conditions of its runs.
     pub conditions: Conditions,
+    /// What is known of the runs that parameters may follow; charges are not among it.
+    pub facts: Vec<RunFacts>,
+    /// Pages that the site has once, in the order of the navigation.
+    pub pages: Vec<&'static Page>,
     slugs: Vec<String>,
     finding_slugs: Vec<String>,
 }
@@ -45,6 +50,8 @@ impl<'a> Site<'a> {
         Site {
             input,
             conditions: conditions(&input.runs, &input.campaign),
+            facts: facts(&input.runs, &input.campaign, &[]),
+            pages: PAGES.iter().filter(|page| (page.is_shown)(input)).collect(),
             slugs: slugs(input.runs.iter().map(|run| run.path.as_str())),
             finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
         }
@@ -107,7 +114,7 @@ pub fn render(
     let site = Site::new(input);
     let templates = templates()?;
     make_folder(&out_dir.join("runs"))?;
-    let pages: Vec<&Page> = PAGES.iter().filter(|page| (page.is_shown)(input)).collect();
+    let pages = &site.pages;
     let groups = input.findings.groups.len();
     let total = pages.len() + groups + input.runs.len();
     let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
@@ -211,11 +218,25 @@ fn filled(
     content: Content,
 ) -> Result<String, ReportError> {
     let campaign = &site.input.campaign;
-    let nav: Vec<Value> = PAGES
+    let entry =
+        |page: &&&Page| json!({ "href": page.file, "title": page.title, "current": page.file == file });
+    let nav: Vec<Value> = site
+        .pages
         .iter()
-        .filter(|page| (page.is_shown)(site.input))
-        .map(|page| json!({ "href": page.file, "title": page.title, "current": page.file == file }))
+        .filter(|page| page.under.is_none())
+        .map(|page| entry(&page))
         .collect();
+    // Pages that stand together: the one above and those under it.
+    let above = site
+        .pages
+        .iter()
+        .find(|page| page.file == file)
+        .map_or(file, |page| page.under.unwrap_or(page.file));
+    let family = site
+        .pages
+        .iter()
+        .filter(|page| page.under == Some(above) || page.file == above);
+    let family: Vec<Value> = family.map(|page| entry(&page)).collect();
     let dots = dot_markers(content.figures.values());
     let figures: Map<String, Value> = content
         .figures
@@ -230,6 +251,8 @@ fn filled(
         "is_home": file == "index.html",
         "notice": campaign.notice,
         "nav": nav,
+        "above": above,
+        "family": if family.len() > 1 { family } else { vec![] },
         "origin": { "program": site.input.origin.program, "database": site.input.origin.database },
         "dots": dots,
         "figures": figures,

@@ -35,6 +35,7 @@ mod report_goldens;
 mod report_site;
 mod report_thesis;
 mod samples;
+mod serve;
 mod shared_effects;
 mod sidecars;
 mod tables;

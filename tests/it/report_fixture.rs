@@ -51,6 +51,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         sensors: vec![],
         climate: Default::default(),
         monitoring: Default::default(),
+        compare: Default::default(),
     }
 }
 

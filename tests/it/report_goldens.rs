@@ -34,6 +34,26 @@ fn comparison_of_a_troubled_campaign() {
 }
 
 #[test]
+fn ratios_coverage_and_voltages_of_a_troubled_campaign() {
+    let input = troubled_input();
+    insta::assert_json_snapshot!("ratios", page(&input, "ratios.html"));
+    insta::assert_json_snapshot!("coverage", page(&input, "coverage.html"));
+    insta::assert_json_snapshot!("against_voltage", page(&input, "against-voltage.html"));
+}
+
+#[test]
+fn marks_against_a_covariate_know_their_runs() {
+    let input = troubled_input();
+    let against = PAGES
+        .iter()
+        .find(|page| page.file == "against-environment.html")
+        .expect("a page");
+    let figures = (against.content)(&Site::new(&input)).expect("its content").figures;
+    let figure = &figures["r1-ohm-cm2-0"];
+    assert!(figure.contains(" data-r=\""), "{figure}");
+}
+
+#[test]
 fn parameters_of_a_troubled_campaign() {
     insta::assert_json_snapshot!(page(&troubled_input(), "table5.html"));
 }

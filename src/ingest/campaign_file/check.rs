@@ -53,6 +53,7 @@ impl Checker<'_> {
             sensors: self.sensors(file.sensor)?,
             climate: self.climate(&file.climate)?,
             monitoring: self.monitoring(file.monitoring)?,
+            compare: self.compare(file.compare)?,
         };
         // A run below the folder of modulus logs would be taken for one.
         if campaign.kind_of(&format!("{}/", campaign.runs_folder)) == RunKind::Dma {

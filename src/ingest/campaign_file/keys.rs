@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 10] = [
+const KNOWN: [(&str, &[&str]); 11] = [
     (
         "campaign",
         &["id", "title", "timezone", "notice", "model", "group_by"],
@@ -70,6 +70,7 @@ const KNOWN: [(&str, &[&str]); 10] = [
             "exposure_above_percent",
         ],
     ),
+    ("compare", &["reference"]),
     (
         "monitoring",
         &[

@@ -2,6 +2,7 @@
 
 mod check;
 mod climate;
+mod compare;
 mod error;
 mod keys;
 mod monitoring;

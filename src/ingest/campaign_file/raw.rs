@@ -27,6 +27,8 @@ pub(super) struct File {
     pub adopted: Vec<Spanned<Adopted>>,
     #[serde(default)]
     pub monitoring: Monitoring,
+    #[serde(default)]
+    pub compare: Compare,
 }
 
 /// `[[adopted]]`.
@@ -115,6 +117,13 @@ pub(super) struct Climate {
     pub temperature_tolerance_c: Option<f64>,
     pub longest_gap_s: Option<f64>,
     pub exposure_above_percent: Option<f64>,
+}
+
+/// `[compare]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Compare {
+    #[serde(default)]
+    pub reference: BTreeMap<String, Scalar>,
 }
 
 /// `[monitoring]`.

@@ -63,6 +63,10 @@ title = {id}                            # what stands above the report
 # longest_gap_s = 3600                   # between two readings that a run may contain
 # exposure_above_percent = 60            # hours above it accumulate per sample
 
+# Ratios on the comparison pages are to this condition; what it leaves out is held equal (docs/comparison.md).
+# [compare]                              # without it: the condition with the most runs
+# reference = {{ environment = "air", relative_humidity_percent = 34 }}
+
 # Long-term monitoring: repeat a run in one condition now and then (docs/monitoring.md).
 # [monitoring]
 # reference = {{ environment = "air", voltage_v = 2.0, relative_humidity_percent = 35 }}

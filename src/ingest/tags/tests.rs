@@ -40,6 +40,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         sensors: vec![],
         climate: Default::default(),
         monitoring: Default::default(),
+        compare: Default::default(),
     }
 }
 

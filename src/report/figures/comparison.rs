@@ -91,14 +91,33 @@ const GAP: f64 = 0.6;
 
 /// The values of a group, repeats of a condition side by side.
 fn draw_estimates(chart: &mut Chart, y: &Axis, group: &Group, left: f64) -> Result<(), String> {
+    let mut placed: Vec<(f64, &Estimate)> = Vec::new();
     for (index, slot) in group.slots.iter().enumerate() {
         let n = slot.estimates.len() as f64;
         for (repeat, estimate) in slot.estimates.iter().enumerate() {
             let beside = (repeat as f64 - 0.5 * (n - 1.0)) * (0.7 / n).min(0.22);
-            draw_estimate(chart, y, left + index as f64 + beside, estimate, group.style)?;
+            placed.push((left + index as f64 + beside, estimate));
+        }
+    }
+    for &(at, estimate) in &placed {
+        draw_bar(chart, y, at, estimate, group.style)?;
+    }
+    for (at, estimate) in placed {
+        if let Some(value) = estimate.value {
+            let up = position(y, value);
+            marker(chart, (at, up), group.style, y.shows(value))?;
         }
     }
     Ok(())
+}
+
+/// Position of a number, brought to the ends of the axis. One at or below zero has no place on a log axis: it stands at
+/// the frame.
+fn position(y: &Axis, number: f64) -> f64 {
+    match number > 0.0 || y.shows(number) {
+        true => y.position(number).clamp(y.low, y.high),
+        false => y.low,
+    }
 }
 
 /// Voltages and surroundings under a group.
@@ -159,23 +178,10 @@ fn shortened(text: &str, name: &str, room: usize) -> String {
     format!("{kept}…")
 }
 
-fn draw_estimate(
-    chart: &mut Chart,
-    y: &Axis,
-    at: f64,
-    estimate: &Estimate,
-    style: usize,
-) -> Result<(), String> {
+/// The interval of an estimate, an arrow for a bound, a dash where there is nothing.
+fn draw_bar(chart: &mut Chart, y: &Axis, at: f64, estimate: &Estimate, style: usize) -> Result<(), String> {
     let line = ink(style).color().stroke_width(14);
-    let within = |number: f64| y.position(number).clamp(y.low, y.high);
-    // A lower end at or below zero has no place on a log axis: the bar goes down to the frame.
-    let position = |number: f64| {
-        if number > 0.0 || y.shows(number) {
-            within(number)
-        } else {
-            y.low
-        }
-    };
+    let position = |number: f64| position(y, number);
     let ends = (estimate.low_95.map(position), estimate.high_95.map(position));
     match (estimate.value, ends) {
         (Some(value), (low, high)) => {
@@ -183,8 +189,7 @@ fn draw_estimate(
                 (at, low.unwrap_or(position(value))),
                 (at, high.unwrap_or(position(value))),
             ];
-            draw_path(chart, &bar, line)?;
-            marker(chart, (at, position(value)), style, y.shows(value))
+            draw_path(chart, &bar, line)
         }
         (None, (Some(low), Some(high))) => draw_path(chart, &[(at, low), (at, high)], line),
         (None, (None, Some(high))) => {

@@ -18,6 +18,9 @@ const MARGINS: Margins = Margins {
     bottom: 46,
 };
 
+/// Size of one panel of small multiples, px.
+pub const SMALL: (u32, u32) = (400, 230);
+
 /// A point with its 95 % interval and the standard error of where it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mark {
@@ -31,6 +34,8 @@ pub struct Mark {
     pub bar: (f64, f64),
     /// Number of the sample: marker and colour.
     pub style: usize,
+    /// Index of the run that it stands for.
+    pub run: Option<usize>,
 }
 
 /// A law as it is drawn: at each place the value and the ends of the band.
@@ -53,6 +58,8 @@ pub struct Beside {
     pub limits: Vec<f64>,
     /// Vertical lines: changes.
     pub changes: Vec<f64>,
+    /// What readouts call the marks of each style.
+    pub names: Vec<String>,
 }
 
 /// Draws one panel.
@@ -61,19 +68,34 @@ pub struct Beside {
 /// The message of the drawing library.
 pub fn law_panel(
     id: &str,
-    (x, y): (&Axis, &Axis),
+    axes: (&Axis, &Axis),
     marks: &[Mark],
     beside: &Beside,
     title: &str,
     desc: &str,
 ) -> Result<String, String> {
-    svg(id, SIZE, title, desc, |area| {
+    sized_panel(id, SIZE, axes, (marks, beside), (title, desc))
+}
+
+/// Draws one panel of `size` px.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn sized_panel(
+    id: &str,
+    size: (u32, u32),
+    (x, y): (&Axis, &Axis),
+    (marks, beside): (&[Mark], &Beside),
+    (title, desc): (&str, &str),
+) -> Result<String, String> {
+    svg(id, size, title, desc, |area| {
         let mut chart = panel(area, MARGINS, x, y, true)?;
         series(&mut chart, "", |chart| draw_beside(chart, x, y, beside))?;
         let styles = marks.iter().map(|mark| mark.style + 1).max().unwrap_or(0);
         for style in 0..styles {
             let own: Vec<&Mark> = marks.iter().filter(|mark| mark.style == style).collect();
-            draw_marks(&mut chart, (x, y), &own, style)?;
+            let name = beside.names.get(style).map_or("Value", String::as_str);
+            draw_marks(&mut chart, (x, y), &own, (style, name))?;
         }
         Ok(())
     })
@@ -122,11 +144,15 @@ fn draw_marks(
     chart: &mut Chart,
     (x, y): (&Axis, &Axis),
     marks: &[&Mark],
-    style: usize,
+    (style, name): (usize, &str),
 ) -> Result<(), String> {
+    let (within, beyond): (Vec<&Mark>, Vec<&Mark>) = marks.iter().partition(|mark| y.shows(mark.y));
+    if marks.is_empty() {
+        return Ok(());
+    }
     let group = Group::Series {
-        name: if marks.is_empty() { "" } else { "Value" }.to_owned(),
-        runs: Vec::new(),
+        name: name.to_owned(),
+        runs: within.iter().chain(&beyond).filter_map(|mark| mark.run).collect(),
         form: style,
     };
     let color = ink(style);
@@ -141,7 +167,6 @@ fn draw_marks(
                 line(chart, vec![(ends[0], up), (ends[1], up)], color, 10)?;
             }
         }
-        let (within, beyond): (Vec<&&Mark>, Vec<&&Mark>) = marks.iter().partition(|mark| y.shows(mark.y));
         let dots = within.iter().map(|mark| {
             let at = (x.position(mark.x), y.position(mark.y));
             Circle::new(at, 36, color.color().filled())
@@ -174,6 +199,7 @@ mod tests {
             y: 1e-3,
             bar: (8e-4, 1.2e-3),
             style: 1,
+            run: None,
         };
         let law = Curve {
             x: vec![20.0, 50.0, 80.0],

@@ -94,6 +94,8 @@ enum Waiting {
         width: u32,
         data: String,
     },
+    /// Path data of polygons.
+    Fills { color: BackendColor, data: String },
     /// Labels; never empty.
     Texts(Vec<Label>),
 }
@@ -112,16 +114,7 @@ impl Body {
         match shape {
             Shape::Dot { at, radius, color } => self.add_dot(*at, *radius, *color),
             Shape::Stroke { points, width, color } => self.add_stroke(points, *width, *color),
-            Shape::Fill { points, color } => {
-                self.flush();
-                let _ = write!(
-                    self.out,
-                    "<path class=\"f {}\"{} d=\"{}z\"/>",
-                    Ink::class(*color),
-                    opacity(color.alpha),
-                    path_data(points)
-                );
-            }
+            Shape::Fill { points, color } => self.add_fill(points, *color),
             Shape::Ring {
                 at: (x, y),
                 radius,
@@ -200,6 +193,14 @@ impl Body {
                     opacity(color.alpha),
                 );
             }
+            Some(Waiting::Fills { color, data }) => {
+                let _ = write!(
+                    self.out,
+                    "<path class=\"f {}\"{} d=\"{data}\"/>",
+                    Ink::class(color),
+                    opacity(color.alpha),
+                );
+            }
             Some(Waiting::Texts(labels)) => self.write_texts(&labels),
         }
     }
@@ -221,6 +222,19 @@ impl Body {
                     width,
                     data: more,
                 });
+            }
+        }
+    }
+
+    fn add_fill(&mut self, points: &[BackendCoord], color: BackendColor) {
+        let more = format!("{}z", path_data(points));
+        match &mut self.waiting {
+            Some(Waiting::Fills { color: c, data }) if same(*c, color) && c.alpha == 1.0 => {
+                data.push_str(&more)
+            }
+            _ => {
+                self.flush();
+                self.waiting = Some(Waiting::Fills { color, data: more });
             }
         }
     }

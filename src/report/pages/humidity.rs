@@ -299,6 +299,7 @@ pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)
         .points
         .iter()
         .map(|point| Mark {
+            run: None,
             x: point.x,
             x_error: point.x_error.unwrap_or(0.0),
             y: point.value * factor,
@@ -356,6 +357,7 @@ pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)
     let desc = words::sentence(found);
     let beside = Beside {
         law: curve,
+        names: found.samples.clone(),
         ..Beside::default()
     };
     let svg =

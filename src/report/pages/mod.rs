@@ -1,8 +1,10 @@
 //! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
 
 pub mod across;
+pub mod against;
 pub mod climate;
 pub mod comparison;
+pub mod coverage;
 pub mod dma;
 pub mod finding;
 pub mod finding_words;
@@ -10,6 +12,7 @@ pub mod findings;
 pub mod humidity;
 pub mod index;
 pub mod monitoring;
+pub mod ratios;
 pub mod run;
 pub mod run_climate;
 pub mod run_clocks;
@@ -25,6 +28,7 @@ use serde_json::Value;
 use super::error::ReportError;
 use super::input::Input;
 use super::site::Site;
+use crate::analysis::comparison::against::Against;
 
 pub use finding::content as finding_content;
 pub use run::content as run_content;
@@ -62,6 +66,8 @@ pub struct Page {
     pub file: &'static str,
     /// Title in the navigation.
     pub title: &'static str,
+    /// File of the page that it stands under; the navigation of the whole site names only pages under none.
+    pub under: Option<&'static str>,
     /// Template text.
     pub template: &'static str,
     /// Whether a report of that input has the page.
@@ -70,11 +76,15 @@ pub struct Page {
     pub content: fn(&Site) -> Result<Content, ReportError>,
 }
 
+const COMPARISON: Option<&str> = Some("comparison.html");
+const AGAINST: &str = include_str!("../../../templates/pages/against.html");
+
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 8] = [
+pub const PAGES: [Page; 16] = [
     Page {
         file: "index.html",
         title: "Overview",
+        under: None,
         template: include_str!("../../../templates/pages/index.html"),
         is_shown: |_| true,
         content: index::content,
@@ -82,13 +92,79 @@ pub const PAGES: [Page; 8] = [
     Page {
         file: "comparison.html",
         title: "Comparison",
+        under: None,
         template: include_str!("../../../templates/pages/comparison.html"),
         is_shown: |_| true,
         content: comparison::content,
     },
     Page {
+        file: "ratios.html",
+        title: "Ratios",
+        under: COMPARISON,
+        template: include_str!("../../../templates/pages/ratios.html"),
+        is_shown: ratios::is_shown,
+        content: ratios::content,
+    },
+    Page {
+        file: "coverage.html",
+        title: "Coverage",
+        under: COMPARISON,
+        template: include_str!("../../../templates/pages/coverage.html"),
+        is_shown: coverage::is_shown,
+        content: coverage::content,
+    },
+    Page {
+        file: "against-humidity.html",
+        title: "Humidity",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Humidity),
+        content: |site| against::content(site, Against::Humidity),
+    },
+    Page {
+        file: "against-voltage.html",
+        title: "Voltage",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Voltage),
+        content: |site| against::content(site, Against::Voltage),
+    },
+    Page {
+        file: "against-environment.html",
+        title: "Environment",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Environment),
+        content: |site| against::content(site, Against::Environment),
+    },
+    Page {
+        file: "against-material.html",
+        title: "Material",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Material),
+        content: |site| against::content(site, Against::Material),
+    },
+    Page {
+        file: "against-sample.html",
+        title: "Sample",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Sample),
+        content: |site| against::content(site, Against::Sample),
+    },
+    Page {
+        file: "against-time.html",
+        title: "Time",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Time),
+        content: |site| against::content(site, Against::Time),
+    },
+    Page {
         file: "table5.html",
         title: "Parameters",
+        under: None,
         template: include_str!("../../../templates/pages/table5.html"),
         is_shown: |_| true,
         content: table5::content,
@@ -96,6 +172,7 @@ pub const PAGES: [Page; 8] = [
     Page {
         file: "dma.html",
         title: "Modulus (DMA)",
+        under: None,
         template: include_str!("../../../templates/pages/dma.html"),
         is_shown: |input| !input.modulus_logs.is_empty(),
         content: dma::content,
@@ -103,6 +180,7 @@ pub const PAGES: [Page; 8] = [
     Page {
         file: "findings.html",
         title: "Findings",
+        under: None,
         template: include_str!("../../../templates/pages/findings.html"),
         is_shown: |_| true,
         content: findings::content,
@@ -110,6 +188,7 @@ pub const PAGES: [Page; 8] = [
     Page {
         file: "humidity.html",
         title: "Across runs",
+        under: None,
         template: include_str!("../../../templates/pages/humidity.html"),
         is_shown: humidity::is_shown,
         content: humidity::content,
@@ -117,6 +196,7 @@ pub const PAGES: [Page; 8] = [
     Page {
         file: "monitoring.html",
         title: "Monitoring",
+        under: None,
         template: include_str!("../../../templates/pages/monitoring.html"),
         is_shown: monitoring::is_shown,
         content: monitoring::content,
@@ -124,6 +204,7 @@ pub const PAGES: [Page; 8] = [
     Page {
         file: "climate.html",
         title: "Climate",
+        under: None,
         template: include_str!("../../../templates/pages/climate.html"),
         is_shown: |_| true,
         content: climate::content,

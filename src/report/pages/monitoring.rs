@@ -214,6 +214,7 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
         .map(|k| {
             let reach = 1.96 * series.variance[k].sqrt();
             Mark {
+                run: None,
                 x: series.x[k],
                 x_error: 0.0,
                 y: on_scale(series.y[k]),
@@ -284,6 +285,7 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
         law: curve,
         limits,
         changes: study.steps.iter().map(|step| series.x[step.at]).collect(),
+        ..Beside::default()
     };
     let id = format!("life-{number}");
     let title = format!("{name} of {} over {}", watched.sample, watched.axis.label());
