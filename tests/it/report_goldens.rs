@@ -48,7 +48,9 @@ fn marks_against_a_covariate_know_their_runs() {
         .iter()
         .find(|page| page.file == "against-environment.html")
         .expect("a page");
-    let figures = (against.content)(&Site::new(&input)).expect("its content").figures;
+    let figures = (against.content)(&Site::new(&input))
+        .expect("its content")
+        .figures;
     let figure = &figures["r1-ohm-cm2-0"];
     assert!(figure.contains(" data-r=\""), "{figure}");
 }

@@ -210,6 +210,7 @@ mod tests {
             law,
             limits: vec![5e-3],
             changes: vec![60.0],
+            names: vec!["CNaf-1".into(), "CNaf-2".into()],
         };
         let drawn = law_panel("p", (&x, &y), &[mark], &beside, "t", "d").unwrap();
         assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");
