@@ -28,6 +28,9 @@ const LEGEND_ENTRY: u32 = 230;
 const MARKERS: usize = 9;
 const SECONDS_PER_MINUTE: f64 = 60.0;
 
+/// Places on a line, from left to right.
+type Line = Vec<(f64, f64)>;
+
 /// One log in the figure of several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalisedLog<'a> {
@@ -205,7 +208,7 @@ fn draw_lines(
     area: &Area,
     x: &Axis,
     y: &Axis,
-    (lines, logs): (&[Vec<(f64, f64)>], &[NormalisedLog]),
+    (lines, logs): (&[Line], &[NormalisedLog]),
     x_labels: bool,
 ) -> Result<(), String> {
     let mut chart = panel(area, margins(x_labels), x, y, x_labels)?;
