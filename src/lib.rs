@@ -15,3 +15,4 @@ pub mod numerics;
 pub mod pipeline;
 pub mod report;
 pub mod store;
+pub mod strip;

@@ -27,6 +27,7 @@ mod simulate;
 mod status;
 mod table;
 mod tag;
+mod trace;
 mod watch;
 
 use std::path::{Path, PathBuf};
@@ -103,6 +104,7 @@ enum Verb {
     Inspect(inspect::InspectArgs),
     Profile(profile::ProfileArgs),
     Simulate(simulate::SimulateArgs),
+    Trace(trace::TraceArgs),
     Export(export::ExportArgs),
     Formats(formats::FormatsArgs),
     Models(models::ModelsArgs),
@@ -183,6 +185,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Inspect(args) => inspect::run(args, output),
         Verb::Profile(args) => profile::run(args, output),
         Verb::Simulate(args) => simulate::run(args, global, output),
+        Verb::Trace(args) => trace::run(args, output),
         Verb::Export(args) => export::run(args, output),
         Verb::Formats(args) => formats::run(args, output),
         Verb::Models(args) => models::run(args, output),

@@ -9,6 +9,7 @@ pub mod derived;
 pub mod drive;
 pub mod filesystem;
 pub mod formats;
+pub mod frames;
 pub mod name_pattern;
 pub mod named_columns;
 pub mod profiles;

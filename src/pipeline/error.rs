@@ -9,6 +9,7 @@ use crate::analysis::ExportError;
 use crate::fit::FitError;
 use crate::ingest::archive::ArchiveError;
 use crate::ingest::campaign_file::CampaignFileError;
+use crate::ingest::frames::FramesError;
 use crate::ingest::profiles::ProfileError;
 use crate::ingest::scan::ScanError;
 use crate::ingest::watch::WatchError;
@@ -42,6 +43,24 @@ pub enum PipelineError {
     /// A table cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// Frames cannot be read as they are described.
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    /// The scale of the frames is not known.
+    #[error(
+        "how many pixels make a millimetre is said nowhere. State `px_per_mm`, or `length_mm` (the strip's free length), in frames.toml or as an option"
+    )]
+    NoScale,
+    /// None of the frames of the initial shape can be traced.
+    #[error(
+        "the initial shape cannot be traced, so that no bending can be counted from it: {frame}: {reason}"
+    )]
+    NoInitialShape {
+        /// The first of them.
+        frame: String,
+        /// Why.
+        reason: String,
+    },
     /// A simulation spec is wrong.
     #[error(transparent)]
     Spec(#[from] SpecError),

@@ -37,6 +37,7 @@ pub mod status;
 mod swap;
 pub mod tables;
 mod tag;
+pub mod trace;
 mod watch;
 
 pub use crate::numerics::global::methods;

@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 11] = [
+const KNOWN: [(&str, &[&str]); 12] = [
     (
         "campaign",
         &["id", "title", "timezone", "notice", "model", "group_by"],
@@ -45,6 +45,22 @@ const KNOWN: [(&str, &[&str]); 11] = [
     ("adopted", &["group", "model"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
+    (
+        "frames",
+        &[
+            "px_per_mm",
+            "length_mm",
+            "clamp",
+            "strip",
+            "crop_px",
+            "positive",
+            "initial",
+            "vectors",
+            "frames_per_second",
+            "first_frame_s",
+            "times_s",
+        ],
+    ),
     (
         "sensor",
         &[

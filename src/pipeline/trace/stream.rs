@@ -1,0 +1,265 @@
+//! Frames one after another: a few in memory at a time, whatever their number, and the same table at any number of
+//! threads.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::table::{Row, Tables};
+use super::{RefusedFrame, ViewSummary};
+use crate::ingest::frames::{FrameFile, FrameSettings, InitialShape};
+use crate::ingest::scan::read_stable;
+use crate::pipeline::{Observer, PipelineError};
+use crate::strip::{Gray, Initial, Positive, Scale, Trace, View, decode, overlay, trace};
+
+/// Largest file of a frame, bytes.
+const LARGEST_FRAME_BYTES: u64 = 512 << 20;
+/// Frames before the step whose mean is the initial shape, at most.
+const MOST_INITIAL: usize = 20;
+/// Vectors into which a strip is cut where nothing else is said.
+pub const VECTORS: usize = 20;
+
+/// Frames with what is known of them.
+#[derive(Debug, Clone, Copy)]
+pub struct Source<'a> {
+    /// The frames in order.
+    pub files: &'a [FrameFile],
+    /// When each was taken, s after the voltage step.
+    pub times_s: &'a [f64],
+    /// What is stated of the view.
+    pub settings: &'a FrameSettings,
+    /// Free length of the sample, which gives the scale where the settings do not.
+    pub sample_length_mm: Option<f64>,
+    /// Folder into which a picture of each frame is written.
+    pub overlays: Option<&'a Path>,
+}
+
+/// What the frames gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Traced {
+    /// The run table.
+    pub table: String,
+    /// Standard errors of the curvatures at each position.
+    pub errors: String,
+    /// Frames in the table.
+    pub rows: usize,
+    /// Frames that are not.
+    pub refused: Vec<RefusedFrame>,
+    /// What holds for all.
+    pub view: ViewSummary,
+}
+
+/// Traces all frames.
+///
+/// # Errors
+/// There is no scale, no frame of the initial shape can be traced, or an overlay cannot be written.
+pub fn trace_frames(source: &Source, observer: &dyn Observer) -> Result<Traced, PipelineError> {
+    let (initial, mut view) = initial(source)?;
+    let mut tables = Tables::new(&initial, &view, source.files.len());
+    let mut refused = Vec::new();
+    let (mut noise, mut rows) = (Vec::with_capacity(source.files.len()), 0);
+    let few = 4 * rayon::current_num_threads().max(1);
+    let indices: Vec<usize> = (0..source.files.len()).collect();
+    observer.begin("tracing", source.files.len() as u64);
+    for chunk in indices.chunks(few) {
+        let traced: Vec<Result<Row, Failed>> = chunk
+            .par_iter()
+            .map(|&index| {
+                let row = frame(source, index, &initial);
+                observer.advance();
+                row
+            })
+            .collect();
+        for (&index, row) in chunk.iter().zip(traced) {
+            match row {
+                Ok(row) => {
+                    noise.push(row.edge_noise_px);
+                    tables.add(&row);
+                    rows += 1;
+                }
+                Err(Failed::Frame(reason)) => refused.push(RefusedFrame {
+                    frame: source.files[index].name.clone(),
+                    reason,
+                }),
+                Err(Failed::Disk(error)) => {
+                    observer.end();
+                    return Err(error);
+                }
+            }
+        }
+    }
+    observer.end();
+    noise.sort_by(f64::total_cmp);
+    view.edge_noise_px = noise.get(noise.len() / 2).copied().unwrap_or(0.0);
+    let (table, errors) = tables.finished(&refused);
+    Ok(Traced {
+        table,
+        errors,
+        rows,
+        refused,
+        view,
+    })
+}
+
+/// Why there is no row of a frame.
+enum Failed {
+    /// The frame cannot be traced.
+    Frame(String),
+    /// What was traced cannot be written.
+    Disk(PipelineError),
+}
+
+/// The picture of a frame, with the hash of its file.
+fn picture(file: &FrameFile) -> Result<(Gray, String), String> {
+    let bytes = read_stable(&file.path, LARGEST_FRAME_BYTES).map_err(|error| {
+        // The name stands beside it already.
+        error
+            .to_string()
+            .replace(&format!("{}: ", file.path.display()), "")
+    })?;
+    let gray = decode(&bytes).map_err(|error| error.to_string())?;
+    Ok((gray, blake3::hash(&bytes).to_hex().to_string()))
+}
+
+fn view_of(settings: &FrameSettings) -> View {
+    View {
+        crop: settings.crop(),
+        clamp: settings.clamp,
+        tone: settings.strip,
+    }
+}
+
+fn frame(source: &Source, index: usize, initial: &Initial) -> Result<Row, Failed> {
+    let file = &source.files[index];
+    let (gray, hash) = picture(file).map_err(Failed::Frame)?;
+    let traced = trace(&gray, &view_of(source.settings)).map_err(|error| Failed::Frame(error.to_string()))?;
+    let bending = initial
+        .bending(&traced)
+        .map_err(|error| Failed::Frame(error.to_string()))?;
+    if let Some(folder) = source.overlays {
+        let name = format!(
+            "{}.png",
+            file.name.rsplit_once('.').map_or(&*file.name, |parts| parts.0)
+        );
+        let path = folder.join(name);
+        let drawn = overlay(&gray, &traced, vectors(source.settings)).map_err(Failed::Frame)?;
+        std::fs::write(&path, drawn)
+            .map_err(|error| Failed::Disk(super::failed(&path, "writing the overlay")(error)))?;
+    }
+    Ok(Row {
+        frame: file.name.clone(),
+        hash,
+        time_s: source.times_s[index],
+        edge_noise_px: traced.edge_noise_px,
+        bending,
+    })
+}
+
+fn vectors(settings: &FrameSettings) -> usize {
+    settings.vectors.unwrap_or(VECTORS)
+}
+
+/// The initial shape with the scale, and what is said of the view.
+fn initial(source: &Source) -> Result<(Initial, ViewSummary), PipelineError> {
+    let settings = source.settings;
+    let (shape, indices) = initial_frames(source);
+    let traces: Vec<Result<Trace, String>> = indices
+        .par_iter()
+        .map(|&index| {
+            let (gray, _) = picture(&source.files[index])?;
+            trace(&gray, &view_of(settings)).map_err(|error| error.to_string())
+        })
+        .collect();
+    let mut refusal = None;
+    let mut good = Vec::new();
+    for (traced, &index) in traces.into_iter().zip(&indices) {
+        match traced {
+            Ok(traced) => good.push(traced),
+            Err(reason) => refusal = refusal.or(Some((source.files[index].name.clone(), reason))),
+        }
+    }
+    let (scale, scale_from) = scale(source)?;
+    let positive = settings.positive.unwrap_or_default();
+    let found = match (shape, good.first()) {
+        (InitialShape::Straight, Some(first)) => Initial::straight(first, scale, vectors(settings), positive),
+        _ => Initial::of(&good, scale, vectors(settings), positive),
+    };
+    let (Some(initial), Some(first)) = (found, good.first()) else {
+        let (frame, reason) = refusal.unwrap_or_default();
+        return Err(PipelineError::NoInitialShape { frame, reason });
+    };
+    let view = summary(
+        &initial,
+        first,
+        scale_from,
+        positive,
+        shape_words(source, shape, good.len()),
+    );
+    Ok((initial, view))
+}
+
+fn summary(
+    initial: &Initial,
+    first: &Trace,
+    scale_from: String,
+    positive: Positive,
+    shape: String,
+) -> ViewSummary {
+    ViewSummary {
+        clamp: first.clamp.key(),
+        strip: first.tone.key(),
+        px_per_mm: initial.px_per_mm,
+        scale_from,
+        length_mm: initial.length_mm,
+        thickness_mm: first.width_px() / initial.px_per_mm,
+        positive: positive.key(),
+        initial: shape,
+        positions_mm: initial.joints_mm.clone(),
+        edge_noise_px: 0.0,
+    }
+}
+
+/// Which frames give the initial shape. A picture by itself has none but the straight strip.
+fn initial_frames(source: &Source) -> (InitialShape, Vec<usize>) {
+    let count = source.files.len();
+    let shape = source.settings.initial.unwrap_or(match count {
+        1 => InitialShape::Straight,
+        _ => InitialShape::BeforeStep,
+    });
+    let before = source.times_s.partition_point(|&t| t <= 0.0);
+    let indices = match shape {
+        InitialShape::BeforeStep if before > 0 => (before.saturating_sub(MOST_INITIAL)..before).collect(),
+        _ => vec![0],
+    };
+    (shape, indices)
+}
+
+fn shape_words(source: &Source, shape: InitialShape, frames: usize) -> String {
+    let first_s = source.times_s.first().copied().unwrap_or(0.0);
+    match shape {
+        InitialShape::Straight => "a straight strip".to_owned(),
+        InitialShape::BeforeStep if first_s <= 0.0 => {
+            let frames = if frames == 1 {
+                "the frame".to_owned()
+            } else {
+                format!("the mean of {frames} frames")
+            };
+            format!("{frames} up to 0 s")
+        }
+        _ => format!("the first frame, at {first_s} s"),
+    }
+}
+
+/// Scale and where it comes from.
+fn scale(source: &Source) -> Result<(Scale, String), PipelineError> {
+    let settings = source.settings;
+    match (settings.px_per_mm, settings.length_mm, source.sample_length_mm) {
+        (Some(px_per_mm), _, _) => Ok((Scale::PixelsPerMm(px_per_mm), "stated".to_owned())),
+        (None, Some(mm), _) => Ok((
+            Scale::LengthMm(mm),
+            format!("the strip is said to be {mm} mm long"),
+        )),
+        (None, None, Some(mm)) => Ok((Scale::LengthMm(mm), format!("the sample is {mm} mm long"))),
+        _ => Err(PipelineError::NoScale),
+    }
+}

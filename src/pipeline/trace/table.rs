@@ -1,0 +1,105 @@
+//! The run table and the table of standard errors, as text.
+
+use std::fmt::Write;
+
+use super::{RefusedFrame, ViewSummary};
+use crate::strip::{Bending, Initial};
+
+/// What a frame adds to the tables.
+pub struct Row {
+    /// The frame's name.
+    pub frame: String,
+    /// BLAKE3 of its file, hexadecimal.
+    pub hash: String,
+    /// When it was taken, s.
+    pub time_s: f64,
+    /// Noise of the edges, pixels.
+    pub edge_noise_px: f64,
+    /// Bending since the initial shape.
+    pub bending: Bending,
+}
+
+/// Tables under way.
+pub struct Tables {
+    statement: String,
+    header: String,
+    rows: String,
+    errors: String,
+    hashes: String,
+}
+
+impl Tables {
+    /// Empty tables for frames of that view.
+    pub fn new(initial: &Initial, view: &ViewSummary, frames: usize) -> Tables {
+        let mut statement = String::new();
+        let lines = [
+            format!("traced from {frames} frames by ieap {}", env!("CARGO_PKG_VERSION")),
+            format!("{} strip, clamp at the {}", view.strip, view.clamp),
+            format!("scale {:.4} px/mm ({}), free length {:.3} mm", view.px_per_mm, view.scale_from, view.length_mm),
+            format!("bending is counted from {}; positive is {} from the clamp to the tip", view.initial, view.positive),
+            "curvature_per_cm is the mean over the length; curvature_per_cm@<mm> is at that distance from the clamp"
+                .to_owned(),
+            "arc_deviation_mm is the distance (root mean square) of the shape from the nearest arc of a circle".to_owned(),
+        ];
+        for line in lines {
+            let _ = writeln!(statement, "# {line}");
+        }
+        let at = |name: &str| -> String {
+            initial
+                .joints_mm
+                .iter()
+                .map(|mm| format!(",{name}@{mm:.3}"))
+                .collect()
+        };
+        Tables {
+            statement,
+            header: format!(
+                "time_s,curvature_per_cm,tip_displacement_mm{},curvature_standard_error_per_cm,tip_displacement_standard_error_mm,arc_deviation_mm,edge_noise_px,bandwidth_mm\n",
+                at("curvature_per_cm")
+            ),
+            rows: String::new(),
+            errors: format!("time_s{}\n", at("curvature_standard_error_per_cm")),
+            hashes: String::new(),
+        }
+    }
+
+    /// One more row.
+    pub fn add(&mut self, row: &Row) {
+        let bending = &row.bending;
+        let (mean, tip) = (&bending.mean_per_cm, &bending.tip_displacement_mm);
+        let _ = write!(self.rows, "{},{:.6},{:.5}", row.time_s, mean.value, tip.value);
+        let _ = write!(self.errors, "{}", row.time_s);
+        for reading in &bending.curvature_per_cm {
+            let _ = write!(self.rows, ",{:.6}", reading.value);
+            let _ = write!(self.errors, ",{:.6}", reading.standard_error);
+        }
+        let _ = writeln!(
+            self.rows,
+            ",{:.6},{:.5},{:.5},{:.4},{:.3}",
+            mean.standard_error,
+            tip.standard_error,
+            bending.arc_deviation_mm,
+            row.edge_noise_px,
+            bending.bandwidth_mm
+        );
+        self.errors.push('\n');
+        let _ = writeln!(self.hashes, "# frame {} blake3 {}", row.frame, row.hash);
+    }
+
+    /// Both tables; the frames that were refused and the hashes of the others stand as comments.
+    pub fn finished(self, refused: &[RefusedFrame]) -> (String, String) {
+        let mut table = self.statement.clone();
+        for frame in refused {
+            let _ = writeln!(
+                table,
+                "# refused frame {}, {}",
+                frame.frame,
+                frame.reason.replace(['\n', '\r'], " ")
+            );
+        }
+        table += &self.hashes;
+        table += &self.header;
+        table += &self.rows;
+        (table, self.statement + &self.errors)
+    }
+}

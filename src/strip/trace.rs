@@ -1,0 +1,477 @@
+//! From a picture to the centre line of the strip.
+
+use super::curve::{Curve, PARAMETERS};
+use super::edges::{self, Edges};
+use super::gray::Gray;
+use super::ground::Ground;
+use super::march::{self, Rough};
+use super::refusal::Untraceable;
+use super::silhouette::{Root, Silhouette};
+use super::smooth::{Equations, Solution};
+use super::spline::{COEFFICIENTS, Spline};
+use super::{Side, Tone, View};
+use crate::numerics::dense::Dense;
+
+/// Fewest pixels to a side of a picture.
+const LEAST_SIDE: usize = 32;
+/// Rounds of measuring the edges and moving the curve at most.
+const MOST_ROUNDS: usize = 9;
+/// By how much the curve may be off the strip in the first rounds, pixels.
+const DOUBTS_PX: [f64; 3] = [0.6, 0.25, 0.1];
+/// The curve stands still where its tip moves by less than this, pixels.
+const STANDS_STILL: f64 = 0.02;
+/// Longest stretch that may be hidden, as a share of the length.
+const LONGEST_HIDDEN: f64 = 0.12;
+/// Scatter of an edge that is allowed, as a share of the thickness.
+const MOST_SCATTER: f64 = 0.2;
+/// Share of the strip's pixels that another thing may have.
+const SHARE_ELSEWHERE: f64 = 0.25;
+/// Share of the strip's pixels that may lie off the line though they are connected with it: fibres, dust.
+const SHARE_OFF: f64 = 0.1;
+/// The tip may move by this much in the last round, pixels.
+const TIP_SETTLED: f64 = 1.0;
+
+/// A strip as a frame shows it.
+///
+/// Places are pixels of the whole picture, from its top left corner, y downward; angles and curvatures are positive
+/// where the strip turns counter-clockwise as a person sees it.
+#[derive(Debug, Clone)]
+pub struct Trace {
+    /// Centre line, in pixels of the crop.
+    pub(super) curve: Curve,
+    /// Covariance of start, angle and coefficients of the centre line.
+    pub(super) covariance: Dense,
+    /// Thickness along the strip, pixels.
+    pub(super) width: Vec<f64>,
+    /// Where the crop starts.
+    pub(super) corner: (f64, f64),
+    /// The side of the clamp.
+    pub clamp: Side,
+    /// Dark or bright.
+    pub tone: Tone,
+    /// Standard deviation of one reading of one edge about the smooth line, pixels.
+    pub edge_noise_px: f64,
+    /// Length of strip over which the curvature is smoothed, pixels: what one free parameter of it stands for.
+    pub bandwidth_px: f64,
+    /// Standard error of the length by the tip, pixels.
+    pub tip_error_px: f64,
+    /// Share of the length on which an edge was seen and used.
+    pub seen: f64,
+}
+
+/// Traces the strip in a picture.
+///
+/// # Errors
+/// [`Untraceable`] with the reason, wherever the line would have to be guessed.
+pub fn trace(gray: &Gray, view: &View) -> Result<Trace, Untraceable> {
+    let Some(crop) = view.crop else {
+        return trace_whole(gray, view, (0.0, 0.0));
+    };
+    let part = gray.part(&crop).ok_or(Untraceable::Crop {
+        left: crop.left,
+        top: crop.top,
+        width: crop.width,
+        height: crop.height,
+        picture_width: gray.width(),
+        picture_height: gray.height(),
+    })?;
+    let corner = (crop.left as f64, crop.top as f64);
+    trace_whole(&part, view, corner).map_err(|refusal| refusal.moved(corner))
+}
+
+fn trace_whole(gray: &Gray, view: &View, corner: (f64, f64)) -> Result<Trace, Untraceable> {
+    if gray.width().min(gray.height()) < LEAST_SIDE {
+        return Err(Untraceable::TooSmall {
+            width: gray.width(),
+            height: gray.height(),
+            needed: LEAST_SIDE,
+        });
+    }
+    let ground = Ground::of(gray, view.tone)?;
+    let silhouette = Silhouette::of(gray, &ground);
+    let root = silhouette.root(view.clamp)?;
+    let rough = march::follow(gray, &ground, &root)?;
+    let fitted = Fitting::new(gray, &ground, &root, &rough).run()?;
+    fitted.check_seen()?;
+    check_rest(&silhouette, &root, &fitted)?;
+    Ok(Trace {
+        covariance: fitted.solution.covariance,
+        width: fitted.edges.width,
+        corner,
+        clamp: root.side,
+        tone: ground.tone(),
+        edge_noise_px: fitted.equations.noise,
+        bandwidth_px: fitted.solution.bandwidth,
+        tip_error_px: fitted.tip_error,
+        seen: fitted.equations.weight.iter().filter(|w| **w > 0.2).count() as f64
+            / fitted.curve.places() as f64,
+        curve: fitted.curve,
+    })
+}
+
+/// The search for the line.
+struct Fitting<'a> {
+    gray: &'a Gray,
+    ground: &'a Ground,
+    curve: Curve,
+    width: Vec<f64>,
+    /// Place to which the strip was followed, and how far the tip may lie from there.
+    followed: ((f64, f64), f64),
+}
+
+/// What it found.
+struct Fitted {
+    curve: Curve,
+    edges: Edges,
+    equations: Equations,
+    solution: Solution,
+    tip_error: f64,
+}
+
+impl<'a> Fitting<'a> {
+    fn new(gray: &'a Gray, ground: &'a Ground, root: &Root, rough: &Rough) -> Fitting<'a> {
+        let curve = first_curve(root, rough);
+        let width = vec![rough.width; curve.places()];
+        Fitting {
+            gray,
+            ground,
+            followed: (rough.centres[rough.centres.len() - 1], 2.0 * rough.width + 6.0),
+            curve,
+            width,
+        }
+    }
+
+    fn run(mut self) -> Result<Fitted, Untraceable> {
+        let mut round = 0;
+        loop {
+            let edges = edges::measure(self.gray, self.ground, &self.curve, &self.width);
+            let tip = self.tip(&edges);
+            let equations = Equations::new(&self.curve, &edges, DOUBTS_PX.get(round).copied().unwrap_or(0.0));
+            let solution = equations.solve(&self.curve);
+            let next = self.moved(&solution, tip.0);
+            let last = self.curve.places() - 1;
+            let (old, new) = (self.curve.point(last), next.point(next.places() - 1));
+            let still = (old.0 - new.0).hypot(old.1 - new.1) < STANDS_STILL;
+            round += 1;
+            if (still && round > DOUBTS_PX.len()) || round == MOST_ROUNDS {
+                let (x, y) = new;
+                if tip.0.abs() > TIP_SETTLED.max(tip.1) {
+                    return Err(Untraceable::NoTip { x, y });
+                }
+                return Ok(Fitted {
+                    curve: next,
+                    edges,
+                    equations,
+                    solution,
+                    tip_error: tip.1,
+                });
+            }
+            self.width = stretched(&edges.width, next.places());
+            self.curve = next;
+        }
+    }
+
+    /// How far beyond the curve the strip ends, with its standard error: by its end where that is sharp, else by where
+    /// it could be followed to.
+    fn tip(&self, edges: &Edges) -> (f64, f64) {
+        let (place, reach) = self.followed;
+        let followed = self.curve.nearest(place);
+        edges::tip(self.gray, self.ground, &self.curve, edges)
+            .filter(|(moved, _)| (self.curve.length + moved - followed).abs() < reach)
+            .unwrap_or((followed - self.curve.length, 0.5 * edges.width_at_tip.max(2.0)))
+    }
+
+    /// The curve after a step, `longer` by what the tip says.
+    fn moved(&self, solution: &Solution, longer: f64) -> Curve {
+        let shift = solution.change[0];
+        let line = self.curve.clamp_line;
+        let start = (
+            self.curve.start.0 + shift * line.0,
+            self.curve.start.1 + shift * line.1,
+        );
+        let mut curvature = self.curve.curvature.clone();
+        let changes = &solution.change[2..];
+        curvature
+            .coefficients
+            .iter_mut()
+            .zip(changes)
+            .for_each(|(c, change)| *c += change);
+        let length = (self.curve.length + longer).max(8.0);
+        Curve::new(
+            start,
+            line,
+            self.curve.angle_rad + solution.change[1],
+            curvature,
+            length,
+        )
+    }
+}
+
+/// A curve through the rough centres: their directions, smoothed by the same spline.
+fn first_curve(root: &Root, rough: &Rough) -> Curve {
+    let centres = &evened(&rough.centres);
+    // Directions over a few steps, each at the arc length of its middle; turns are unwound.
+    let reach = 3.min(centres.len() - 1);
+    let mut along = vec![0.0];
+    for pair in centres.windows(2) {
+        along.push(along[along.len() - 1] + (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1));
+    }
+    let length = along[along.len() - 1];
+    let mut readings: Vec<(f64, f64)> = Vec::new();
+    for k in 0..centres.len() - reach {
+        let ((x0, y0), (x1, y1)) = (centres[k], centres[k + reach]);
+        let mut angle = (y1 - y0).atan2(x1 - x0);
+        if let Some((_, before)) = readings.last() {
+            angle -= ((angle - before) / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+        }
+        readings.push((0.5 * (along[k] + along[k + reach]), angle));
+    }
+    // The walk ends within a thickness of the tip.
+    let (angle_rad, curvature) = spline_of_angles(&readings, length + rough.width);
+    let line = root.side.along();
+    Curve::new(root.at, line, angle_rad, curvature, length)
+}
+
+/// Centres without their jitter, which would add to the length.
+fn evened(centres: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let n = centres.len();
+    (0..n)
+        .map(|k| {
+            let reach = 4.min(k).min(n - 1 - k);
+            let part = &centres[k - reach..=k + reach];
+            let count = part.len() as f64;
+            (
+                part.iter().map(|centre| centre.0).sum::<f64>() / count,
+                part.iter().map(|centre| centre.1).sum::<f64>() / count,
+            )
+        })
+        .collect()
+}
+
+/// Angle at the start and curvature whose integral fits angles along the strip.
+fn spline_of_angles(readings: &[(f64, f64)], length: f64) -> (f64, Spline) {
+    let mut spline = Spline::straight(length);
+    let mut normal = Dense::zero(1 + COEFFICIENTS);
+    let mut right = vec![0.0; 1 + COEFFICIENTS];
+    let step = length / 400.0;
+    let (mut s, mut turned) = (0.0, [0.0; COEFFICIENTS]);
+    for (at, angle) in readings {
+        while s < *at {
+            let (first, weights) = spline.weights(s + 0.5 * step);
+            weights
+                .iter()
+                .enumerate()
+                .for_each(|(j, w)| turned[first + j] += step * w);
+            s += step;
+        }
+        let row: Vec<f64> = std::iter::once(1.0).chain(turned).collect();
+        for i in 0..row.len() {
+            right[i] += row[i] * angle;
+            for j in 0..row.len() {
+                normal.add(i, j, row[i] * row[j]);
+            }
+        }
+    }
+    // Enough roughness penalty that noise of a tenth of a radian does not bend the line.
+    let unit = 0.3 * (length / 20.0).powi(2);
+    for first in 1..COEFFICIENTS - 1 {
+        let difference = [1.0, -2.0, 1.0];
+        for (i, a) in difference.iter().enumerate() {
+            for (j, b) in difference.iter().enumerate() {
+                normal.add(first + i, first + j, unit * a * b);
+            }
+        }
+    }
+    let solved = normal.solve(&right, 1e-12);
+    spline.coefficients.copy_from_slice(&solved[1..]);
+    (solved[0], spline)
+}
+
+/// A series on another number of places.
+fn stretched(values: &[f64], places: usize) -> Vec<f64> {
+    let last = values.len() - 1;
+    (0..places)
+        .map(|k| values[(k * last / (places - 1).max(1)).min(last)])
+        .collect()
+}
+
+impl Fitted {
+    /// Refuses a line that was not seen for too long a stretch, or whose edges scatter too much.
+    fn check_seen(&self) -> Result<(), Untraceable> {
+        let weight = &self.equations.weight;
+        let length = self.curve.length;
+        let (mut longest, mut from): (usize, usize) = (0, 0);
+        let mut start = 0;
+        for k in 0..=weight.len() {
+            if k == weight.len() || weight[k] > 0.2 {
+                if k - start > longest {
+                    (longest, from) = (k - start, start);
+                }
+                start = k + 1;
+            }
+        }
+        let width = self.edges.width[self.edges.width.len() / 2];
+        let gap = longest as f64 * self.curve.step();
+        if gap > (LONGEST_HIDDEN * length).max(1.5 * width + 6.0) {
+            let (x, y) = self
+                .curve
+                .point((from + longest / 2).min(self.curve.places() - 1));
+            return Err(Untraceable::Hidden { gap, length, x, y });
+        }
+        let allowed = (MOST_SCATTER * width).max(1.0);
+        if self.equations.noise > allowed {
+            return Err(Untraceable::Scatter {
+                scatter: self.equations.noise,
+                allowed,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Refuses where something as large as the strip lies beside the line.
+fn check_rest(silhouette: &Silhouette, root: &Root, fitted: &Fitted) -> Result<(), Untraceable> {
+    let curve = &fitted.curve;
+    // Distance to the line by a grid of buckets that hold its places.
+    const BUCKET: f64 = 16.0;
+    let widest = fitted.edges.width.iter().copied().fold(1.0, f64::max);
+    let reach = 0.5 * widest + 5.0;
+    let bucket = |v: f64| (v / BUCKET).floor() as i64;
+    let mut buckets: std::collections::HashMap<(i64, i64), Vec<usize>> = std::collections::HashMap::new();
+    for (k, &(x, y)) in curve.points().iter().enumerate().step_by(3) {
+        buckets.entry((bucket(x), bucket(y))).or_default().push(k);
+    }
+    let around = (reach / BUCKET).ceil() as i64;
+    let on_line = |x: f64, y: f64| {
+        (-around..=around).any(|i| {
+            (-around..=around).any(|j| {
+                buckets
+                    .get(&(bucket(x) + i, bucket(y) + j))
+                    .is_some_and(|places| {
+                        places.iter().any(|&k| {
+                            let (px, py) = curve.point(k);
+                            (px - x).hypot(py - y) < reach
+                        })
+                    })
+            })
+        })
+    };
+    let mut off = vec![(0.0, 0.0, 0.0); silhouette.things.len()];
+    let mut on = 0.0;
+    // Every other row and column: shares need no more.
+    for stretch in silhouette.stretches.iter().filter(|s| s.y % 2 == 0) {
+        let y = stretch.y as f64 + 0.5;
+        let mut x = stretch.from;
+        while x < stretch.to {
+            if on_line(x as f64 + 0.5, y) {
+                on += 1.0;
+            } else {
+                let thing = &mut off[stretch.thing()];
+                *thing = (thing.0 + 1.0, thing.1 + x as f64, thing.2 + y);
+            }
+            x += 2;
+        }
+    }
+    for (k, (pixels, x, y)) in off.iter().enumerate() {
+        let share = if k == root.thing {
+            SHARE_OFF
+        } else {
+            SHARE_ELSEWHERE
+        };
+        if *pixels <= share * on {
+            continue;
+        }
+        let (x, y) = (x / pixels, y / pixels);
+        if k == root.thing {
+            return Err(Untraceable::Branches {
+                percent: 100.0 * pixels / (pixels + on),
+                x,
+                y,
+            });
+        }
+        return Err(silhouette.two(root.thing, k));
+    }
+    Ok(())
+}
+
+impl Trace {
+    /// Length of the strip along its centre line, pixels.
+    pub fn length_px(&self) -> f64 {
+        self.curve.length
+    }
+
+    /// Median thickness, pixels.
+    pub fn width_px(&self) -> f64 {
+        super::ground::median(&mut self.width.clone())
+    }
+
+    /// Place at an arc length.
+    pub fn point_px(&self, s: f64) -> (f64, f64) {
+        let (x, y) = self.curve.point_at(s);
+        (x + self.corner.0, y + self.corner.1)
+    }
+
+    /// The tip.
+    pub fn tip_px(&self) -> (f64, f64) {
+        self.point_px(self.length_px())
+    }
+
+    /// Places along the line with the strip's thickness there.
+    pub fn line_px(&self) -> impl Iterator<Item = ((f64, f64), (f64, f64), f64)> + '_ {
+        (0..self.curve.places()).map(|k| {
+            let (x, y) = self.curve.point(k);
+            let place = (x + self.corner.0, y + self.corner.1);
+            let width = self.width[(k * (self.width.len() - 1)) / (self.curve.places() - 1).max(1)];
+            (place, self.curve.normal(k), width)
+        })
+    }
+
+    /// Tangent angle where the strip leaves the clamp, rad counter-clockwise from the x axis.
+    pub fn clamp_angle_rad(&self) -> f64 {
+        -self.curve.angle_rad
+    }
+
+    /// Curvature at an arc length, and its standard error, 1/pixel.
+    pub fn curvature_per_px(&self, s: f64) -> (f64, f64) {
+        let (first, weights) = self.curve.curvature.weights(s);
+        let mut row = [0.0; PARAMETERS];
+        row[2 + first..2 + first + 4].copy_from_slice(&weights);
+        (
+            -self.curve.curvature.at(s),
+            self.covariance.form(&row, &row).max(0.0).sqrt(),
+        )
+    }
+
+    /// Mean curvature over the length, and its standard error, 1/pixel.
+    pub fn mean_curvature_per_px(&self) -> (f64, f64) {
+        let mut row = [0.0; PARAMETERS];
+        const PARTS: usize = 400;
+        for k in 0..PARTS {
+            let s = self.length_px() * (k as f64 + 0.5) / PARTS as f64;
+            let (first, weights) = self.curve.curvature.weights(s);
+            for (j, w) in weights.iter().enumerate() {
+                row[2 + first + j] += w / PARTS as f64;
+            }
+        }
+        let mean: f64 = row[2..]
+            .iter()
+            .zip(&self.curve.curvature.coefficients)
+            .map(|(w, c)| w * c)
+            .sum();
+        (-mean, self.covariance.form(&row, &row).max(0.0).sqrt())
+    }
+
+    /// Standard error of the tip's place across the strip, pixels.
+    pub fn tip_across_error_px(&self) -> f64 {
+        let last = self.curve.places() - 1;
+        let (nx, ny) = self.curve.normal(last);
+        let mut error = 0.0;
+        self.curve.derivatives(|k, moved| {
+            if k == last {
+                let row: [f64; PARAMETERS] = std::array::from_fn(|p| moved[p].0 * nx + moved[p].1 * ny);
+                error = self.covariance.form(&row, &row).max(0.0).sqrt();
+            }
+        });
+        error
+    }
+}
