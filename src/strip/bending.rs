@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use thiserror::Error;
 
-use super::trace::Trace;
+use super::traced::Trace;
 
 /// Length of a frame's strip may differ from the initial one by this share.
 const SAME_LENGTH: f64 = 0.03;

@@ -8,6 +8,7 @@ mod bending;
 mod curve;
 mod decode;
 mod edges;
+mod first_curve;
 mod gray;
 mod ground;
 mod march;
@@ -17,6 +18,7 @@ mod silhouette;
 mod smooth;
 mod spline;
 mod trace;
+mod traced;
 
 use serde::Deserialize;
 
@@ -25,7 +27,11 @@ pub use decode::{DecodeError, ENDINGS, decode};
 pub use gray::{Crop, Gray};
 pub use overlay::overlay;
 pub use refusal::Untraceable;
-pub use trace::{Trace, trace};
+pub use trace::trace;
+pub use traced::Trace;
+
+/// Version of what is traced: it rises where the same picture gives other numbers, so that folders are traced anew.
+pub const VERSION: u32 = 1;
 
 /// Whether the strip is darker or brighter than what lies behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

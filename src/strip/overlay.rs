@@ -3,7 +3,7 @@
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
 use super::gray::Gray;
-use super::trace::Trace;
+use super::traced::Trace;
 
 /// Colours that people who see few colours can tell apart, also in print.
 const CENTRE: [u8; 3] = [230, 159, 0];

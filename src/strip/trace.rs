@@ -1,16 +1,16 @@
 //! From a picture to the centre line of the strip.
 
-use super::curve::{Curve, PARAMETERS};
+use super::View;
+use super::curve::Curve;
 use super::edges::{self, Edges};
+use super::first_curve::first_curve;
 use super::gray::Gray;
 use super::ground::Ground;
 use super::march::{self, Rough};
 use super::refusal::Untraceable;
 use super::silhouette::{Root, Silhouette};
 use super::smooth::{Equations, Solution};
-use super::spline::{COEFFICIENTS, Spline};
-use super::{Side, Tone, View};
-use crate::numerics::dense::Dense;
+use super::traced::Trace;
 
 /// Fewest pixels to a side of a picture.
 const LEAST_SIDE: usize = 32;
@@ -30,34 +30,6 @@ const SHARE_ELSEWHERE: f64 = 0.25;
 const SHARE_OFF: f64 = 0.1;
 /// The tip may move by this much in the last round, pixels.
 const TIP_SETTLED: f64 = 1.0;
-
-/// A strip as a frame shows it.
-///
-/// Places are pixels of the whole picture, from its top left corner, y downward; angles and curvatures are positive
-/// where the strip turns counter-clockwise as a person sees it.
-#[derive(Debug, Clone)]
-pub struct Trace {
-    /// Centre line, in pixels of the crop.
-    pub(super) curve: Curve,
-    /// Covariance of start, angle and coefficients of the centre line.
-    pub(super) covariance: Dense,
-    /// Thickness along the strip, pixels.
-    pub(super) width: Vec<f64>,
-    /// Where the crop starts.
-    pub(super) corner: (f64, f64),
-    /// The side of the clamp.
-    pub clamp: Side,
-    /// Dark or bright.
-    pub tone: Tone,
-    /// Standard deviation of one reading of one edge about the smooth line, pixels.
-    pub edge_noise_px: f64,
-    /// Length of strip over which the curvature is smoothed, pixels: what one free parameter of it stands for.
-    pub bandwidth_px: f64,
-    /// Standard error of the length by the tip, pixels.
-    pub tip_error_px: f64,
-    /// Share of the length on which an edge was seen and used.
-    pub seen: f64,
-}
 
 /// Traces the strip in a picture.
 ///
@@ -207,86 +179,6 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// A curve through the rough centres: their directions, smoothed by the same spline.
-fn first_curve(root: &Root, rough: &Rough) -> Curve {
-    let centres = &evened(&rough.centres);
-    // Directions over a few steps, each at the arc length of its middle; turns are unwound.
-    let reach = 3.min(centres.len() - 1);
-    let mut along = vec![0.0];
-    for pair in centres.windows(2) {
-        along.push(along[along.len() - 1] + (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1));
-    }
-    let length = along[along.len() - 1];
-    let mut readings: Vec<(f64, f64)> = Vec::new();
-    for k in 0..centres.len() - reach {
-        let ((x0, y0), (x1, y1)) = (centres[k], centres[k + reach]);
-        let mut angle = (y1 - y0).atan2(x1 - x0);
-        if let Some((_, before)) = readings.last() {
-            angle -= ((angle - before) / std::f64::consts::TAU).round() * std::f64::consts::TAU;
-        }
-        readings.push((0.5 * (along[k] + along[k + reach]), angle));
-    }
-    // The walk ends within a thickness of the tip.
-    let (angle_rad, curvature) = spline_of_angles(&readings, length + rough.width);
-    let line = root.side.along();
-    Curve::new(root.at, line, angle_rad, curvature, length)
-}
-
-/// Centres without their jitter, which would add to the length.
-fn evened(centres: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let n = centres.len();
-    (0..n)
-        .map(|k| {
-            let reach = 4.min(k).min(n - 1 - k);
-            let part = &centres[k - reach..=k + reach];
-            let count = part.len() as f64;
-            (
-                part.iter().map(|centre| centre.0).sum::<f64>() / count,
-                part.iter().map(|centre| centre.1).sum::<f64>() / count,
-            )
-        })
-        .collect()
-}
-
-/// Angle at the start and curvature whose integral fits angles along the strip.
-fn spline_of_angles(readings: &[(f64, f64)], length: f64) -> (f64, Spline) {
-    let mut spline = Spline::straight(length);
-    let mut normal = Dense::zero(1 + COEFFICIENTS);
-    let mut right = vec![0.0; 1 + COEFFICIENTS];
-    let step = length / 400.0;
-    let (mut s, mut turned) = (0.0, [0.0; COEFFICIENTS]);
-    for (at, angle) in readings {
-        while s < *at {
-            let (first, weights) = spline.weights(s + 0.5 * step);
-            weights
-                .iter()
-                .enumerate()
-                .for_each(|(j, w)| turned[first + j] += step * w);
-            s += step;
-        }
-        let row: Vec<f64> = std::iter::once(1.0).chain(turned).collect();
-        for i in 0..row.len() {
-            right[i] += row[i] * angle;
-            for j in 0..row.len() {
-                normal.add(i, j, row[i] * row[j]);
-            }
-        }
-    }
-    // Enough roughness penalty that noise of a tenth of a radian does not bend the line.
-    let unit = 0.3 * (length / 20.0).powi(2);
-    for first in 1..COEFFICIENTS - 1 {
-        let difference = [1.0, -2.0, 1.0];
-        for (i, a) in difference.iter().enumerate() {
-            for (j, b) in difference.iter().enumerate() {
-                normal.add(first + i, first + j, unit * a * b);
-            }
-        }
-    }
-    let solved = normal.solve(&right, 1e-12);
-    spline.coefficients.copy_from_slice(&solved[1..]);
-    (solved[0], spline)
-}
-
 /// A series on another number of places.
 fn stretched(values: &[f64], places: usize) -> Vec<f64> {
     let last = values.len() - 1;
@@ -392,86 +284,4 @@ fn check_rest(silhouette: &Silhouette, root: &Root, fitted: &Fitted) -> Result<(
         return Err(silhouette.two(root.thing, k));
     }
     Ok(())
-}
-
-impl Trace {
-    /// Length of the strip along its centre line, pixels.
-    pub fn length_px(&self) -> f64 {
-        self.curve.length
-    }
-
-    /// Median thickness, pixels.
-    pub fn width_px(&self) -> f64 {
-        super::ground::median(&mut self.width.clone())
-    }
-
-    /// Place at an arc length.
-    pub fn point_px(&self, s: f64) -> (f64, f64) {
-        let (x, y) = self.curve.point_at(s);
-        (x + self.corner.0, y + self.corner.1)
-    }
-
-    /// The tip.
-    pub fn tip_px(&self) -> (f64, f64) {
-        self.point_px(self.length_px())
-    }
-
-    /// Places along the line with the strip's thickness there.
-    pub fn line_px(&self) -> impl Iterator<Item = ((f64, f64), (f64, f64), f64)> + '_ {
-        (0..self.curve.places()).map(|k| {
-            let (x, y) = self.curve.point(k);
-            let place = (x + self.corner.0, y + self.corner.1);
-            let width = self.width[(k * (self.width.len() - 1)) / (self.curve.places() - 1).max(1)];
-            (place, self.curve.normal(k), width)
-        })
-    }
-
-    /// Tangent angle where the strip leaves the clamp, rad counter-clockwise from the x axis.
-    pub fn clamp_angle_rad(&self) -> f64 {
-        -self.curve.angle_rad
-    }
-
-    /// Curvature at an arc length, and its standard error, 1/pixel.
-    pub fn curvature_per_px(&self, s: f64) -> (f64, f64) {
-        let (first, weights) = self.curve.curvature.weights(s);
-        let mut row = [0.0; PARAMETERS];
-        row[2 + first..2 + first + 4].copy_from_slice(&weights);
-        (
-            -self.curve.curvature.at(s),
-            self.covariance.form(&row, &row).max(0.0).sqrt(),
-        )
-    }
-
-    /// Mean curvature over the length, and its standard error, 1/pixel.
-    pub fn mean_curvature_per_px(&self) -> (f64, f64) {
-        let mut row = [0.0; PARAMETERS];
-        const PARTS: usize = 400;
-        for k in 0..PARTS {
-            let s = self.length_px() * (k as f64 + 0.5) / PARTS as f64;
-            let (first, weights) = self.curve.curvature.weights(s);
-            for (j, w) in weights.iter().enumerate() {
-                row[2 + first + j] += w / PARTS as f64;
-            }
-        }
-        let mean: f64 = row[2..]
-            .iter()
-            .zip(&self.curve.curvature.coefficients)
-            .map(|(w, c)| w * c)
-            .sum();
-        (-mean, self.covariance.form(&row, &row).max(0.0).sqrt())
-    }
-
-    /// Standard error of the tip's place across the strip, pixels.
-    pub fn tip_across_error_px(&self) -> f64 {
-        let last = self.curve.places() - 1;
-        let (nx, ny) = self.curve.normal(last);
-        let mut error = 0.0;
-        self.curve.derivatives(|k, moved| {
-            if k == last {
-                let row: [f64; PARAMETERS] = std::array::from_fn(|p| moved[p].0 * nx + moved[p].1 * ny);
-                error = self.covariance.form(&row, &row).max(0.0).sqrt();
-            }
-        });
-        error
-    }
 }

@@ -19,6 +19,7 @@ mod formats_fixtures;
 mod formats_properties;
 mod formats_real_files;
 mod hidden_across;
+mod frame_folders;
 mod frames;
 mod hidden_effects;
 mod kill_loop;

@@ -2,6 +2,7 @@
 
 mod display;
 mod fingerprint;
+mod frame_folder;
 mod names;
 mod readiness;
 mod stable_read;
@@ -41,7 +42,7 @@ impl Default for ScanLimits {
     }
 }
 
-/// A file as the scan saw it.
+/// A file as the scan saw it, or a folder of frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SeenFile {
     /// Path relative to the campaign, every byte kept.
@@ -254,6 +255,10 @@ impl Walk<'_> {
         }
         let mut below = Vec::new();
         let entries: Vec<fs::DirEntry> = fs::read_dir(&path)?.collect::<io::Result<_>>()?;
+        if depth > 0 && frame_folder::is_one(&entries) {
+            self.folder_of_frames(relative, &path, &entries)?;
+            return Ok(Vec::new());
+        }
         self.found.folders.push(relative.to_path_buf());
         for entry in entries {
             let name = entry.file_name();

@@ -16,6 +16,9 @@ const PARTS: [&str; 10] = [
     "modulus",
 ];
 
+/// Ending of a folder of frames that belongs to a run, `a.frames` beside `a.csv` or `a.current.csv`.
+const FRAMES: &str = "frames";
+
 /// Name of the run that the file at `path` (relative, with `/`) belongs to: `runs/a.csv` for
 /// `runs/a.current.csv`, else the path itself.
 pub fn run_name(path: &str) -> String {
@@ -23,6 +26,10 @@ pub fn run_name(path: &str) -> String {
         .rsplit_once('/')
         .map_or(("", path), |(folder, file)| (folder, file));
     let mut pieces: Vec<&str> = file.split('.').collect();
+    // A folder of frames belongs to the run of its stem, whose other readings are a text.
+    if let Some(last) = pieces.last_mut().filter(|last| **last == FRAMES) {
+        *last = "csv";
+    }
     if pieces.len() >= 3 {
         let part = pieces[pieces.len() - 2].to_ascii_lowercase();
         if PARTS.contains(&part.as_str()) {
@@ -56,6 +63,7 @@ mod tests {
         assert_eq!(run_name("runs/a.Curvature.csv"), "runs/a.csv");
         assert_eq!(run_name("runs/a.b.csv"), "runs/a.b.csv");
         assert_eq!(run_name("current.csv"), "current.csv");
+        assert_eq!(run_name("runs/a.frames"), "runs/a.csv");
         let groups = grouped(["r/a.current.csv", "r/a.curvature.csv", "r/b.csv"].into_iter());
         assert_eq!(groups.len(), 2);
         assert_eq!(groups["r/a.csv"].len(), 2);

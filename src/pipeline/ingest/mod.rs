@@ -1,6 +1,7 @@
 //! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
 
 mod batch;
+mod frame_folder;
 mod groups;
 mod prepare;
 mod readers;

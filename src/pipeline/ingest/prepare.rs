@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::frame_folder;
 use crate::domain::{Channel, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin};
 use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
@@ -93,6 +94,9 @@ pub fn prepare(campaign: &Path, profiles: &[Profile], group: &Group) -> Prepared
 
 fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &SeenFile) -> PreparedFile {
     let location = file.location(campaign);
+    if location.is_dir() {
+        return frame_folder::prepare(campaign, file, &location);
+    }
     let bytes = match scan::read_stable(&location, LARGEST_FILE_BYTES) {
         Ok(bytes) => bytes,
         Err(error) => {
@@ -252,10 +256,8 @@ fn add(part: &mut RunPart, table: &RunTable, issues: &mut Vec<Issue>) {
     part.time_zero_is_step &= table.time_zero_is_step;
     part.origin.flags.extend(table.flags.iter().cloned());
     for channel in &table.channels {
-        let given = part
-            .channels
-            .iter()
-            .any(|c| c.quantity == channel.quantity && c.quantity != Quantity::Other);
+        let same = |c: &Channel| c.quantity == channel.quantity && c.position_mm == channel.position_mm;
+        let given = channel.quantity != Quantity::Other && part.channels.iter().any(same);
         if given {
             let message = format!(
                 "{} stands in several files of the run; the first one counts",

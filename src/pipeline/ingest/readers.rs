@@ -2,11 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::frame_folder;
 use crate::domain::FileState;
 use crate::ingest::Reading;
 use crate::ingest::formats;
 use crate::ingest::profiles::Profile;
 use crate::store::FileRow;
+use crate::strip;
 
 /// The readers of a campaign: the program's formats and the campaign's profiles.
 #[derive(Debug)]
@@ -34,7 +36,10 @@ impl Readers {
             hasher.update(profile.digest.as_bytes());
         });
         Readers {
-            stamps: formats.chain(saved).collect(),
+            stamps: formats
+                .chain(saved)
+                .chain([stamp(frame_folder::FORMAT, strip::VERSION)])
+                .collect(),
             profiles: match profiles.is_empty() {
                 true => String::new(),
                 false => format!("{BESIDE}{}", &hasher.finalize().to_hex()[..12]),

@@ -101,7 +101,11 @@ impl TraceFrames {
         if target.exists() && !self.overwrite {
             return Err(PipelineError::FileExists { path: target });
         }
-        let (files, settings, length_mm) = self.given()?;
+        let Described {
+            files,
+            settings,
+            length_mm,
+        } = described(&self.frames, &self.settings)?;
         let times_s = frames::times(&files, &settings)?;
         let parent = match target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
@@ -147,36 +151,6 @@ impl TraceFrames {
         }
     }
 
-    /// The frames, what is stated of them, and the sample's length where the campaign has one sample.
-    fn given(&self) -> Result<(Vec<FrameFile>, FrameSettings, Option<f64>), PipelineError> {
-        let folder = match &self.frames[..] {
-            [one] if one.is_dir() => Some(one.as_path()),
-            _ => None,
-        };
-        let files = match folder {
-            Some(folder) => frames::list(folder)?,
-            None => frames::of_paths(&self.frames)?,
-        };
-        let beside = folder.or_else(|| self.frames.first().and_then(|first| first.parent()));
-        let beside = beside.map(|beside| match beside.as_os_str().is_empty() {
-            true => Path::new("."),
-            false => beside,
-        });
-        let (mut base, mut length_mm) = (FrameSettings::default(), None);
-        if let Some(campaign) = beside.and_then(campaign_file::find) {
-            let loaded = campaign_file::read(&campaign)?;
-            base = frames::of_campaign(&loaded.text)?;
-            if let [sample] = &loaded.campaign.samples[..] {
-                length_mm = sample.length_mm;
-            }
-        }
-        if let Some(beside) = beside {
-            base = frames::of_folder(beside)?.over(base);
-        }
-        let told = self.settings.clone().checked("the command line")?;
-        Ok((files, told.over(base), length_mm))
-    }
-
     fn target(&self) -> Result<PathBuf, PipelineError> {
         if let Some(output) = &self.output {
             return Ok(output.clone());
@@ -196,6 +170,54 @@ impl TraceFrames {
         })?;
         Ok(PathBuf::from(format!("{}.trace", stem.to_string_lossy())))
     }
+}
+
+/// Frames with what is stated of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Described {
+    /// The frames in order.
+    pub files: Vec<FrameFile>,
+    /// The view.
+    pub settings: FrameSettings,
+    /// Length of the sample, mm, where the campaign has one sample only.
+    pub length_mm: Option<f64>,
+}
+
+/// Lists a folder of frames, or frames one by one, with `told` before frames.toml beside them before campaign.toml.
+///
+/// # Errors
+/// They cannot be listed, or a statement is wrong.
+pub fn described(given: &[PathBuf], told: &FrameSettings) -> Result<Described, PipelineError> {
+    let folder = match given {
+        [one] if one.is_dir() => Some(one.as_path()),
+        _ => None,
+    };
+    let files = match folder {
+        Some(folder) => frames::list(folder)?,
+        None => frames::of_paths(given)?,
+    };
+    let beside = folder.or_else(|| given.first().and_then(|first| first.parent()));
+    let beside = beside.map(|beside| match beside.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => beside,
+    });
+    let (mut base, mut length_mm) = (FrameSettings::default(), None);
+    if let Some(campaign) = beside.and_then(campaign_file::find) {
+        let loaded = campaign_file::read(&campaign)?;
+        base = frames::of_campaign(&loaded.text)?;
+        if let [sample] = &loaded.campaign.samples[..] {
+            length_mm = sample.length_mm;
+        }
+    }
+    if let Some(beside) = beside {
+        base = frames::of_folder(beside)?.over(base);
+    }
+    let told = told.clone().checked("the command line")?;
+    Ok(Described {
+        files,
+        settings: told.over(base),
+        length_mm,
+    })
 }
 
 pub(super) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::Error) -> PipelineError {
