@@ -40,7 +40,7 @@ pub fn measure(gray: &Gray, ground: &Ground, curve: &Curve, width: &[f64]) -> Ed
     let mut profiles: Vec<Vec<f64>> = Vec::with_capacity(n);
     let mut centre = Vec::with_capacity(n);
     let mut outer = [Vec::with_capacity(n), Vec::with_capacity(n)];
-    for k in 0..n {
+    for (k, expected) in width.iter().enumerate().take(n) {
         let half = count(k);
         let ((x, y), (nx, ny)) = (curve.point(k), curve.normal(k));
         let level = |i: usize| {
@@ -48,7 +48,7 @@ pub fn measure(gray: &Gray, ground: &Ground, curve: &Curve, width: &[f64]) -> Ed
             ground.level_at(gray, x + offset * nx, y + offset * ny)
         };
         let profile: Vec<f64> = (0..=2 * half).map(level).collect();
-        let core = ((0.15 * width[k] / SPACING) as usize).max(1).min(half);
+        let core = ((0.15 * expected / SPACING) as usize).max(1).min(half);
         let middle = &profile[half - core..=half + core];
         centre.push(middle.iter().sum::<f64>() / middle.len() as f64);
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;

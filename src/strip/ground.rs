@@ -9,6 +9,8 @@ use crate::numerics::dense::Dense;
 const TILES: usize = 28;
 /// Pixels looked at along each side of a tile.
 const LOOKED_AT: usize = 8;
+/// Pixels looked at for tone, noise and contrast, about.
+const SAMPLED: usize = 60_000;
 /// Terms of the ground: a parabola in both directions.
 const TERMS: usize = 6;
 /// How many times brighter things must outweigh darker ones, or the reverse.
@@ -46,7 +48,7 @@ impl Ground {
             threshold: 0.0,
             noise: 0.0,
         };
-        let stride = (gray.width() * gray.height() / 200_000).max(1).isqrt();
+        let stride = (gray.width() * gray.height() / SAMPLED).max(1).isqrt();
         let differences = ground.differences(gray, stride);
         let noise = scatter(&differences).max(0.2 / 255.0);
         ground.tone = match told {

@@ -255,7 +255,7 @@ fn below(distance: f64, a: f64, b: f64) -> f64 {
 }
 
 /// Gaussian blur by two passes.
-fn blur(values: &mut Vec<f32>, width: usize, height: usize, sigma: f64) {
+fn blur(values: &mut [f32], width: usize, height: usize, sigma: f64) {
     if sigma <= 0.0 {
         return;
     }
@@ -265,11 +265,8 @@ fn blur(values: &mut Vec<f32>, width: usize, height: usize, sigma: f64) {
         .collect();
     let sum: f32 = kernel.iter().sum();
     kernel.iter_mut().for_each(|k| *k /= sum);
-    for (along, count, stride, lines, line_stride) in
-        [(true, width, 1, height, width), (false, height, width, width, 1)]
-    {
-        let _ = along;
-        let source = values.clone();
+    for (count, stride, lines, line_stride) in [(width, 1, height, width), (height, width, width, 1)] {
+        let source = values.to_vec();
         for line in 0..lines {
             for k in 0..count {
                 let at = |offset: i64| {
