@@ -131,24 +131,31 @@ impl Curve {
         visit(0, &moved);
         for k in 1..self.points.len() {
             let s = self.arc_length(k);
+            let middle = self.curvature.weights(s - 0.5 * self.step);
             let after = self.curvature.weights(s);
-            let mut now = turned;
-            for (first, weights) in [before, after] {
+            // Simpson's rule for the angle, and for the place with the angle half-way.
+            let (mut half_way, mut now) = (turned, turned);
+            for ((first, weights), to_half, to_end) in
+                [(before, 5.0, 4.0), (middle, 8.0, 16.0), (after, -1.0, 4.0)]
+            {
                 for (j, weight) in weights.iter().enumerate() {
-                    now[first + j] += 0.5 * self.step * weight;
+                    half_way[first + j] += to_half / 24.0 * self.step * weight;
+                    now[first + j] += to_end / 24.0 * self.step * weight;
                 }
             }
-            let ((sin0, cos0), (sin1, cos1)) = (self.angles[k - 1].sin_cos(), self.angles[k].sin_cos());
-            let half = 0.5 * self.step;
-            moved[1].0 -= half * (sin0 + sin1);
-            moved[1].1 += half * (cos0 + cos1);
+            let (a0, a1) = (self.angles[k - 1], self.angles[k]);
+            let part = self.step / 6.0;
+            let parts = [(a0, part), (0.5 * (a0 + a1), 4.0 * part), (a1, part)];
+            let [first, second, third] = parts.map(|(angle, part)| (-part * angle.sin(), part * angle.cos()));
+            moved[1].0 += first.0 + second.0 + third.0;
+            moved[1].1 += first.1 + second.1 + third.1;
             for (j, place) in moved[2..]
                 .iter_mut()
                 .enumerate()
                 .take((after.0 + 4).min(COEFFICIENTS))
             {
-                place.0 -= half * (turned[j] * sin0 + now[j] * sin1);
-                place.1 += half * (turned[j] * cos0 + now[j] * cos1);
+                place.0 += turned[j] * first.0 + half_way[j] * second.0 + now[j] * third.0;
+                place.1 += turned[j] * first.1 + half_way[j] * second.1 + now[j] * third.1;
             }
             turned = now;
             before = after;
