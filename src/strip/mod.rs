@@ -71,7 +71,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// All four, in the order of [`Side::index`].
+    /// All four, in the order of their indices.
     pub const ALL: [Side; 4] = [Side::Left, Side::Right, Side::Top, Side::Bottom];
 
     /// `left`, `right`, `top` or `bottom`.
