@@ -37,11 +37,10 @@ pub fn benchmark(extent: &Extent) {
         clean(extent);
     }
     if wants("single") {
-        let lines = single(extent);
-        let written = extent
-            .figure
-            .as_ref()
-            .map(|path| std::fs::write(path, figure::svg(&STRENGTHS, &lines)));
+        let table = single(extent);
+        println!("{table}");
+        let svg = figure::svg(&figure::of_table(&table));
+        let written = extent.figure.as_ref().map(|path| std::fs::write(path, svg));
         if let Some(Err(error)) = written {
             eprintln!("the figure could not be written: {error}");
         }
@@ -161,20 +160,18 @@ fn clean(extent: &Extent) {
     println!();
 }
 
-/// Single causes by design and strength; gives right names by method and strength on the five drives.
-fn single(extent: &Extent) -> Vec<(&'static str, Vec<f64>)> {
+/// Single causes by design and strength, as a table.
+fn single(extent: &Extent) -> String {
     let designs = [
         ("+2 V", Drives::Step),
         ("+2 V; +2 V then 0 V", Drives::Discharge),
         ("five drives", Drives::Five),
     ];
-    let mut lines: Vec<(&'static str, Vec<f64>)> = METHODS.iter().map(|name| (*name, Vec::new())).collect();
-    println!("### One cause hidden: right name / wrong name (seen), in percent\n");
-    println!(
-        "| drives | d | groups | {} | truth in our set | our mean set | oracle's |",
-        METHODS.join(" | ")
+    let mut table = format!(
+        "### One cause hidden: right name / wrong name (seen), in percent\n\n| drives | d | groups | {} | truth in our set | our mean set | oracle's |\n|---|---|---|{}---|---|---|\n",
+        METHODS.join(" | "),
+        "---|".repeat(METHODS.len())
     );
-    println!("|---|---|---|{}---|---|---|", "---|".repeat(METHODS.len()));
     for (name, drives) in designs {
         for d in STRENGTHS {
             let tallies = tallied(&hunted(extent, drives, d));
@@ -186,7 +183,7 @@ fn single(extent: &Extent) -> Vec<(&'static str, Vec<f64>)> {
                 })
                 .collect();
             let mean = |tally: &Tally| tally.causes as f64 / tally.given.max(1) as f64;
-            println!(
+            let row = format!(
                 "| {name} | {d} | {} | {} | {} of {} | {:.1} | {:.1} |",
                 tallies[OURS].groups,
                 cells.join(" | "),
@@ -195,15 +192,12 @@ fn single(extent: &Extent) -> Vec<(&'static str, Vec<f64>)> {
                 mean(&tallies[OURS]),
                 mean(&tallies[ORACLE]),
             );
-            if drives == Drives::Five {
-                for (line, tally) in lines.iter_mut().zip(&tallies) {
-                    line.1.push(tally.right as f64 / tally.groups.max(1) as f64);
-                }
-            }
+            eprintln!("{row}");
+            table += &row;
+            table.push('\n');
         }
     }
-    println!();
-    lines
+    table
 }
 
 fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<(Vec<Said>, Option<&'static str>)> {

@@ -26,6 +26,11 @@ fn main() {
             let _ = nulls(first, count);
         }
         Some("benchmark") => benchmark::benchmark(&extent(&arguments, count)),
+        Some("figure") => {
+            // From printed tables: a run of the benchmark takes long.
+            let text = std::io::read_to_string(std::io::stdin()).unwrap_or_default();
+            print!("{}", figure::svg(&figure::of_table(&text)));
+        }
         Some("short") => short(),
         Some("outside") => {
             let strengths = arguments
@@ -45,7 +50,7 @@ fn main() {
             let _ = effects(count, &strengths, &arguments[3.min(arguments.len())..]);
         }
         _ => eprintln!(
-            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|next ...] | short"
+            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|next ...] | figure < TABLES | short"
         ),
     }
 }
