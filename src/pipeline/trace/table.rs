@@ -86,9 +86,12 @@ impl Tables {
         let _ = writeln!(self.hashes, "# frame {} blake3 {}", row.frame, row.hash);
     }
 
-    /// Both tables; the frames that were refused and the hashes of the others stand as comments.
+    /// Both tables; the frames that were refused and the hashes of the others stand as comments behind the rows, for
+    /// they may be thousands, and a reader looks for the header near the top.
     pub fn finished(self, refused: &[RefusedFrame]) -> (String, String) {
         let mut table = self.statement.clone();
+        table += &self.header;
+        table += &self.rows;
         for frame in refused {
             let _ = writeln!(
                 table,
@@ -98,8 +101,6 @@ impl Tables {
             );
         }
         table += &self.hashes;
-        table += &self.header;
-        table += &self.rows;
         (table, self.statement + &self.errors)
     }
 }
