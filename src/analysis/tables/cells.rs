@@ -32,6 +32,25 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// A stored number with how it is shown.
+    pub const fn new(
+        key: &'static str,
+        column: &'static str,
+        symbol: &'static str,
+        quantity: &'static str,
+        unit: &'static str,
+        factor: f64,
+    ) -> Shown {
+        Shown {
+            key,
+            column,
+            symbol,
+            quantity,
+            unit,
+            factor,
+        }
+    }
+
     /// A parameter as tables show it.
     pub fn parameter(info: &'static ParameterInfo) -> Shown {
         Shown {

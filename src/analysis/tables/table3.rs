@@ -11,7 +11,7 @@ use crate::domain::{RunRecord, Sample};
 const MARK: &str = "re_ohm_per_sq";
 
 const SHOWN: [Shown; 7] = [
-    shown(
+    Shown::new(
         MARK,
         MARK,
         "Rₑ",
@@ -19,7 +19,7 @@ const SHOWN: [Shown; 7] = [
         "Ω/sq",
         1.0,
     ),
-    shown(
+    Shown::new(
         "c_f_per_cm2",
         "c_mf_per_cm2",
         "C",
@@ -27,7 +27,7 @@ const SHOWN: [Shown; 7] = [
         "mF cm⁻²",
         1e3,
     ),
-    shown(
+    Shown::new(
         "rc_ohm_cm2",
         "rc_ohm_cm2",
         "R꜀",
@@ -35,7 +35,7 @@ const SHOWN: [Shown; 7] = [
         "Ω cm²",
         1.0,
     ),
-    shown(
+    Shown::new(
         "rss_ohm_cm2",
         "rss_ohm_cm2",
         "Rₛₛ",
@@ -43,7 +43,7 @@ const SHOWN: [Shown; 7] = [
         "Ω cm²",
         1.0,
     ),
-    shown(
+    Shown::new(
         "mu_per_c",
         "mu_per_c",
         "μ",
@@ -51,7 +51,7 @@ const SHOWN: [Shown; 7] = [
         "C⁻¹",
         1.0,
     ),
-    shown(
+    Shown::new(
         "alpha_per_c_cm",
         "alpha_per_c_cm",
         "α",
@@ -59,7 +59,7 @@ const SHOWN: [Shown; 7] = [
         "C⁻¹ cm⁻¹",
         1.0,
     ),
-    shown(
+    Shown::new(
         "lambda_per_s",
         "lambda_per_s",
         "λ",
@@ -142,22 +142,4 @@ fn dimensions(sample: &Sample) -> Option<String> {
         text += &format!(" × {thickness_mm}");
     }
     Some(text)
-}
-
-const fn shown(
-    key: &'static str,
-    column: &'static str,
-    symbol: &'static str,
-    quantity: &'static str,
-    unit: &'static str,
-    factor: f64,
-) -> Shown {
-    Shown {
-        key,
-        column,
-        symbol,
-        quantity,
-        unit,
-        factor,
-    }
 }

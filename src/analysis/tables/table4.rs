@@ -11,7 +11,7 @@ use crate::domain::{Estimate, ModulusLog, ModulusStep};
 const HUMIDITY_STEP_PERCENT: f64 = 5.0;
 
 const SHOWN: [Shown; 6] = [
-    shown(
+    Shown::new(
         step_keys::HUMIDITY_BEFORE,
         step_keys::HUMIDITY_BEFORE,
         "RH before",
@@ -19,7 +19,7 @@ const SHOWN: [Shown; 6] = [
         "%",
         1.0,
     ),
-    shown(
+    Shown::new(
         step_keys::HUMIDITY_AFTER,
         step_keys::HUMIDITY_AFTER,
         "RH after",
@@ -27,7 +27,7 @@ const SHOWN: [Shown; 6] = [
         "%",
         1.0,
     ),
-    shown(
+    Shown::new(
         step_keys::MODULUS_BEFORE,
         step_keys::MODULUS_BEFORE,
         "|E*| before",
@@ -35,7 +35,7 @@ const SHOWN: [Shown; 6] = [
         "MPa",
         1.0,
     ),
-    shown(
+    Shown::new(
         step_keys::MODULUS_AFTER,
         step_keys::MODULUS_AFTER,
         "|E*| after",
@@ -43,7 +43,7 @@ const SHOWN: [Shown; 6] = [
         "MPa",
         1.0,
     ),
-    shown(
+    Shown::new(
         step_keys::RELATIVE_CHANGE,
         step_keys::RELATIVE_CHANGE,
         "Δ|E*|",
@@ -51,7 +51,7 @@ const SHOWN: [Shown; 6] = [
         "%",
         1.0,
     ),
-    shown(
+    Shown::new(
         step_keys::EQUILIBRIUM_TIME,
         "equilibrium_time_min",
         "Equilibrium time",
@@ -219,22 +219,4 @@ fn rounded_to_percent(cell: Cell) -> Cell {
         other => other,
     };
     Cell { content, ..cell }
-}
-
-const fn shown(
-    key: &'static str,
-    column: &'static str,
-    symbol: &'static str,
-    quantity: &'static str,
-    unit: &'static str,
-    factor: f64,
-) -> Shown {
-    Shown {
-        key,
-        column,
-        symbol,
-        quantity,
-        unit,
-        factor,
-    }
 }
