@@ -4,11 +4,13 @@
 //! both: the logarithm of a sample's mean in the condition less that in the reference, and of these differences the
 //! random-effects mean. Where no sample was measured in both, means over different samples are compared, and said so.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::conditions::{Condition, Conditions, HUMIDITY_GAP_PERCENT, VOLTAGE_STEP_V};
 use crate::analysis::laws::facts::RunFacts;
 use crate::analysis::laws::values::values;
+use crate::analysis::one_fit::SharedEstimate;
+use crate::analysis::parameters::usable;
 use crate::analysis::pooling::{Averaging, Pooled, Repeat, pooled};
 use crate::domain::tag::keys;
 use crate::domain::{CompareRules, RunRecord};
@@ -157,6 +159,15 @@ pub fn ratios(
             continue;
         };
         for key in parameters {
+            // One parameter set fitted to both says nothing of their difference.
+            if share_an_estimate(
+                runs,
+                &conditions.measured[index].runs,
+                &conditions.measured[base].runs,
+                key,
+            ) {
+                continue;
+            }
             let upper = Side::new(runs, facts, &places(index), key);
             let lower = Side::new(runs, facts, &places(base), key);
             let ratio = upper.zip(lower).and_then(|(upper, lower)| ratio(&upper, &lower));
@@ -174,6 +185,15 @@ pub fn ratios(
         }
     }
     found
+}
+
+/// Whether a run of each side holds the same estimate, found from both.
+fn share_an_estimate(runs: &[RunRecord], upper: &[usize], lower: &[usize], key: &str) -> bool {
+    let shared = |side: &[usize]| -> BTreeSet<SharedEstimate> {
+        let of = |&run: &usize| SharedEstimate::of(&runs[run], usable(&runs[run], key)?);
+        side.iter().filter_map(of).collect()
+    };
+    !shared(upper).is_disjoint(&shared(lower))
 }
 
 /// Logarithms of a parameter in one condition, by sample.
@@ -285,6 +305,27 @@ mod tests {
         let reference = reference(&table, rules).unwrap();
         let ratios = ratios(runs, &facts, &table, &reference, &["lambda_per_s"]);
         (reference, ratios)
+    }
+
+    #[test]
+    fn one_parameter_set_of_two_conditions_is_seen() {
+        let of = |model: &str, volts: f64| {
+            let mut run = crate::analysis::sample_campaign::run("r", "CNaf-01", "air", None, volts);
+            let lambda = crate::analysis::sample_campaign::known(1e-3, 0.1);
+            let mut found = crate::analysis::sample_campaign::fit(&[("lambda_per_s", lambda)]);
+            found.model = model.to_owned();
+            run.fit = Some(found);
+            run
+        };
+        let extended = "lumped-2 + faradaic-leak";
+        let runs = [
+            of(extended, 1.2),
+            of(extended, 2.5),
+            of("lumped-2", 1.2),
+            of("lumped-2", 2.5),
+        ];
+        assert!(share_an_estimate(&runs, &[0], &[1], "lambda_per_s"));
+        assert!(!share_an_estimate(&runs, &[2], &[3], "lambda_per_s"));
     }
 
     #[test]
