@@ -53,7 +53,11 @@ pub struct Plan {
 impl Default for Plan {
     fn default() -> Plan {
         Plan {
-            drives: Drives::Five,
+            drives: match std::env::var("DRIVES").as_deref() {
+                Ok("step") => Drives::Step,
+                Ok("discharge") => Drives::Discharge,
+                _ => Drives::Five,
+            },
             readings: Readings::Even,
             autocorrelation: None,
             growing: std::env::var("GROWING")

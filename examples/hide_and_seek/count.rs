@@ -107,7 +107,11 @@ pub fn effects(count: u64, strengths: &[f64], only: &[String]) -> [usize; 8] {
                     row[6] += 1;
                     row[7] += usize::from(low <= applied.parameters[0] && applied.parameters[0] <= high);
                 }
-                if std::env::var_os("SHOW").is_some() {
+                let shown = match std::env::var("SHOW").as_deref() {
+                    Ok("wrong") => !inset && found.set.len() == 1,
+                    other => other.is_ok(),
+                };
+                if shown {
                     println!(
                         "    {:?} -> {} {:?} {} {:?}",
                         applied.parameters,
