@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::beside::Beside;
 use super::fitted::Fitted;
 use super::null::gain;
 use super::signature::{Direction, Signature};
@@ -15,9 +16,9 @@ const NEAR: f64 = 25.0;
 const FEWEST: usize = 5;
 const MOST: usize = 10;
 /// Candidates whose quick fit comes within this part of the best one's are fitted to the end.
-const CONTENDS: f64 = 0.15;
+const CONTENDS: f64 = 0.5;
 /// Starts of every candidate: its best probes.
-const STARTS: usize = 2;
+const STARTS: usize = 4;
 /// Evidence that every further parameter must bring, in units of the sum of squares.
 pub(super) const PRICE: f64 = 3.0;
 
@@ -44,6 +45,11 @@ impl Looked<'_> {
     /// Gain less the price of the parameters.
     pub(super) fn score(&self) -> f64 {
         self.gain - PRICE * self.extra as f64
+    }
+
+    /// The score, or the one that was forecast where it is more: the quick fit may not have arrived.
+    fn promise(&self) -> f64 {
+        self.score().max(self.forecast - PRICE * self.extra as f64)
     }
 }
 
@@ -99,14 +105,22 @@ pub(super) fn look<'g>(
         *rank < MOST && looked.forecast > 0.0 && (near || *rank < FEWEST)
     };
     let count = looked.iter().enumerate().take_while(promising).count();
-    let known = current.problem.slope(&current.at, &[]).1;
+    // A law without free strength can do more than its forecast, which is for a strength that could be chosen.
+    let (mut looked, rest): (Vec<_>, Vec<_>) = looked
+        .into_iter()
+        .enumerate()
+        .partition(|(rank, (looked, _))| *rank < count || looked.extra == 0);
+    let count = looked.len();
+    looked.extend(rest);
+    let mut looked: Vec<(Looked, Vec<usize>)> = looked.into_iter().map(|(_, looked)| looked).collect();
+    let beside = Beside::of(current);
     looked[..count].par_iter_mut().for_each(|(looked, places)| {
-        fit(looked, places, current, residuals, signatures, directions, &known);
+        fit(looked, places, &beside, residuals, signatures, directions);
     });
     let mut looked: Vec<Looked> = looked.into_iter().map(|(looked, _)| looked).collect();
     let best = looked[..count].iter().map(Looked::score).fold(0.0, f64::max);
     looked[..count].par_iter_mut().for_each(|looked| {
-        if looked.score() > (1.0 - CONTENDS) * best - NEAR {
+        if looked.promise() > (1.0 - CONTENDS) * best - NEAR {
             settle(looked, current);
         }
     });
@@ -145,7 +159,7 @@ pub(super) fn added<'g>(
     signatures: &[Signature],
     directions: &[Direction],
 ) -> Option<Fitted<'g>> {
-    let known = current.problem.slope(&current.at, &[]).1;
+    let beside = Beside::of(current);
     let first = signatures.first()?;
     let mut looked = Looked {
         effect: first.effect.about().id,
@@ -158,26 +172,16 @@ pub(super) fn added<'g>(
     };
     let places: Vec<usize> = (0..directions.len()).collect();
     if !places.is_empty() {
-        fit(
-            &mut looked,
-            &places,
-            current,
-            residuals,
-            signatures,
-            directions,
-            &known,
-        );
+        fit(&mut looked, &places, &beside, residuals, signatures, directions);
     }
     // An effect that a refit takes up entirely has no direction of its own: it is searched from its first shape.
-    looked
-        .fitted
-        .or_else(|| extended(current, first, first.part, &known))
+    looked.fitted.or_else(|| beside.extended(first, first.part))
 }
 
 /// Goes on to the end with all columns of the Jacobian.
 fn settle(looked: &mut Looked, current: &Fitted) {
     if let Some(fitted) = looked.fitted.take() {
-        let fitted = fitted.settled();
+        let fitted = fitted.arrived();
         looked.gain = current.square - fitted.square;
         looked.fitted = Some(fitted);
     }
@@ -187,12 +191,12 @@ fn settle(looked: &mut Looked, current: &Fitted) {
 fn fit<'g>(
     looked: &mut Looked<'g>,
     places: &[usize],
-    current: &Fitted<'g>,
+    beside: &Beside<'_, 'g>,
     residuals: &[f64],
     signatures: &[Signature],
     directions: &[Direction],
-    known: &[Vec<f64>],
 ) {
+    let current = beside.current;
     let mut ranked: Vec<usize> = places.to_vec();
     ranked.sort_by(|&a, &b| gain(&directions[b], residuals).total_cmp(&gain(&directions[a], residuals)));
     let variants = signatures[directions[ranked[0]].signature]
@@ -222,7 +226,7 @@ fn fit<'g>(
         let direction = &directions[place];
         let signature = &signatures[direction.signature];
         let strength = signature.part * dot(&direction.unit, residuals) / direction.norm;
-        let fitted = extended(current, signature, strength, known)?;
+        let fitted = beside.extended(signature, strength)?;
         Some((fitted, signature.variant, place))
     });
     let best = tried.min_by(|a, b| a.0.square.total_cmp(&b.0.square));
@@ -232,23 +236,4 @@ fn fit<'g>(
         looked.variant = variant;
         looked.fitted = Some(fitted);
     }
-}
-
-/// The current model with one more effect, searched from a strength of so many times its probe's.
-fn extended<'g>(
-    current: &Fitted<'g>,
-    signature: &Signature,
-    strength: f64,
-    known: &[Vec<f64>],
-) -> Option<Fitted<'g>> {
-    let sought = signature.sought();
-    let mut first = signature.probe.clone();
-    let limits = signature.limits[0];
-    if !limits.held && signature.absent == 0.0 {
-        let low = 0.6 * limits.low.min(0.0) + 1.01 * limits.low.max(0.0);
-        first[0] = (strength * signature.probe[0]).clamp(low, 0.6 * limits.high);
-    }
-    let mut start = current.at.clone();
-    start.extend(sought.coordinates(&first));
-    Fitted::search(current.problem.with(sought), &[start], known)
 }

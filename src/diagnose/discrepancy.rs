@@ -9,24 +9,24 @@ use crate::numerics::sums::dot;
 
 use super::fitted::Fitted;
 use super::group::Group;
+use super::held_out::{self, Part};
 
 /// Knots of the answer to a step, evenly in the logarithm of the time since it.
 const KNOTS: usize = 8;
 /// Part of a column's own square that is added to it: knots that the readings do not reach stay at zero.
 const RIDGE: f64 = 1e-9;
 
-/// The fall of the sum of squares on every held-out part; `parts` tells which rows each leaves out. Base parameters and
-/// the answer are found from the other rows, to first order about the base fitted to all.
-pub(super) fn falls(base: &Fitted, group: &Group, parts: &[Vec<bool>]) -> Vec<f64> {
+/// The fall of the sum of squares on every held-out part, from what the base refitted without it leaves there
+/// (`before`). Base parameters and the answer are found from the other rows, to first order about the base fitted to
+/// all; what the base to first order leaves is no place to count from, for it predicts otherwise than in full.
+pub(super) fn falls(base: &Fitted, group: &Group, before: &[Part]) -> Vec<f64> {
     let residuals = base.residuals();
     let (_, jacobian) = base.problem.slope(&base.at, &[]);
     let shapes = shapes(group);
     let both: Vec<&Vec<f64>> = jacobian.iter().chain(&shapes).collect();
-    let alone: Vec<&Vec<f64>> = jacobian.iter().collect();
-    parts
-        .iter()
-        .map(|out| held_out_square(&residuals, &alone, out) - held_out_square(&residuals, &both, out))
-        .collect()
+    let left = |out: &Vec<bool>| held_out_square(&residuals, &both, out);
+    let parts = before.iter().zip(held_out::rows(group));
+    parts.map(|(part, out)| part.square - left(&out)).collect()
 }
 
 /// Sum of squares on the rows that are `out`, with the columns' coefficients found from the others.

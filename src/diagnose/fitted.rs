@@ -74,6 +74,18 @@ impl<'g> Fitted<'g> {
         }
     }
 
+    /// Goes on to the end, however many steps a curved valley takes.
+    pub(super) fn arrived(self) -> Fitted<'g> {
+        let mut best = self.settled();
+        for _ in 1..SEARCHES {
+            if best.stop != Stop::EvaluationLimit {
+                break;
+            }
+            best = best.settled();
+        }
+        best
+    }
+
     /// Goes on until a whole search no longer lowers the sum of squares noticeably.
     pub(super) fn exhausted(self) -> Fitted<'g> {
         let mut best = self.settled();

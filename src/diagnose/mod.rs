@@ -6,6 +6,7 @@
 //! rules, proved on held-out readings, and named only where no other explains the readings as well.
 
 mod base_fit;
+mod beside;
 mod calibration;
 mod candidates;
 mod discrepancy;

@@ -1,7 +1,7 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
 use super::calibration::{Asked, Calibration};
-use super::candidates::{AS_GOOD, Looked, PRICE, least_score, look};
+use super::candidates::{AS_GOOD, INEXACT, Looked, PRICE, least_score, look};
 use super::discrepancy;
 use super::fitted::Fitted;
 use super::group::Group;
@@ -186,11 +186,7 @@ impl<'g> Ground<'_, 'g> {
             leftover = null.observe(self.group, &model.residuals(), &directions);
             p_leftover = null.p_misfit(&leftover, None);
         }
-        let held_out = (!model.problem.effects.is_empty()).then(|| HeldOut {
-            before: held_out::parts(self.base, self.group),
-            after: held_out::parts(&model, self.group),
-            nameless: discrepancy::falls(self.base, self.group, &held_out::rows(self.group)),
-        });
+        let held_out = (!model.problem.effects.is_empty()).then(|| self.held_out(&model));
         let selection = Selection {
             steps,
             model,
@@ -200,6 +196,16 @@ impl<'g> Ground<'_, 'g> {
             proved: None,
         };
         self.or_single(selection)
+    }
+
+    /// Every held-out part by the base, by `model`, and by what has no name.
+    fn held_out(&self, model: &Fitted<'g>) -> HeldOut {
+        let before = held_out::parts(self.base, self.group);
+        HeldOut {
+            after: held_out::parts(model, self.group),
+            nameless: discrepancy::falls(self.base, self.group, &before),
+            before,
+        }
     }
 
     /// What fits all readings best need not predict best: where it fails on held-out readings, single causes that
@@ -241,7 +247,17 @@ impl<'g> Ground<'_, 'g> {
         let close = passed
             .iter()
             .filter(|(_, _, fall)| *fall > most - AS_GOOD - (1.0 - NEARLY) * most);
-        let proved: Vec<&'static str> = close.map(|(looked, ..)| looked.effect).collect();
+        let mut proved: Vec<&'static str> = close.map(|(looked, ..)| looked.effect).collect();
+        if self.group.runs.len() == 1 {
+            // Two stretches of one run cannot tell a wrong cause from a right one that is loosely known without them.
+            let as_good = |other: &&Looked| {
+                let best = passed[0].0;
+                other.fitted.is_some() && other.score() > best.score() - AS_GOOD - INEXACT * best.gain
+            };
+            let others = step.looked.iter().filter(as_good).map(|looked| looked.effect);
+            let others: Vec<&'static str> = others.filter(|id| !proved.contains(id)).collect();
+            proved.extend(others);
+        }
         let (_, own, _) = passed.swap_remove(0);
         let (null, directions) = self.null(&fitted, 1);
         let leftover = null.observe(self.group, &fitted.residuals(), &directions);

@@ -45,9 +45,8 @@ pub struct ForwardStep {
 pub fn textbook(runs: &[RunInput], options: &DiagnoseOptions) -> Option<Textbook> {
     let raw = Group::new(runs);
     let nameless_gain = with_base(&raw, options.model, |group, base| {
-        discrepancy::falls(&base, group, &held_out::rows(group))
-            .iter()
-            .sum()
+        let before = held_out::parts(&base, group);
+        discrepancy::falls(&base, group, &before).iter().sum()
     })?;
     with_base(&raw, options.model, |group, base| {
         let white = group.memoryless(&base.problem.model(&base.at));

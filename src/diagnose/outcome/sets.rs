@@ -9,6 +9,8 @@ use crate::domain::EffectFinding;
 
 /// A strength that is known to this part of itself is one number: a law without free strength is held against it.
 const SHARP: f64 = 0.1;
+/// ... where its free twin lowers the sum of squares by no more than this: two standard errors.
+const AGREES: f64 = 4.0;
 
 impl<'g> Shown<'_, 'g> {
     /// For every effect of the model the ids that could stand in its place, itself first.
@@ -41,11 +43,11 @@ impl<'g> Shown<'_, 'g> {
         };
         let free: Vec<&&str> = rivals.iter().filter(|id| is_free(id)).collect();
         let fixed: Vec<&&str> = rivals.iter().filter(|id| !is_free(id)).collect();
+        let twin = step
+            .looked
+            .iter()
+            .find(|looked| rivals.contains(&looked.effect) && is_free(looked.effect));
         let sharp = || {
-            let twin = step
-                .looked
-                .iter()
-                .find(|looked| rivals.contains(&looked.effect) && is_free(looked.effect));
             let fitted = twin.and_then(|twin| twin.fitted.as_ref()).unwrap_or(model);
             let parameters = fitted.effect_parameters(self.group);
             let strength = parameters.first().and_then(|p| p.first()).map(|p| &p.estimate);
@@ -54,8 +56,19 @@ impl<'g> Shown<'_, 'g> {
                 _ => false,
             })
         };
+        // Only a law that the readings do not contradict: a free strength near the fixed one is another cause.
+        let agrees = |id: &str| {
+            let gain = |looked: &Looked| looked.gain;
+            let own = step
+                .looked
+                .iter()
+                .find(|looked| looked.effect == id)
+                .map_or(0.0, gain);
+            twin.is_none_or(|twin| twin.gain - own < AGREES)
+        };
         if let ([fixed], false) = (fixed.as_slice(), free.is_empty())
             && sharp()
+            && agrees(fixed)
         {
             return vec![**fixed];
         }
