@@ -105,10 +105,19 @@ pub fn effects(count: u64, strengths: &[f64], only: &[String]) -> [usize; 8] {
                     .map(|own| &own.estimate);
                 if let Some((low, high)) = strength.and_then(|s| s.low_95.zip(s.high_95)) {
                     row[6] += 1;
-                    row[7] += usize::from(low <= applied.parameters[0] && applied.parameters[0] <= high);
+                    let covers = low <= applied.parameters[0] && applied.parameters[0] <= high;
+                    row[7] += usize::from(covers);
+                    if !covers && std::env::var("SHOW").as_deref() == Ok("strength") {
+                        let value = strength.and_then(|s| s.value).unwrap_or(f64::NAN);
+                        println!(
+                            "    {:?} -> {value:.4} [{low:.4}, {high:.4}] in {:?}, p of what is left {:?}",
+                            applied.parameters, found.set, found.p_leftover
+                        );
+                    }
                 }
                 let shown = match std::env::var("SHOW").as_deref() {
                     Ok("wrong") => !inset && found.set.len() == 1,
+                    Ok("strength") => false,
                     other => other.is_ok(),
                 };
                 if shown {
