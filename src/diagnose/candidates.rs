@@ -129,11 +129,13 @@ pub(super) fn look<'g>(
     looked
 }
 
-/// Of the candidates that explain as much as the best the one with the fewest parameters comes first.
+/// Of the candidates that explain as much as the best the one with the fewest parameters comes first. What is allowed for
+/// equations that are not exact does not count here: a simpler law that leaves a misfit would hide the better one.
 fn simplest_first(looked: &mut [Looked]) {
-    let Some(least) = least_score(looked) else {
+    let Some(best) = looked.iter().map(Looked::score).max_by(f64::total_cmp) else {
         return;
     };
+    let least = best - AS_GOOD;
     let as_good = looked
         .iter()
         .take_while(|other| other.score() > least && other.fitted.is_some());
