@@ -4,68 +4,75 @@
 //! nobody gave a name. Where it does not, the readings show that something is missing, not what.
 
 use crate::domain::{Drive, Level};
-use crate::numerics::dense::Slope;
 use crate::numerics::sums::dot;
 
 use super::fitted::Fitted;
 use super::group::Group;
 use super::held_out::{self, Part};
+use super::predictive::{BEFORE, kept, normal};
 
 /// Knots of the answer to a step, evenly in the logarithm of the time since it.
 const KNOTS: usize = 8;
-/// Part of a column's own square that is added to it: knots that the readings do not reach stay at zero.
-const RIDGE: f64 = 1e-9;
 
-/// The fall of the sum of squares on every held-out part, from what the base refitted without it leaves there
-/// (`before`). Base parameters and the answer are found from the other rows, to first order about the base fitted to
-/// all; what the base to first order leaves is no place to count from, for it predicts otherwise than in full.
+/// The fall of the deviance on every held-out part, from what the base leaves there (`before`). Base parameters and the
+/// answer are found to first order about the base fitted to all; what the base to first order leaves is no place to
+/// count from, for it predicts otherwise than in full.
 pub(super) fn falls(base: &Fitted, group: &Group, before: &[Part]) -> Vec<f64> {
     let residuals = base.residuals();
-    let (_, jacobian) = base.problem.slope(&base.at, &[]);
-    let shapes = shapes(group);
-    let both: Vec<&Vec<f64>> = jacobian.iter().chain(&shapes).collect();
-    let left = |out: &Vec<bool>| held_out_square(&residuals, &both, out);
+    let (_, mut columns) = base.problem.slope(&base.at, &[]);
+    let searched = columns.len();
+    columns.extend(shapes(group));
+    let size = dot(&residuals, &residuals);
+    // A knot may explain as much as is there to explain; parameters of the base are known before as they always are.
+    let known: Vec<f64> = columns
+        .iter()
+        .enumerate()
+        .map(|(k, column)| match k < searched {
+            true => BEFORE,
+            false => dot(column, column) / size.max(f64::MIN_POSITIVE),
+        })
+        .collect();
+    let answer = Answer {
+        residuals,
+        columns,
+        known,
+    };
+    let (whole, information) = answer.least(&[]);
+    let deviance = |out: &[bool]| {
+        let (others, without) = answer.least(out);
+        whole - others + information - without
+    };
     let parts = before.iter().zip(held_out::rows(group));
-    parts.map(|(part, out)| part.square - left(&out)).collect()
+    parts.map(|(part, out)| part.deviance - deviance(&out)).collect()
 }
 
-/// Sum of squares on the rows that are `out`, with the columns' coefficients found from the others.
-fn held_out_square(residuals: &[f64], columns: &[&Vec<f64>], out: &[bool]) -> f64 {
-    let kept = |column: &[f64]| -> Vec<f64> {
-        column
+/// Residuals of the base, and what base parameters and the answer's knots add to them.
+struct Answer {
+    residuals: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    /// Precision of each column's coefficient before any reading.
+    known: Vec<f64>,
+}
+
+impl Answer {
+    /// Least sum of squares over the rows that are not `out`, and what they tell of the coefficients.
+    fn least(&self, out: &[bool]) -> (f64, f64) {
+        let right = kept(&self.residuals, out);
+        let descent: Vec<f64> = self
+            .columns
             .iter()
-            .zip(out)
-            .filter(|(_, out)| !**out)
-            .map(|(v, _)| *v)
-            .collect()
-    };
-    let known: Vec<Vec<f64>> = columns.iter().map(|column| kept(column)).collect();
-    let right = kept(residuals);
-    let mut slope = Slope::zero(columns.len());
-    for (a, left) in known.iter().enumerate() {
-        slope.descent[a] = dot(left, &right);
-        for (b, other) in known[..=a].iter().enumerate() {
-            let product = dot(left, other);
-            slope.normal.add(a, b, product);
-            if a != b {
-                slope.normal.add(b, a, product);
-            }
+            .map(|column| dot(&kept(column, out), &right))
+            .collect();
+        let mut normal = normal(&self.columns, out);
+        for (k, known) in self.known.iter().enumerate() {
+            normal.add(k, k, *known);
         }
-        slope
-            .normal
-            .add(a, a, RIDGE * dot(columns[a], columns[a]).max(f64::MIN_POSITIVE));
+        let coefficients = normal.solve(&descent, 1e-14);
+        (
+            dot(&right, &right) - dot(&coefficients, &descent),
+            normal.log_determinant(),
+        )
     }
-    let coefficients = slope.normal.solve(&slope.descent, 1e-12);
-    let rows = out.iter().enumerate().filter(|(_, out)| **out);
-    rows.map(|(row, _)| {
-        let fitted: f64 = columns
-            .iter()
-            .zip(&coefficients)
-            .map(|(column, c)| c * column[row])
-            .sum();
-        (residuals[row] - fitted).powi(2)
-    })
-    .sum()
 }
 
 /// Whitened answers of current and curvature to the steps of every drive, a column for each knot of each.
@@ -141,16 +148,20 @@ mod tests {
         assert_eq!(hat(0, -0.1, 1.0, 600.0), 0.0);
     }
 
+    /// A shape that explains everything lowers the least sum on any rows, and what is known of it grows with them.
     #[test]
-    fn what_is_learnt_on_some_rows_is_asked_of_the_others() {
+    fn what_is_learnt_of_a_shape_grows_with_the_rows() {
         let column: Vec<f64> = (0..40).map(|k| f64::from(k).sin()).collect();
-        let residuals: Vec<f64> = column.iter().map(|v| 3.0 * v).collect();
+        let answer = Answer {
+            residuals: column.iter().map(|v| 30.0 * v).collect(),
+            columns: vec![column],
+            known: vec![1e-3],
+        };
         let out: Vec<bool> = (0..40).map(|k| k >= 30).collect();
-        let without = held_out_square(&residuals, &[], &out);
-        let with = held_out_square(&residuals, &[&column], &out);
+        let ((whole, of_all), (others, of_some)) = (answer.least(&[]), answer.least(&out));
         assert!(
-            without > 1.0 && with < 1e-12 * without.max(1.0),
-            "{without} {with}"
+            whole < 1.0 && others < whole && of_some < of_all,
+            "{whole} {others}"
         );
     }
 }

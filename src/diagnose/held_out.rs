@@ -2,14 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::numerics::sums::dot;
-
 use crate::domain::ResidualCurve;
 use crate::model::extended::Responses;
 
 use super::drawn::drawn;
 use super::fitted::Fitted;
 use super::group::Group;
+use super::predictive::Predictive;
 use super::quantities::{Predicted, predicted};
 
 /// Evaluations of a refit without the held-out part; it starts from the fit to everything.
@@ -44,8 +43,8 @@ impl Stretch {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Part {
     pub(super) name: String,
-    /// Sum of squares of the whitened residuals on it.
-    pub(super) square: f64,
+    /// How far it lies from the prediction, the prediction's own uncertainty allowed for.
+    pub(super) deviance: f64,
     /// Squares of the deviations, and readings, of current and curvature.
     pub(super) deviations: [(f64, usize); 2],
     /// What a user predicts of a run; none where times of a run are held out.
@@ -61,36 +60,38 @@ pub(super) fn kind(group: &Group) -> &'static str {
 
 /// Every part predicted by the model refitted without it.
 pub(super) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
+    let predictive = Predictive::of(fitted);
     if group.runs.len() > 1 {
         (0..group.runs.len())
             .into_par_iter()
-            .map(|run| left_out(fitted, group, run))
+            .map(|run| left_out(fitted, &predictive, group, run))
             .collect()
     } else {
         OF_TIME
             .par_iter()
-            .map(|&stretch| out_of_time(fitted, group, stretch))
+            .map(|&stretch| out_of_time(fitted, &predictive, group, stretch))
             .collect()
     }
 }
 
 /// Rows that each part leaves out, in the order of [`parts`].
 pub(super) fn rows(group: &Group) -> Vec<Vec<bool>> {
-    let of_run = |run: usize| {
-        let mut out = vec![false; group.rows()];
-        for block in group.blocks.iter().filter(|block| block.run == run) {
-            out[block.first..block.end].fill(true);
-        }
-        out
-    };
     if group.runs.len() > 1 {
-        (0..group.runs.len()).map(of_run).collect()
+        (0..group.runs.len()).map(|run| rows_of_run(group, run)).collect()
     } else {
         OF_TIME
             .iter()
             .map(|&stretch| rows_of_time(group, stretch).0)
             .collect()
     }
+}
+
+fn rows_of_run(group: &Group, run: usize) -> Vec<bool> {
+    let mut out = vec![false; group.rows()];
+    for block in group.blocks.iter().filter(|block| block.run == run) {
+        out[block.first..block.end].fill(true);
+    }
+    out
 }
 
 /// The rows of a stretch of the only run, and its ends, s after the start of the drive.
@@ -111,15 +112,13 @@ fn rows_of_time(group: &Group, stretch: Stretch) -> (Vec<bool>, (f64, f64)) {
     (out, (from_s, to_s))
 }
 
-fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
+fn left_out(fitted: &Fitted, predictive: &Predictive, group: &Group, run: usize) -> Part {
     let others: Vec<usize> = (0..group.runs.len()).filter(|&other| other != run).collect();
     let bottom = fitted
         .problem
         .over(others)
         .descend(&fitted.at, REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&bottom.at);
-    let mut residuals = Vec::new();
-    fitted.problem.run_residuals(&model, run, &mut residuals);
     let group_run = &group.runs[run];
     let context = group_run.context(run, None);
     let found = model.responses(&context, group_run.times(0), group_run.times(1));
@@ -132,7 +131,7 @@ fn left_out(fitted: &Fitted, group: &Group, run: usize) -> Part {
     };
     Part {
         name: group_run.given.name.to_owned(),
-        square: dot(&residuals, &residuals),
+        deviance: predictive.deviance(&rows_of_run(group, run), bottom.slope.square),
         deviations: [of(0, &found.current_a), of(1, &found.curvature_per_cm)],
         predicted: Some(predicted(group_run, [&found.current_a, &found.curvature_per_cm])),
         curves: curves(group, run, &found, &|_| true),
@@ -153,7 +152,7 @@ fn curves(
         .collect()
 }
 
-fn out_of_time(fitted: &Fitted, group: &Group, stretch: Stretch) -> Part {
+fn out_of_time(fitted: &Fitted, predictive: &Predictive, group: &Group, stretch: Stretch) -> Part {
     let run = &group.runs[0];
     let (out, (from_s, to_s)) = rows_of_time(group, stretch);
     let bottom = fitted
@@ -161,8 +160,6 @@ fn out_of_time(fitted: &Fitted, group: &Group, stretch: Stretch) -> Part {
         .without(&out)
         .descend(&fitted.at, REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&bottom.at);
-    let mut residuals = Vec::new();
-    fitted.problem.run_residuals(&model, 0, &mut residuals);
     let found = model.responses(&run.context(0, None), run.times(0), run.times(1));
     let mut deviations = [(0.0, 0); 2];
     for block in &group.blocks {
@@ -179,12 +176,7 @@ fn out_of_time(fitted: &Fitted, group: &Group, stretch: Stretch) -> Part {
     }
     Part {
         name: format!("{from_s:.3} to {to_s:.3} s"),
-        square: residuals
-            .iter()
-            .zip(&out)
-            .filter(|(_, out)| **out)
-            .map(|(r, _)| r * r)
-            .sum(),
+        deviance: predictive.deviance(&out, bottom.slope.square),
         deviations,
         predicted: None,
         curves: curves(group, 0, &found, &|row| out[row]),

@@ -20,6 +20,7 @@ mod held_out;
 mod next_run;
 mod null;
 mod outcome;
+mod predictive;
 mod problem;
 mod profile;
 mod quantities;

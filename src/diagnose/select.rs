@@ -55,17 +55,17 @@ pub(super) struct Selection<'g> {
 pub(super) struct HeldOut {
     pub(super) before: Vec<Part>,
     pub(super) after: Vec<Part>,
-    /// Fall of the sum of squares on each by a smooth answer to the voltage that has no name.
+    /// Fall of the deviance on each by a smooth answer to the voltage that has no name.
     pub(super) nameless: Vec<f64>,
 }
 
 impl HeldOut {
-    /// Fall of the sum of squares on every part.
+    /// Fall of the deviance on every part.
     pub(super) fn falls(&self) -> Vec<f64> {
         self.before
             .iter()
             .zip(&self.after)
-            .map(|(before, after)| before.square - after.square)
+            .map(|(before, after)| before.deviance - after.deviance)
             .collect()
     }
 
