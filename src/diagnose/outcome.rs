@@ -1,12 +1,15 @@
 //! The finding about a group, put together.
 
 mod causes;
+mod forms;
 mod sentence;
 mod sets;
 
 use sentence::SPIKED_WORDS;
 
-use crate::domain::{DiagnosisNoise, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
+use crate::domain::{
+    DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve, Verdict,
+};
 
 use super::drawn::{drawn, paired};
 use super::fitted::Fitted;
@@ -126,7 +129,9 @@ impl<'g> Shown<'_, 'g> {
             () => Verdict::Set,
         };
         if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
-            found.effects = self.findings(selection, &sets);
+            let forms = self.other_forms(model);
+            found.effects = self.findings(selection, &sets, &forms);
+            found.remarks.extend(in_words(&found.effects, &forms));
             let mut members: Vec<String> = Vec::new();
             for id in sets.iter().flatten() {
                 if !members.iter().any(|other| other == id) {
@@ -282,4 +287,18 @@ impl<'g> Shown<'_, 'g> {
         };
         self.group.blocks.iter().filter_map(of_block).collect()
     }
+}
+
+/// What is said of forms of the first effect that explain the readings as well.
+fn in_words(effects: &[EffectFinding], forms: &[(&'static str, Vec<Parameter>)]) -> Option<String> {
+    let first = effects.first()?;
+    let others: Vec<&str> = forms.iter().map(|(name, _)| *name).collect();
+    (!others.is_empty()).then(|| {
+        format!(
+            "{}: as \"{}\" it explains the readings as well as \"{}\"; the interval of its strength holds them all",
+            first.effect,
+            others.join("\", \""),
+            first.variant.as_deref().unwrap_or_default()
+        )
+    })
 }

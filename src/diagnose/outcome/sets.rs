@@ -1,11 +1,12 @@
 //! Causes that explain the readings equally well, and the effects that were accepted.
 
 use super::Shown;
+use super::forms::widened;
 use crate::diagnose::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
 use crate::diagnose::fitted::Fitted;
 use crate::diagnose::problem::Problem;
 use crate::diagnose::select::{Selection, Step};
-use crate::domain::EffectFinding;
+use crate::domain::{EffectFinding, Parameter};
 
 /// A strength that is known to this part of itself is one number: a law without free strength is held against it.
 const SHARP: f64 = 0.1;
@@ -120,9 +121,17 @@ impl<'g> Shown<'_, 'g> {
         set
     }
 
-    pub(super) fn findings(&self, selection: &Selection, sets: &[Vec<&'static str>]) -> Vec<EffectFinding> {
+    pub(super) fn findings(
+        &self,
+        selection: &Selection,
+        sets: &[Vec<&'static str>],
+        forms: &[(&'static str, Vec<Parameter>)],
+    ) -> Vec<EffectFinding> {
         let model = &selection.model;
-        let parameters = model.effect_parameters(self.group);
+        let mut parameters = model.effect_parameters(self.group);
+        if let Some(strength) = parameters.first_mut().and_then(|own| own.first_mut()) {
+            strength.estimate = widened(&strength.estimate, forms);
+        }
         let each = model.problem.effects.iter().zip(parameters).zip(sets);
         each.map(|((sought, parameters), set)| {
             let about = sought.effect.about();
