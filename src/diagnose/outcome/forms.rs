@@ -56,8 +56,10 @@ pub(super) fn widened(strength: &Estimate, others: &[(&'static str, Vec<Paramete
             (low, high) = (low.min(its_low), high.max(its_high));
         }
     }
-    let half = 0.5 * (high - low) / HALF_95;
-    wide.standard_error = wide.standard_error.map(|own| own.max(half));
+    if (wide.low_95, wide.high_95) == (Some(low), Some(high)) {
+        return wide;
+    }
+    wide.standard_error = Some(0.5 * (high - low) / HALF_95);
     (wide.low_95, wide.high_95) = (Some(low), Some(high));
     wide
 }
