@@ -111,7 +111,8 @@ pub struct Candidate {
 pub struct Gain {
     /// What was held out: `run` or `time`.
     pub held_out: String,
-    /// Fall of the sum of squares on the held-out readings, in units of the noise.
+    /// Fall of the deviance of the held-out readings: how far they lie from what was predicted of them, in units of the
+    /// noise and with what the prediction itself does not know.
     #[serde(deserialize_with = "number_or_null::one")]
     pub deviance: f64,
     /// Its standard error over the held-out parts.
@@ -120,7 +121,7 @@ pub struct Gain {
     /// Fall for every held-out part, by name.
     #[serde(deserialize_with = "number_or_null::named")]
     pub parts: Vec<(String, f64)>,
-    /// Fall of the sum of squares on the held-out readings by a smooth answer to the voltage that has no name: a name is
+    /// Fall of the deviance of the held-out readings by a smooth answer to the voltage that has no name: a name is
     /// given only where its fall is not far behind.
     #[serde(default, deserialize_with = "number_or_null::one")]
     pub nameless_deviance: f64,

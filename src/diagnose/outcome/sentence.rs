@@ -13,7 +13,7 @@ impl Shown<'_, '_> {
         };
         let proof = found.gain.as_ref().map_or_else(String::new, |gain| {
             format!(
-                " On held-out readings the extended model lowers the sum of squares by {:.0} +- {:.0}.",
+                " It predicts held-out readings better by {:.0} +- {:.0} (deviance).",
                 gain.deviance, gain.standard_error
             )
         });
