@@ -38,6 +38,10 @@ static ABOUT: About = About {
     sources: "energy balance of the strip; Vogel-Fulcher-Tammann viscosity of ionic liquids",
 };
 
+/// Largest fall of the resistances per heat: 5 % a kelvin, in a strip of 0.1 mm that holds 2 J/(cm3 K). What needs more is
+/// another cause, however well this one fits: the energy that was put in bounds it.
+const MOST_CM2_PER_J: f64 = 2.5;
+
 struct Heat {
     per_j: f64,
     time_s: f64,
@@ -69,7 +73,7 @@ impl Effect for JouleHeating {
         if energy <= 0.0 {
             return Search::none();
         }
-        let most = 2.0 / energy;
+        let most = (2.0 / energy).min(MOST_CM2_PER_J);
         let limits = vec![Limits::linear(0.0, most), Limits::logarithmic(3.0, 100.0)];
         Search::over(0.01 * most, limits, &[vec![8.0, 20.0, 50.0]])
     }
@@ -79,5 +83,24 @@ impl Effect for JouleHeating {
             per_j: parameters[0],
             time_s: parameters[1],
         }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::scale;
+    use super::*;
+
+    /// A capacitor of 100 uF at 5 V takes 2.5 mJ: it cannot warm anything by what a fit would ask for.
+    #[test]
+    fn the_energy_put_in_bounds_the_fall() {
+        let of = |energy_j_per_cm2: f64| {
+            let mut scale = scale();
+            scale.charge_c = energy_j_per_cm2 * scale.area_cm2 / scale.voltage_v;
+            let search = JouleHeating.search(0, &scale);
+            search.limits[0].high * energy_j_per_cm2
+        };
+        assert!((of(10.0) - 2.0).abs() < 1e-12);
+        assert!((of(2.5e-3) - 2.5 * 2.5e-3).abs() < 1e-12);
     }
 }

@@ -40,6 +40,10 @@ static ABOUT: About = About {
     sources: "sorption of water by ionomers (Majsztrik 2007; Hallinan and Elabd 2009)",
 };
 
+/// Fastest exchange with the air: water crosses half of a strip of 0.1 mm by diffusion (1e-10 m2/s) in ten seconds. What
+/// changes faster is another cause.
+const SHORTEST_S: f64 = 10.0;
+
 impl Effect for WaterExchange {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -47,11 +51,17 @@ impl Effect for WaterExchange {
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         let longest_s = scale.longest_s();
+        let low_s = (longest_s / 100.0).max(SHORTEST_S);
+        let mut times_s = scale.times_s(0.02, 2.0, 4);
+        times_s.retain(|time_s| *time_s >= low_s);
+        if times_s.is_empty() {
+            return Search::none();
+        }
         let limits = vec![
             Limits::linear(-0.8, 2.0),
-            Limits::logarithmic(longest_s / 100.0, 5.0 * longest_s),
+            Limits::logarithmic(low_s, 5.0 * longest_s),
         ];
-        Search::over(0.02, limits, &[scale.times_s(0.02, 2.0, 4)])
+        Search::over(0.02, limits, &[times_s])
     }
 
     fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
@@ -64,7 +74,24 @@ impl Effect for WaterExchange {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::respond;
+    use super::super::tests::{respond, scale};
+    use super::*;
+
+    /// A record of one second shows no water coming from the air.
+    #[test]
+    fn it_is_not_asked_for_where_the_record_ends_before_water_can_move() {
+        let of = |duration_s: f64| {
+            let scale = Scale {
+                durations_s: vec![duration_s],
+                ..scale()
+            };
+            WaterExchange.search(0, &scale)
+        };
+        assert!(of(1.0).probes.is_empty());
+        let of_minutes = of(300.0);
+        assert!(!of_minutes.probes.is_empty());
+        assert!(of_minutes.probes.iter().all(|probe| probe[1] >= SHORTEST_S));
+    }
 
     #[test]
     fn a_late_step_meets_the_changed_resistance() {

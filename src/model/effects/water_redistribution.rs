@@ -40,6 +40,9 @@ static ABOUT: About = About {
     sources: "electro-osmosis in ionomers",
 };
 
+/// Fastest way back of water that the current moved, by diffusion across a strip of 0.1 mm (1e-9 m2/s, as in free water).
+const SHORTEST_S: f64 = 3.0;
+
 impl Effect for WaterRedistribution {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -53,11 +56,17 @@ impl Effect for WaterRedistribution {
         }
         let most = 0.5 / areal;
         let longest_s = scale.longest_s();
+        let low_s = (longest_s / 100.0).max(SHORTEST_S);
+        let mut times_s = scale.times_s(0.02, 1.0, 4);
+        times_s.retain(|time_s| *time_s >= low_s);
+        if times_s.is_empty() {
+            return Search::none();
+        }
         let limits = vec![
             Limits::linear(-most, most),
-            Limits::logarithmic(longest_s / 100.0, 3.0 * longest_s),
+            Limits::logarithmic(low_s, 3.0 * longest_s),
         ];
-        Search::over(0.07 * most, limits, &[scale.times_s(0.02, 1.0, 4)])
+        Search::over(0.07 * most, limits, &[times_s])
     }
 
     fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
