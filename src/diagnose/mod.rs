@@ -17,6 +17,7 @@ mod from_others;
 mod gain;
 mod group;
 mod held_out;
+mod louder;
 mod next_run;
 mod null;
 mod outcome;

@@ -193,6 +193,7 @@ impl<'g> Shown<'_, 'g> {
                 }
             }
         }
+        remarks.extend(super::louder::remarks(self.group));
         // Where the model is right its time constants do not depend on the record.
         if self.p_misfit < WRONG {
             remarks.extend(super::record_length::remark(self.group, self.options.model));

@@ -245,3 +245,61 @@ fn a_cause_beats_the_nameless_answer_where_a_voltage_was_not_seen() {
         found.sentence
     );
 }
+
+/// Eight voltages; the noise of the current rises a hundredfold with them, as bubbles would have it.
+#[test]
+fn noise_that_grows_with_the_voltage_is_remarked_and_even_noise_is_not() {
+    let time_s: Vec<f64> = (1..=100).map(f64::from).collect();
+    let drives: Vec<Drive> = (0..8)
+        .map(|k| Drive {
+            baseline_v: 0.0,
+            segments: vec![Segment {
+                start_s: 0.0,
+                level: Level::Voltage(-0.1 * f64::from(k + 1)),
+            }],
+        })
+        .collect();
+    let remarked = |growth: f64| {
+        let mut random = ChaCha8Rng::seed_from_u64(9);
+        let channels: Vec<Vec<Channel>> = drives
+            .iter()
+            .map(|drive| {
+                let v = drive.segments[0].start_s - drive.nominal_step_v();
+                let sd = 1e-6 * growth.powf(v / 0.8);
+                let values: Vec<f64> = time_s
+                    .iter()
+                    .map(|t| {
+                        let own: f64 = StandardNormal.sample(&mut random);
+                        1e-3 * v * ((-t / 8.0).exp() + 0.01) + sd * own
+                    })
+                    .collect();
+                vec![Channel::new(
+                    Quantity::Current,
+                    time_s.clone().into(),
+                    values.into(),
+                )]
+            })
+            .collect();
+        let inputs: Vec<RunInput> = drives
+            .iter()
+            .zip(&channels)
+            .map(|(drive, channels)| RunInput {
+                name: "run",
+                input: FitInput {
+                    channels,
+                    drive,
+                    area_cm2: AREA_CM2,
+                },
+                length_cm: None,
+            })
+            .collect();
+        let group = group::Group::new(&inputs);
+        louder::remarks(&group)
+    };
+    let [remark] = remarked(100.0).try_into().unwrap();
+    assert!(
+        remark.starts_with("the noise of the current grows with the voltage: from"),
+        "{remark}"
+    );
+    assert!(remarked(1.0).is_empty());
+}
