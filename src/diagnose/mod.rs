@@ -5,6 +5,7 @@
 //! by chance is simulated. Candidates that promise most are fitted in full, taken one after another under strict
 //! rules, proved on held-out readings, and named only where no other explains the readings as well.
 
+mod alone;
 mod base_fit;
 mod beside;
 mod calibration;
@@ -37,7 +38,7 @@ mod tests;
 mod textbook;
 mod words;
 
-use crate::domain::GroupDiagnosis;
+use crate::domain::{GroupDiagnosis, Verdict};
 use crate::model::FitModel;
 
 pub use extend::{fit_extended, model_version};
@@ -79,7 +80,12 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     let found = with_base(&raw, options.model, |group, base| {
         diagnosed(name, group, base, options)
     });
-    found.unwrap_or_else(|| outcome::nothing(name, runs, options))
+    let mut found = found.unwrap_or_else(|| outcome::nothing(name, runs, options));
+    if found.verdict == Verdict::Unknown && runs.len() > 1 {
+        found.alone = alone::alone(runs, options);
+        found.remarks.extend(alone::in_words(&found.alone));
+    }
+    found
 }
 
 /// Calls `then` with the group, its noise found beside the base model, and the base model fitted to it; none where no

@@ -315,9 +315,23 @@ impl GroupDiagnosis {
             residuals: Vec::new(),
             held_out_residuals: Vec::new(),
             remarks: Vec::new(),
+            alone: Vec::new(),
             from_others: Vec::new(),
         }
     }
+}
+
+/// What is found of one run of a group by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunAlone {
+    /// Name of the run.
+    pub run: String,
+    /// Kind of the finding.
+    pub verdict: Verdict,
+    /// Chance of such a misfit where the model is right; not corrected for the number of runs.
+    pub p_misfit: Option<f64>,
+    /// Ids of the causes that may be it.
+    pub set: Vec<String>,
 }
 
 /// Everything that was found out about a group of runs.
@@ -373,6 +387,9 @@ pub struct GroupDiagnosis {
     pub held_out_residuals: Vec<ResidualCurve>,
     /// What a reader must know of the readings.
     pub remarks: Vec<String>,
+    /// Each run by itself, where no cause is found for all of them together.
+    #[serde(default)]
+    pub alone: Vec<RunAlone>,
     /// How well effects with the parameters of other samples describe this one.
     #[serde(default)]
     pub from_others: Vec<FromOthers>,

@@ -28,7 +28,7 @@ pub use climate::{
 };
 pub use diagnosis::{
     Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, Gain, GroupDiagnosis, MisfitStretch,
-    NextRun, ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
+    NextRun, ParameterShift, Prediction, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;

@@ -16,7 +16,7 @@ use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::analysis::online::{Turn, turns};
 use crate::domain::{
     Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift,
-    StrengthProfile, Verdict, Whereabouts,
+    RunAlone, StrengthProfile, Verdict, Whereabouts,
 };
 use crate::store::DiagnosisKind;
 
@@ -118,6 +118,8 @@ pub struct GroupEntry {
     pub noise: Vec<DiagnosisNoise>,
     /// What a reader must know of the readings.
     pub remarks: Vec<String>,
+    /// Each run by itself, where no cause is found for all of them together.
+    pub alone: Vec<RunAlone>,
 }
 
 /// An accepted effect.
@@ -277,6 +279,7 @@ fn group_entry(found: GroupDiagnosis) -> GroupEntry {
         profiles: found.profiles,
         noise: found.noise,
         remarks: found.remarks,
+        alone: found.alone,
     }
 }
 

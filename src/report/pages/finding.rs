@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
+use super::finding_alone::{AloneRow, alone_rows};
 use super::finding_words::{lead, probability, shift_words, test_words, verdict_word};
 use super::wording::{EstimateText, RunLink, listed};
 use crate::analysis::ParameterInfo;
@@ -52,6 +53,7 @@ struct FindingPage {
     not_drawn: String,
     stretches: Vec<StretchRow>,
     remarks: Vec<String>,
+    alone: Vec<AloneRow>,
 }
 
 #[derive(Debug, Serialize)]
@@ -215,6 +217,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         residuals,
         stretches: stretches(found),
         remarks: found.remarks.clone(),
+        alone: alone_rows(&found.alone),
     };
     Content::new("finding.html", &page, figures)
 }

@@ -7,6 +7,7 @@ pub mod comparison;
 pub mod coverage;
 pub mod dma;
 pub mod finding;
+mod finding_alone;
 pub mod finding_words;
 pub mod findings;
 pub mod humidity;
