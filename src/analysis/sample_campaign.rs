@@ -121,6 +121,7 @@ pub fn fit(parameters: &[(&str, Estimate)]) -> Fit {
         r_squared_curvature: Some(0.957),
         noise: vec![],
         curves: vec![],
+        along: vec![],
         issues: vec![],
         evaluations: 321,
     }

@@ -91,6 +91,7 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
         r_squared_curvature: None,
         noise: Vec::new(),
         curves: Vec::new(),
+        along: Vec::new(),
         issues,
         evaluations: extended.evaluations,
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::thinning::{DRAWN_BUCKETS, drawn_indices};
-use super::{ClimateCurve, Quantity};
+use super::{AlongStrip, ClimateCurve, Quantity};
 
 /// Readings of one quantity: times and values of equal length, finite, in canonical units.
 ///
@@ -97,6 +97,7 @@ impl Channel {
             quantity: self.quantity,
             raw_name: self.raw_name.clone(),
             raw_unit: self.raw_unit.clone(),
+            position_mm: self.position_mm,
             readings: self.len(),
             excluded: self.excluded.len(),
             first_time_s: self.time_s.first().copied(),
@@ -116,6 +117,8 @@ pub struct ChannelSummary {
     pub raw_name: String,
     /// The unit as the file has it.
     pub raw_unit: String,
+    /// Where along the strip it was measured, mm from the clamp; none for the strip as a whole.
+    pub position_mm: Option<f64>,
     /// Number of readings, the excluded ones counted.
     pub readings: usize,
     /// How many of them are left out of fits.
@@ -163,6 +166,14 @@ pub trait CurveSource {
     /// As [`CurveSource::curves`].
     fn climate_curves(&self, _run_id: i64) -> Result<Vec<ClimateCurve>, String> {
         Ok(Vec::new())
+    }
+
+    /// What is known along the strip of that run; none where it was not measured at several places.
+    ///
+    /// # Errors
+    /// As [`CurveSource::curves`].
+    fn along(&self, _run_id: i64) -> Result<Option<AlongStrip>, String> {
+        Ok(None)
     }
 }
 

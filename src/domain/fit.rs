@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Estimate, Issue, Quantity, RunCurve};
+use super::{AlongCurve, Estimate, Issue, Quantity, RunCurve};
 
 /// One identified parameter. The key carries the unit: `r1_ohm_cm2`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -74,6 +74,8 @@ pub struct Fit {
     pub noise: Vec<ChannelNoise>,
     /// Curves to draw: measured, fitted and residual.
     pub curves: Vec<RunCurve>,
+    /// What was measured along the strip with the simulated values, to draw; empty for models of a whole strip.
+    pub along: Vec<AlongCurve>,
     /// What a reader must know: bounds met, parameters not determined and why.
     pub issues: Vec<Issue>,
     /// Residual evaluations that the search took.

@@ -1,6 +1,7 @@
 //! The values everything else speaks of: quantities and units, channels, drives, samples, tags, runs,
 //! estimates, fits and issues. Nothing here reads files, speaks SQL or fits.
 
+pub mod along;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
@@ -20,6 +21,7 @@ pub mod thinning;
 pub mod unit;
 mod unit_spelling;
 
+pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
 pub use campaign::{Campaign, CompareRules, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use climate::{

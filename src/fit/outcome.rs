@@ -95,6 +95,7 @@ pub(super) fn fit(
         parameters,
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),
+        along: Vec::new(),
     }
 }
 
@@ -218,6 +219,7 @@ pub(super) fn joint_fit(
         parameters,
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),
+        along: Vec::new(),
     }
 }
 

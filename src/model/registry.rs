@@ -173,7 +173,7 @@ static MODELS: [FitModel; 5] = [
     },
     FitModel {
         id: "distributed",
-        version: 1,
+        version: 2,
         branches: 1,
         description: "one R-C branch beside R_ss between electrodes that resist along the strip; needs voltages or curvatures along it",
         parameters: &[RE, RC, C, RSS, MU, LAMBDA, ALPHA_OF_MU],

@@ -2,6 +2,7 @@
 
 use rusqlite::{OptionalExtension, ToSql, params};
 
+use super::along::insert_along;
 use super::blob::{pack_f64, unpack_f64};
 use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
 use crate::domain::{ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
@@ -160,6 +161,7 @@ impl Store {
                     r_squared_curvature: row.get(9)?,
                     noise: Vec::new(),
                     curves: Vec::new(),
+                    along: Vec::new(),
                     issues: Vec::new(),
                     evaluations: row.get::<_, i64>(12)?.unsigned_abs(),
                 };
@@ -281,6 +283,9 @@ fn insert_fit(
     }
     for (ordinal, curve) in fit.curves.iter().enumerate() {
         insert_curve(transaction, fit_id, ordinal, curve)?;
+    }
+    for (ordinal, curve) in fit.along.iter().enumerate() {
+        insert_along(transaction, fit_id, ordinal, curve)?;
     }
     Ok(())
 }

@@ -8,13 +8,14 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 6] = [
+const HISTORY: [&str; 7] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
     include_str!("../../migrations/0004_origin.sql"),
     include_str!("../../migrations/0005_diagnosis.sql"),
     include_str!("../../migrations/0006_alarms.sql"),
+    include_str!("../../migrations/0008_fit_along.sql"),
 ];
 
 /// Schema version that this program writes.

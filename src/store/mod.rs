@@ -5,6 +5,7 @@
 //! is ever visible.
 
 mod alarms;
+mod along;
 mod blob;
 mod climate;
 mod diagnoses;

@@ -368,7 +368,7 @@ impl Store {
     fn channel_summaries(&self, run_id: i64) -> Result<Vec<ChannelSummary>, StoreError> {
         let sql =
             "SELECT quantity, raw_name, raw_unit, readings, excluded, first_time_s, last_time_s, first_value,
-                          last_value FROM channel WHERE run_id = ?1 ORDER BY ordinal";
+                          last_value, position_mm FROM channel WHERE run_id = ?1 ORDER BY ordinal";
         self.rows_of(run_id, sql, |row| {
             Ok(ChannelSummary {
                 quantity: from_key("a quantity", &row.get::<_, String>(0)?, Quantity::from_key)?,
@@ -380,6 +380,7 @@ impl Store {
                 last_time_s: row.get(6)?,
                 first: row.get(7)?,
                 last: row.get(8)?,
+                position_mm: row.get(9)?,
             })
         })
     }

@@ -178,6 +178,7 @@ fn channel(quantity: Quantity, last: f64) -> ChannelSummary {
         quantity,
         raw_name: quantity.column().to_owned(),
         raw_unit: quantity.unit().to_owned(),
+        position_mm: None,
         readings: 3610,
         excluded: 3,
         first_time_s: Some(-10.0),
@@ -229,6 +230,7 @@ fn fit(truth: Truth, seed: u64, ionic: bool) -> Fit {
             channel_noise(Quantity::Curvature, 4e-4, 1.1, 0.1),
         ],
         curves: vec![],
+        along: vec![],
         issues: vec![],
         evaluations: 321,
     }

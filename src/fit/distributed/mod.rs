@@ -2,6 +2,7 @@
 //! three phases: R_e is given (or fitted); C, R_c and R_ss follow from the voltages along the strip and the
 //! current; mu and lambda from the curvatures, with those fixed.
 
+mod along;
 mod outcome;
 mod readings;
 mod response;

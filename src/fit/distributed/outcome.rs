@@ -7,7 +7,7 @@ use crate::numerics::student::quantile_95;
 
 use super::readings::{Group, Kind, Readings};
 use super::squares::{Fitted, Mechanical};
-use super::{DistributedInput, MODEL_ID, model_of, response};
+use super::{DistributedInput, MODEL_ID, along, model_of, response};
 
 /// A 95 % interval wider than this factor to either side says nothing worth a value.
 const WIDEST_FACTOR: f64 = 5.0;
@@ -62,6 +62,7 @@ pub(super) fn fit(
             .iter()
             .filter_map(|(group, values)| curve(group, values, readings.step_s))
             .collect(),
+        along: along::along(input, readings, &model, &fitted),
         evaluations: electrical.evaluations + mechanical.map_or(0, |m| m.fitted.evaluations),
         parameters,
         issues,

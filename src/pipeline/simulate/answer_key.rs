@@ -7,39 +7,64 @@ use serde_json::{Map, Value, json};
 use super::effect_spec::hidden_effects;
 use super::run_spec::RunSpec;
 use super::spec::Spec;
-use crate::domain::Level;
+use super::strip_spec::StripSpec;
+use crate::domain::{Drive, Level};
 use crate::model::truth::HiddenEffect;
 use crate::model::truth::catalogue::known;
 
 /// Text of truth.json for a spec of that path.
 pub fn answer_key(spec: &Spec, path: &Path) -> String {
     let runs: Vec<Value> = spec.run.iter().map(|run| run_key(spec, run)).collect();
-    let key = json!({
+    let mut key = json!({
         "schema": "ieap/simulation-truth/1",
         "spec": path.file_name().map(|name| name.to_string_lossy()),
         "folder": slashed(&spec.simulation.folder),
         "seed": spec.simulation.seed,
         "runs": runs,
     });
+    if !spec.strip.is_empty() {
+        key["strips"] = spec.strip.iter().map(strip_key).collect();
+    }
     format!("{key:#}\n")
 }
 
-fn run_key(spec: &Spec, run: &RunSpec) -> Value {
-    let drive = run.drive();
-    let segments: Vec<Value> = drive
+fn strip_key(strip: &StripSpec) -> Value {
+    let given = &strip.parameters;
+    json!({
+        "file": slashed(&strip.file),
+        "written_by": "ladder of cells",
+        "baseline_v": strip.baseline_v,
+        "drive": segments(&strip.drive()),
+        "parameters": {
+            "re_ohm_per_sq": given.re_ohm_per_sq,
+            "rc_ohm_cm2": given.rc_ohm_cm2,
+            "c_f_per_cm2": given.c_f_per_cm2,
+            "rss_ohm_cm2": given.rss_ohm_cm2,
+            "alpha_per_c_cm": given.alpha_per_c_cm,
+            "lambda_per_s": given.lambda_per_s,
+        },
+    })
+}
+
+fn segments(drive: &Drive) -> Vec<Value> {
+    drive
         .segments
         .iter()
         .map(|segment| match segment.level {
             Level::Voltage(voltage_v) => json!({ "start_s": segment.start_s, "voltage_v": voltage_v }),
             Level::OpenCircuit => json!({ "start_s": segment.start_s, "open_circuit": true }),
         })
-        .collect();
+        .collect()
+}
+
+fn run_key(spec: &Spec, run: &RunSpec) -> Value {
+    let drive = run.drive();
     let effects = hidden_effects(spec, run);
     json!({
         "file": slashed(&run.file),
         "written_by": if effects.is_empty() { "closed form" } else { "truth simulator" },
         "baseline_v": drive.baseline_v,
-        "drive": segments,
+        "drive": segments(&drive),
         "parameters": run.parameters,
         "effects": effects.iter().map(effect_key).collect::<Vec<_>>(),
     })

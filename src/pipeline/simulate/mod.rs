@@ -1,4 +1,4 @@
-//! Writes run files of a model and modulus logs, with noise and sampling, seeded: the same spec gives the same bytes.
+//! Writes run files of a model, of strips read at several places, and modulus logs, with noise and sampling, seeded: the same spec gives the same bytes.
 //! Effects that the spec names are hidden in the runs by the truth simulator; truth.json says which.
 
 mod answer_key;
@@ -9,6 +9,8 @@ mod noise_spec;
 mod run_spec;
 mod spec;
 mod strength;
+mod strip_spec;
+mod strip_table;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -22,6 +24,8 @@ pub use effect_spec::{EffectSpec, hidden_effects};
 pub use noise_spec::Noise;
 pub use run_spec::{Pulses, RunSpec, SegmentSpec};
 pub use spec::{FolderTags, Sampling, Simulation, Spec, SpecError};
+pub use strip_spec::{StripParameters, StripSpec};
+pub use strip_table::strip_table;
 pub use table::run_table;
 
 use super::{Observer, PipelineError};
@@ -55,7 +59,7 @@ impl Simulate {
             .join(&spec.simulation.folder);
         let mut written = Vec::new();
         let logs = spec.dma.iter().map(|dma| dma.log.len()).sum::<usize>();
-        observer.begin("simulating", (spec.run.len() + logs) as u64);
+        observer.begin("simulating", (spec.run.len() + spec.strip.len() + logs) as u64);
         for folder in spec.folder.iter().filter(|folder| !folder.tags.is_empty()) {
             written.push(self.write(
                 &root.join(&folder.path).join("tags.toml"),
@@ -65,8 +69,14 @@ impl Simulate {
         for (number, run) in spec.run.iter().enumerate() {
             let path = root.join(&run.file);
             let table = run_table(&spec, run, number);
-            let table = table.map_err(|error| Spec::unsolved(&self.spec, run, &error))?;
+            let table = table.map_err(|error| Spec::unsolved(&self.spec, &run.file, &error.to_string()))?;
             written.extend(self.with_sidecar(&path, &table, &run.tags)?);
+            observer.advance();
+        }
+        for (number, strip) in spec.strip.iter().enumerate() {
+            let table = strip_table(&spec, strip, number);
+            let table = table.map_err(|error| Spec::unsolved(&self.spec, &strip.file, &error))?;
+            written.extend(self.with_sidecar(&root.join(&strip.file), &table, &strip.tags)?);
             observer.advance();
         }
         if let Some(dma) = &spec.dma {
@@ -77,7 +87,7 @@ impl Simulate {
                 observer.advance();
             }
         }
-        if !spec.run.is_empty() {
+        if !(spec.run.is_empty() && spec.strip.is_empty()) {
             let key = root.with_file_name("truth.json");
             written.push(self.write(&key, &answer_key(&spec, &self.spec))?);
         }

@@ -149,19 +149,7 @@ impl RunSpec {
 
     /// The drive, from the steady state at the baseline.
     pub fn drive(&self) -> Drive {
-        let given = self.drive.iter().map(|segment| Segment {
-            start_s: segment.start_s,
-            level: segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
-        });
-        let segments = match (self.voltage_v, self.pulses) {
-            (Some(voltage_v), _) => Drive::step(voltage_v).segments,
-            (None, Some(pulses)) => pulses.segments(),
-            (None, None) => given.collect(),
-        };
-        Drive {
-            baseline_v: self.baseline_v,
-            segments,
-        }
+        drive_of(self.baseline_v, self.voltage_v, self.pulses, &self.drive)
     }
 
     /// The sample of the run with effects hidden in it.
@@ -203,6 +191,25 @@ impl RunSpec {
             relaxation_rate_per_s: parameter("lambda_per_s").unwrap_or(0.0),
         }
     }
+}
+
+/// The drive that is stated in one of three ways, from the steady state at the baseline.
+pub(super) fn drive_of(
+    baseline_v: f64,
+    voltage_v: Option<f64>,
+    pulses: Option<Pulses>,
+    given: &[SegmentSpec],
+) -> Drive {
+    let given = given.iter().map(|segment| Segment {
+        start_s: segment.start_s,
+        level: segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
+    });
+    let segments = match (voltage_v, pulses) {
+        (Some(voltage_v), _) => Drive::step(voltage_v).segments,
+        (None, Some(pulses)) => pulses.segments(),
+        (None, None) => given.collect(),
+    };
+    Drive { baseline_v, segments }
 }
 
 fn above_zero(size: f64) -> bool {

@@ -9,6 +9,7 @@ use super::dma_spec::DmaSpec;
 use super::effect_spec::{EffectSpec, hidden_effects};
 use super::noise_spec::Noise;
 use super::run_spec::RunSpec;
+use super::strip_spec::StripSpec;
 use crate::model::truth::TruthError;
 
 /// A file that says which runs to write.
@@ -35,6 +36,9 @@ pub struct Spec {
     /// The runs.
     #[serde(default)]
     pub run: Vec<RunSpec>,
+    /// Runs that are read at places along the strip.
+    #[serde(default)]
+    pub strip: Vec<StripSpec>,
     /// Modulus logs.
     pub dma: Option<DmaSpec>,
 }
@@ -145,13 +149,14 @@ impl Spec {
     }
 
     fn check(&self) -> Result<(), Wrong> {
-        if self.run.is_empty() && self.dma.as_ref().is_none_or(|dma| dma.log.is_empty()) {
-            let needed = "a [[run]] or a [[dma.log]]";
+        if self.run.is_empty() && self.strip.is_empty() && self.dma.as_ref().is_none_or(|dma| dma.log.is_empty()) {
+            let needed = "a [[run]], a [[strip]] or a [[dma.log]]";
             return Err(Wrong::new("spec", "nothing to simulate".into(), needed));
         }
         self.dma.as_ref().map_or(Ok(()), DmaSpec::check)?;
         self.noise.check()?;
-        for sampling in self.sampling.iter().chain(&self.camera) {
+        let own = self.strip.iter().flat_map(|strip| &strip.sampling);
+        for sampling in self.sampling.iter().chain(&self.camera).chain(own) {
             if sampling.every_s.is_nan() || sampling.every_s <= 0.0 {
                 let found = sampling.every_s.to_string();
                 return Err(Wrong::new("sampling.every_s", found, "a time above 0"));
@@ -166,6 +171,7 @@ impl Spec {
             .iter()
             .map(|run| run.file.as_path())
             .chain(self.folder.iter().map(|folder| folder.path.as_path()))
+            .chain(self.strip.iter().map(|strip| strip.file.as_path()))
             .chain(self.dma.iter().flat_map(DmaSpec::paths));
         for path in paths.chain([self.simulation.folder.as_path()]) {
             if !safe(path) {
@@ -178,6 +184,7 @@ impl Spec {
             }
         }
         self.run.iter().try_for_each(RunSpec::check)?;
+        self.strip.iter().try_for_each(StripSpec::check)?;
         self.check_effects()
     }
 
@@ -202,10 +209,10 @@ impl Spec {
     }
 
     /// That a run could not be simulated, though its values may stand there.
-    pub(super) fn unsolved(path: &Path, run: &RunSpec, error: &TruthError) -> SpecError {
+    pub(super) fn unsolved(path: &Path, run: &Path, error: &str) -> SpecError {
         SpecError::Malformed {
             path: path.to_owned(),
-            detail: format!("run {}: {error}", run.file.display()),
+            detail: format!("run {}: {error}", run.display()),
         }
     }
 }

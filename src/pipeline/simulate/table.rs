@@ -92,7 +92,7 @@ pub(super) fn camera_times(spec: &Spec) -> Vec<f64> {
 }
 
 /// Sampling times: the baseline, then each stretch.
-fn times(spec: &Spec, stretches: &[Sampling]) -> Vec<f64> {
+pub(super) fn times(spec: &Spec, stretches: &[Sampling]) -> Vec<f64> {
     let simulation = &spec.simulation;
     let before = (simulation.baseline_s / simulation.baseline_every_s).floor() as i64;
     let mut time_s: Vec<f64> = (1..=before)
@@ -164,6 +164,6 @@ fn applied(drive: &Drive, time_s: f64) -> (String, bool) {
 }
 
 /// A time without the last bits of its sum.
-fn printed(time_s: f64) -> String {
+pub(super) fn printed(time_s: f64) -> String {
     ((time_s * 1e6).round() / 1e6).to_string()
 }
