@@ -627,7 +627,7 @@
   };
   const legends = () => {
     const sections = new Map();
-    for (const chart of charts.filter((c) => !c.byRun && c.panels.every((p) => p.x.scale !== 3))) {
+    for (const chart of charts.filter((c) => !c.byRun && !c.svg.closest("[data-keyed]") && c.panels.every((p) => p.x.scale !== 3))) {
       const section = chart.svg.closest("section") || chart.svg.closest("figure") || chart.svg;
       if (!sections.has(section)) sections.set(section, []);
       sections.get(section).push(chart);
@@ -748,10 +748,54 @@
     look();
   };
 
+  // ---------------------------------------------------------------- a strip that moves
+  // Frames are `time|measured|simulated`, the last two path data in the drawing of the shapes. Nothing moves before it is
+  // asked to, everything that moves can be stopped, and who wants no motion goes through the frames by hand.
+  const films = () => {
+    const LENGTH = 8000;
+    for (const figure of document.querySelectorAll("[data-film]")) {
+      const svg = figure.querySelector("svg"), frames = figure.dataset.film.split(";").map((frame) => frame.split("|"));
+      if (!svg || frames.length < 2) continue;
+      const moving = draw("g", { class: "moving" }, svg);
+      const simulated = draw("path", { class: "s k-2", "stroke-width": 18, "stroke-dasharray": "55 40" }, moving);
+      const measured = draw("path", { class: "s k-text", "stroke-width": 32 }, moving);
+      const slider = make("input", { type: "range", min: 0, max: frames.length - 1, value: 0, "aria-label": "Time since the step" });
+      const time = make("output", { class: "time" }), play = make("button", { type: "button", class: "tool" }, "Play");
+      const stills = make("button", { type: "button", class: "tool", hidden: "" }, "Show stills");
+      let timer = null;
+      const show = (at) => {
+        const [when, now, fitted] = frames[at];
+        measured.setAttribute("d", now);
+        simulated.setAttribute("d", fitted);
+        slider.value = at;
+        slider.setAttribute("aria-valuetext", when);
+        time.textContent = when;
+        svg.classList.add("playing");
+        stills.hidden = false;
+      };
+      const stop = () => { clearInterval(timer); timer = null; play.textContent = "Play"; };
+      play.addEventListener("click", () => {
+        if (timer !== null) return stop();
+        let at = Number(slider.value) + 1 < frames.length ? Number(slider.value) : 0;
+        show(at);
+        play.textContent = "Pause";
+        timer = setInterval(() => { if (++at < frames.length) show(at); else stop(); }, LENGTH / frames.length);
+      });
+      slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
+      stills.addEventListener("click", () => { stop(); svg.classList.remove("playing"); time.textContent = ""; slider.value = 0; stills.hidden = true; play.focus(); });
+      const calm = matchMedia("(prefers-reduced-motion: reduce)");
+      const heed = () => { play.hidden = calm.matches; if (calm.matches) stop(); };
+      calm.addEventListener("change", heed);
+      heed();
+      figure.append(make("div", { class: "tools film", role: "group", "aria-label": "The strip in motion" }, play, slider, time, stills));
+    }
+  };
+
   finder();
   document.querySelectorAll("main table").forEach(sortable);
   document.querySelectorAll("main svg.figure").forEach((svg) => new Chart(svg));
   legends();
+  films();
   byTags();
   follow();
 })();

@@ -34,6 +34,9 @@ pub struct FigureArgs {
     /// Resolution of a PNG, dots per inch
     #[arg(long, value_name = "DPI", default_value_t = 600.0)]
     dpi: f64,
+    /// Show this run only, of a figure of strips: its path in the campaign
+    #[arg(long, value_name = "RUN")]
+    run: Option<String>,
     /// File to write [default: NAME.FORMAT; - is stdout]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -53,6 +56,7 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
         format: format.clone(),
         width_mm: args.width_mm,
         dots_per_inch: args.dpi,
+        run: args.run.clone(),
     };
     let bytes = figure.run(&context)?;
     let path = args
@@ -82,7 +86,7 @@ fn format_of(args: &FigureArgs) -> String {
 
 fn list(output: &Output) -> Result<u8, CliError> {
     for (name, alias, width_mm, about) in listed() {
-        output.result(&format!("{name:<10} {alias:<12} {width_mm:>4} mm  {about}"));
+        output.result(&format!("{name:<10} {alias:<14} {width_mm:>4} mm  {about}"));
     }
     let figures = listed().map(|(name, alias, width_mm, about)| {
         json!({ "name": name, "alias": alias, "width_mm": width_mm, "about": about })

@@ -119,7 +119,10 @@ impl AlongCurve {
                 let above = (k + 1 < at.len()).then(|| half(k));
                 let below_mm = below.or(above).unwrap_or(0.5);
                 let above_mm = above.or(below).unwrap_or(0.5);
-                ((at[k] - below_mm).max(0.0), (at[k] + above_mm).min(tip.max(at[k])))
+                (
+                    (at[k] - below_mm).max(0.0),
+                    (at[k] + above_mm).min(tip.max(at[k])),
+                )
             })
             .collect()
     }
@@ -181,7 +184,12 @@ fn keep_excursions(
         let mut lowest: Option<(f64, usize)> = None;
         let mut highest: Option<(f64, usize)> = None;
         for row in rows {
-            let known = || row[start..stop].iter().zip(start..).filter(|(v, _)| v.is_finite());
+            let known = || {
+                row[start..stop]
+                    .iter()
+                    .zip(start..)
+                    .filter(|(v, _)| v.is_finite())
+            };
             let count = known().count();
             let mean = known().map(|(v, _)| v).sum::<f64>() / count.max(1) as f64;
             for (value, frame) in known() {
@@ -221,7 +229,7 @@ pub struct EndsRatio {
 }
 
 /// Everything that pages show along the strip of one run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct AlongStrip {
     /// Free length, mm, where it is known.
     pub length_mm: Option<f64>,
@@ -235,6 +243,8 @@ pub struct AlongStrip {
     pub voltage: Option<AlongCurve>,
     /// Simulated voltages at even places from the clamp to the tip; none where nothing was fitted.
     pub voltage_profile: Option<AlongCurve>,
+    /// Frames of `voltage` at a few times, spread as those of `shapes`.
+    pub voltage_frames: Vec<usize>,
     /// Shapes at a few times, spread over the logarithm of the time since the step.
     pub shapes: Vec<StripShape>,
     /// Shapes of a moving picture: more times in the same spread.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
-use super::{ChannelSummary, Drive, Fit, Issue, RunClimate, RunOrigin, Tag};
+use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Tag};
 
 /// What is measured, told by the folder that the file lies in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -186,6 +186,18 @@ impl RunRecord {
             .iter()
             .find(|tag| tag.key == key)
             .map(|tag| tag.value.as_str())
+    }
+
+    /// Number of places along the strip at which `quantity` was measured.
+    pub fn places(&self, quantity: Quantity) -> usize {
+        let placed =
+            |channel: &&ChannelSummary| channel.quantity == quantity && channel.position_mm.is_some();
+        self.channels.iter().filter(placed).count()
+    }
+
+    /// Whether curvature or voltage was measured at several places along the strip.
+    pub fn is_along(&self) -> bool {
+        self.places(Quantity::Curvature) > 1 || self.places(Quantity::Voltage) > 1
     }
 
     /// The chosen value of a tag as a number.

@@ -1,5 +1,6 @@
 //! The verb `figure`: a named figure of the campaign for print.
 
+use super::along::PageCurves;
 use super::report::input;
 use super::{Context, PipelineError};
 use crate::report::Site;
@@ -21,6 +22,8 @@ pub struct MakeFigure {
     pub width_mm: Option<f64>,
     /// Resolution of pixels, dots per inch.
     pub dots_per_inch: f64,
+    /// Path of the only run that a figure of strips shows; none: all of them.
+    pub run: Option<String>,
 }
 
 /// Name, alias, width in mm and description of every figure.
@@ -73,10 +76,22 @@ impl MakeFigure {
         let (changes, changed_at) = context.store.changes()?;
         let input = input(context, changes, &changed_at)?;
         let site = Site::new(&input);
+        if self.run.is_some() && !figure.of_strips {
+            let needed = "no run: this figure shows them all".to_owned();
+            return Err(bad("--run", self.run.clone().unwrap_or_default(), needed));
+        }
+        let only = self.run.as_ref().map(|path| {
+            let found = (0..input.runs.len())
+                .find(|&run| input.runs[run].path == *path || site.run_name(run) == path);
+            let needed = "the path of a run, as `ieap status` lists it".to_owned();
+            found.ok_or_else(|| bad("--run", format!("{path:?}"), needed))
+        });
+        let only = only.transpose()?;
         let drawn = figure.print(
             &FigureInput {
                 site: &site,
-                curves: &context.store,
+                curves: &PageCurves::new(&context.store, &input.runs, &context.campaign),
+                run: only,
             },
             width_mm,
         );

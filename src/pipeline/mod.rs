@@ -3,6 +3,7 @@
 mod across_runs;
 mod adopt;
 pub mod alarms;
+mod along;
 pub mod campaign_document;
 mod climate;
 mod context;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::across_runs::campaign_laws;
+use super::along::PageCurves;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::swap::replace_folder;
@@ -86,9 +87,8 @@ fn write_fresh(
 ) -> Result<usize, PipelineError> {
     std::fs::create_dir_all(fresh).map_err(failed(fresh, "making the report's folder"))?;
     observer.begin("rendering", input.runs.len() as u64);
-    let rendered = report::render(input, &context.store, fresh, &|done, _| {
-        observer.reach(done as u64)
-    })?;
+    let curves = PageCurves::new(&context.store, &input.runs, &context.campaign);
+    let rendered = report::render(input, &curves, fresh, &|done, _| observer.reach(done as u64))?;
     observer.end();
     std::fs::write(fresh.join(STAMP), stamp).map_err(failed(fresh, "stamping the report"))?;
     sync(fresh);

@@ -10,7 +10,10 @@ use tera::Tera;
 use super::error::ReportError;
 use super::figures::svg::dot_markers;
 use super::input::Input;
-use super::pages::{Content, FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, finding_content, run_content};
+use super::pages::{
+    Content, FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, finding_content, run_content,
+    strip_content,
+};
 use super::run_index::{self, run_index};
 use super::slug::slugs;
 use super::visible::write_escaped;
@@ -60,6 +63,11 @@ impl<'a> Site<'a> {
     /// Address of a run's page, relative to the site's root.
     pub fn run_href(&self, run: usize) -> String {
         format!("runs/{}.html", self.slugs[run])
+    }
+
+    /// Address of the page that shows a run along its strip, relative to the site's root.
+    pub fn strip_href(&self, run: usize) -> String {
+        format!("along/{}.html", self.slugs[run])
     }
 
     /// Name of a run's page, without folder and ending.
@@ -116,7 +124,11 @@ pub fn render(
     make_folder(&out_dir.join("runs"))?;
     let pages = &site.pages;
     let groups = input.findings.groups.len();
-    let total = pages.len() + groups + input.runs.len();
+    let strips = input.runs.iter().filter(|run| run.is_along()).count();
+    if strips > 0 {
+        make_folder(&out_dir.join("along"))?;
+    }
+    let total = pages.len() + groups + input.runs.len() + strips;
     let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
     bytes += write(&out_dir.join("site.js"), SCRIPT)?;
     bytes += write(&out_dir.join(run_index::FILE), &run_index(&site))?;
@@ -143,6 +155,8 @@ pub fn render(
         bytes += sizes?.iter().sum::<u64>();
         progress(pages.len() + groups + batch.end, total);
     }
+    bytes += strip_pages(&templates, &site, curves, out_dir)?;
+    progress(total, total);
     bytes += write_tables(input, out_dir)?;
     Ok(Rendered {
         index: out_dir.join("index.html"),
@@ -152,7 +166,7 @@ pub fn render(
 }
 
 /// Pages that lie in a folder of their own.
-const BELOW: [&str; 2] = ["run.html", "finding.html"];
+const BELOW: [&str; 3] = ["run.html", "finding.html", "strip.html"];
 const STYLE: &str = include_str!("../../templates/style.css");
 const SCRIPT: &str = include_str!("../../templates/site.js");
 const LAYOUT: &str = include_str!("../../templates/layout.html");
@@ -166,6 +180,7 @@ fn templates() -> Result<Tera, ReportError> {
         ("layout.html", LAYOUT),
         ("run.html", RUN_TEMPLATE),
         ("finding.html", FINDING_TEMPLATE),
+        ("strip.html", STRIP_TEMPLATE),
     ]
     .into_iter()
     .chain(pages);
@@ -202,6 +217,28 @@ fn run_page(
     write(&out_dir.join(site.run_href(run)), &html)
 }
 
+/// The pages of runs that are read along the strip, one after the other: they are few, and their curves large.
+fn strip_pages(
+    templates: &Tera,
+    site: &Site,
+    curves: &dyn CurveSource,
+    out_dir: &Path,
+) -> Result<u64, ReportError> {
+    let runs = &site.input.runs;
+    let mut bytes = 0;
+    for run in (0..runs.len()).filter(|&run| runs[run].is_along()) {
+        let along = curves.along(runs[run].id).map_err(|reason| ReportError::Curves {
+            run: runs[run].path.clone(),
+            reason,
+        })?;
+        let content = strip_content(site, run, along.as_ref())?;
+        let title = format!("{}, along the strip", site.run_name(run));
+        let html = filled(templates, site, "strip.html", &title, content)?;
+        bytes += write(&out_dir.join(site.strip_href(run)), &html)?;
+    }
+    Ok(bytes)
+}
+
 fn finding_page(templates: &Tera, site: &Site, group: usize, out_dir: &Path) -> Result<u64, ReportError> {
     let content = finding_content(site, group)?;
     let name = &site.input.findings.groups[group].group;
@@ -231,7 +268,7 @@ fn filled(
         .pages
         .iter()
         .find(|page| page.file == file)
-        .map_or(file, |page| page.under.unwrap_or(page.file));
+        .map_or(above_of(file), |page| page.under.unwrap_or(page.file));
     let family = site
         .pages
         .iter()
@@ -262,6 +299,14 @@ fn filled(
     templates
         .render(file, &context)
         .map_err(|source| template_error(file, source))
+}
+
+/// The page of the navigation that leads to pages of that template; the template itself where there is none.
+fn above_of(template: &str) -> &str {
+    match template {
+        "strip.html" => "along.html",
+        other => other,
+    }
 }
 
 fn template_error(page: &str, source: tera::Error) -> ReportError {

@@ -57,9 +57,7 @@ fn profile(input: &DistributedInput, model: &DistributedModel, time_s: &[f64]) -
     let share = |k: usize| k as f64 / (PROFILE_PLACES - 1) as f64;
     let group = Group {
         kind: Kind::Voltage,
-        positions_cm: (0..PROFILE_PLACES)
-            .map(|k| model.length_cm * share(k))
-            .collect(),
+        positions_cm: (0..PROFILE_PLACES).map(|k| model.length_cm * share(k)).collect(),
         time_s: Arc::from(time_s),
         values: vec![Arc::from([]); PROFILE_PLACES],
         noise: vec![f64::NAN; PROFILE_PLACES],

@@ -15,14 +15,25 @@ impl Shape {
     /// The shape of a strip clamped at the origin and pointing along x, whose links of `link_cm` each have the
     /// constant curvature `curvature_per_cm[k]` (1/cm). Every link is an arc, so a circle comes out exact.
     pub fn from_curvature(curvature_per_cm: &[f64], link_cm: f64) -> Shape {
-        let angle_rad = tangent_angles(curvature_per_cm, link_cm);
+        Shape::from_links(&Vec::from_iter(
+            curvature_per_cm.iter().map(|&curvature| (curvature, link_cm)),
+        ))
+    }
+
+    /// The same for links of any length: curvature (1/cm) and length (cm) of each.
+    pub fn from_links(links: &[(f64, f64)]) -> Shape {
+        let mut angle_rad = vec![0.0];
+        angle_rad.extend(links.iter().scan(0.0, |angle, (curvature, link_cm)| {
+            *angle += curvature * link_cm;
+            Some(*angle)
+        }));
         let mut shape = Shape {
             x_cm: vec![0.0],
             y_cm: vec![0.0],
             angle_rad: Vec::new(),
         };
         let (mut x, mut y) = (0.0, 0.0);
-        for ends in angle_rad.windows(2) {
+        for (ends, (_, link_cm)) in angle_rad.windows(2).zip(links) {
             let half_turn = 0.5 * (ends[1] - ends[0]);
             let chord_cm = link_cm * sine_quotient(half_turn);
             x += chord_cm * (ends[0] + half_turn).cos();
@@ -144,6 +155,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn links_of_uneven_length_follow_their_arcs() {
+        // A quarter of a circle of 2 cm radius, then straight on: up and to the side.
+        let quarter = std::f64::consts::PI;
+        let shape = Shape::from_links(&[(0.5, 0.25 * quarter), (0.5, 0.75 * quarter), (0.0, 3.0)]);
+        let (x, y) = shape.tip_cm();
+        assert!((x - 2.0).abs() < 1e-14 && (y - 5.0).abs() < 1e-14, "{x} {y}");
+        assert!((shape.angle_rad[3] - 0.5 * std::f64::consts::PI).abs() < 1e-14);
     }
 
     #[test]

@@ -149,7 +149,10 @@ impl Spec {
     }
 
     fn check(&self) -> Result<(), Wrong> {
-        if self.run.is_empty() && self.strip.is_empty() && self.dma.as_ref().is_none_or(|dma| dma.log.is_empty()) {
+        if self.run.is_empty()
+            && self.strip.is_empty()
+            && self.dma.as_ref().is_none_or(|dma| dma.log.is_empty())
+        {
             let needed = "a [[run]], a [[strip]] or a [[dma.log]]";
             return Err(Wrong::new("spec", "nothing to simulate".into(), needed));
         }

@@ -78,7 +78,9 @@ impl StripSpec {
             ("c_f_per_cm2", given.c_f_per_cm2),
             ("rss_ohm_cm2", given.rss_ohm_cm2.unwrap_or(1.0)),
         ];
-        let bad = positive.iter().find(|(_, size)| !(size.is_finite() && *size > 0.0));
+        let bad = positive
+            .iter()
+            .find(|(_, size)| !(size.is_finite() && *size > 0.0));
         if let Some((key, size)) = bad {
             return Err(Wrong::new(&place(key), size.to_string(), "a number above 0"));
         }
@@ -86,16 +88,31 @@ impl StripSpec {
             ("voltage_noise_v", self.voltage_noise_v),
             ("lambda_per_s", given.lambda_per_s),
         ];
-        let bad = not_negative.iter().find(|(_, size)| !(size.is_finite() && *size >= 0.0));
+        let bad = not_negative
+            .iter()
+            .find(|(_, size)| !(size.is_finite() && *size >= 0.0));
         if let Some((key, size)) = bad {
-            return Err(Wrong::new(&place(key), size.to_string(), "a number of 0 or above"));
+            return Err(Wrong::new(
+                &place(key),
+                size.to_string(),
+                "a number of 0 or above",
+            ));
         }
         if self.voltage_v.is_some() == !self.drive.is_empty() {
             let found = format!("voltage_v {:?}, {} segments", self.voltage_v, self.drive.len());
             return Err(Wrong::new(&place("drive"), found, "one of voltage_v and drive"));
         }
-        let ordered = self.drive.windows(2).all(|pair| pair[0].start_s < pair[1].start_s);
-        if !ordered || self.drive().segments.iter().any(|s| s.level == Level::OpenCircuit) {
+        let ordered = self
+            .drive
+            .windows(2)
+            .all(|pair| pair[0].start_s < pair[1].start_s);
+        if !ordered
+            || self
+                .drive()
+                .segments
+                .iter()
+                .any(|s| s.level == Level::OpenCircuit)
+        {
             let needed = "held voltages in order of time";
             return Err(Wrong::new(&place("drive"), format!("{:?}", self.drive), needed));
         }

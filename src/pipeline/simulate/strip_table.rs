@@ -36,7 +36,11 @@ pub fn strip_table(spec: &Spec, strip: &StripSpec, number: usize) -> Result<Stri
         standard_deviation: strip.voltage_noise_v,
         ..ChannelNoise::default()
     };
-    let mut columns = vec![("current_a".to_owned(), exact.clamp_current_a.clone(), spec.noise.current())];
+    let mut columns = vec![(
+        "current_a".to_owned(),
+        exact.clamp_current_a.clone(),
+        spec.noise.current(),
+    )];
     columns.extend(strip.voltage_at_mm.iter().map(|mm| {
         let values = at_place(&exact, &exact.voltage_v, mm / 10.0);
         (format!("voltage_v@{mm}"), values, voltage_noise)
@@ -56,7 +60,9 @@ pub fn strip_table(spec: &Spec, strip: &StripSpec, number: usize) -> Result<Stri
         let _ = writeln!(text, "# {line}");
     }
     text += "time_s,voltage_v";
-    columns.iter().for_each(|(name, _, _)| text += &format!(",{name}"));
+    columns
+        .iter()
+        .for_each(|(name, _, _)| text += &format!(",{name}"));
     text += "\n";
     for (row, t) in time_s.iter().enumerate() {
         let level = drive.segments.iter().rev().find(|segment| segment.start_s <= *t);

@@ -11,6 +11,7 @@ use plotters_backend::{
     FontTransform,
 };
 
+use super::cells::Cells;
 use super::group::Group;
 
 /// Canvas units per pixel.
@@ -37,6 +38,18 @@ pub enum Ink {
     Orange,
     /// The sixth series.
     Sky,
+    /// The first of an ordered series, dark to light.
+    First,
+    /// The second of an ordered series, dark to light.
+    Second,
+    /// The third of an ordered series, dark to light.
+    Third,
+    /// The fourth of an ordered series, dark to light.
+    Fourth,
+    /// The fifth of an ordered series, dark to light.
+    Fifth,
+    /// The sixth of an ordered series, dark to light.
+    Sixth,
 }
 
 impl Ink {
@@ -49,7 +62,17 @@ impl Ink {
         Ink::Orange,
         Ink::Sky,
     ];
-    const ALL: [Ink; 9] = [
+    /// Inks of series that have an order, as times and places: equal steps of the map of colours of
+    /// [`super::colors::sequential`].
+    pub const ORDERED: [Ink; 6] = [
+        Ink::First,
+        Ink::Second,
+        Ink::Third,
+        Ink::Fourth,
+        Ink::Fifth,
+        Ink::Sixth,
+    ];
+    const ALL: [Ink; 15] = [
         Ink::Text,
         Ink::Muted,
         Ink::Grid,
@@ -59,6 +82,12 @@ impl Ink {
         Ink::Purple,
         Ink::Orange,
         Ink::Sky,
+        Ink::First,
+        Ink::Second,
+        Ink::Third,
+        Ink::Fourth,
+        Ink::Fifth,
+        Ink::Sixth,
     ];
 
     /// Colour for plotters; also what is seen where no style sheet is.
@@ -78,6 +107,12 @@ impl Ink {
             Ink::Purple => (0xcc, 0x79, 0xa7),
             Ink::Orange => (0xe6, 0x9f, 0x00),
             Ink::Sky => (0x56, 0xb4, 0xe9),
+            Ink::First => (0x06, 0x22, 0x57),
+            Ink::Second => (0x1f, 0x3b, 0x5e),
+            Ink::Third => (0x3a, 0x53, 0x64),
+            Ink::Fourth => (0x56, 0x6a, 0x69),
+            Ink::Fifth => (0x73, 0x82, 0x6b),
+            Ink::Sixth => (0x91, 0x9a, 0x6b),
         }
     }
 
@@ -92,6 +127,12 @@ impl Ink {
             Some(Ink::Purple) => "k-4",
             Some(Ink::Orange) => "k-5",
             Some(Ink::Sky) => "k-6",
+            Some(Ink::First) => "k-o1",
+            Some(Ink::Second) => "k-o2",
+            Some(Ink::Third) => "k-o3",
+            Some(Ink::Fourth) => "k-o4",
+            Some(Ink::Fifth) => "k-o5",
+            Some(Ink::Sixth) => "k-o6",
             Some(Ink::Text) | None => "k-text",
         }
     }
@@ -148,6 +189,8 @@ pub enum Shape {
         /// Colour with opacity.
         color: BackendColor,
     },
+    /// Cells of a map.
+    Cells(Cells),
     /// One line of text.
     Text(Label),
     /// The shapes up to its [`Shape::Close`], or of a panel up to the next panel, belong together. Nothing is seen of it.

@@ -99,7 +99,11 @@ pub fn series<'a, 'b>(
     grouped(chart, group, draw)
 }
 
-fn note(chart: &mut Chart, shape: Shape) -> Result<(), String> {
+/// Puts a shape on the canvas as it is.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn note(chart: &mut Chart, shape: Shape) -> Result<(), String> {
     let corner = (chart.x_range().start, chart.y_range().start);
     let note = Note { corner, shape };
     let drawn = chart.plotting_area().draw(&note);

@@ -1,9 +1,12 @@
 //! Figures as inline SVG, drawn by plotters: one file per kind.
 
+pub mod along;
 pub mod axis;
 pub mod calendar;
 pub mod canvas;
+pub mod cells;
 pub mod climate;
+pub mod colors;
 pub mod comparison;
 pub mod gain_bars;
 pub mod group;

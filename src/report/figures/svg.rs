@@ -128,6 +128,17 @@ impl Body {
                     Ink::class(*color),
                 );
             }
+            Shape::Cells(cells) => {
+                self.flush();
+                let [left, top, right, bottom] = cells.frame();
+                let _ = write!(
+                    self.out,
+                    "<image x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" href=\"{}\"/>",
+                    right - left,
+                    bottom - top,
+                    cells.data_uri(),
+                );
+            }
             Shape::Text(label) => self.add_text(label),
             Shape::Open(group) => self.open(group),
             Shape::Close => {
@@ -354,7 +365,7 @@ fn run_list(runs: &[usize]) -> String {
 }
 
 /// Path data with relative coordinates; points that fall on the one before are left out.
-fn path_data(points: &[BackendCoord]) -> String {
+pub(super) fn path_data(points: &[BackendCoord]) -> String {
     let mut distinct = points.to_vec();
     distinct.dedup();
     corners(&distinct, true)

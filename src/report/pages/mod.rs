@@ -2,6 +2,7 @@
 
 pub mod across;
 pub mod against;
+pub mod along;
 pub mod climate;
 pub mod comparison;
 pub mod coverage;
@@ -18,6 +19,7 @@ pub mod run;
 pub mod run_climate;
 pub mod run_clocks;
 mod run_evidence;
+pub mod strip;
 pub mod table5;
 pub mod wording;
 
@@ -33,6 +35,7 @@ use crate::analysis::comparison::against::Against;
 
 pub use finding::content as finding_content;
 pub use run::content as run_content;
+pub use strip::content as strip_content;
 
 /// What a page shows: formatted text, and figures apart, so that goldens of the text stay readable.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,7 +84,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 16] = [
+pub const PAGES: [Page; 17] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -171,6 +174,14 @@ pub const PAGES: [Page; 16] = [
         content: table5::content,
     },
     Page {
+        file: "along.html",
+        title: "Along the strip",
+        under: None,
+        template: include_str!("../../../templates/pages/along.html"),
+        is_shown: along::is_shown,
+        content: along::content,
+    },
+    Page {
         file: "dma.html",
         title: "Modulus (DMA)",
         under: None,
@@ -214,5 +225,7 @@ pub const PAGES: [Page; 16] = [
 
 /// Template of the pages that every run has.
 pub const RUN_TEMPLATE: &str = include_str!("../../../templates/pages/run.html");
+/// Template of the pages of runs that are read along the strip.
+pub const STRIP_TEMPLATE: &str = include_str!("../../../templates/pages/strip.html");
 /// Template of the pages that every diagnosed group has.
 pub const FINDING_TEMPLATE: &str = include_str!("../../../templates/pages/finding.html");

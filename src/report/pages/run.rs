@@ -33,6 +33,7 @@ struct RunPage {
     /// Findings first: what the fit says, or why there is none.
     summary: Vec<String>,
     responses: Vec<Response>,
+    along: Option<AlongLine>,
     parameters: Vec<ParameterRow>,
     fit: Option<FitText>,
     issues: Vec<IssueText>,
@@ -47,6 +48,13 @@ struct RunPage {
 struct DiagnosisLine {
     alone: String,
     group: Option<RunLink>,
+}
+
+/// What was measured along the strip, and where it is shown.
+#[derive(Debug, Serialize)]
+struct AlongLine {
+    places: String,
+    href: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -98,6 +106,10 @@ pub fn content(
             .into_iter()
             .filter(|response| !response.figures.is_empty())
             .collect(),
+        along: record.is_along().then(|| AlongLine {
+            places: super::along::places(record),
+            href: site.strip_href(run),
+        }),
         parameters: record.fit.as_ref().map_or_else(Vec::new, parameters),
         fit: record.fit.as_ref().map(|fit| fit_text(fit, record)),
         issues,
@@ -110,7 +122,7 @@ pub fn content(
 }
 
 /// `CNaf in air, 34 % RH, 2.5 V`, as far as it is known.
-fn condition(site: &Site, run: usize) -> String {
+pub(super) fn condition(site: &Site, run: usize) -> String {
     let record = &site.input.runs[run];
     let conditions = &site.conditions;
     let place = conditions

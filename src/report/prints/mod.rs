@@ -1,6 +1,7 @@
 //! Figures for print: named, at an asked width, as SVG, PNG or PDF with text as outlines, so that they look the same
 //! on every machine. A figure is one file here and one row in [`FIGURES`].
 
+mod along;
 mod bending;
 mod currents;
 mod grid;
@@ -28,6 +29,8 @@ pub struct FigureInput<'a> {
     pub site: &'a Site<'a>,
     /// Measured and fitted curves of the runs.
     pub curves: &'a dyn CurveSource,
+    /// The only run that a figure of strips shows; none: all of them.
+    pub run: Option<usize>,
 }
 
 /// A figure that can be asked for.
@@ -40,6 +43,8 @@ pub struct NamedFigure {
     pub about: &'static str,
     /// Width for which it is laid out, mm.
     pub width_mm: f64,
+    /// Whether it shows strips read at several places, so that one run can be asked for.
+    pub of_strips: bool,
     /// Draws it, that many pixels wide; the message says what is missing, or what the drawing library says.
     draw: fn(&FigureInput, u32) -> Result<Drawing, String>,
 }
@@ -61,12 +66,45 @@ impl NamedFigure {
 }
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 4] = [
+pub const FIGURES: [NamedFigure; 8] = [
+    NamedFigure {
+        name: "figure4",
+        alias: "shapes",
+        about: "Shape of the strip at a few times, drawn to scale, measured and simulated",
+        width_mm: 85.0,
+        of_strips: true,
+        draw: along::shapes,
+    },
+    NamedFigure {
+        name: "figure5",
+        alias: "curvature-map",
+        about: "Curvature over place and time, measured, simulated and their difference",
+        width_mm: 170.0,
+        of_strips: true,
+        draw: along::maps,
+    },
+    NamedFigure {
+        name: "figure20",
+        alias: "voltages",
+        about: "Voltage along the strip at a few times, measured and simulated",
+        width_mm: 85.0,
+        of_strips: true,
+        draw: along::voltage,
+    },
+    NamedFigure {
+        name: "figure21",
+        alias: "places",
+        about: "Curvature over time at a few places along the strip, measured and simulated",
+        width_mm: 85.0,
+        of_strips: true,
+        draw: along::places,
+    },
     NamedFigure {
         name: "figure22",
         alias: "currents",
         about: "Current in the environments at the lowest and highest voltage, measured and simulated",
         width_mm: 170.0,
+        of_strips: false,
         draw: currents::draw,
     },
     NamedFigure {
@@ -74,6 +112,7 @@ pub const FIGURES: [NamedFigure; 4] = [
         alias: "bending",
         about: "Curvature in dry and in humid environments at each voltage, measured and simulated",
         width_mm: 170.0,
+        of_strips: false,
         draw: bending::draw,
     },
     NamedFigure {
@@ -81,6 +120,7 @@ pub const FIGURES: [NamedFigure; 4] = [
         alias: "modulus",
         about: "Normalised complex modulus under changing humidity",
         width_mm: 85.0,
+        of_strips: false,
         draw: modulus::draw,
     },
     NamedFigure {
@@ -88,6 +128,7 @@ pub const FIGURES: [NamedFigure; 4] = [
         alias: "parameters",
         about: "Parameters over environment and voltage, with 95 % intervals",
         width_mm: 170.0,
+        of_strips: false,
         draw: parameters::draw,
     },
 ];

@@ -56,6 +56,10 @@ pub fn outlines(drawing: &Drawing) -> Result<Vec<Outline>, String> {
     let font = FontRef::new(dejavu::sans::regular()).map_err(|error| error.to_string())?;
     let mut found: Vec<Outline> = Vec::new();
     for shape in &drawing.shapes {
+        if let Shape::Cells(cells) = shape {
+            found.extend(cells.patches().into_iter().map(patch));
+            continue;
+        }
         let Some(outline) = outline(shape, &font) else {
             continue;
         };
@@ -93,8 +97,18 @@ fn outline(shape: &Shape, font: &FontRef) -> Option<Outline> {
             color,
         } => painted(*color, Paint::Line(*width as f32), circle(*at, *radius)),
         Shape::Text(label) => painted(label.color, Paint::Fill, letters(label, font)),
-        Shape::Open(_) | Shape::Close => return None,
+        Shape::Open(_) | Shape::Close | Shape::Cells(_) => return None,
     })
+}
+
+fn patch((rgb, [left, top, right, bottom]): ((u8, u8, u8), [i32; 4])) -> Outline {
+    let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+    Outline {
+        pieces: polygon(&corners, true),
+        paint: Paint::Fill,
+        rgb,
+        opacity: 1.0,
+    }
 }
 
 fn painted(color: BackendColor, paint: Paint, pieces: Vec<Piece>) -> Outline {
