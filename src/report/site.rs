@@ -155,8 +155,10 @@ pub fn render(
         bytes += sizes?.iter().sum::<u64>();
         progress(pages.len() + groups + batch.end, total);
     }
-    bytes += strip_pages(&templates, &site, curves, out_dir)?;
-    progress(total, total);
+    if strips > 0 {
+        bytes += strip_pages(&templates, &site, curves, out_dir)?;
+        progress(total, total);
+    }
     bytes += write_tables(input, out_dir)?;
     Ok(Rendered {
         index: out_dir.join("index.html"),

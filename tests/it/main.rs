@@ -2,6 +2,7 @@
 
 mod across_runs;
 mod ageing_data;
+mod along;
 mod architecture;
 mod bad_input;
 mod campaign;

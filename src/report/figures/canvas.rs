@@ -62,8 +62,9 @@ impl Ink {
         Ink::Orange,
         Ink::Sky,
     ];
-    /// Inks of series that have an order, as times and places: equal steps of the map of colours of
-    /// [`super::colors::sequential`].
+    /// Inks of series that have an order, as times and places: lightness rises by equal steps (0.30 to 0.68 in the Oklab
+    /// space), so that the order is seen with any colour vision and in grey, while the hue goes from blue over red to
+    /// orange.
     pub const ORDERED: [Ink; 6] = [
         Ink::First,
         Ink::Second,
@@ -107,12 +108,12 @@ impl Ink {
             Ink::Purple => (0xcc, 0x79, 0xa7),
             Ink::Orange => (0xe6, 0x9f, 0x00),
             Ink::Sky => (0x56, 0xb4, 0xe9),
-            Ink::First => (0x06, 0x22, 0x57),
-            Ink::Second => (0x1f, 0x3b, 0x5e),
-            Ink::Third => (0x3a, 0x53, 0x64),
-            Ink::Fourth => (0x56, 0x6a, 0x69),
-            Ink::Fifth => (0x73, 0x82, 0x6b),
-            Ink::Sixth => (0x91, 0x9a, 0x6b),
+            Ink::First => (0x1f, 0x19, 0x76),
+            Ink::Second => (0x55, 0x22, 0x7f),
+            Ink::Third => (0x8b, 0x28, 0x68),
+            Ink::Fourth => (0xb1, 0x3e, 0x46),
+            Ink::Fifth => (0xc8, 0x5e, 0x27),
+            Ink::Sixth => (0xd0, 0x86, 0x0b),
         }
     }
 

@@ -157,10 +157,18 @@ mod tests {
     }
 
     #[test]
-    fn ordered_inks_are_steps_of_the_map() {
-        for (k, ink) in Ink::ORDERED.iter().enumerate() {
-            let color = ink.color();
-            assert_eq!((color.0, color.1, color.2), sequential(0.12 * k as f64));
+    fn ordered_inks_rise_in_lightness_with_any_colour_vision() {
+        let colors = Ink::ORDERED
+            .map(|ink| ink.color())
+            .map(|color| (color.0, color.1, color.2));
+        for seen in [
+            colors.map(decoded).map(lab),
+            colors.map(without_green_cones).map(lab),
+        ] {
+            for pair in seen.windows(2) {
+                assert!(pair[1][0] > pair[0][0] + 0.05, "{pair:?}");
+                assert!(apart(pair[0], pair[1]) > 0.07, "{pair:?}");
+            }
         }
     }
 

@@ -42,8 +42,8 @@ struct RunRow {
 #[derive(Debug, Serialize)]
 struct Table3 {
     title: String,
-    /// Symbol, unit, quantity.
-    columns: Vec<[String; 3]>,
+    /// Symbol, an index of it that few fonts have as a letter, unit, quantity.
+    columns: Vec<[String; 4]>,
     rows: Vec<Vec<CellText>>,
     notes: Vec<(String, String)>,
     remarks: Vec<String>,
@@ -166,11 +166,12 @@ fn table3(site: &Site) -> Option<Table3> {
             .columns
             .iter()
             .map(|column| {
-                [
-                    column.symbol.clone(),
-                    column.unit.clone(),
-                    column.quantity.clone(),
-                ]
+                // Few fonts have this letter.
+                let (symbol, index) = match column.symbol.strip_suffix('\u{a700}') {
+                    Some(symbol) => (symbol.to_owned(), "c".to_owned()),
+                    None => (column.symbol.clone(), String::new()),
+                };
+                [symbol, index, column.unit.clone(), column.quantity.clone()]
             })
             .collect(),
         rows: rows.collect(),

@@ -14,7 +14,7 @@ use crate::report::figures::along::map::{self, Shown, residual_end};
 use crate::report::figures::along::shapes::{self, Layout};
 use crate::report::figures::along::{curves, frames, millimetres, seconds, voltages};
 use crate::report::figures::svg;
-use crate::report::number::{fixed, lower_bound, measured, significant};
+use crate::report::number::{fixed, measured, rounded_bound, significant};
 use crate::report::site::Site;
 
 /// Width of a drawing, px.
@@ -101,7 +101,7 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
         .filter_map(|(fit, quantity)| {
             let ratio = residual_ratio(fit, quantity)?;
             Some(format!(
-                "{ratio} the noise in the {}",
+                "{ratio} × the noise in the {}",
                 quantity.label().to_lowercase()
             ))
         })
@@ -118,11 +118,11 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
     sentences
 }
 
-/// `1.02 ×`: residual over noise of a quantity of a fit.
+/// `1.02`: residual over noise of a quantity of a fit.
 pub(super) fn residual_ratio(fit: &Fit, quantity: Quantity) -> Option<String> {
     let noise = fit.noise.iter().find(|noise| noise.quantity == quantity)?;
     let ratio = noise.residual_rms / noise.standard_deviation;
-    ratio.is_finite().then(|| format!("{} ×", significant(ratio, 3)))
+    ratio.is_finite().then(|| significant(ratio, 3))
 }
 
 fn unevenness(strip: &AlongStrip) -> String {
@@ -132,7 +132,10 @@ fn unevenness(strip: &AlongStrip) -> String {
             let error = ratio.ratio.standard_error.unwrap_or(0.0);
             format!("{} times", measured(value, error))
         }
-        (None, low) => format!("{} times", lower_bound(low.unwrap_or(1.0))),
+        (None, low) => {
+            let low = rounded_bound(low.unwrap_or(1.0), false);
+            format!("more than {} times", low.value_text())
+        }
     };
     let ends = strip.ends_mm.map_or_else(Default::default, |[clamp, tip]| {
         [clamp, tip].map(|(from, to)| match from == to {
@@ -175,13 +178,13 @@ fn map_note(strip: &AlongStrip) -> String {
         false => format!("All {} are drawn.", counted(curve.frames, "frame")),
     };
     format!(
-        "Each cell is one reading at one place and reaches half-way to the next; hatched is where there is none. {time} {frames} Curvature is counted from the initial shape of the strip."
+        "Position counts from the clamp. Each cell is one reading at one place and reaches half-way to the next; hatched is where there is none. {time} {frames} Curvature is counted from the initial shape of the strip."
     )
 }
 
 fn shapes_note(strip: &AlongStrip) -> String {
     let simulated = match strip.shapes.iter().any(|shape| !shape.fitted_mm.is_empty()) {
-        true => "Lines are measured, dashes simulated.",
+        true => "Broad lines are measured, thin dashes over them simulated.",
         false => "Lines are measured.",
     };
     let length = match strip.length_mm {
@@ -328,7 +331,7 @@ impl Drawn<'_> {
             figure: "voltages",
             caption: "Voltage along the strip".to_owned(),
             note: format!(
-                "Between the electrodes at a few times. Dots are readings{}.",
+                "Between the electrodes at a few times; position counts from the clamp. Dots are readings{}.",
                 if voltage.fitted.is_empty() {
                     ""
                 } else {

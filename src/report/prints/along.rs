@@ -35,7 +35,11 @@ pub fn maps(input: &FigureInput, width: u32) -> Result<Drawing, String> {
     for (name, strip) in &strips {
         let Some(curve) = drawable(strip) else { continue };
         let panel = |(words, shown): (&str, Shown)| Panel {
-            title: titled(&strips, name, words),
+            title: match shown {
+                Shown::Measured => titled(&strips, name, words),
+                // The run stands above the first of its maps.
+                Shown::Simulated | Shown::Residual => words.to_owned(),
+            },
             height: MAP_HEIGHT,
             draw: Box::new(move |area| map::draw(area, strip, curve, shown)),
         };
@@ -43,7 +47,7 @@ pub fn maps(input: &FigureInput, width: u32) -> Result<Drawing, String> {
         if !curve.fitted.is_empty() {
             of_run.extend([
                 ("simulated", Shown::Simulated),
-                ("measured less simulated, over noise", Shown::Residual),
+                ("difference / noise", Shown::Residual),
             ]);
         }
         let panels = of_run.into_iter().map(panel);
@@ -58,18 +62,14 @@ pub fn maps(input: &FigureInput, width: u32) -> Result<Drawing, String> {
 /// Shapes at a few times, to scale.
 pub fn shapes(input: &FigureInput, width: u32) -> Result<Drawing, String> {
     let strips = strips(input)?;
-    let panel = |(name, strip): &'_ (String, AlongStrip)| {
-        let layout = Layout::of(strip, width)?;
-        Some((titled(&strips, name, ""), layout))
-    };
-    let laid: Vec<_> = strips.iter().map(panel).collect();
+    let layouts: Vec<Option<Layout>> = strips.iter().map(|(_, strip)| Layout::of(strip, width)).collect();
     let rows: Vec<Vec<Panel>> = strips
         .iter()
-        .zip(&laid)
-        .filter_map(|((_, strip), laid)| {
-            let (title, layout) = laid.as_ref()?;
+        .zip(&layouts)
+        .filter_map(|((name, strip), layout)| {
+            let layout = layout.as_ref()?;
             Some(vec![Panel {
-                title: title.clone(),
+                title: titled(&strips, name, ""),
                 height: layout.size().1,
                 draw: Box::new(move |area| shapes::draw(area, strip, layout)),
             }])
@@ -81,17 +81,13 @@ pub fn shapes(input: &FigureInput, width: u32) -> Result<Drawing, String> {
 /// Curvature over time at a few places.
 pub fn places(input: &FigureInput, width: u32) -> Result<Drawing, String> {
     let strips = strips(input)?;
-    let panel = |(name, strip): &'_ (String, AlongStrip)| -> Option<(String, u32)> {
-        Some((titled(&strips, name, ""), curves::height(drawable(strip)?, width)))
-    };
     let rows: Vec<Vec<Panel>> = strips
         .iter()
-        .filter_map(|named| {
-            let (title, height) = panel(named)?;
-            let (strip, curve) = (&named.1, drawable(&named.1)?);
+        .filter_map(|(name, strip)| {
+            let curve = drawable(strip)?;
             Some(vec![Panel {
-                title,
-                height,
+                title: titled(&strips, name, ""),
+                height: curves::height(curve, width),
                 draw: Box::new(move |area| curves::draw(area, strip, curve)),
             }])
         })
@@ -160,7 +156,11 @@ fn laid_out(width: u32, rows: &[Vec<Panel>]) -> Result<Drawing, String> {
         return Err("no run has what this figure shows: readings at several places along a strip, in columns like curvature_per_cm@5.0".to_owned());
     }
     let panels: usize = rows.iter().map(Vec::len).sum();
-    let height = |row: &[Panel]| TITLE_ROOM + row.iter().map(|panel| panel.height).max().unwrap_or(0);
+    let room = match rows.iter().flatten().all(|panel| panel.title.is_empty()) {
+        true => 0,
+        false => TITLE_ROOM,
+    };
+    let height = |row: &[Panel]| room + row.iter().map(|panel| panel.height).max().unwrap_or(0);
     let whole: u32 = rows.iter().map(|row| height(row)).sum();
     drawing((width, whole), |area| {
         let mut rest = area.clone();
@@ -169,8 +169,8 @@ fn laid_out(width: u32, rows: &[Vec<Panel>]) -> Result<Drawing, String> {
             let (this, below) = rest.split_vertically(height(row) as i32 * TENTHS);
             rest = below;
             for (panel, cell) in row.iter().zip(this.split_evenly((1, row.len()))) {
-                let (title, plot) = cell.split_vertically(TITLE_ROOM as i32 * TENTHS);
-                let letter = letters.next().filter(|_| panels > 1);
+                let (title, plot) = cell.split_vertically(room as i32 * TENTHS);
+                let letter = letters.next().filter(|_| panels > 1 && room > 0);
                 let letter = letter.map_or_else(String::new, |letter| format!("{letter}  "));
                 let style = text_style(Ink::Text, TITLE_SIZE, HPos::Left, VPos::Center);
                 let at = (4 * TENTHS, TITLE_ROOM as i32 * TENTHS / 2);

@@ -7,6 +7,7 @@ use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 use crate::report::figures::canvas::{Drawing, Label, Shape};
+use crate::report::figures::cells::Cells;
 
 /// A piece of a path; positions in tenths of a pixel, down from the top.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +58,7 @@ pub fn outlines(drawing: &Drawing) -> Result<Vec<Outline>, String> {
     let mut found: Vec<Outline> = Vec::new();
     for shape in &drawing.shapes {
         if let Shape::Cells(cells) = shape {
-            found.extend(cells.patches().into_iter().map(patch));
+            found.extend(painted_cells(cells));
             continue;
         }
         let Some(outline) = outline(shape, &font) else {
@@ -101,14 +102,25 @@ fn outline(shape: &Shape, font: &FontRef) -> Option<Outline> {
     })
 }
 
-fn patch((rgb, [left, top, right, bottom]): ((u8, u8, u8), [i32; 4])) -> Outline {
-    let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-    Outline {
-        pieces: polygon(&corners, true),
-        paint: Paint::Fill,
-        rgb,
-        opacity: 1.0,
-    }
+/// Cells of a map, those of one colour as one path: files stay small.
+fn painted_cells(cells: &Cells) -> Vec<Outline> {
+    let mut patches = cells.patches();
+    patches.sort_by_key(|(rgb, _)| *rgb);
+    let of_color = patches.chunk_by(|a, b| a.0 == b.0);
+    of_color
+        .map(|patches| Outline {
+            pieces: patches
+                .iter()
+                .flat_map(|(_, [left, top, right, bottom])| {
+                    let corners = [(*left, *top), (*right, *top), (*right, *bottom), (*left, *bottom)];
+                    polygon(&corners, true)
+                })
+                .collect(),
+            paint: Paint::Fill,
+            rgb: patches[0].0,
+            opacity: 1.0,
+        })
+        .collect()
 }
 
 fn painted(color: BackendColor, paint: Paint, pieces: Vec<Piece>) -> Outline {

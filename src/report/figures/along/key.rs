@@ -19,7 +19,7 @@ fn places(width: i32, words: &[String]) -> (Vec<(i32, i32)>, i32) {
     let mut at = (4, 2);
     let mut places = Vec::new();
     for word in words {
-        let length = LINE + 5 + CHARACTER * word.chars().count() as i32 + 6;
+        let length = LINE + 5 + CHARACTER * word.chars().count() as i32 + 14;
         if at.0 > 4 && at.0 + length > width {
             at = (4, at.1 + ROW);
         }

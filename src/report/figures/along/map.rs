@@ -51,7 +51,7 @@ pub fn draw(area: &Area, strip: &AlongStrip, curve: &AlongCurve, shown: Shown) -
     };
     let places = curve.cell_edges_mm(strip.length_mm);
     let top_mm = strip.length_mm.unwrap_or(places[places.len() - 1].1);
-    let y = Axis::linear(0.0, top_mm, "Distance from the clamp", "mm", 5);
+    let y = Axis::linear(0.0, top_mm, "Position", "mm", 5);
     let scale = Scale::of(curve, &frames, shown);
     let mut chart = panel(area, MARGINS, &frames.axis, &y, true)?;
     hatch(&mut chart)?;

@@ -1,4 +1,4 @@
-//! Where the strip lies at a few times, to scale: measured as lines, simulated dashed.
+//! Where the strip lies at a few times, to scale: measured as broad lines, simulated as thin dashes over them.
 
 use plotters::element::PathElement;
 use plotters::style::Color;
@@ -105,7 +105,7 @@ impl Layout {
 /// The message of the drawing library.
 pub fn draw(area: &Area, strip: &AlongStrip, layout: &Layout) -> Result<(), String> {
     let (_, below) = area.split_vertically(layout.key_height as i32 * TENTHS);
-    let wanted = |pixels: f64| ((pixels / 70.0) as usize).clamp(2, 7);
+    let wanted = |pixels: f64| ((pixels / 60.0) as usize).clamp(3, 7);
     let across = layout.high.0 - layout.low.0;
     let up = layout.high.1 - layout.low.1;
     // Both axes have the steps of the longer one, so that a square is seen to be one.
@@ -139,9 +139,9 @@ pub fn draw(area: &Area, strip: &AlongStrip, layout: &Layout) -> Result<(), Stri
     // One group, which the page's script dims while the strip moves.
     series(&mut chart, "", |_| {
         for (shape, ink) in strip.shapes.iter().zip(&inks) {
-            line(layout.placed(&shape.measured_mm), *ink, 16)?;
+            line(layout.placed(&shape.measured_mm), *ink, 30)?;
             for dash in dashes(&layout.placed(&shape.fitted_mm)) {
-                line(dash, Ink::Vermillion, 11)?;
+                line(dash, Ink::Text, 9)?;
             }
         }
         Ok(())

@@ -65,7 +65,7 @@ pub fn draw(area: &Area, strip: &AlongStrip, voltage: &AlongCurve) -> Result<(),
     let x = Axis::linear(
         0.0,
         strip.length_mm.unwrap_or(last_mm).max(last_mm),
-        "Distance from the clamp",
+        "Position",
         "mm",
         6,
     );
