@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
-use crate::domain::Quantity;
+use crate::domain::{AlongCurve, Quantity};
 use crate::model::Branch;
 use crate::model::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use crate::model::distributed::Laminate;
@@ -216,4 +216,28 @@ fn what_cannot_be_described_is_told() {
         strip: flat,
     });
     assert!(matches!(area, Err(FitError::Area { .. })));
+}
+
+#[test]
+fn what_is_drawn_along_the_strip_is_what_was_read_and_fitted() {
+    let fit = fitted(&CNAF, true, 1e-3, 5);
+    let [curvature, voltage, profile] = &fit.along[..] else {
+        panic!("{} curves", fit.along.len())
+    };
+    let described = |curve: &AlongCurve| (curve.quantity, curve.places(), curve.frames);
+    assert_eq!(described(curvature), (Quantity::Curvature, 3, 200));
+    assert_eq!(described(voltage), (Quantity::Voltage, 3, 200));
+    for curve in [curvature, voltage] {
+        assert!(curve.time_s.len() <= crate::domain::along::DRAWN_FRAMES + 2);
+        let residuals: Vec<f64> = (0..3).flat_map(|place| curve.residual_sigma_at(place)).collect();
+        let rms = (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt();
+        // Kept frames are those with the largest excursions, so that their scatter is a little more than the noise.
+        assert!((0.8..1.6).contains(&rms), "{rms}");
+    }
+    // The simulated voltage begins with that of the clamp and passes the place half-way.
+    assert_eq!(profile.time_s, voltage.time_s);
+    assert!(profile.measured.is_empty());
+    let after = profile.time_s.len() / 2;
+    assert!((profile.fitted_at(0)[after] - 1.5).abs() < 1e-9);
+    assert!((profile.fitted_at(12)[after] - voltage.fitted_at(1)[after]).abs() < 1e-9);
 }

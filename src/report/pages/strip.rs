@@ -88,6 +88,9 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
         sentences.push(unevenness(strip));
     }
     let curves = || [&strip.curvature, &strip.voltage].into_iter().flatten();
+    if curves().next().is_none() {
+        return vec!["The columns of places hold no readings.".to_owned()];
+    }
     if curves().all(|curve| curve.fitted.is_empty()) {
         sentences.push(
             "No distributed model is fitted to this run, so that measured values stand alone: ieap fit --model distributed fits one."
