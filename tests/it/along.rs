@@ -183,7 +183,7 @@ fn what_pages_along_the_strip_say() {
     // One frame of the moving picture: its time, a measured and a simulated line.
     let film = &both[0].figures["film"];
     assert_eq!(film.split(';').count(), FRAMES.div_ceil(3));
-    assert!(film.starts_with("0.05 s|M500 ") && film.split(';').all(|frame| frame.matches('|').count() == 2));
+    assert!(film.starts_with("0.05 s|M") && film.split(';').all(|frame| frame.matches('|').count() == 2));
 }
 
 #[test]
@@ -346,12 +346,20 @@ fn a_campaign_of_strips_has_its_pages_and_figures() {
     );
     assert!(index.contains("curvature at 19 places, voltage at 4 places"));
     assert!(page("index.html").contains("href=\"along.html\""));
-    assert!(page("runs/CNaf_1.5V.html").contains("href=\"../along/CNaf_1.5V.html\""));
-    for name in ["PtNaf_0.25V", "CNaf_1.5V"] {
-        let html = page(&format!("along/{name}.html"));
+    // Pages carry a hash of the run's path in their names.
+    let named = |start: &str| {
+        let files = std::fs::read_dir(folder.join("report/along")).expect("a folder");
+        let mut names = files.map(|file| file.expect("a file").file_name().to_string_lossy().into_owned());
+        names
+            .find(|name| name.starts_with(start))
+            .expect("a page of the run")
+    };
+    let cnaf = named("cnaf");
+    assert!(page(&format!("runs/{cnaf}")).contains(&format!("href=\"../along/{cnaf}\"")));
+    for name in [named("ptnaf"), cnaf.clone()] {
+        let html = page(&format!("along/{name}"));
         assert!(
-            html.contains("as much near the clamp (")
-                && html.contains("The distributed model leaves a residual of 1"),
+            html.contains("as much near the clamp (") && html.contains("× the noise in the curvature and "),
             "{html}"
         );
         assert_eq!(
@@ -391,7 +399,7 @@ fn a_campaign_of_strips_has_its_pages_and_figures() {
     folder
         .ieap(&["run", "--no-diagnose", "--model", "lumped-2"])
         .expect(0);
-    let html = page("along/CNaf_1.5V.html");
+    let html = page(&format!("along/{cnaf}"));
     assert!(
         html.contains("No distributed model is fitted to this run"),
         "{html}"

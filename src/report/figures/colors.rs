@@ -158,18 +158,23 @@ mod tests {
 
     #[test]
     fn ordered_inks_rise_in_lightness_with_any_colour_vision() {
-        let colors = Ink::ORDERED
-            .map(|ink| ink.color())
-            .map(|color| (color.0, color.1, color.2));
-        for seen in [
-            colors.map(decoded).map(lab),
-            colors.map(without_green_cones).map(lab),
-        ] {
-            for pair in seen.windows(2) {
-                assert!(pair[1][0] > pair[0][0] + 0.05, "{pair:?}");
-                assert!(apart(pair[0], pair[1]) > 0.07, "{pair:?}");
-            }
+        let colors = Ink::ORDERED.map(|ink| {
+            let color = ink.color();
+            (color.0, color.1, color.2)
+        });
+        let normal = colors.map(decoded).map(lab);
+        let deuteranope = colors.map(without_green_cones).map(lab);
+        for seen in [normal, deuteranope] {
+            assert!(
+                seen.windows(2).all(|pair| pair[1][0] > pair[0][0] + 0.05),
+                "{seen:?}"
+            );
         }
+        // Hue tells neighbours apart where it can be seen.
+        assert!(
+            normal.windows(2).all(|pair| apart(pair[0], pair[1]) > 0.09),
+            "{normal:?}"
+        );
     }
 
     #[test]

@@ -25,6 +25,9 @@ const ROOM: f64 = 0.05;
 /// Length of a dash and of the gap behind it, tenths of a pixel.
 const DASH: (f64, f64) = (55.0, 40.0);
 
+/// Opacity of measured lines: dashes over them are seen on dark ones too.
+const MEASURED: f64 = 0.6;
+
 /// A point in mm, ahead of the clamp and sideways.
 type Point = (f64, f64);
 
@@ -126,8 +129,9 @@ pub fn draw(area: &Area, strip: &AlongStrip, layout: &Layout) -> Result<(), Stri
     let mut chart = panel(&below, MARGINS, &x, &y, true)?;
     let inks = inks(strip.shapes.len());
     key::draw(area, &layout.words, &inks)?;
-    let line = |points: Vec<BackendCoord>, ink: Ink, width: u32| {
-        area.draw(&PathElement::new(points, ink.color().stroke_width(width)))
+    let line = |points: Vec<BackendCoord>, ink: Ink, opacity: f64, width: u32| {
+        let style = ink.color().mix(opacity).stroke_width(width);
+        area.draw(&PathElement::new(points, style))
             .map_err(|error| error.to_string())
     };
     let clamp = layout.placed(&[(0.0, 0.0)])[0];
@@ -139,9 +143,9 @@ pub fn draw(area: &Area, strip: &AlongStrip, layout: &Layout) -> Result<(), Stri
     // One group, which the page's script dims while the strip moves.
     series(&mut chart, "", |_| {
         for (shape, ink) in strip.shapes.iter().zip(&inks) {
-            line(layout.placed(&shape.measured_mm), *ink, 30)?;
+            line(layout.placed(&shape.measured_mm), *ink, MEASURED, 34)?;
             for dash in dashes(&layout.placed(&shape.fitted_mm)) {
-                line(dash, Ink::Text, 9)?;
+                line(dash, Ink::Text, 1.0, 9)?;
             }
         }
         Ok(())
