@@ -248,7 +248,7 @@ fn ends_ratio(curve: &AlongCurve, frame: usize, near: usize) -> Option<EndsRatio
     let (clamp, clamp_error) = (mean(0), error(0));
     let (tip, tip_error) = (mean(places - near), error(places - near));
     // An error that is not known is no reason to call the bending clear.
-    if !(clamp.abs() > CLEAR * clamp_error) {
+    if clamp_error.is_nan() || clamp.abs() <= CLEAR * clamp_error {
         return None;
     }
     let ratio = match tip.abs() > SEEN * tip_error {

@@ -330,9 +330,8 @@ fn a_campaign_of_strips_has_its_pages_and_figures() {
         .enumerate()
         .map(|(at, line)| match (24..28).contains(&at) {
             true => line
-                .rsplitn(2, ',')
-                .nth(1)
-                .map_or_else(String::new, |rest| format!("{rest},")),
+                .rsplit_once(',')
+                .map_or_else(String::new, |(rest, _)| format!("{rest},")),
             false => line.to_owned(),
         })
         .collect();

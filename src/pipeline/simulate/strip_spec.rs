@@ -98,7 +98,7 @@ impl StripSpec {
                 "a number of 0 or above",
             ));
         }
-        if self.voltage_v.is_some() == !self.drive.is_empty() {
+        if self.voltage_v.is_some() != self.drive.is_empty() {
             let found = format!("voltage_v {:?}, {} segments", self.voltage_v, self.drive.len());
             return Err(Wrong::new(&place("drive"), found, "one of voltage_v and drive"));
         }

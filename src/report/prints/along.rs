@@ -25,6 +25,7 @@ const MOST_RUNS: usize = 6;
 struct Panel<'a> {
     title: String,
     height: u32,
+    #[allow(clippy::type_complexity)]
     draw: Box<dyn Fn(&Area) -> Result<(), String> + 'a>,
 }
 

@@ -138,6 +138,7 @@ pub fn draw(area: &Area, strip: &AlongStrip, layout: &Layout) -> Result<(), Stri
     line(
         vec![(clamp.0, clamp.1 - 70), (clamp.0, clamp.1 + 70)],
         Ink::Text,
+        1.0,
         30,
     )?;
     // One group, which the page's script dims while the strip moves.
