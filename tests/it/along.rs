@@ -366,7 +366,7 @@ fn a_campaign_of_strips_has_its_pages_and_figures() {
             6,
             "three maps with their bars"
         );
-        assert!(html.contains("data-film=\"0.0"));
+        assert!(html.contains("data-film=\"0."));
         assert!(html.len() < 60_000, "{name}: {} bytes", html.len());
     }
     for name in ["curvature-map", "shapes", "voltages", "places"] {
