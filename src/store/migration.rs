@@ -15,7 +15,7 @@ const HISTORY: [&str; 7] = [
     include_str!("../../migrations/0004_origin.sql"),
     include_str!("../../migrations/0005_diagnosis.sql"),
     include_str!("../../migrations/0006_alarms.sql"),
-    include_str!("../../migrations/0008_fit_along.sql"),
+    include_str!("../../migrations/0007_fit_along.sql"),
 ];
 
 /// Schema version that this program writes.
