@@ -1,9 +1,12 @@
 //! Time of the distributed model: 100 positions x 1,000 times in closed form, and the ladder through a drive.
 
 use std::hint::black_box;
+use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use ieap::domain::{Drive, Level, Segment};
+use ieap::domain::{Channel, Drive, Level, Quantity, Segment};
+use ieap::fit::Steps;
+use ieap::fit::distributed::{DistributedInput, Strip, fit_distributed};
 use ieap::model::DistributedModel;
 use ieap::model::coupling::CurvaturePerLineCharge;
 use ieap::model::distributed::Ladder;
@@ -51,5 +54,46 @@ fn distributed(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, distributed);
+/// The current and curvatures at 50 places and 500 times.
+fn fit(criterion: &mut Criterion) {
+    let times: Arc<[f64]> = (0..500).map(|k| 20.0 * (f64::from(k) / 499.0).powi(2)).collect();
+    // A thousandth of disturbance that needs no seed.
+    let disturbed = |k: usize, value: f64| value * (1.0 + 1e-3 * ((k * 7919 % 1009) as f64 / 504.5 - 1.0));
+    let current = PTNAF.clamp_current_a(1.5, &times);
+    let current = current
+        .iter()
+        .enumerate()
+        .map(|(k, i)| disturbed(k, *i))
+        .collect();
+    let mut channels = vec![Channel::new(Quantity::Current, times.clone(), current)];
+    for place in 0..50 {
+        let s = PTNAF.length_cm * (f64::from(place) + 0.5) / 50.0;
+        let bent = PTNAF.curvature_per_cm(1.5, &[s], &times).values;
+        let values = bent
+            .iter()
+            .enumerate()
+            .map(|(k, v)| disturbed(k + 31 * place as usize, *v));
+        let mut channel = Channel::new(Quantity::Curvature, times.clone(), values.collect());
+        channel.position_mm = Some(10.0 * s);
+        channels.push(channel);
+    }
+    let drive = Drive::step(1.5);
+    let input = DistributedInput {
+        channels: &channels,
+        drive: &drive,
+        strip: Strip {
+            length_cm: PTNAF.length_cm,
+            width_cm: 0.3,
+            electrode_resistance_ohm_per_sq: None,
+        },
+    };
+    criterion.bench_function(
+        "distributed fit, 50 positions x 500 times and a current",
+        |bencher| {
+            bencher.iter(|| fit_distributed(black_box(&input), Steps::TwoStep));
+        },
+    );
+}
+
+criterion_group!(benches, distributed, fit);
 criterion_main!(benches);

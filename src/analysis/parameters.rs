@@ -49,7 +49,7 @@ pub const PARAMETERS: [ParameterInfo; 9] = [
 ];
 
 /// What the distributed model and lumped models of more branches add to them: named on the run's page.
-pub const FURTHER: [ParameterInfo; 12] = [
+pub const FURTHER: [ParameterInfo; 15] = [
     electrical(
         "re_ohm_per_sq",
         "Rₑ",
@@ -62,6 +62,19 @@ pub const FURTHER: [ParameterInfo; 12] = [
         needs_curvature: true,
         ..electrical("mu_per_c", "μ", "curvature per line charge", "C⁻¹")
     },
+    electrical("tau_s", "τ", "time constant of a place along the strip", "s"),
+    electrical(
+        "re_l2_per_rc",
+        "RₑL²/R꜀",
+        "electrodes over the length against the charging chain",
+        "",
+    ),
+    electrical(
+        "re_l2_per_rss",
+        "RₑL²/Rₛₛ",
+        "electrodes over the length against the steady-state resistance",
+        "",
+    ),
     electrical("tau1_s", "τ₁", "time constant of the fast branch", "s"),
     electrical("tau2_s", "τ₂", "time constant of the slow branch", "s"),
     electrical("r3_ohm_cm2", "R₃", "resistance of the third branch", "Ω cm²"),

@@ -18,6 +18,7 @@ mod from_others;
 mod gain;
 mod group;
 mod held_out;
+mod lengthwise;
 mod louder;
 mod next_run;
 mod null;
@@ -44,12 +45,13 @@ use crate::model::FitModel;
 pub use extend::{fit_extended, model_version};
 pub use from_others::{FromOthersFall, fall_from_others};
 pub use group::RunInput;
+pub use lengthwise::with_places;
 pub use next_run::proposals;
 pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_after_refit};
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

@@ -33,8 +33,8 @@ pub enum FitError {
     },
     /// Too little was measured along the strip.
     #[error(
-        "the run has {found} readings of voltages along the strip and of the current, the distributed model needs {needed}: \
-         name columns voltage_v@<mm from the clamp> and current_a"
+        "the run has {found} readings of a current, or of voltages or curvatures along the strip; the distributed model needs {needed} of one of them: \
+         name columns current_a, voltage_v@<mm from the clamp> or curvature_per_cm@<mm from the clamp>"
     )]
     NothingAlong {
         /// Readings that there are.

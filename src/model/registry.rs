@@ -109,6 +109,24 @@ const MU: ParameterDescription = fitted(
     "curvature per charge of unit length of the strip",
 );
 const ALPHA_OF_MU: ParameterDescription = derived(ALPHA);
+const TAU_ALONG: ParameterDescription = derived(fitted(
+    "tau_s",
+    "tau",
+    "s",
+    "time constant Rc C of a place whose voltage is held",
+));
+const RE_PER_RC: ParameterDescription = derived(fitted(
+    "re_l2_per_rc",
+    "Re L2/Rc",
+    "",
+    "resistance of the electrodes over the length against that of the chain across the laminate",
+));
+const RE_PER_RSS: ParameterDescription = derived(fitted(
+    "re_l2_per_rss",
+    "Re L2/Rss",
+    "",
+    "resistance of the electrodes over the length against the steady-state one across the laminate",
+));
 
 const TAU1: ParameterDescription = derived(fitted(
     "tau1_s",
@@ -175,8 +193,19 @@ static MODELS: [FitModel; 5] = [
         id: "distributed",
         version: 2,
         branches: 1,
-        description: "one R-C branch beside R_ss between electrodes that resist along the strip; needs voltages or curvatures along it",
-        parameters: &[RE, RC, C, RSS, MU, LAMBDA, ALPHA_OF_MU],
+        description: "one R-C branch beside R_ss between electrodes that resist along the strip; needs a current, or voltages or curvatures along it",
+        parameters: &[
+            RE,
+            RC,
+            C,
+            RSS,
+            MU,
+            LAMBDA,
+            ALPHA_OF_MU,
+            TAU_ALONG,
+            RE_PER_RC,
+            RE_PER_RSS,
+        ],
     },
 ];
 

@@ -22,6 +22,12 @@ pub fn two_sided_chance(t: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |chance| (2.0 * chance.sf(t.abs())).clamp(0.0, 1.0))
 }
 
+/// Chance that Student's t lies above `t`.
+pub fn one_sided_chance(t: f64, degrees_of_freedom: f64) -> f64 {
+    let freedom = degrees_of_freedom.max(1.0);
+    StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |chance| chance.sf(t).clamp(0.0, 1.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,6 +43,7 @@ mod tests {
         ] {
             assert!((quantile_95(freedom) - expected).abs() < 6e-5, "{freedom}");
         }
+        assert!((one_sided_chance(2.5706, 5.0) - 0.025).abs() < 1e-5 && one_sided_chance(0.0, 3.0) == 0.5);
         assert!((two_sided_chance(-2.5706, 5.0) - 0.05).abs() < 1e-5 && two_sided_chance(0.0, 3.0) == 1.0);
         assert!((quantile_95(99.999) - quantile_95(100.0)).abs() < 1e-6);
     }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::context::{CODE_VERSION, now};
+use super::fit_along;
 use super::fit_extended;
 use super::fit_plan::fit_plan;
 use super::{Context, Observer, PipelineError};
@@ -131,7 +132,7 @@ fn fit_batch(
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.
 fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
     let fitted = std::panic::catch_unwind(|| match options.model.id {
-        distributed::MODEL_ID => fit_along(task, channels),
+        distributed::MODEL_ID => fit_along::fit(task, channels, options),
         _ => fit_whole(task, channels, options),
     });
     fitted.unwrap_or_else(|_| {
@@ -141,36 +142,20 @@ fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcom
 }
 
 /// The strip as a whole, with a lumped model.
-fn fit_whole(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
-    let channels = derived::responses(channels, task.length_cm);
+fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outcome {
+    let channels = derived::responses(measured, task.length_cm);
     let input = FitInput {
         channels: &channels,
         drive: &task.drive,
         area_cm2: task.area_cm2,
     };
-    fit_run(&input, options).map_err(not_fitted)
+    let mut fit = fit_run(&input, options).map_err(not_fitted)?;
+    fit.issues
+        .extend(fit_along::lumped_or_distributed(task, measured, &fit));
+    Ok(fit)
 }
 
-/// What was measured along the strip, with the distributed model.
-fn fit_along(task: &FitTask, channels: &[Channel]) -> Outcome {
-    let Some(length_cm) = task.length_cm else {
-        let message = "the distributed model needs the sample's free length";
-        return Err(Issue::warning("not-fitted", message).mend("give the sample length_mm in campaign.toml"));
-    };
-    let strip = distributed::Strip {
-        length_cm,
-        width_cm: task.area_cm2 / length_cm,
-        electrode_resistance_ohm_per_sq: task.electrode_resistance_ohm_per_sq,
-    };
-    let input = distributed::DistributedInput {
-        channels,
-        drive: &task.drive,
-        strip,
-    };
-    distributed::fit_distributed(&input).map_err(not_fitted)
-}
-
-fn not_fitted(error: FitError) -> Issue {
+pub(super) fn not_fitted(error: FitError) -> Issue {
     Issue::warning("not-fitted", error.to_string())
 }
 
@@ -212,13 +197,9 @@ fn input_hash(task: &FitTask, options: &FitOptions) -> String {
     hasher.update(format!("{:?}", task.drive).as_bytes());
     hasher.update(&task.area_cm2.to_le_bytes());
     hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
-    if options.model.id == distributed::MODEL_ID {
-        hasher.update(
-            &task
-                .electrode_resistance_ohm_per_sq
-                .unwrap_or(f64::NAN)
-                .to_le_bytes(),
-        );
+    let along = task.electrode_resistance_ohm_per_sq;
+    if options.model.id == distributed::MODEL_ID || along.is_some() {
+        hasher.update(&along.unwrap_or(f64::NAN).to_le_bytes());
     }
     let (model, method) = (options.model, options.method);
     hasher.update(format!("{}/{}/{}", model.id, model.version, method.id()).as_bytes());

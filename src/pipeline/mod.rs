@@ -15,6 +15,7 @@ pub mod explain;
 pub mod export;
 pub mod figures;
 mod fit;
+mod fit_along;
 mod fit_extended;
 mod fit_groups;
 mod fit_plan;

@@ -25,6 +25,7 @@ mod hidden_across;
 mod hidden_effects;
 mod kill_loop;
 mod lab_origin;
+mod lumped_or_distributed;
 mod lumped_reference;
 mod main_job;
 mod methods;

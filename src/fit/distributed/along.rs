@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::domain::{AlongCurve, PlaceSeries, Quantity};
-use crate::model::distributed::DistributedModel;
 
 use super::DistributedInput;
+use super::described::Described;
 use super::readings::{Group, Kind, Readings};
 use super::response;
 
@@ -16,7 +16,7 @@ const PROFILE_PLACES: usize = 25;
 pub(super) fn along(
     input: &DistributedInput,
     readings: &Readings,
-    model: &DistributedModel,
+    described: &Described,
     fitted: &[(&Group, Vec<f64>)],
 ) -> Vec<AlongCurve> {
     let of = |kind: Kind, quantity: Quantity| {
@@ -31,7 +31,7 @@ pub(super) fn along(
     let voltage = of(Kind::Voltage, Quantity::Voltage);
     let profile = voltage
         .as_ref()
-        .map(|voltage| profile(input, model, &voltage.time_s));
+        .map(|voltage| profile(input, described, &voltage.time_s));
     [of(Kind::Curvature, Quantity::Curvature), voltage, profile]
         .into_iter()
         .flatten()
@@ -53,11 +53,13 @@ fn places<'a>(group: &'a Group, fitted: &'a [(&Group, Vec<f64>)]) -> Vec<PlaceSe
 }
 
 /// Voltage from the clamp to the tip at these times, as the model has it.
-fn profile(input: &DistributedInput, model: &DistributedModel, time_s: &[f64]) -> AlongCurve {
+fn profile(input: &DistributedInput, described: &Described, time_s: &[f64]) -> AlongCurve {
     let share = |k: usize| k as f64 / (PROFILE_PLACES - 1) as f64;
     let group = Group {
         kind: Kind::Voltage,
-        positions_cm: (0..PROFILE_PLACES).map(|k| model.length_cm * share(k)).collect(),
+        positions_cm: (0..PROFILE_PLACES)
+            .map(|k| described.model.length_cm * share(k))
+            .collect(),
         time_s: Arc::from(time_s),
         values: vec![Arc::from([]); PROFILE_PLACES],
         noise: vec![f64::NAN; PROFILE_PLACES],
@@ -65,7 +67,7 @@ fn profile(input: &DistributedInput, model: &DistributedModel, time_s: &[f64]) -
     AlongCurve {
         quantity: Quantity::Voltage,
         position_mm: group.positions_cm.iter().map(|cm| 10.0 * cm).collect(),
-        fitted: response::predicted(model, input.drive, &group),
+        fitted: response::predicted(described, input.drive, &group),
         noise: group.noise,
         time_s: time_s.to_vec(),
         measured: Vec::new(),

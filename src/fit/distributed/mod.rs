@@ -1,28 +1,48 @@
-//! Identification of the distributed model from voltages and curvatures measured along the strip, in the thesis's
-//! three phases: R_e is given (or fitted); C, R_c and R_ss follow from the voltages along the strip and the
-//! current; mu and lambda from the curvatures, with those fixed.
+//! Identification of the distributed model from the current and from voltages and curvatures measured along the strip,
+//! in the thesis's three phases or jointly.
+//!
+//! Phases: R_e is given or fitted; C, R_c and R_ss follow from the voltages along the strip and the current; mu and
+//! lambda from the curvatures, with those fixed. Jointly all follow from all readings, each weighted by its noise, as
+//! they must where curvatures are all there is.
 
 mod along;
+mod contact_break;
+mod decision;
+mod described;
+mod electrical;
+mod estimates;
+mod jointly;
+mod mechanical;
 mod outcome;
+#[cfg(test)]
+mod places_tests;
 mod readings;
+mod residual_noise;
 mod response;
 mod squares;
 #[cfg(test)]
 mod tests;
+mod unevenness;
 
 use crate::domain::{Channel, Drive, Fit, Level};
-use crate::model::coupling::CurvaturePerLineCharge;
-use crate::model::distributed::DistributedModel;
 
-use super::FitError;
+use super::{FitError, Steps};
+use contact_break::ContactBreak;
+pub use decision::{Bounded, CLAIMED, Decision, LumpedOrDistributed};
+use described::{Described, model_of};
+use mechanical::Mechanical;
 use readings::{Kind, Readings};
-use squares::{Fitted, Problem};
+use squares::Fitted;
+pub use unevenness::Unevenness;
 
 /// Id of the model in the registry.
 pub const MODEL_ID: &str = "distributed";
 
-/// Readings after the step that each phase needs at least.
+/// Readings that each phase needs at least.
 const LEAST_READINGS: usize = 12;
+
+/// R_e where only ratios to it can be found, Ohm per square: any would do.
+const RELATIVE_OHM_PER_SQ: f64 = 1.0;
 
 /// The strip that was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,29 +66,111 @@ pub struct DistributedInput<'a> {
     pub strip: Strip,
 }
 
-/// Logarithms of R_c (Ohm cm), C (F/cm), R_ss (Ohm cm) and, where it is fitted, R_e (Ohm/cm).
-type Electrical = Vec<f64>;
+/// Parameters that were found, with all that is said of them.
+#[derive(Clone)]
+struct Identified<'a> {
+    /// The run; where only ratios can be found, with R_e set to [`RELATIVE_OHM_PER_SQ`].
+    input: DistributedInput<'a>,
+    readings: Readings,
+    /// Whether nothing sets the scale of resistances: neither a current nor R_e is given.
+    is_relative: bool,
+    electrical: Fitted,
+    mechanical: Option<Mechanical>,
+    /// A break of the electrodes at a place.
+    contact_break: Option<ContactBreak>,
+    method: &'static str,
+}
+
+impl Identified<'_> {
+    /// The strip as it was found.
+    fn described(&self) -> Described {
+        let mechanical = self.mechanical.as_ref();
+        let rate_per_s = mechanical.map_or(0.0, |m| m.rate_below_per_s.map_or(m.fitted.at[1].exp(), |_| 0.0));
+        Described {
+            model: model_of(&self.input.strip, &self.electrical.at, rate_per_s),
+            mu_per_c: mechanical.map_or(0.0, |m| m.mu_per_c),
+            contact_break: self.contact_break.as_ref().map(ContactBreak::of_model),
+        }
+    }
+}
 
 /// Fits a run with the distributed model.
+///
+/// Joint fits take every reading at once. They are also made where curvatures are the only thing along the strip that
+/// was measured, which has no phases.
 ///
 /// # Errors
 /// [`FitError`] where there is nothing along the strip to fit, the strip has no size, or the drive is not one of
 /// held voltages.
-pub fn fit_distributed(input: &DistributedInput) -> Result<Fit, FitError> {
+pub fn fit_distributed(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
+    let found = identify(input, steps)?;
+    // Places tell of the electrodes through curvatures, too, which the phases do not ask for it.
+    let mut joint = match (steps, &found.mechanical) {
+        (Steps::TwoStep, Some(_)) => identify(input, Steps::Simultaneous)?,
+        _ => found.clone(),
+    };
+    contact_break::look(&mut joint);
+    let decision = Decision::of(&joint);
+    Ok(match joint.contact_break {
+        Some(_) => outcome::fit(&joint, &decision),
+        None => outcome::fit(&found, &decision),
+    })
+}
+
+/// What a run says of lumped and distributed; none where nothing along the strip can be fitted.
+pub fn decide(input: &DistributedInput) -> Option<Decision> {
+    let found = identify(input, Steps::Simultaneous).ok()?;
+    Some(Decision::of(&found))
+}
+
+fn identify<'a>(input: &DistributedInput<'a>, steps: Steps) -> Result<Identified<'a>, FitError> {
     check(input)?;
     let readings = Readings::new(input);
-    let electrical_readings = readings.count(Kind::Voltage) + readings.count(Kind::Current);
-    if electrical_readings < LEAST_READINGS {
-        return Err(FitError::NothingAlong {
-            found: electrical_readings,
-            needed: LEAST_READINGS,
-        });
+    let is_relative = input.strip.electrode_resistance_ohm_per_sq.is_none()
+        && readings.count(Kind::Current) < LEAST_READINGS;
+    let mut input = *input;
+    if is_relative {
+        input.strip.electrode_resistance_ohm_per_sq = Some(RELATIVE_OHM_PER_SQ);
     }
-    let electrical = identify_electrical(input, &readings);
-    let mechanical = (readings.count(Kind::Curvature) >= LEAST_READINGS)
-        .then(|| squares::fit_mechanical(input, &readings, &electrical));
-    Ok(outcome::fit(input, &readings, &electrical, mechanical.as_ref()))
+    let electrical = readings.count(Kind::Voltage) + readings.count(Kind::Current) >= LEAST_READINGS;
+    let bends = readings.count(Kind::Curvature) >= LEAST_READINGS;
+    let (electrical, mechanical, method) = match (electrical, bends) {
+        (false, false) => {
+            return Err(FitError::NothingAlong {
+                found: readings.counts().into_iter().max().unwrap_or(0),
+                needed: LEAST_READINGS,
+            });
+        }
+        (true, _) => {
+            let electrical = electrical::fit(&input, &readings);
+            let mechanical = bends.then(|| mechanical::fit_mechanical(&input, &readings, &electrical));
+            match (mechanical, steps) {
+                (Some(mechanical), Steps::Simultaneous) => {
+                    let (electrical, mechanical) =
+                        jointly::refine(&input, &readings, &electrical, &mechanical);
+                    (electrical, Some(mechanical), JOINTLY)
+                }
+                (mechanical, _) => (electrical, mechanical, PHASES),
+            }
+        }
+        (false, true) => {
+            let (electrical, mechanical) = jointly::from_curvatures(&input, &readings);
+            (electrical, Some(mechanical), JOINTLY)
+        }
+    };
+    Ok(Identified {
+        input,
+        readings,
+        is_relative,
+        electrical,
+        mechanical,
+        contact_break: None,
+        method,
+    })
 }
+
+const PHASES: &str = "three phases, closed form along the strip";
+const JOINTLY: &str = "jointly, closed form along the strip";
 
 fn check(input: &DistributedInput) -> Result<(), FitError> {
     let Strip {
@@ -91,66 +193,4 @@ fn check(input: &DistributedInput) -> Result<(), FitError> {
         return Err(FitError::OpenCircuitAlong);
     }
     Ok(())
-}
-
-/// The model with these electrical parameters and a coupling of one.
-fn model_of(strip: &Strip, electrical: &[f64], relaxation_rate_per_s: f64) -> DistributedModel {
-    let given = strip.electrode_resistance_ohm_per_sq.map(|r| r / strip.width_cm);
-    DistributedModel {
-        branch_resistance_ohm_cm: electrical[0].exp(),
-        capacitance_f_per_cm: electrical[1].exp(),
-        steady_state_resistance_ohm_cm: electrical[2].exp(),
-        electrode_resistance_ohm_per_cm: given.unwrap_or_else(|| electrical[3].exp()),
-        length_cm: strip.length_cm,
-        coupling: CurvaturePerLineCharge(1.0),
-        relaxation_rate_per_s,
-    }
-}
-
-/// Phases 1 and 2: the box, the starts, the best of the searches.
-fn identify_electrical(input: &DistributedInput, readings: &Readings) -> Fitted {
-    let problem = Problem::electrical(input, readings);
-    let coarse_readings = readings.thinned();
-    let coarse = Problem::electrical(input, &coarse_readings);
-    let mut starts: Vec<(f64, Electrical)> = starts(input, readings)
-        .into_iter()
-        .map(|start| (coarse.square(&start), start))
-        .filter(|(square, _)| square.is_finite())
-        .collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let searched = starts.iter().take(3).map(|(_, start)| coarse.search(start));
-    let best = searched.min_by(|a, b| a.square.total_cmp(&b.square));
-    let from = best.map_or_else(|| vec![0.0; problem.parameters()], |fitted| fitted.at);
-    problem.search(&from)
-}
-
-/// Starts on a grid of what shapes the response: how far the electrodes' resistance reaches, the share of the
-/// steady current, the time constant. The current, where there is one, sets the scale.
-fn starts(input: &DistributedInput, readings: &Readings) -> Vec<Electrical> {
-    let (length_cm, duration_s) = (input.strip.length_cm, readings.duration_s());
-    let given = input
-        .strip
-        .electrode_resistance_ohm_per_sq
-        .map(|r| r / input.strip.width_cm);
-    let mut starts = Vec::new();
-    for reach in [0.2f64, 0.7, 2.0, 5.0] {
-        for steady in [3.0f64, 30.0] {
-            for part in [0.003f64, 0.02, 0.1, 0.5] {
-                // reach^2 = R_e L^2 / R_c.
-                let branch = match (given, readings.first_conductance()) {
-                    (Some(along), _) => along * length_cm * length_cm / (reach * reach),
-                    (None, Some(conductance)) => length_cm / conductance * (1.0 + reach).recip(),
-                    (None, None) => 100.0,
-                };
-                let along = given.unwrap_or(branch * reach * reach / (length_cm * length_cm));
-                let capacitance = part * duration_s / branch;
-                let mut start = vec![branch.ln(), capacitance.ln(), (steady * branch).ln()];
-                if given.is_none() {
-                    start.push(along.ln());
-                }
-                starts.push(start);
-            }
-        }
-    }
-    starts
 }

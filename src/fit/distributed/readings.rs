@@ -101,6 +101,11 @@ impl Readings {
             .sum()
     }
 
+    /// Numbers of readings of voltages, current and curvatures.
+    pub fn counts(&self) -> [usize; 3] {
+        [Kind::Voltage, Kind::Current, Kind::Curvature].map(|kind| self.count(kind))
+    }
+
     /// Groups of a kind.
     pub fn of(&self, kind: Kind) -> impl Iterator<Item = &Group> {
         self.groups.iter().filter(move |group| group.kind == kind)

@@ -1,8 +1,9 @@
 //! What the model says of a group of series, for any drive of held voltages: steps add up.
 
 use crate::domain::{Drive, Level};
-use crate::model::distributed::DistributedModel;
+use crate::model::distributed::{BrokenStrip, DistributedModel};
 
+use super::described::Described;
 use super::readings::{Group, Kind};
 
 /// A time after which everything has come to rest, s.
@@ -23,7 +24,8 @@ pub(super) fn steps(drive: &Drive) -> Vec<(f64, f64)> {
 }
 
 /// Values of every series of the group, one after the other, each over all times.
-pub(super) fn predicted(model: &DistributedModel, drive: &Drive, group: &Group) -> Vec<f64> {
+pub(super) fn predicted(described: &Described, drive: &Drive, group: &Group) -> Vec<f64> {
+    let model = &Along::of(described);
     let (places, times) = (group.values.len(), group.time_s.len());
     let mut values = vec![0.0; places * times];
     // At rest at the baseline: the shape there is subtracted, so only voltage and current begin with something.
@@ -33,7 +35,12 @@ pub(super) fn predicted(model: &DistributedModel, drive: &Drive, group: &Group) 
             row.fill(drive.baseline_v * rest[place]);
         }
     }
+    let factor = match group.kind {
+        Kind::Curvature => described.mu_per_c,
+        Kind::Voltage | Kind::Current => 1.0,
+    };
     for (start_s, change_v) in steps(drive) {
+        let change_v = change_v * factor;
         let first = group.time_s.partition_point(|&t| t < start_s);
         let since: Vec<f64> = group.time_s[first..].iter().map(|t| t - start_s).collect();
         if since.is_empty() || change_v == 0.0 {
@@ -49,11 +56,31 @@ pub(super) fn predicted(model: &DistributedModel, drive: &Drive, group: &Group) 
     values
 }
 
+/// The strip with even electrodes, or with a break in them.
+enum Along {
+    Even(DistributedModel),
+    Broken(Box<BrokenStrip>),
+}
+
+impl Along {
+    fn of(described: &Described) -> Along {
+        let model = described.model;
+        match described.contact_break {
+            None => Along::Even(model),
+            Some(at) => Along::Broken(Box::new(BrokenStrip::new(&model, at.place_cm, at.factor))),
+        }
+    }
+}
+
 /// Response to a step of 1 V at times since it: for each time, all places.
-fn unit(model: &DistributedModel, group: &Group, since_s: &[f64]) -> Vec<f64> {
-    match group.kind {
-        Kind::Voltage => model.voltage_v(1.0, &group.positions_cm, since_s).values,
-        Kind::Curvature => model.curvature_per_cm(1.0, &group.positions_cm, since_s).values,
-        Kind::Current => model.clamp_current_a(1.0, since_s),
+fn unit(along: &Along, group: &Group, since_s: &[f64]) -> Vec<f64> {
+    let places = &group.positions_cm;
+    match (along, group.kind) {
+        (Along::Even(strip), Kind::Voltage) => strip.voltage_v(1.0, places, since_s).values,
+        (Along::Even(strip), Kind::Curvature) => strip.curvature_per_cm(1.0, places, since_s).values,
+        (Along::Even(strip), Kind::Current) => strip.clamp_current_a(1.0, since_s),
+        (Along::Broken(strip), Kind::Voltage) => strip.voltage_v(1.0, places, since_s).values,
+        (Along::Broken(strip), Kind::Curvature) => strip.curvature_per_cm(1.0, places, since_s).values,
+        (Along::Broken(strip), Kind::Current) => strip.clamp_current_a(1.0, since_s),
     }
 }

@@ -100,12 +100,12 @@ fn fitted(sample: &Sample, given: bool, noise: f64, seed: u64) -> Fit {
         width_cm: sample.width_cm,
         electrode_resistance_ohm_per_sq: given.then_some(sample.re),
     };
-    fit_distributed(&DistributedInput {
+    let input = DistributedInput {
         channels: &channels,
         drive: &Drive::step(1.5),
         strip,
-    })
-    .unwrap()
+    };
+    fit_distributed(&input, Steps::TwoStep).unwrap()
 }
 
 fn truths(sample: &Sample) -> [(&'static str, f64); 7] {
@@ -172,6 +172,11 @@ fn drives_add_up_and_a_discharge_begins_at_rest() {
     let model = model_of(&strip, &[9f64.ln(), 0.0655f64.ln(), 45.4f64.ln()], 0.01);
     let time_s: Arc<[f64]> = (-20..200).map(|k| k as f64).collect();
     let group = voltage_group(&time_s);
+    let model = Described {
+        model,
+        mu_per_c: 1.0,
+        contact_break: None,
+    };
     let charge = response::predicted(&model, &Drive::step(1.5), &group);
     let mut discharge = Drive::step(0.0);
     discharge.baseline_v = 1.5;
@@ -200,21 +205,21 @@ fn what_cannot_be_described_is_told() {
         electrode_resistance_ohm_per_sq: None,
     };
     let drive = Drive::step(1.5);
-    let none = fit_distributed(&DistributedInput {
-        channels: &[],
-        drive: &drive,
-        strip,
-    });
+    let fit = |strip| {
+        let input = DistributedInput {
+            channels: &[],
+            drive: &drive,
+            strip,
+        };
+        fit_distributed(&input, Steps::TwoStep)
+    };
+    let none = fit(strip);
     assert!(matches!(none, Err(FitError::NothingAlong { .. })));
     let flat = Strip {
         width_cm: 0.0,
         ..strip
     };
-    let area = fit_distributed(&DistributedInput {
-        channels: &[],
-        drive: &drive,
-        strip: flat,
-    });
+    let area = fit(flat);
     assert!(matches!(area, Err(FitError::Area { .. })));
 }
 
@@ -240,4 +245,95 @@ fn what_is_drawn_along_the_strip_is_what_was_read_and_fitted() {
     let after = profile.time_s.len() / 2;
     assert!((profile.fitted_at(0)[after] - 1.5).abs() < 1e-9);
     assert!((profile.fitted_at(12)[after] - voltage.fitted_at(1)[after]).abs() < 1e-9);
+}
+
+/// Fits of channels of these kinds only.
+fn of_kinds(sample: &Sample, kinds: &[Quantity], given: bool, steps: Steps, seed: u64) -> Fit {
+    let mut channels = simulated(sample, true, 0.01, seed);
+    channels.retain(|channel| kinds.contains(&channel.quantity));
+    let strip = Strip {
+        length_cm: sample.length_cm,
+        width_cm: sample.width_cm,
+        electrode_resistance_ohm_per_sq: given.then_some(sample.re),
+    };
+    let drive = Drive::step(1.5);
+    let input = DistributedInput {
+        channels: &channels,
+        drive: &drive,
+        strip,
+    };
+    fit_distributed(&input, steps).unwrap()
+}
+
+#[test]
+fn every_kind_of_reading_determines_what_it_can_and_says_what_it_cannot() {
+    use Quantity::{Current, Curvature, Voltage};
+    let electrical = ["rc_ohm_cm2", "c_f_per_cm2", "rss_ohm_cm2"];
+    let bending = ["mu_per_c", "alpha_per_c_cm"];
+    let ratios = ["tau_s", "re_l2_per_rc", "re_l2_per_rss"];
+    for (kinds, given) in [
+        (vec![Current], true),
+        (vec![Current], false),
+        (vec![Voltage], true),
+        (vec![Voltage], false),
+        (vec![Curvature], true),
+        (vec![Curvature], false),
+        (vec![Voltage, Curvature], false),
+        (vec![Current, Curvature], false),
+    ] {
+        let fit = of_kinds(&PTNAF, &kinds, given, Steps::TwoStep, 3);
+        let has = |key: &str| fit.parameter(key).unwrap().value.is_some();
+        let absolute = given || kinds.contains(&Current);
+        let bends = kinds.contains(&Curvature);
+        let what = format!("{kinds:?}, R_e given {given}");
+        assert!(fit.converged, "{what}");
+        assert!(
+            electrical.iter().all(|key| has(key) == absolute),
+            "{what}: {:?}",
+            fit.parameters
+        );
+        assert!(
+            bending.iter().all(|key| has(key) == (absolute && bends)),
+            "{what}"
+        );
+        assert!(ratios.iter().all(|key| has(key)), "{what}");
+        assert_eq!(has("lambda_per_s"), bends, "{what}");
+        for parameter in fit.parameters.iter().filter(|p| p.estimate.value.is_none()) {
+            let noted = fit.issues.iter().any(|issue| issue.place == parameter.key);
+            assert!(
+                noted && parameter.estimate.reason.is_some(),
+                "{what}: {}",
+                parameter.key
+            );
+        }
+    }
+}
+
+#[test]
+fn joint_fits_are_no_worse_than_phases_and_hold_the_truth() {
+    let (mut inside, mut all, mut narrower) = (0, 0, 0);
+    let kinds = [Quantity::Current, Quantity::Voltage, Quantity::Curvature];
+    for seed in 0..8 {
+        for sample in [&PTNAF, &CNAF] {
+            let fit = of_kinds(sample, &kinds, false, Steps::Simultaneous, seed);
+            let phases = of_kinds(sample, &kinds, false, Steps::TwoStep, seed);
+            assert!(fit.method.starts_with("jointly"), "{}", fit.method);
+            for (key, truth) in truths(sample) {
+                let estimate = fit.parameter(key).unwrap();
+                let Some((low, high)) = estimate.low_95.zip(estimate.high_95) else {
+                    continue;
+                };
+                inside += u32::from(low <= truth && truth <= high);
+                all += 1;
+                let before = phases.parameter(key).and_then(|estimate| estimate.standard_error);
+                narrower +=
+                    u32::from(before.is_none_or(|before| estimate.standard_error.unwrap() < 1.1 * before));
+            }
+        }
+    }
+    assert!(
+        all > 100 && f64::from(inside) > 0.88 * f64::from(all),
+        "{inside} of {all}"
+    );
+    assert!(f64::from(narrower) > 0.8 * f64::from(all), "{narrower} of {all}");
 }

@@ -32,8 +32,8 @@ pub struct Ladder<'a> {
     model: &'a DistributedModel,
     cells: usize,
     cell_cm: f64,
-    /// Conductance between neighbouring cells, 1/Ohm.
-    along: f64,
+    /// Conductance into each cell from the one before it, 1/Ohm; into the first from the clamp.
+    along: Vec<f64>,
 }
 
 /// What the ladder does at given times.
@@ -51,9 +51,9 @@ pub struct LadderResponse {
     pub clamp_current_a: Vec<f64>,
 }
 
-/// The cells' equations for one kind of drive, eliminated once: `G_i v_i = b_i + along (v_(i-1) + v_(i+1))`.
+/// The cells' equations for one kind of drive, eliminated once: `G_i v_i = b_i + along_i v_(i-1) + along_(i+1) v_(i+1)`.
 struct Eliminated {
-    along: f64,
+    along: Vec<f64>,
     /// Reciprocal pivots.
     pivots: Vec<f64>,
     /// Conductance from the terminal into the first cell, 1/Ohm; zero while the circuit is open.
@@ -67,12 +67,12 @@ impl Eliminated {
             *first += self.into_first * terminal_v;
         }
         for k in 1..b.len() {
-            b[k] += self.along * self.pivots[k - 1] * b[k - 1];
+            b[k] += self.along[k] * self.pivots[k - 1] * b[k - 1];
         }
-        let mut beyond = 0.0;
-        for (b, pivot) in b.iter_mut().zip(&self.pivots).rev() {
-            *b = (*b + self.along * beyond) * pivot;
-            beyond = *b;
+        let mut from_beyond = 0.0;
+        for ((b, pivot), along) in b.iter_mut().zip(&self.pivots).zip(&self.along).rev() {
+            *b = (*b + from_beyond) * pivot;
+            from_beyond = along * *b;
         }
     }
 }
@@ -93,12 +93,27 @@ impl<'a> Ladder<'a> {
             return Err(LadderError::NoCells);
         }
         let cell_cm = model.length_cm / cells as f64;
+        let mut along = vec![(resistance * cell_cm).recip(); cells];
+        // The clamp is half a cell away from the first cell's middle.
+        along[0] *= 2.0;
         Ok(Ladder {
             model,
             cells,
             cell_cm,
-            along: (resistance * cell_cm).recip(),
+            along,
         })
+    }
+
+    /// The same strip with electrodes that have `beyond` times their resistance from `place_cm` to the end.
+    pub fn broken(mut self, place_cm: f64, beyond: f64) -> Ladder<'a> {
+        for (k, along) in self.along.iter_mut().enumerate() {
+            let end_cm = (k as f64 + 0.5) * self.cell_cm;
+            let start_cm = (end_cm - self.cell_cm).max(0.0);
+            let after_cm = (end_cm - place_cm.max(start_cm)).max(0.0);
+            let part = after_cm / (end_cm - start_cm);
+            *along /= 1.0 + part * (beyond - 1.0);
+        }
+        self
     }
 
     /// Integrates the cells through `drive`, with the local error of each step below `relative` of the largest
@@ -188,19 +203,20 @@ impl<'a> Ladder<'a> {
         self.eliminate(across, held)
     }
 
-    /// Elimination for cells that conduct `across` (1/(Ohm cm)), with the source connected or not. The clamp is
-    /// half a cell away from the first cell's middle.
+    /// Elimination for cells that conduct `across` (1/(Ohm cm)), with the source connected or not.
     fn eliminate(&self, across: f64, held: bool) -> Eliminated {
-        let into_first = if held { 2.0 * self.along } else { 0.0 };
+        let into_first = if held { self.along[0] } else { 0.0 };
         let mut pivots: Vec<f64> = Vec::with_capacity(self.cells);
         for k in 0..self.cells {
-            let inward = if k == 0 { into_first } else { self.along };
-            let outward = if k + 1 < self.cells { self.along } else { 0.0 };
-            let eliminated = pivots.last().map_or(0.0, |pivot| self.along * self.along * pivot);
+            let inward = if k == 0 { into_first } else { self.along[k] };
+            let outward = self.along.get(k + 1).copied().unwrap_or(0.0);
+            let eliminated = pivots
+                .last()
+                .map_or(0.0, |pivot| self.along[k] * self.along[k] * pivot);
             pivots.push((self.cell_cm * across + inward + outward - eliminated).recip());
         }
         Eliminated {
-            along: self.along,
+            along: self.along.clone(),
             pivots,
             into_first,
         }

@@ -124,7 +124,9 @@ fn dependence(key: &str) -> Option<Dependence> {
         "mu_per_c" => Some(Dependence::InverseWidth),
         "re_ohm_per_sq" => Some(Dependence::None),
         // R per area times C per area: the area cancels.
-        "tau1_s" | "tau2_s" | "tau3_s" | "tau4_s" => Some(Dependence::None),
+        "tau_s" | "tau1_s" | "tau2_s" | "tau3_s" | "tau4_s" => Some(Dependence::None),
+        // Found as ratios, from the shape of the responses.
+        "re_l2_per_rc" | "re_l2_per_rss" => Some(Dependence::None),
         _ if key.ends_with("_per_s") => Some(Dependence::None),
         _ if key.ends_with("_ohm_cm2") || key.ends_with("_f_per_cm2") => Some(Dependence::ThroughArea),
         _ => None,

@@ -35,6 +35,9 @@ pub(in crate::pipeline) fn take_task(hasher: &mut blake3::Hasher, task: &FitTask
     }
     hasher.update(&task.area_cm2.to_le_bytes());
     hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
+    if let Some(along) = task.electrode_resistance_ohm_per_sq {
+        hasher.update(&along.to_le_bytes());
+    }
 }
 
 /// Hash of readings, drives, dimensions, names, base model, library, seed, draws and versions.

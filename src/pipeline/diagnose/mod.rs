@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::context::{CODE_VERSION, now};
 use super::diagnosis_document::current_findings;
-use super::{Context, Observer, PipelineError};
-use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group};
+use super::{Context, Observer, PipelineError, fit_along};
+use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group, with_places};
 use crate::domain::{Campaign, Channel, GroupDiagnosis};
 use crate::fit::{FitError, FitInput, distributed};
 use crate::ingest::derived;
@@ -260,9 +260,14 @@ fn diagnose_one(
         return found;
     }
     let diagnosed = std::panic::catch_unwind(|| {
-        with_inputs(members, tasks, channels, |inputs| {
+        let found = with_inputs(members, tasks, channels, |inputs| {
             diagnose_group(&subject.name, inputs, options)
-        })
+        });
+        let places = members.iter().zip(channels).filter_map(|(&index, channels)| {
+            let decision = fit_along::decision(&tasks[index], channels)?;
+            Some((tasks[index].path.as_str(), decision))
+        });
+        with_places(found, &places.collect::<Vec<_>>())
     });
     diagnosed.unwrap_or_else(|_| {
         GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, FAULT.to_owned())

@@ -1,0 +1,164 @@
+//! Noise of the series of a group as residuals show it: its memory in time, and what places have in common.
+//!
+//! The covariance is that between places times that in time: neighbouring joints of a traced strip share their noise,
+//! and what the model gets wrong at all places at once is shared as well. A sum over many series is then known no
+//! better than the few that are independent among them.
+
+use crate::numerics::correlation::{Autoregression, slow_excess};
+use crate::numerics::sums::{dot, lagged, square};
+
+/// Covariance of the residuals of one group, in units of the noise of each series.
+#[derive(Debug, Clone)]
+pub(super) struct ResidualNoise {
+    times: usize,
+    /// Lag-1 correlation by order of reading.
+    memory: f64,
+    /// Covariance between places at one time.
+    between: Vec<Vec<f64>>,
+    /// Factor by which slow misfit makes long sums vary more than that memory says.
+    slow: f64,
+}
+
+impl ResidualNoise {
+    /// From `residuals`, one series of `times` readings after the other, left by a fit that took `terms` smooth terms
+    /// out of each series on the average.
+    pub fn of(residuals: &[f64], times: usize, terms: f64) -> ResidualNoise {
+        let series: Vec<&[f64]> = residuals.chunks_exact(times.max(1)).collect();
+        let sums = series.iter().fold((0.0, 0.0), |(squares, products), row| {
+            (squares + square(row), products + lagged(row))
+        });
+        let count = series.len().max(1) as f64;
+        let readings = times as f64;
+        let found = Autoregression::from_sums(sums.0 / count, sums.1 / count, readings, terms);
+        let memory = found.correlation.max(0.0);
+        // What the smooth terms took out of every series is put back into all covariances alike.
+        let raw = sums.0 / count / readings.max(1.0);
+        let restored = if raw > 0.0 { found.variance / raw } else { 1.0 };
+        let covariance = |a: &[f64], b: &[f64]| dot(a, b) / readings.max(1.0) * restored;
+        let between = series
+            .iter()
+            .map(|a| series.iter().map(|b| covariance(a, b)).collect())
+            .collect();
+        let long_run = (1.0 + memory) / (1.0 - memory);
+        let terms = terms.ceil().max(1.0) as usize;
+        let excess = series
+            .iter()
+            .map(|row| slow_excess(row, covariance(row, row) * long_run, terms));
+        ResidualNoise {
+            times,
+            memory,
+            between,
+            slow: excess.sum::<f64>() / count,
+        }
+    }
+
+    /// The covariance times `column`, which holds one series after the other.
+    pub fn times(&self, column: &[f64]) -> Vec<f64> {
+        let remembered: Vec<f64> = column
+            .chunks_exact(self.times)
+            .flat_map(|row| self.in_time(row))
+            .collect();
+        let mut product = vec![0.0; column.len()];
+        for (out, weights) in product.chunks_exact_mut(self.times).zip(&self.between) {
+            for (row, weight) in remembered.chunks_exact(self.times).zip(weights) {
+                out.iter_mut()
+                    .zip(row)
+                    .for_each(|(out, value)| *out += weight * value);
+            }
+        }
+        product.iter_mut().for_each(|value| *value *= self.slow);
+        product
+    }
+
+    /// The correlation in time times a series: `SUM_u rho^|t-u| x_u`, by one pass each way.
+    fn in_time(&self, row: &[f64]) -> Vec<f64> {
+        let mut product = row.to_vec();
+        let mut carried = 0.0;
+        for (out, value) in product.iter_mut().zip(row) {
+            *out += carried;
+            carried = self.memory * (carried + value);
+        }
+        carried = 0.0;
+        for (out, value) in product.iter_mut().zip(row).rev() {
+            *out += carried;
+            carried = self.memory * (carried + value);
+        }
+        product
+    }
+
+    /// Independent readings that the group is worth.
+    pub fn independent_readings(&self) -> f64 {
+        let places = self.between.len();
+        let trace: f64 = (0..places).map(|k| self.between[k][k]).sum();
+        let squares: f64 = self.between.iter().map(|row| square(row)).sum();
+        let independent_places = if squares > 0.0 {
+            trace * trace / squares
+        } else {
+            places as f64
+        };
+        let long_run = (1.0 + self.memory) / (1.0 - self.memory) * self.slow;
+        self.times as f64 * independent_places / long_run
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Series with a memory in time and a part that all have in common.
+    fn draw(places: usize, times: usize, memory: f64, common: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
+        let mut series = |share: f64| -> Vec<f64> {
+            let mut last: f64 = StandardNormal.sample(random);
+            let mut next = || {
+                let fresh: f64 = StandardNormal.sample(random);
+                last = memory * last + (1.0 - memory * memory).sqrt() * fresh;
+                share * last
+            };
+            (0..times).map(|_| next()).collect()
+        };
+        let shared = series(common.sqrt());
+        let mut own = || series((1.0 - common).sqrt());
+        (0..places)
+            .flat_map(|_| own().iter().zip(&shared).map(|(a, b)| a + b).collect::<Vec<_>>())
+            .collect()
+    }
+
+    #[test]
+    fn variance_of_sums_is_that_of_draws() {
+        let (places, times) = (6, 300);
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let slope: Vec<f64> = (0..places * times)
+            .map(|k| ((k % times) as f64 / 40.0).sin() + (k / times) as f64 * 0.2)
+            .collect();
+        for (memory, common) in [(0.0, 0.0), (0.7, 0.0), (0.7, 0.5)] {
+            let (mut stated, mut made) = (0.0, 0.0);
+            for _ in 0..200 {
+                let noise = draw(places, times, memory, common, &mut random);
+                made += dot(&slope, &noise).powi(2) / 200.0;
+                let found = ResidualNoise::of(&noise, times, 0.0);
+                stated += dot(&slope, &found.times(&slope)) / 200.0;
+            }
+            let ratio = stated / made;
+            assert!((0.75..1.3).contains(&ratio), "{memory} {common}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn shared_noise_is_worth_fewer_readings() {
+        let mut random = ChaCha8Rng::seed_from_u64(8);
+        let worth = |memory, common, random: &mut ChaCha8Rng| {
+            ResidualNoise::of(&draw(8, 400, memory, common, random), 400, 2.0).independent_readings()
+        };
+        let (free, shared, slow) = (
+            worth(0.0, 0.0, &mut random),
+            worth(0.0, 0.9, &mut random),
+            worth(0.8, 0.0, &mut random),
+        );
+        assert!(free > 2500.0, "{free}");
+        assert!(shared < 700.0, "{shared}");
+        assert!(slow < 600.0, "{slow}");
+    }
+}
