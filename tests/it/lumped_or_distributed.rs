@@ -93,7 +93,7 @@ fn resistance_along_the_strip_is_named_from_places() {
 fn even_strips_are_left_in_peace() {
     let folder = campaign(&table(&strip(1e-3), None, 6));
     for (name, seed) in [("b", 16), ("c", 26), ("d", 36)] {
-        folder.write(&format!("runs/{name}.csv"), &table(&strip(1e-3), None, seed));
+        folder.write(&format!("runs/{name}.csv"), table(&strip(1e-3), None, seed));
         folder.write(&format!("runs/{name}.csv.toml"), "voltage_v = 1.5\n");
     }
     let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();

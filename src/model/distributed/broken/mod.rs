@@ -3,7 +3,7 @@
 //! With `w = V0 - v` and `z = V0 - q/C` the strip obeys `-(w'/R_e)' + a w = V0/R_ss + z/R_c`, `z' = r (w - z)`,
 //! `w(0) = 0`, `w'(L) = 0`, `a = 1/R_c + 1/R_ss`, for any R_e along it. The modes of `-(w'/R_e)'` alone decouple these
 //! equations in place, and each mode is solved in time in closed form. The modes are sought among polynomials of degree
-//! [`DEGREE`] on either side of the break (integrated Legendre polynomials), in which profiles that are smooth on
+//! `DEGREE` on either side of the break (integrated Legendre polynomials), in which profiles that are smooth on
 //! either side converge faster than any power of the degree: at once after the step and in the end alike.
 
 use super::DistributedModel;
