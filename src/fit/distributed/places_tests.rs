@@ -112,9 +112,13 @@ fn with_input<R>(
     })
 }
 
-/// Draws: few, or many where `IEAP_LONG` is set.
-fn draws(few: u64, many: u64) -> u64 {
-    std::env::var_os("IEAP_LONG").map_or(few, |_| many)
+/// Draws: few, or `IEAP_DRAWS` times as many. A hundred times takes an hour: it is a proof of its own, and no part of
+/// the long tests of a change.
+fn draws(few: u64) -> u64 {
+    let times = std::env::var("IEAP_DRAWS")
+        .ok()
+        .and_then(|times| times.parse().ok());
+    few * times.unwrap_or(1)
 }
 
 /// Counts of an event of chance `p` that `n` draws exceed in less than one of 2000 cases.
@@ -138,7 +142,7 @@ fn even_strips_are_called_uneven_no_more_often_than_stated() {
                 voltages,
                 ..CLEAN
             };
-            let n = draws(10, 1000);
+            let n = draws(10);
             let uneven = (0..n)
                 .filter(|&seed| {
                     with_input(&EVEN, &case, seed, |input| {
@@ -157,7 +161,7 @@ fn even_strips_are_called_uneven_no_more_often_than_stated() {
 
 #[test]
 fn resistance_is_told_from_a_coupling_that_differs_from_place_to_place() {
-    for seed in 0..draws(4, 100) {
+    for seed in 0..draws(4) {
         let case = Case {
             noise: 0.003,
             memory: 0.6,
@@ -171,7 +175,7 @@ fn resistance_is_told_from_a_coupling_that_differs_from_place_to_place() {
         uneven_coupling: 0.1,
         ..CLEAN
     };
-    let n = draws(10, 300);
+    let n = draws(10);
     let named = (0..n)
         .filter(|&seed| {
             with_input(&EVEN, &case, seed, |input| {
@@ -186,7 +190,7 @@ fn resistance_is_told_from_a_coupling_that_differs_from_place_to_place() {
 fn a_break_is_found_and_placed_from_voltages_and_from_curvatures() {
     for voltages in [true, false] {
         let (mut found, mut inside) = (0, 0);
-        let n = draws(3, 100);
+        let n = draws(3);
         for seed in 0..n {
             let case = Case {
                 contact_break: Some((1.3, 3.0)),
@@ -224,7 +228,7 @@ fn clean_strips_break_no_more_often_than_stated() {
                 voltages,
                 ..CLEAN
             };
-            let n = draws(4, 400);
+            let n = draws(4);
             let broken = (0..n)
                 .filter(|&seed| {
                     with_input(model, &case, seed, |input| {
