@@ -172,8 +172,14 @@ fn single(extent: &Extent) -> String {
         METHODS.join(" | "),
         "---|".repeat(METHODS.len())
     );
+    let asked = |what: &str, value: &str| {
+        std::env::var(what).map_or(true, |asked| asked.split(',').any(|a| a == value))
+    };
     for (name, drives) in designs {
         for d in STRENGTHS {
+            if !asked("DRIVES", key(drives)) || !asked("STRENGTHS", &d.to_string()) {
+                continue;
+            }
             let tallies = tallied(&hunted(extent, drives, d));
             let cells: Vec<String> = tallies
                 .iter()
@@ -198,6 +204,14 @@ fn single(extent: &Extent) -> String {
         }
     }
     table
+}
+
+fn key(drives: Drives) -> &'static str {
+    match drives {
+        Drives::Step => "step",
+        Drives::Discharge => "discharge",
+        Drives::Five => "five",
+    }
 }
 
 fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<(Vec<Said>, Option<&'static str>)> {

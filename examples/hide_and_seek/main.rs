@@ -4,10 +4,10 @@
 //! `-- benchmark 2 9000000 docs/benchmark.svg`, which asks textbook criteria and a linear oracle as well, or
 //! `-- short`, which fails where a few groups of each kind come out worse than chance would have them.
 //!
-//! Environment: `SHOW=1` and `NOISE=1` print details (`SHOW=wrong` of wrong names only, `SHOW=strength` of
-//! strengths outside of their intervals), `DRIVES=step` or `discharge`
-//! takes one or two runs in place of five, `GROWING=1` lets the noise at the largest signal of a run be
-//! `sqrt(1 + GROWING^2)` times that at none.
+//! Environment: `SHOW=1` and `NOISE=1` print details (`SHOW=wrong` of wrong names only, `SHOW=strength` of strengths
+//! outside of their intervals); `DRIVES=step` or `discharge` takes one or two runs in place of five; `STRENGTHS=16,32` and
+//! `DRIVES=five` take a part of the benchmark's table of single causes; `GROWING=1` lets the noise at the largest signal
+//! of a run be `sqrt(1 + GROWING^2)` times that at none.
 
 mod benchmark;
 mod case;
