@@ -11,6 +11,8 @@ use crate::model::effects::effect;
 const ID: &str = "lengthwise-resistance";
 /// Chance below which places prove it, as for any cause.
 const PROVED: f64 = 0.01;
+/// Chances are stated down to here: below it they tell of a far tail of the noise that nothing has checked.
+const LEAST: f64 = 1e-6;
 
 /// What a run of the group says of it: its name and the decision.
 pub type PlacesOfRun<'a> = (&'a str, Decision);
@@ -28,7 +30,7 @@ pub fn with_places(mut found: GroupDiagnosis, runs: &[PlacesOfRun]) -> GroupDiag
     let Some((clearest, p)) = asked.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied() else {
         return found;
     };
-    let p = (p * asked.len() as f64).min(1.0);
+    let p = (p * asked.len() as f64).clamp(LEAST, 1.0);
     found
         .remarks
         .push(format!("{}: {}", clearest.0, clearest.1.issue().message));
@@ -48,9 +50,10 @@ fn proved(mut found: GroupDiagnosis, clearest: &PlacesOfRun, p: f64) -> GroupDia
     let is_it = |id: &str| id == ID || twins.contains(&id);
     let others = found.set.iter().any(|id| !is_it(id)) && found.verdict == Verdict::Named;
     if others {
-        found
-            .remarks
-            .push(format!("besides, places along the strip show {ID}, p = {p:.1e}"));
+        found.remarks.push(format!(
+            "besides, places along the strip show {ID}, {}",
+            chance(p)
+        ));
         return found;
     }
     let fitted = found.effects.len() == 1 && found.effects[0].effect == ID;
@@ -83,12 +86,20 @@ fn proved(mut found: GroupDiagnosis, clearest: &PlacesOfRun, p: f64) -> GroupDia
     };
     let summary = effect(ID).map_or("", |effect| effect.about().summary);
     found.sentence = format!(
-        "The simulation misses {ID} ({summary}): places along the strip tell it from every cause of the strip as a whole, p = {p:.1e}."
+        "The simulation misses {ID} ({summary}): places along the strip tell it from every cause of the strip as a whole, {}.",
+        chance(p)
     );
     if found.verdict == Verdict::Partial {
         found.sentence += " A misfit of another kind is left.";
     }
     found
+}
+
+fn chance(p: f64) -> String {
+    match p > LEAST {
+        true => format!("p = {p:.1e}"),
+        false => format!("p below {LEAST:.0e}"),
+    }
 }
 
 /// Where places do not differ, a resistance beyond what they allow is no cause.
