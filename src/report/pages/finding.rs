@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::Content;
 use super::finding_alone::{AloneRow, alone_rows};
-use super::finding_words::{lead, probability, shift_words, test_words, verdict_word};
+use super::finding_words::{equation, lead, shift_words, test_words, verdict_word};
 use super::wording::{EstimateText, RunLink, listed};
 use crate::analysis::ParameterInfo;
 use crate::domain::campaign::Adopted;
@@ -253,8 +253,8 @@ fn effect_block(finding: &EffectFinding, findings: &Findings) -> EffectBlock {
         summary: text(|effect| &effect.summary),
         equation: text(|effect| &effect.equation),
         parameters: finding.parameters.iter().map(parameter).collect(),
-        p: probability(Some(finding.p)),
-        q: probability(finding.q),
+        p: equation("p", Some(finding.p)),
+        q: equation("q", finding.q),
         twins: listed(&finding.twins),
         separated_by: text(|effect| &effect.separated_by),
     }

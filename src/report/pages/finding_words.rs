@@ -67,8 +67,8 @@ pub fn chance(p: f64) -> String {
     match p {
         p if !p.is_finite() => "not known how often".to_owned(),
         p if p >= 0.1 => format!("in {} of 100 cases", fixed(100.0 * p, 0)),
-        p if p > 0.0 => format!("in 1 of {} cases", significant(1.0 / p, 2)),
-        _ => "never".to_owned(),
+        p if p >= 1e-4 => format!("in 1 of {} cases", significant(1.0 / p, 2)),
+        _ => "in fewer than 1 of 10000 cases".to_owned(),
     }
 }
 
@@ -85,20 +85,29 @@ pub fn probability(p: Option<f64>) -> String {
     }
 }
 
+/// A probability with its symbol: `p = 0.31`, `p < 0.0001`.
+pub fn equation(symbol: &str, p: Option<f64>) -> String {
+    let text = probability(p);
+    match text.starts_with('<') {
+        true => format!("{symbol} {text}"),
+        false => format!("{symbol} = {text}"),
+    }
+}
+
 /// The tests of a group in words; nothing where the readings allow no finding.
 pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
     let Some(p) = found.p_misfit.filter(|_| found.verdict != Verdict::DataProblem) else {
         return Vec::new();
     };
     let misfit = format!(
-        "If the simulation were right, chance alone would leave residuals at least as bad {} (p = {}).",
+        "If the simulation were right, chance alone would leave residuals at least as bad {} ({}).",
         chance(p),
-        probability(Some(p))
+        equation("p", Some(p))
     );
     let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
         format!(
             "Of all findings of this campaign that are as clear as this one, a share of {} or less is expected to be chance (q).",
-            probability(Some(q))
+            probability(Some(q)).trim_start_matches("< ")
         )
     });
     [Some(misfit), together].into_iter().flatten().collect()
@@ -217,6 +226,9 @@ mod tests {
     fn chance_is_told_in_cases() {
         assert_eq!(chance(0.31), "in 31 of 100 cases");
         assert_eq!(chance(0.001), "in 1 of 1000 cases");
+        assert_eq!(chance(1e-6), "in fewer than 1 of 10000 cases");
+        assert_eq!(equation("p", Some(0.001)), "p = 0.001");
+        assert_eq!(equation("q", Some(1e-6)), "q < 0.0001");
     }
 
     #[test]
