@@ -132,7 +132,7 @@ fn print(group: &GroupEntry, output: &Output) {
     }
     if let Some(gain) = &group.gain {
         output.result(&format!(
-            "    on held-out {}s the sum of squares falls by {:.4} +- {:.2}; residuals {:.3} -> {:.3} sigma",
+            "    on held-out {}s the deviance falls by {:.1} +- {:.1}; residuals {:.3} -> {:.3} sigma",
             gain.held_out,
             gain.deviance,
             gain.standard_error,
