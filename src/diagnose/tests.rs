@@ -126,9 +126,9 @@ impl Runs {
     }
 }
 
-/// Falls of the sum of squares by a full search for each effect, from its best probe: id, forecast, quick search, to
-/// the end.
-fn searched(runs: &Runs, ids: &[&str]) -> Vec<(String, f64, f64, f64)> {
+/// Falls of the sum of squares by a full search for each effect, from its best probe to the end: id, forecast,
+/// fall.
+fn searched(runs: &Runs, ids: &[&str]) -> Vec<(String, f64, f64)> {
     let inputs = runs.inputs();
     let raw = group::Group::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
@@ -145,10 +145,9 @@ fn searched(runs: &Runs, ids: &[&str]) -> Vec<(String, f64, f64, f64)> {
             let best = own.max_by(|a, b| null::gain(a, &residuals).total_cmp(&null::gain(b, &residuals)))?;
             let signature = &all[best.signature];
             let strength = signature.part * crate::numerics::sums::dot(&best.unit, &residuals) / best.norm;
-            let quick = beside.extended(signature, strength)?;
-            let quick_fall = base.square - quick.square;
-            let end = base.square - quick.arrived().square;
-            Some(((*id).to_owned(), null::gain(best, &residuals), quick_fall, end))
+            let fitted = beside.extended(signature, strength)?.arrived();
+            let fall = base.square - fitted.square;
+            Some(((*id).to_owned(), null::gain(best, &residuals), fall))
         };
         ids.iter().filter_map(of).collect()
     })
@@ -162,10 +161,10 @@ fn a_strong_effect_that_a_refit_takes_up_is_found_from_where_the_others_made_roo
     let runs = Runs::with(Some(hidden), &[STEP], 3);
     let found = searched(&runs, &["partial-relaxation", "moisture-bending", "creep"]);
     assert_eq!(found.len(), 3);
-    let (_, forecast, _, truth) = &found[0];
+    let (_, forecast, truth) = &found[0];
     assert!(*forecast > 1000.0 && *truth > *forecast, "{found:?}");
     // Nothing explains more than the truth does but for the noise that a further parameter takes up.
-    for (id, _, _, other) in &found[1..] {
+    for (id, _, other) in &found[1..] {
         assert!(*other < truth + 12.0, "{id}: {found:?}");
     }
 }
@@ -203,8 +202,8 @@ fn a_clean_group_is_consistent_and_says_what_it_could_not_have_seen() {
     let found = Runs::with(None, &[STEP, REVERSED], 5).diagnosed();
     assert_eq!(found.verdict, Verdict::Consistent, "{}", found.sentence);
     assert!(found.effects.is_empty() && found.set.is_empty());
-    let leak = found.candidates.iter().find(|c| c.effect == "camera-zero");
-    assert!(leak.is_none_or(|c| c.detectable_strength > 0.0 && !c.accepted));
+    assert!(found.candidates.len() > 10 && found.candidates.iter().all(|c| !c.accepted));
+    assert!(found.candidates.iter().all(|c| c.detectable_strength != 0.0));
 }
 
 /// The fall is counted from the base refitted without the part: where the base is right neither predicts better.
@@ -222,7 +221,7 @@ fn without_a_cause_the_nameless_answer_predicts_no_better_than_the_base() {
     assert!(falls.iter().sum::<f64>() < select::BEATEN, "{falls:?}");
 }
 
-/// A softening strip is no linear memory of the voltage: half of it tells nothing of the whole.
+/// A capacitance that follows the voltage is no linear memory of it: half a voltage tells nothing of the whole.
 #[test]
 fn a_cause_beats_the_nameless_answer_where_a_voltage_was_not_seen() {
     let hidden: Hidden = (
