@@ -73,7 +73,7 @@ impl<'a, 'g> Beside<'a, 'g> {
             .collect();
         let shift = self.normal.solve(&right, 1e-10);
         let most = shift.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
-        let scale = (FARTHEST / most.max(FARTHEST)).min(1.0);
+        let scale = FARTHEST / most.max(FARTHEST);
         shift.iter().map(|shift| scale * shift).collect()
     }
 }

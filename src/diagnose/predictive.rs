@@ -31,7 +31,7 @@ impl Predictive {
     pub(super) fn of(fitted: &Fitted) -> Predictive {
         let (_, columns) = fitted.problem.slope(&fitted.at, &[]);
         Predictive {
-            information: information(&columns, &[], |_| BEFORE),
+            information: information(&columns, &[]),
             square: fitted.square,
             columns,
         }
@@ -39,15 +39,15 @@ impl Predictive {
 
     /// Deviance of the rows that are `out`, where the others leave the least sum of squares `others`.
     pub(super) fn deviance(&self, out: &[bool], others: f64) -> f64 {
-        self.square - others + self.information - information(&self.columns, out, |_| BEFORE)
+        self.square - others + self.information - information(&self.columns, out)
     }
 }
 
-/// ln det(N + P) of the rows that are not `out`; `before` tells the diagonal of P.
-pub(super) fn information(columns: &[Vec<f64>], out: &[bool], before: impl Fn(usize) -> f64) -> f64 {
+/// ln det(N + P) of the rows that are not `out`.
+fn information(columns: &[Vec<f64>], out: &[bool]) -> f64 {
     let mut normal = normal(columns, out);
     for k in 0..columns.len() {
-        normal.add(k, k, before(k));
+        normal.add(k, k, BEFORE);
     }
     normal.log_determinant()
 }
@@ -97,8 +97,8 @@ mod tests {
             )
         };
         let ((whole, ..), (others, at, normal)) = (least(&[]), least(&out));
-        let found = whole - others + information(std::slice::from_ref(&column), &[], |_| BEFORE)
-            - information(std::slice::from_ref(&column), &out, |_| BEFORE);
+        let found = whole - others + information(std::slice::from_ref(&column), &[])
+            - information(std::slice::from_ref(&column), &out);
         // Prediction c x with variance 1 + c c / N': by Sherman and Morrison.
         let held: Vec<usize> = (8..12).collect();
         let off: Vec<f64> = held.iter().map(|&k| readings[k] - at * column[k]).collect();
