@@ -14,6 +14,7 @@ pub fn made() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         ("spreadsheet", "log.xlsx", xlsx(&[LOG])),
         ("spreadsheet", "log.xls", xls(&[LOG])),
         ("parquet", "run.parquet", parquet()),
+        ("parquet", "encodings.parquet", parquet_encodings()),
     ]
 }
 
@@ -246,5 +247,78 @@ pub fn parquet() -> Vec<u8> {
     polars_io::parquet::write::ParquetWriter::new(&mut bytes)
         .finish(&mut frame)
         .expect("a Parquet file is written");
+    bytes
+}
+
+/// A run as Parquet without compression, each column in an encoding of its own: damage reaches the decoders.
+fn parquet_encodings() -> Vec<u8> {
+    use parquet::basic::Encoding;
+    use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+    use parquet::file::properties::{WriterProperties, WriterVersion};
+    use parquet::file::writer::SerializedFileWriter;
+    use parquet::schema::parser::parse_message_type;
+
+    let schema = "message run { required double time_s; optional double current_a; optional int64 cycle; \
+                  optional binary status (STRING); optional binary note (STRING); }";
+    let schema = parse_message_type(schema).expect("a schema");
+    let encoded = [
+        ("time_s", Encoding::BYTE_STREAM_SPLIT),
+        ("cycle", Encoding::DELTA_BINARY_PACKED),
+        ("status", Encoding::DELTA_BYTE_ARRAY),
+    ];
+    let properties = encoded.iter().fold(
+        WriterProperties::builder().set_writer_version(WriterVersion::PARQUET_2_0),
+        |properties, (name, encoding)| {
+            let properties = properties.set_column_dictionary_enabled((*name).into(), false);
+            properties.set_column_encoding((*name).into(), *encoding)
+        },
+    );
+    let mut bytes = Vec::new();
+    let mut file = SerializedFileWriter::new(&mut bytes, schema.into(), properties.build().into())
+        .expect("a Parquet file is begun");
+    let levels: Vec<i16> = (0..40).map(|row| i16::from(row % 9 != 4)).collect();
+    let filled: Vec<usize> = (0..40).filter(|row| row % 9 != 4).collect();
+    let texts = |text: &dyn Fn(usize) -> String| -> Vec<ByteArray> {
+        filled.iter().map(|&row| text(row).as_str().into()).collect()
+    };
+    let mut group = file.next_row_group().expect("a row group");
+    let mut number = 0;
+    while let Some(mut column) = group.next_column().expect("a column") {
+        let written = match number {
+            0 => {
+                let times: Vec<f64> = (0..40).map(|row| f64::from(row) * 0.5).collect();
+                column.typed::<DoubleType>().write_batch(&times, None, None)
+            }
+            1 => {
+                let currents: Vec<f64> = filled.iter().map(|&row| (row / 5) as f64 * 1e-3).collect();
+                column
+                    .typed::<DoubleType>()
+                    .write_batch(&currents, Some(&levels), None)
+            }
+            2 => {
+                let cycles: Vec<i64> = filled.iter().map(|&row| row as i64 * 3 - 7).collect();
+                column
+                    .typed::<Int64Type>()
+                    .write_batch(&cycles, Some(&levels), None)
+            }
+            3 => {
+                let statuses = texts(&|row| format!("range {}", row % 3));
+                column
+                    .typed::<ByteArrayType>()
+                    .write_batch(&statuses, Some(&levels), None)
+            }
+            _ => {
+                let notes = texts(&|row| ["a", "b"][row % 2].to_owned());
+                column
+                    .typed::<ByteArrayType>()
+                    .write_batch(&notes, Some(&levels), None)
+            }
+        };
+        written.expect("values are written");
+        column.close().expect("a column is ended");
+        number += 1;
+    }
+    group.close().expect("a row group is ended");
+    file.close().expect("a file is ended");
     bytes
 }
