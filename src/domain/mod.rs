@@ -10,6 +10,7 @@ pub mod drive;
 pub mod estimate;
 pub mod fit;
 pub mod issue;
+pub mod left_out;
 pub mod modulus;
 pub mod monitoring;
 mod number_or_null;

@@ -28,14 +28,19 @@ pub mod keys {
     pub const OPERATOR: &str = "operator";
     /// Free text.
     pub const NOTE: &str = "note";
-    /// Stretches of open circuit, s: `600-1200, 1800-2400`; the only tag whose value may be a list.
+    /// Stretches of open circuit, s: `600-1200, 1800-2400`; the value may be a list.
     pub const OPEN_CIRCUIT: &str = "open_circuit";
+    /// Stretches of which no reading is used in fits, s; the value may be a list.
+    pub const LEAVE_OUT: &str = "leave_out";
+    /// Marks of the instrument while which the current is not used in fits: names of their columns or their texts.
+    pub const LEAVE_OUT_MARKED: &str = "leave_out_marked";
+    /// Keys that speak of the record and not of the run.
+    pub const RECORD: [&str; 4] = [OPEN_CIRCUIT, LEAVE_OUT, LEAVE_OUT_MARKED, CLOCK_OFFSET_S];
     /// Seconds to add to the times of every clock of a run but the one of its voltage (or current).
     pub const CLOCK_OFFSET_S: &str = "clock_offset_s";
     /// Id of the planned run that this is, from a run sheet; a free tag.
     pub const PLANNED: &str = "planned";
-    /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, [`OPEN_CIRCUIT`],
-    /// which may be a list, and [`CLOCK_OFFSET_S`], which speaks of the record and not of the run.
+    /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, and those of [`RECORD`].
     pub const CONDITIONS: [&str; 11] = [
         SAMPLE,
         ENVIRONMENT,

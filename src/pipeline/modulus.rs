@@ -93,7 +93,8 @@ impl AnalyseModulus {
 fn input_hash(log: &RunRecord) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(format!("{} {}", dma::VERSION, log.data_hash).as_bytes());
-    for tag in log.tags.iter().filter(|tag| tag.key.ends_with(keys::COLUMN)) {
+    let counts = |key: &str| key.ends_with(keys::COLUMN) || key == keys::LEAVE_OUT;
+    for tag in log.tags.iter().filter(|tag| counts(&tag.key)) {
         hasher.update(format!("{:?}", (&tag.key, &tag.value)).as_bytes());
     }
     hasher.finalize().to_hex().to_string()

@@ -22,7 +22,7 @@ pub struct FitTask {
     pub length_cm: Option<f64>,
     /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
     pub electrode_resistance_ohm_per_sq: Option<f64>,
-    /// Hash of the readings, with the clock offsets that are applied.
+    /// Hash of the readings, with the clock offsets that are applied and the tags that leave readings out.
     pub data_hash: String,
     /// Input hash of the current fit, or of the last failure.
     pub done_input_hash: Option<String>,
@@ -48,7 +48,9 @@ impl Store {
         let doing = "listing runs to fit";
         let sql = "SELECT run.id, run.path, run.drive, run.area_cm2, run.length_cm,
                           run.data_hash || coalesce((SELECT group_concat(':' || clock || '=' || offset_s, '')
-                              FROM clock_offset WHERE run_id = run.id AND applied = 1), ''),
+                              FROM clock_offset WHERE run_id = run.id AND applied = 1), '')
+                           || coalesce((SELECT group_concat(':' || key || '=' || value, '' ORDER BY key) FROM tag
+                              WHERE run_id = run.id AND chosen = 1 AND key IN ('leave_out', 'leave_out_marked')), ''),
                           coalesce(fit.input_hash, fit_failure.input_hash),
                           run.electrode_resistance_ohm_per_sq
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL

@@ -12,6 +12,8 @@ use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging};
 use super::origin::{delete_stated_offset, shift};
 use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
+use crate::domain::left_out;
+use crate::domain::tag::keys;
 use crate::domain::{
     Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunOrigin, RunRecord, RunState, RunStatus,
     Severity, Tag, TagSource,
@@ -231,17 +233,35 @@ impl Store {
             .map_err(|e| self.failed("reading a run", e))
     }
 
-    /// Readings of a run, with the clock offsets applied that are stated.
+    /// Readings of a run, with the clock offsets applied that are stated, and those left out that its tags leave out.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn channels(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
         let mut channels = self.channels_as_read(run_id)?;
+        if let Some(tag) = self.chosen_tag(run_id, keys::LEAVE_OUT_MARKED)? {
+            left_out::leave_out_marked(&mut channels, &tag, &self.origin(run_id)?.flags);
+        }
         for (first, count, offset_s) in self.applied_offsets(run_id)? {
             let timed = first.min(channels.len())..(first + count).min(channels.len());
             shift(&mut channels[timed], offset_s);
         }
+        // What is no list of stretches was pointed out when the run was tagged.
+        let stretches = self.chosen_tag(run_id, keys::LEAVE_OUT)?;
+        let stretches = stretches.and_then(|text| left_out::stretches(&text));
+        left_out::leave_out(&mut channels, &stretches.unwrap_or_default());
         Ok(channels)
+    }
+
+    fn chosen_tag(&self, run_id: i64, key: &str) -> Result<Option<String>, StoreError> {
+        self.connection
+            .prepare_cached("SELECT value FROM tag WHERE run_id = ?1 AND key = ?2 AND chosen = 1")
+            .and_then(|mut statement| {
+                statement
+                    .query_row(params![run_id, key], |row| row.get(0))
+                    .optional()
+            })
+            .map_err(|e| self.failed("reading a tag", e))
     }
 
     /// Readings of a run with the times of their files.

@@ -248,9 +248,8 @@ fn a_joined_run_that_was_only_touched_makes_no_revision() {
     assert_eq!(folder.run_json()["ingest"]["revised"], json!(["runs/a.csv"]));
 }
 
-#[test]
-fn marks_of_an_instrument_are_kept_and_shown() {
-    let folder = CampaignFolder::new();
+/// A record of Gamry with an overload of the current and one of the auxiliary input.
+fn marked_record() -> String {
     let mut text = "EXPLAIN\r\nTAG\tCHRONOA\r\nTITLE\tLABEL\tx\tt\r\nDATE\tLABEL\t13.5.2026\tDate\r\n\
                     TIME\tLABEL\t10:20:30\tTime\r\nCURVE\tTABLE\r\n\tPt\tT\tVf\tIm\tOver\r\n\
                     \t#\ts\tV vs. Ref.\tA\tbits\r\n"
@@ -265,7 +264,13 @@ fn marks_of_an_instrument_are_kept_and_shown() {
         let current_a = 1e-3 * (-time_s / 5.0).exp() + 1e-5;
         text += &format!("\t{row}\t{time_s}\t1.5\t{current_a:e}\t{over}\r\n");
     }
-    folder.write("runs/a.DTA", &text);
+    text
+}
+
+#[test]
+fn marks_of_an_instrument_are_kept_and_shown() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.DTA", &marked_record());
     folder.run_json();
     let fit = fit(&folder, "runs/a.DTA");
     let flags = fit["origin"]["flags"].as_array().unwrap();
@@ -298,4 +303,43 @@ fn marks_of_an_instrument_are_kept_and_shown() {
     ] {
         assert!(page.contains(part), "{part}");
     }
+}
+
+#[test]
+fn tags_leave_readings_out_by_mark_and_by_time_and_give_them_back() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.DTA", &marked_record());
+    let count = |what: &str| {
+        let summary = folder.run_json();
+        let fit = fit(&folder, "runs/a.DTA");
+        let notes = fit["issues"].as_array().unwrap().iter();
+        let notes: Vec<String> = notes
+            .filter(|issue| issue["place"] == what)
+            .map(|issue| issue["message"].as_str().unwrap().to_owned())
+            .collect();
+        let samples = fit["n_samples"].as_u64().unwrap();
+        (samples, summary["fit"]["fitted"].as_u64().unwrap(), notes)
+    };
+    // Two of sixty readings are overloads of the current.
+    let (before, fitted, notes) = count("leave_out_marked");
+    assert_eq!((before, fitted, notes.len()), (58, 1, 0));
+    folder.write(
+        "runs/a.DTA.toml",
+        "leave_out_marked = \"..........a\"\nleave_out = [[10, 12]]\n",
+    );
+    let (left, fitted, notes) = count("leave_out_marked");
+    assert_eq!((left, fitted), (before - 1 - 5, 1), "{notes:?}");
+    assert_eq!(
+        notes,
+        ["left out of fits by the tag `leave_out_marked`: 1 of 60 readings of Im"]
+    );
+    folder.write(
+        "runs/a.DTA.toml",
+        "leave_out_marked = \"Range\"\nleave_out = \"noon\"\n",
+    );
+    let (back, fitted, notes) = count("leave_out_marked");
+    assert_eq!((back, fitted), (before, 1));
+    assert!(notes[0].contains("its marks are Over=..........a, "), "{notes:?}");
+    let (_, fitted, notes) = count("leave_out");
+    assert_eq!((fitted, notes.len()), (0, 1), "{notes:?}");
 }

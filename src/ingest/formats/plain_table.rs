@@ -107,5 +107,8 @@ pub fn is_flag(header: &Header) -> bool {
 
 /// Whether a `#` comment with that key is a tag, as in `# sample: CNaf-01`.
 fn is_comment_tag(key: &str) -> bool {
-    key == keys::NOTE || key == keys::OPEN_CIRCUIT || keys::CONDITIONS.contains(&key)
+    key == keys::NOTE
+        || key == keys::OPEN_CIRCUIT
+        || key == keys::LEAVE_OUT
+        || keys::CONDITIONS.contains(&key)
 }

@@ -178,7 +178,9 @@ fn flat(key: &str, value: &toml::Value) -> Option<String> {
         toml::Value::Float(number) => Some(shortest(*number)),
         toml::Value::Boolean(truth) => Some(truth.to_string()),
         toml::Value::Datetime(moment) => Some(moment.to_string()),
-        toml::Value::Array(_) if key == keys::OPEN_CIRCUIT => Some(value.to_string()),
+        toml::Value::Array(_) if [keys::OPEN_CIRCUIT, keys::LEAVE_OUT].contains(&key) => {
+            Some(value.to_string())
+        }
         toml::Value::Array(_) | toml::Value::Table(_) => None,
     }
 }
@@ -204,9 +206,7 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
 
 /// A note on a free tag that looks like a misspelt key with a meaning.
 fn misspelt(key: &str, shown: &str) -> Option<Issue> {
-    let known = keys::CONDITIONS
-        .into_iter()
-        .chain([keys::OPEN_CIRCUIT, keys::CLOCK_OFFSET_S]);
+    let known = keys::CONDITIONS.into_iter().chain(keys::RECORD);
     let names_column = key
         .strip_suffix(keys::COLUMN)
         .is_some_and(|quantity| Quantity::from_key(quantity).is_some());

@@ -3,6 +3,7 @@
 mod batch;
 mod frame_folder;
 mod groups;
+mod left_out;
 mod prepare;
 mod readers;
 mod retag;

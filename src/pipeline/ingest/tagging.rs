@@ -1,8 +1,9 @@
 //! Tags of a run and what follows from them: whether it can be fitted, its drive, its dimensions.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use super::left_out;
 use super::retag::window;
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
@@ -243,7 +244,14 @@ fn rounded_level(level_v: f64) -> f64 {
 fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, digest: String) -> Tagging {
     let mut issues = resolved.issues.clone();
     let tag_v = resolved.value(keys::VOLTAGE_V).and_then(|text| text.parse().ok());
-    let open = open_stretches(resolved.value(keys::OPEN_CIRCUIT), &mut issues);
+    let open = left_out::stretches(
+        keys::OPEN_CIRCUIT,
+        resolved.value(keys::OPEN_CIRCUIT),
+        &mut issues,
+    );
+    left_out::by_time(input.channels, resolved.value(keys::LEAVE_OUT), &mut issues);
+    let marked = resolved.value(keys::LEAVE_OUT_MARKED);
+    left_out::by_mark(input.channels, &input.origin.flags, marked, &mut issues);
     let found = drive::find(input.channels, input.time_zero_is_step, tag_v, &open);
     issues.extend(found.issues);
     let sample = resolved
@@ -332,63 +340,4 @@ fn lengthless(channels: &[Channel], length_cm: Option<f64>) -> Option<Issue> {
         .at(Quantity::TipDisplacement.column())
         .mend("give the sample length_mm in campaign.toml")
     })
-}
-
-/// Reads `600-1200, 1800-2400` or a list of pairs.
-fn open_stretches(text: Option<&str>, issues: &mut Vec<Issue>) -> Vec<(f64, f64)> {
-    let Some(text) = text else { return Vec::new() };
-    let stretches = match text.trim_start().starts_with('[') {
-        true => listed_stretches(text),
-        false => text.split(',').map(stretch).collect(),
-    };
-    let in_order = stretches.filter(|all| all.iter().all(|(from, to)| from < to));
-    in_order.unwrap_or_else(|| {
-        let message = format!(
-            "`{}` is {text:?}, which is no list of stretches in seconds",
-            keys::OPEN_CIRCUIT
-        );
-        let mend = "write open_circuit = \"600-1200, 1800-2400\"";
-        issues.push(
-            Issue::warning("tag-unusable", message)
-                .at(keys::OPEN_CIRCUIT)
-                .mend(mend),
-        );
-        Vec::new()
-    })
-}
-
-/// `600-1200`.
-fn stretch(piece: &str) -> Option<(f64, f64)> {
-    let (from, to) = piece.split_once('-')?;
-    Some((from.trim().parse().ok()?, to.trim().parse().ok()?))
-}
-
-/// `[[600, 1200], [1800, 2400]]`, as a list in a tag file is kept.
-fn listed_stretches(text: &str) -> Option<Vec<(f64, f64)>> {
-    let mut table: BTreeMap<String, Vec<(f64, f64)>> = toml::from_str(&format!("list = {text}")).ok()?;
-    table.remove("list")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn open_stretches_are_read_or_pointed_out() {
-        let mut issues = Vec::new();
-        assert_eq!(
-            open_stretches(Some("600-1200, 1800-2400.5"), &mut issues),
-            vec![(600.0, 1200.0), (1800.0, 2400.5)]
-        );
-        assert_eq!(
-            open_stretches(Some("[[600, 1200], [1800.0, 2400.5]]"), &mut issues),
-            vec![(600.0, 1200.0), (1800.0, 2400.5)]
-        );
-        assert!(issues.is_empty());
-        assert!(open_stretches(Some("from noon"), &mut issues).is_empty());
-        assert!(open_stretches(Some("[[20.0, 10.0]]"), &mut issues).is_empty());
-        assert!(open_stretches(Some("[10.0, 20.0]"), &mut issues).is_empty());
-        assert_eq!(issues.len(), 3);
-        assert!(issues.iter().all(|issue| issue.code == "tag-unusable"));
-    }
 }
