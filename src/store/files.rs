@@ -50,12 +50,26 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn files(&self) -> Result<Vec<FileRow>, StoreError> {
+        self.files_where("TRUE")
+    }
+
+    /// The files that are there and were refused or wait, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn unsettled_files(&self) -> Result<Vec<FileRow>, StoreError> {
+        self.files_where("state IN ('refused', 'pending') AND missing_since IS NULL")
+    }
+
+    fn files_where(&self, condition: &str) -> Result<Vec<FileRow>, StoreError> {
         let doing = "listing files";
-        let sql = "SELECT path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since
-                   FROM source_file ORDER BY path";
+        let sql = format!(
+            "SELECT path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since
+             FROM source_file WHERE {condition} ORDER BY path"
+        );
         let mut statement = self
             .connection
-            .prepare_cached(sql)
+            .prepare_cached(&sql)
             .map_err(|e| self.failed(doing, e))?;
         let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
         let mut files = Vec::new();

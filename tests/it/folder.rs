@@ -173,11 +173,12 @@ fn what_happened_while_nobody_watched_shows_in_the_next_scan() {
     for name in ["same", "grown", "rewritten", "replaced", "renamed", "deleted"] {
         fs::write(runs.join(format!("{name}.csv")), "12345").unwrap();
     }
-    let known: Vec<Known> = look(folder.path())
+    let before = look(folder.path());
+    let known: Vec<Known> = before
         .files
-        .into_iter()
+        .iter()
         .map(|file| Known {
-            display: file.display,
+            display: &file.display,
             size_bytes: file.size_bytes,
             modified_ns: file.modified_ns,
             inode: file.inode,
@@ -211,7 +212,7 @@ fn what_happened_while_nobody_watched_shows_in_the_next_scan() {
     fs::rename(runs.join("renamed.csv"), runs.join("new-name.csv")).unwrap();
     fs::remove_file(runs.join("deleted.csv")).unwrap();
     let changes = diff(&known, &look(folder.path()));
-    let names = |files: &[ieap::ingest::scan::SeenFile]| -> Vec<String> {
+    let names = |files: &[std::sync::Arc<ieap::ingest::scan::SeenFile>]| -> Vec<String> {
         files.iter().map(|file| file.display.clone()).collect()
     };
     assert_eq!(names(&changes.new), ["runs/new-name.csv"]);
@@ -418,7 +419,7 @@ fn folders_without_rights_are_issues_and_the_rest_goes_on() {
         ("folder-unreadable", Severity::Warning)
     );
     let known = Known {
-        display: "runs/shut/b.csv".to_owned(),
+        display: "runs/shut/b.csv",
         size_bytes: 2,
         modified_ns: 1,
         inode: 1,

@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::domain::tag::keys;
 use crate::domain::{Issue, Tag, TagSource};
@@ -137,11 +138,11 @@ pub fn is_sheet(name: &str, bytes: &[u8]) -> bool {
 /// lines say so.
 pub fn among<'a>(
     campaign: &Path,
-    files: &'a [SeenFile],
+    files: &'a [Arc<SeenFile>],
     known: &BTreeSet<&str>,
     fresh: &BTreeSet<&str>,
 ) -> Vec<&'a str> {
-    let is_one = |file: &&SeenFile| {
+    let is_one = |file: &&Arc<SeenFile>| {
         let name = file.display.rsplit('/').next().unwrap_or(&file.display);
         match fresh.contains(file.display.as_str()) {
             // What was a sheet may have become a run.

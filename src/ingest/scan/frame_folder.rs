@@ -34,7 +34,7 @@ impl Walk<'_> {
             modified = modified.max(metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH));
         }
         self.found.folders.push(relative.to_path_buf());
-        self.found.files.push(SeenFile {
+        let file = SeenFile {
             display: display_path(relative),
             relative: relative.to_path_buf(),
             size_bytes,
@@ -42,7 +42,8 @@ impl Walk<'_> {
             inode: identity(&own).1,
             age: self.now.duration_since(modified).ok(),
             link_target: None,
-        });
+        };
+        self.found.files.push(file.into());
         Ok(())
     }
 }

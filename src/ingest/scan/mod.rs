@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use crate::domain::Issue;
@@ -75,7 +76,7 @@ impl SeenFile {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Scan {
     /// Files that can be data.
-    pub files: Vec<SeenFile>,
+    pub files: Vec<Arc<SeenFile>>,
     /// Folders looked into, relative to the campaign, the runs folder first.
     pub folders: Vec<PathBuf>,
     /// Folders that could not be looked into, as text: what is known below them is not gone.
@@ -309,7 +310,7 @@ impl Walk<'_> {
 
     fn file(&mut self, relative: PathBuf, metadata: &Metadata, link_target: Option<PathBuf>) {
         let modified = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-        self.found.files.push(SeenFile {
+        let file = SeenFile {
             display: display_path(&relative),
             relative,
             size_bytes: metadata.len(),
@@ -317,7 +318,8 @@ impl Walk<'_> {
             inode: identity(metadata).1,
             age: self.now.duration_since(modified).ok(),
             link_target,
-        });
+        };
+        self.found.files.push(file.into());
     }
 
     fn sorted(mut self) -> Scan {

@@ -1,14 +1,15 @@
 //! What is new, changed or gone between what is stored and what a scan saw.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::{Scan, SeenFile};
 
 /// A file as it is stored from the scan before.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Known {
+pub struct Known<'a> {
     /// Path as text, [`super::display_path`].
-    pub display: String,
+    pub display: &'a str,
     /// Size, bytes.
     pub size_bytes: u64,
     /// Modification time, ns since 1970.
@@ -23,11 +24,11 @@ pub struct Known {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Changes {
     /// Seen for the first time.
-    pub new: Vec<SeenFile>,
+    pub new: Vec<Arc<SeenFile>>,
     /// Other size, modification time or inode than stored, or back after it was gone: read it again.
-    pub changed: Vec<SeenFile>,
+    pub changed: Vec<Arc<SeenFile>>,
     /// As stored.
-    pub unchanged: Vec<SeenFile>,
+    pub unchanged: Vec<Arc<SeenFile>>,
     /// Stored, not marked missing, and not seen any more.
     pub gone: Vec<String>,
     /// Stored and not seen, but their folder could not be looked into: nothing is known of them.
@@ -43,8 +44,8 @@ impl Changes {
 }
 
 /// Compares what is stored with what a scan saw.
-pub fn diff(known: &[Known], seen: &Scan) -> Changes {
-    let stored: BTreeMap<&str, &Known> = known.iter().map(|file| (file.display.as_str(), file)).collect();
+pub fn diff(known: &[Known<'_>], seen: &Scan) -> Changes {
+    let stored: BTreeMap<&str, &Known<'_>> = known.iter().map(|file| (file.display, file)).collect();
     let present: BTreeSet<&str> = seen.files.iter().map(|file| file.display.as_str()).collect();
     let mut changes = Changes::default();
     for file in &seen.files {
@@ -53,7 +54,7 @@ pub fn diff(known: &[Known], seen: &Scan) -> Changes {
             Some(known) if known.missing || differs(known, file) => &mut changes.changed,
             Some(_) => &mut changes.unchanged,
         };
-        list.push(file.clone());
+        list.push(Arc::clone(file));
     }
     for (display, known) in stored {
         if known.missing || present.contains(display) {
@@ -69,7 +70,7 @@ pub fn diff(known: &[Known], seen: &Scan) -> Changes {
     changes
 }
 
-fn differs(known: &Known, seen: &SeenFile) -> bool {
+fn differs(known: &Known<'_>, seen: &SeenFile) -> bool {
     let other_inode = known.inode != 0 && seen.inode != 0 && known.inode != seen.inode;
     known.size_bytes != seen.size_bytes || known.modified_ns != seen.modified_ns || other_inode
 }
@@ -85,9 +86,9 @@ fn is_below(display: &str, folders: &[String]) -> bool {
 mod tests {
     use super::*;
 
-    fn known(display: &str, size_bytes: u64, modified_ns: i64, inode: u64, missing: bool) -> Known {
+    fn known(display: &str, size_bytes: u64, modified_ns: i64, inode: u64, missing: bool) -> Known<'_> {
         Known {
-            display: display.to_owned(),
+            display,
             size_bytes,
             modified_ns,
             inode,
@@ -108,9 +109,9 @@ mod tests {
     }
 
     /// Which list the one file goes to.
-    fn list(known: Option<Known>, seen: Option<SeenFile>, unreadable: &[&str]) -> &'static str {
+    fn list(known: Option<Known<'_>>, seen: Option<SeenFile>, unreadable: &[&str]) -> &'static str {
         let scan = Scan {
-            files: seen.into_iter().collect(),
+            files: seen.into_iter().map(Arc::new).collect(),
             unreadable: unreadable.iter().map(|folder| (*folder).to_owned()).collect(),
             ..Scan::default()
         };
@@ -165,7 +166,7 @@ mod tests {
         let stored = [known("runs/a", 1, 1, 1, false), known("runs/b", 1, 1, 2, false)];
         assert!(diff(&stored, &Scan::default()).everything_gone());
         let one_left = Scan {
-            files: vec![seen("runs/b", 1, 1, 2)],
+            files: vec![seen("runs/b", 1, 1, 2).into()],
             ..Scan::default()
         };
         assert!(!diff(&stored, &one_left).everything_gone());

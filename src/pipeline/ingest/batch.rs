@@ -162,7 +162,7 @@ mod tests {
         Group {
             run_name: "runs/a.csv".to_owned(),
             kind: RunKind::Actuation,
-            files: sizes.iter().map(file).collect(),
+            files: sizes.iter().map(file).map(Into::into).collect(),
         }
     }
 

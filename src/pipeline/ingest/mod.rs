@@ -11,6 +11,7 @@ mod settle;
 pub(super) mod tagging;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -119,6 +120,8 @@ impl Ingest<'_> {
         })?;
         observer.end();
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
+        // The lists of a large folder do not stand beside those that tagging needs.
+        drop((groups, changes, seen, stored));
         summary.retagged = retag::retag_runs(context, observer)?;
         climate::assess(context, &shelf)?;
         list_states(context, &mut summary)?;
@@ -157,10 +160,10 @@ impl Ingest<'_> {
         summary.logs.files = seen.files.len();
         let readers = Readers::of(&context.profiles, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
-        let group = |file: &SeenFile| Group {
+        let group = |file: &Arc<SeenFile>| Group {
             run_name: file.display.clone(),
             kind: RunKind::Actuation,
-            files: vec![file.clone()],
+            files: vec![Arc::clone(file)],
         };
         let groups: Vec<Group> = ready.into_iter().map(group).collect();
         observer.begin("reading climate logs", groups.len() as u64);
@@ -181,7 +184,7 @@ impl Ingest<'_> {
         stored: &[FileRow],
         changes: &'c Changes,
         summary: &mut IngestSummary,
-    ) -> Vec<&'c SeenFile> {
+    ) -> Vec<&'c Arc<SeenFile>> {
         let outdated = readers.outdated(stored);
         let unchanged = changes.unchanged.iter();
         let retry = unchanged.filter(|file| outdated.contains(file.display.as_str()));
@@ -205,7 +208,8 @@ impl Ingest<'_> {
     ) -> Vec<Group> {
         let ready = self.ready_files(readers, stored, changes, summary);
         let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
-        let by_path: BTreeMap<&str, &SeenFile> = seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
+        let by_path: BTreeMap<&str, &Arc<SeenFile>> =
+            seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
         groups::grouped(by_path.keys().copied())
             .into_iter()
             .filter(|(_, paths)| paths.iter().any(|path| due.contains(path)))
@@ -213,31 +217,28 @@ impl Ingest<'_> {
             .map(|(run_name, paths)| Group {
                 kind: kind_of(&run_name),
                 run_name,
-                files: paths.iter().map(|path| by_path[path].clone()).collect(),
+                files: paths.iter().map(|path| Arc::clone(by_path[path])).collect(),
             })
             .collect()
     }
 }
 
-fn known(stored: &[FileRow]) -> Vec<Known> {
-    let known = |file: &FileRow| Known {
-        display: file.path.clone(),
-        size_bytes: file.size_bytes,
-        modified_ns: file.modified_ns,
-        inode: file.inode,
-        missing: file.missing_since.is_some(),
-    };
+fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
+    fn known(file: &FileRow) -> Known<'_> {
+        Known {
+            display: &file.path,
+            size_bytes: file.size_bytes,
+            modified_ns: file.modified_ns,
+            inode: file.inode,
+            missing: file.missing_since.is_some(),
+        }
+    }
     stored.iter().map(known).collect()
 }
 
 /// Lists what stands refused, waits or lacks tags after this round.
 fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
-    for file in context
-        .store
-        .files()?
-        .into_iter()
-        .filter(|file| file.missing_since.is_none())
-    {
+    for file in context.store.unsettled_files()? {
         match (file.state, file.issue) {
             (FileState::Refused, Some(issue)) => summary.refused.push((file.path, issue)),
             (FileState::Pending, _) => summary.waiting.push(file.path),

@@ -1,6 +1,7 @@
 //! Reads the files of one run: everything that needs neither the database nor the other files.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::frame_folder;
 use crate::domain::{Channel, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin};
@@ -23,7 +24,7 @@ pub struct Group {
     /// What is measured.
     pub kind: RunKind,
     /// Its files, in order of their paths.
-    pub files: Vec<SeenFile>,
+    pub files: Vec<Arc<SeenFile>>,
 }
 
 /// A file that was read, or why it could not be.
