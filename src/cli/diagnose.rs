@@ -37,7 +37,7 @@ pub struct DiagnoseArgs {
 }
 
 pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     ingest
         .refused

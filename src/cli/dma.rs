@@ -7,7 +7,7 @@ use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::dma_document::{LogEntry, dma_document};
 use crate::pipeline::fits_document::ParameterEntry;
-use crate::pipeline::{AnalyseModulus, Context, Ingest};
+use crate::pipeline::{AnalyseModulus, Ingest};
 
 /// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files
 #[derive(Debug, Args)]
@@ -20,7 +20,7 @@ pub struct DmaArgs {
 }
 
 pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     ingest
         .refused

@@ -8,7 +8,7 @@ use super::fit_group::{self, GroupArgs};
 use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::fits_document::{FitEntry, ParameterEntry, fits_document};
-use crate::pipeline::{Context, FitRuns, FitSummary, Ingest};
+use crate::pipeline::{FitRuns, FitSummary, Ingest};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
 #[derive(Debug, Args)]
@@ -25,7 +25,7 @@ pub struct FitArgs {
 }
 
 pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     ingest
         .refused

@@ -9,7 +9,7 @@ use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::Issue;
-use crate::pipeline::{Context, Ingest, IngestSummary};
+use crate::pipeline::{Ingest, IngestSummary};
 
 /// Take in new files: recognise, read, tag, archive and store them
 #[derive(Debug, Args)]
@@ -19,11 +19,7 @@ pub struct IngestArgs {
 }
 
 pub fn run(args: &IngestArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
-    context
-        .warnings
-        .iter()
-        .for_each(|issue| output.issue("campaign.toml", issue));
+    let mut context = args.campaign.open(global, output)?;
     let summary = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/ingest/1", "ingest": summary }))?;

@@ -36,6 +36,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::ingest::campaign_file;
+use crate::pipeline::Context;
 use exit::CliError;
 use output::Output;
 
@@ -125,6 +126,25 @@ impl CampaignArg {
     fn folder(&self) -> Result<PathBuf, CliError> {
         folder(self.campaign.as_deref())
     }
+
+    /// Opens that campaign for writing, and says what in its campaign.toml is not understood.
+    fn open(&self, global: &Global, output: &Output) -> Result<Context, CliError> {
+        let context = Context::open(&self.folder()?, global.i_know)?;
+        say_what_is_not_understood(&context, output);
+        Ok(context)
+    }
+
+    /// The same for reading only.
+    fn open_read_only(&self, output: &Output) -> Result<Context, CliError> {
+        let context = Context::open_read_only(&self.folder()?)?;
+        say_what_is_not_understood(&context, output);
+        Ok(context)
+    }
+}
+
+fn say_what_is_not_understood(context: &Context, output: &Output) {
+    let warnings = context.warnings.iter();
+    warnings.for_each(|issue| output.issue("campaign.toml", issue));
 }
 
 /// The campaign folder meant by `given`, or found from the current folder upward.

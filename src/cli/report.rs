@@ -6,7 +6,7 @@ use serde_json::json;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::{CampaignArg, Global};
-use crate::pipeline::{Context, RenderReport};
+use crate::pipeline::RenderReport;
 
 /// Render the report from the database, without looking for new files
 #[derive(Debug, Args)]
@@ -19,7 +19,7 @@ pub struct ReportArgs {
 }
 
 pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let context = Context::open(&args.campaign.folder()?, global.i_know)?;
+    let context = args.campaign.open(global, output)?;
     let summary = RenderReport { again: args.again }.run(&context, output)?;
     output.result(&format!("Report: {}", summary.index.display()));
     output.document(&json!({ "schema": "ieap/report/1", "report": summary }))?;

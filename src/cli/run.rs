@@ -7,7 +7,7 @@ use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
 use super::{CampaignArg, Global, diagnose, ingest};
-use crate::pipeline::{Context, Run, RunSummary};
+use crate::pipeline::{Run, RunSummary};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]
@@ -22,11 +22,7 @@ pub struct RunArgs {
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
-    context
-        .warnings
-        .iter()
-        .for_each(|issue| output.issue("campaign.toml", issue));
+    let mut context = args.campaign.open(global, output)?;
     let summary = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,

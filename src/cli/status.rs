@@ -7,7 +7,6 @@ use super::CampaignArg;
 use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
 use crate::domain::Issue;
-use crate::pipeline::Context;
 use crate::pipeline::status::{Reasoned, Status, status};
 
 /// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
@@ -21,7 +20,7 @@ pub struct StatusArgs {
 }
 
 pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_read_only(output)?;
     let status = status(&context)?;
     if args.alarms {
         return alarms_only(&status, output);

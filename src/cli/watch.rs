@@ -10,7 +10,7 @@ use super::exit::{CliError, DONE};
 use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
 use super::{CampaignArg, Global, run};
-use crate::pipeline::{Context, Run, Watch, WatchSettings};
+use crate::pipeline::{Run, Watch, WatchSettings};
 
 /// Do what `run` does, then the same for every file that arrives, until stopped (Ctrl-C)
 #[derive(Debug, Args)]
@@ -42,11 +42,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
     let heard = stop.clone();
     ctrlc::set_handler(move || heard.store(true, Ordering::SeqCst))
         .map_err(|error| CliError::internal(&format!("cannot listen for Ctrl-C: {error}")))?;
-    let mut context = Context::open(&args.campaign.folder()?, global.i_know)?;
-    context
-        .warnings
-        .iter()
-        .for_each(|issue| output.issue("campaign.toml", issue));
+    let mut context = args.campaign.open(global, output)?;
     output.message(&format!(
         "Watching {}; stop with Ctrl-C.",
         context.folder.join(&context.campaign.runs_folder).display()

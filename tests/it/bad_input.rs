@@ -402,3 +402,19 @@ fn wrong_usage_is_told_with_status_2() {
     folder.ieap(&["run", "nowhere"]).expect(2);
     folder.ieap(&["--help"]).expect(0);
 }
+
+#[test]
+fn every_verb_that_works_on_a_campaign_says_what_in_its_file_is_not_understood() {
+    let folder = CampaignFolder::new();
+    folder.write(
+        "campaign.toml",
+        "[campaign]\nid = \"c\"\ntitle = \"c\"\ntime_zone = \"UTC\"\n",
+    );
+    for verb in ["ingest", "run", "fit", "dma", "diagnose", "report", "status"] {
+        let said = folder.ieap(&[verb]).expect(0).stderr;
+        assert!(
+            said.contains("time_zone") && said.contains("timezone"),
+            "{verb}: {said}"
+        );
+    }
+}
