@@ -110,21 +110,27 @@ impl Extent {
     }
 }
 
-/// Rows times columns as a record of dimensions states them: in 4 and 2 bytes, or in 2 each.
+/// Cells for which the library makes room by a record of dimensions, which states the first ones and those after the last
+/// in 4 and 2 bytes, or in 2 each. A sheet whose first row lies after its last is taken for one of all rows that a number
+/// of 4 bytes can tell: the library subtracts the two without a look at which is larger.
 fn stated(data: &[u8]) -> u64 {
-    let long = |at: usize| u64::from(short(data, at)) | u64::from(short(data, at + 2)) << 16;
-    let (rows, first, last) = match data.len() {
-        10 => (
-            u64::from(short(data, 2)).saturating_sub(u64::from(short(data, 0))),
-            short(data, 4),
-            short(data, 6),
-        ),
-        14.. => (long(4).saturating_sub(long(0)), short(data, 8), short(data, 10)),
+    let long = |at: usize| short(data, at) | short(data, at + 2) << 16;
+    let (rows, columns) = match data.len() {
+        10 => ((short(data, 0), short(data, 2)), (short(data, 4), short(data, 6))),
+        14.. => ((long(0), long(4)), (short(data, 8), short(data, 10))),
         _ => return 0,
     };
+    if rows.1 == 0 || columns.1 == 0 {
+        return 1;
+    }
     // A first column beyond the last that exists is taken for none.
-    let first = if first > 0xFF || last < first { 0 } else { first };
-    rows.saturating_mul(u64::from(last.saturating_sub(first).max(1)))
+    let first = if columns.0 > 0xFF || columns.1 < columns.0 {
+        0
+    } else {
+        columns.0
+    };
+    let rows = rows.1.wrapping_sub(rows.0);
+    u64::from(rows) * u64::from(columns.1 - first).max(1)
 }
 
 fn short(data: &[u8], at: usize) -> u32 {
@@ -186,5 +192,14 @@ mod tests {
         assert_eq!(extent(&[long]).stated, 65_536 * 256);
         assert_eq!(extent(&[record(DIMENSIONS, &[10, 30, 2, 5, 0])]).stated, 60);
         assert_eq!(extent(&[record(DIMENSIONS, &[1])]).stated, 0);
+        assert_eq!(extent(&[record(DIMENSIONS, &[0, 0, 0, 0, 0])]).stated, 1);
+    }
+
+    #[test]
+    fn a_first_row_after_the_last_counts_as_the_library_counts_it() {
+        let turned = record(DIMENSIONS, &[30, 10, 0, 4, 0]);
+        assert_eq!(extent(&[turned]).stated, (u64::from(u32::MAX) - 19) * 4);
+        let long = record(DIMENSIONS, &[5, 0, 4, 0, 0, 1, 0]);
+        assert_eq!(extent(&[long]).stated, u64::from(u32::MAX));
     }
 }
