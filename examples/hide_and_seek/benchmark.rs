@@ -1,5 +1,5 @@
-//! Every method on the same groups: clean ones, single causes, pairs and triples, causes outside the library, and the
-//! run that is proposed next.
+//! Every method on the same groups: clean ones, single causes, pairs and triples, causes outside the library, faults of
+//! the data, and the run that is proposed next.
 
 use ieap::diagnose::{DesignRun, DiagnoseOptions, diagnose_group, proposals};
 use ieap::model::effects::{ALL, Applied};
@@ -7,9 +7,11 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::case::{AREA, Case, Drives, Plan, Readings, case, inputs, measured, responses, true_responses};
+use crate::details::{Detail, ignorance, strengths_and_gains};
+use crate::faults::faults;
 use crate::figure;
 use crate::hidden::{OUTSIDE, hidden, outside};
-use crate::methods::{METHODS, ORACLE, OURS, Said, ask};
+use crate::methods::{METHODS, ORACLE, OURS, Said, ask, judged};
 use crate::oracle::oracle;
 
 /// Strengths in the table and the figure.
@@ -37,8 +39,8 @@ pub fn benchmark(extent: &Extent) {
         clean(extent);
     }
     if wants("single") {
-        let table = single(extent);
-        println!("{table}");
+        let (table, details) = single(extent);
+        println!("{table}\n{details}");
         let svg = figure::svg(&figure::of_table(&table));
         let written = extent.figure.as_ref().map(|path| std::fs::write(path, svg));
         if let Some(Err(error)) = written {
@@ -52,6 +54,9 @@ pub fn benchmark(extent: &Extent) {
     if wants("outside") {
         without(extent);
     }
+    if wants("faults") {
+        faults(extent);
+    }
     if wants("next") {
         next(extent);
     }
@@ -59,7 +64,7 @@ pub fn benchmark(extent: &Extent) {
 
 /// Does `what` to each on all threads, in the order given. A few at a time: a thread that waits for its parts would
 /// begin another one, and another, and keep them all.
-fn each<T: Sync, R: Send>(items: &[T], what: impl Fn(&T) -> Option<R> + Sync) -> Vec<R> {
+pub fn each<T: Sync, R: Send>(items: &[T], what: impl Fn(&T) -> Option<R> + Sync) -> Vec<R> {
     let together = 2 * rayon::current_num_threads();
     let mut found = Vec::new();
     for (done, some) in items.chunks(together).enumerate() {
@@ -74,9 +79,9 @@ fn each<T: Sync, R: Send>(items: &[T], what: impl Fn(&T) -> Option<R> + Sync) ->
 
 /// What a method made of groups.
 #[derive(Debug, Clone, Copy, Default)]
-struct Tally {
-    groups: usize,
-    seen: usize,
+pub struct Tally {
+    pub groups: usize,
+    pub seen: usize,
     /// The hidden cause is the one name.
     right: usize,
     /// Another one is.
@@ -105,14 +110,14 @@ impl Tally {
     }
 }
 
-fn percent(part: usize, of: usize) -> String {
+pub fn percent(part: usize, of: usize) -> String {
     match of {
         0 => "-".to_owned(),
         _ => format!("{:.1}", 100.0 * part as f64 / of as f64),
     }
 }
 
-fn tallied(all: &[(Vec<Said>, Option<&str>)]) -> Vec<Tally> {
+pub fn tallied(all: &[(Vec<Said>, Option<&str>)]) -> Vec<Tally> {
     let mut tallies = vec![Tally::default(); METHODS.len()];
     for (said, truth) in all {
         for (tally, said) in tallies.iter_mut().zip(said) {
@@ -160,8 +165,15 @@ fn clean(extent: &Extent) {
     println!();
 }
 
-/// Single causes by design and strength, as a table.
-fn single(extent: &Extent) -> String {
+/// What was hidden and what was made of it.
+struct Hunted {
+    said: Vec<Said>,
+    truth: &'static str,
+    detail: Detail,
+}
+
+/// Single causes by design and strength, as a table, and a second one on what only this diagnosis states.
+fn single(extent: &Extent) -> (String, String) {
     let designs = [
         ("+2 V", Drives::Step),
         ("+2 V; +2 V then 0 V", Drives::Discharge),
@@ -175,12 +187,24 @@ fn single(extent: &Extent) -> String {
     let asked = |what: &str, value: &str| {
         std::env::var(what).map_or(true, |asked| asked.split(',').any(|a| a == value))
     };
+    let mut details = strengths_and_gains();
+    let mut risks = String::new();
     for (name, drives) in designs {
+        let mut of_design = Vec::new();
         for d in STRENGTHS {
             if !asked("DRIVES", key(drives)) || !asked("STRENGTHS", &d.to_string()) {
                 continue;
             }
-            let tallies = tallied(&hunted(extent, drives, d));
+            let hunted = hunted(extent, drives, d);
+            let all: Vec<(Vec<Said>, Option<&str>)> = hunted
+                .iter()
+                .map(|hunted| (hunted.said.clone(), Some(hunted.truth)))
+                .collect();
+            let tallies = tallied(&all);
+            let row = Detail::row(name, d, &hunted.iter().map(|h| &h.detail).collect::<Vec<_>>());
+            eprintln!("{row}");
+            details += &row;
+            of_design.extend(all);
             let cells: Vec<String> = tallies
                 .iter()
                 .map(|tally| {
@@ -202,8 +226,9 @@ fn single(extent: &Extent) -> String {
             table += &row;
             table.push('\n');
         }
+        risks += &ignorance(name, &of_design);
     }
-    table
+    (table, details + &risks)
 }
 
 fn key(drives: Drives) -> &'static str {
@@ -214,7 +239,7 @@ fn key(drives: Drives) -> &'static str {
     }
 }
 
-fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<(Vec<Said>, Option<&'static str>)> {
+fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<Hunted> {
     let wanted: Vec<(usize, u64)> = (0..ALL.len())
         .flat_map(|effect| (0..extent.each).map(move |seed| (effect, seed)))
         .collect();
@@ -226,7 +251,9 @@ fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<(Vec<Said>, Option<&'s
         let mut case = case(extent.first + 1000 + 50 * seed + effect as u64, plan);
         let (applied, _) = hidden(&mut case, ALL[effect], d)?;
         let with = true_responses(&case, std::slice::from_ref(&applied))?;
-        let (_, mut said) = ask(&mut case, &with);
+        let channels = measured(&mut case, &with);
+        let (found, mut said) = judged(&inputs(&case, &channels));
+        let detail = Detail::of(&found, &applied, d, &inputs(&case, &channels));
         let ceiling = oracle(&mut case, &applied, &with);
         said.push(Said {
             seen: ceiling.seen,
@@ -235,8 +262,13 @@ fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<(Vec<Said>, Option<&'s
                 _ => None,
             },
             causes: ceiling.set.iter().map(|id| (*id).to_owned()).collect(),
+            confidence: ceiling.margin,
         });
-        Some((said, Some(ALL[effect].about().id)))
+        Some(Hunted {
+            said,
+            truth: ALL[effect].about().id,
+            detail,
+        })
     })
 }
 

@@ -12,6 +12,8 @@
 mod benchmark;
 mod case;
 mod count;
+mod details;
+mod faults;
 mod figure;
 mod hidden;
 mod methods;
@@ -52,7 +54,7 @@ fn main() {
             let _ = effects(count, &strengths, &arguments[3.min(arguments.len())..]);
         }
         _ => eprintln!(
-            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|next ...] | figure < TABLES | short"
+            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | figure < TABLES | short"
         ),
     }
 }

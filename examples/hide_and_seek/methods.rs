@@ -1,6 +1,6 @@
 //! The same readings judged by this diagnosis and by textbook criteria.
 
-use ieap::diagnose::{DiagnoseOptions, ForwardStep, Textbook, diagnose_group, textbook};
+use ieap::diagnose::{DiagnoseOptions, ForwardStep, RunInput, Textbook, diagnose_group, textbook};
 use ieap::domain::{GroupDiagnosis, Verdict};
 use ieap::model::extended::Responses;
 use ieap::numerics::chance::chi_square_chance;
@@ -34,16 +34,22 @@ pub struct Said {
     pub causes: Vec<String>,
     /// The one cause that is said to be the first.
     pub name: Option<String>,
+    /// How sure the method is of it: the larger, the surer; a scale of its own for every method.
+    pub confidence: f64,
 }
 
 /// Adds noise to `responses` and asks all methods but the oracle.
 pub fn ask(case: &mut Case, responses: &[Responses]) -> (GroupDiagnosis, Vec<Said>) {
     let channels = measured(case, responses);
-    let runs = inputs(case, &channels);
+    judged(&inputs(case, &channels))
+}
+
+/// Asks all methods but the oracle.
+pub fn judged(runs: &[RunInput]) -> (GroupDiagnosis, Vec<Said>) {
     let options = DiagnoseOptions::default();
-    let found = diagnose_group("case", &runs, &options);
+    let found = diagnose_group("case", runs, &options);
     let mut said = vec![ours(&found), forced(&found)];
-    match textbook(&runs, &options) {
+    match textbook(runs, &options) {
         Some(book) => said.extend(criteria(&book)),
         None => said.resize(ORACLE, Said::default()),
     }
@@ -58,6 +64,7 @@ fn ours(found: &GroupDiagnosis) -> Said {
             [one] if found.verdict != Verdict::Unknown => Some(one.clone()),
             _ => None,
         },
+        confidence: lead(found),
     }
 }
 
@@ -72,7 +79,17 @@ fn forced(found: &GroupDiagnosis) -> Said {
         seen,
         causes: name.iter().cloned().collect(),
         name,
+        confidence: lead(found),
     }
+}
+
+/// By how much the best candidate is ahead of the next.
+fn lead(found: &GroupDiagnosis) -> f64 {
+    let gain = |place: usize| {
+        let candidate = found.candidates.get(place);
+        candidate.map_or(0.0, |c| c.fitted_gain.unwrap_or(c.forecast_gain))
+    };
+    gain(0) - gain(1)
 }
 
 fn criteria(book: &Textbook) -> Vec<Said> {
@@ -88,6 +105,7 @@ fn criteria(book: &Textbook) -> Vec<Said> {
             seen: !causes.is_empty(),
             name: causes.first().cloned(),
             causes,
+            confidence: book.path.first().map_or(0.0, |step| step.gain),
         }
     };
     let bic = |step: &ForwardStep| step.gain > step.parameters as f64 * log_readings;
@@ -101,6 +119,7 @@ fn criteria(book: &Textbook) -> Vec<Said> {
             seen: portmanteau,
             causes: first.iter().filter(|_| portmanteau).cloned().collect(),
             name: first.filter(|_| portmanteau),
+            confidence: -book.ljung_box_p,
         },
         Said {
             seen: book.nameless_gain > NAMELESS,

@@ -21,6 +21,8 @@ pub struct Said {
     pub seen: bool,
     /// Effects that gain as much as the best to within the margin.
     pub set: Vec<&'static str>,
+    /// By how much the best effect gains more than the best other one.
+    pub margin: f64,
 }
 
 /// A trace after the refit, of unit length.
@@ -49,21 +51,27 @@ pub fn oracle(case: &mut Case, hidden: &Applied, with: &[Responses]) -> Said {
         });
         each.collect()
     };
-    let seen = noisy(&truth);
+    let readings = noisy(&truth);
     let nothing = vec![0.0; truth.len()];
     let mut largest: Vec<f64> = (0..NULLS).map(|_| best(&traces, &noisy(&nothing))).collect();
     largest.sort_by(f64::total_cmp);
     let limit = largest[NULLS * 95 / 100];
-    let most = best(&traces, &seen);
+    let most = best(&traces, &readings);
     let mut set: Vec<&'static str> = traces
         .iter()
-        .filter(|trace| gain(trace, &seen) > most - WORSE)
+        .filter(|trace| gain(trace, &readings) > most - WORSE)
         .map(|trace| trace.id)
         .collect();
     set.sort_unstable();
     set.dedup();
     let seen = most > limit;
+    let first = traces.iter().find(|trace| gain(trace, &readings) >= most);
+    let others = traces
+        .iter()
+        .filter(|trace| first.is_some_and(|first| first.id != trace.id));
+    let next = others.map(|trace| gain(trace, &readings)).fold(0.0, f64::max);
     Said {
+        margin: most - next,
         seen,
         set: if seen { set } else { Vec::new() },
     }

@@ -5,25 +5,13 @@ use crate::fit::{FitOptions, fit_run};
 use crate::model::{Branch, FitModel, LumpedModel};
 
 use super::fitted::Fitted;
-use super::group::Group;
+use super::group::{Group, GroupRun};
 use super::problem::Problem;
 
 /// Fits the base: from the parameters of every run alone, and from a guess by the record's length.
 pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Option<Fitted<'g>> {
-    let branches = model.branches;
-    let options = FitOptions {
-        model,
-        ..FitOptions::default()
-    };
-    let guess = guess(group, branches)?;
-    let mut starts: Vec<LumpedModel> = Vec::new();
-    for run in &group.runs {
-        if let Ok(fit) = fit_run(&run.given.input, &options) {
-            let value = |key: &str| fit.parameter(key).and_then(best);
-            starts.extend(start_of(&value, &guess));
-        }
-    }
-    starts.push(guess);
+    let mut starts: Vec<LumpedModel> = alone(group, model).into_iter().flatten().collect();
+    starts.push(guess(group, model.branches)?);
     let problem = Problem::new(group, starts.first()?, Vec::new());
     let at: Vec<Vec<f64>> = starts
         .iter()
@@ -34,6 +22,20 @@ pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Op
     let problem = Problem::new(group, &best.base(), Vec::new());
     let at = problem.coordinates(&best.base(), &[]);
     Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+}
+
+/// The parameters of every run by itself, in the order of runs; none where it gives no start.
+pub(super) fn alone(group: &Group, model: &'static FitModel) -> Vec<Option<LumpedModel>> {
+    let options = FitOptions {
+        model,
+        ..FitOptions::default()
+    };
+    let guess = guess(group, model.branches);
+    let of_run = |run: &GroupRun| {
+        let fit = fit_run(&run.given.input, &options).ok()?;
+        start_of(&|key: &str| fit.parameter(key).and_then(best), guess.as_ref()?)
+    };
+    group.runs.iter().map(of_run).collect()
 }
 
 /// The base fitted to the same readings with another noise, from where it was.

@@ -31,7 +31,7 @@ pub fn fit_extended(runs: &[RunInput], choice: &ModelChoice) -> Vec<(usize, Fit)
 
 /// Adds the effects one after another, each from its most promising shapes, and settles them together; none where one
 /// has no shape that acts in these runs.
-fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelChoice) -> Option<Fitted<'g>> {
+pub(super) fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelChoice) -> Option<Fitted<'g>> {
     let scale = scale(group, &base.problem, &base.at);
     choice.effects.iter().try_fold(base, |model, &effect| {
         let signatures = signatures_of(&[effect], &model.problem, &model.at, &scale);

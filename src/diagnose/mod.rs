@@ -18,10 +18,12 @@ mod from_others;
 mod gain;
 mod group;
 mod held_out;
+mod known_cause;
 mod lengthwise;
 mod louder;
 mod next_run;
 mod null;
+mod odd_scale;
 mod outcome;
 mod predictive;
 mod problem;
@@ -45,6 +47,7 @@ use crate::model::FitModel;
 pub use extend::{fit_extended, model_version};
 pub use from_others::{FromOthersFall, fall_from_others};
 pub use group::RunInput;
+pub use known_cause::known_cause_gain;
 pub use lengthwise::with_places;
 pub use next_run::proposals;
 pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_after_refit};
@@ -79,6 +82,9 @@ impl Default for DiagnoseOptions {
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
     let raw = group::Group::new(runs);
+    if let Some(found) = odd_scale::found(name, &raw, options.model) {
+        return found;
+    }
     let found = with_base(&raw, options.model, |group, base| {
         diagnosed(name, group, base, options)
     });

@@ -270,7 +270,7 @@ fn marked_record() -> String {
 #[test]
 fn marks_of_an_instrument_are_kept_and_shown() {
     let folder = CampaignFolder::new();
-    folder.write("runs/a.DTA", &marked_record());
+    folder.write("runs/a.DTA", marked_record());
     folder.run_json();
     let fit = fit(&folder, "runs/a.DTA");
     let flags = fit["origin"]["flags"].as_array().unwrap();
@@ -308,7 +308,7 @@ fn marks_of_an_instrument_are_kept_and_shown() {
 #[test]
 fn tags_leave_readings_out_by_mark_and_by_time_and_give_them_back() {
     let folder = CampaignFolder::new();
-    folder.write("runs/a.DTA", &marked_record());
+    folder.write("runs/a.DTA", marked_record());
     let count = |what: &str| {
         let summary = folder.run_json();
         let fit = fit(&folder, "runs/a.DTA");
