@@ -4,6 +4,7 @@
 use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, run_table};
+use crate::watch::{Watching, fitted, until};
 
 const HEAD: &str = r#"[simulation]
 seed = 3
@@ -321,4 +322,22 @@ fn nothing_is_written_over_that_is_no_sheet() {
         std::fs::read_to_string(folder.join("notes.csv")).unwrap(),
         "mine,not\n1,2\n"
     );
+}
+
+#[test]
+fn a_sheet_and_its_runs_reach_a_running_watch_in_any_order() {
+    let folder = CampaignFolder::new();
+    std::fs::remove_file(folder.join("runs/tags.toml")).unwrap();
+    folder.write("runs/P01-S1.csv", run_table(1));
+    let watching = Watching::start(&folder, &[]);
+    assert_eq!(fitted(&folder), 0, "without its sheet nothing tells its sample");
+    folder.write("runs/november/bench.csv", SHEET);
+    until("the run that was there before", || fitted(&folder) == 1);
+    folder.write("runs/today/P03-S1.csv", run_table(2));
+    until("the run that came after", || fitted(&folder) == 2);
+    // A row that is written anew reaches the run that it stands for.
+    folder.write("runs/november/bench.csv", SHEET.replace("air,2,6", "vacuum,2,6"));
+    let environment = || tag(&tags_of(&folder, "runs/today/P03-S1.csv"), "environment")[0].clone();
+    until("the new tag", || environment() == "vacuum");
+    drop(watching);
 }

@@ -188,6 +188,31 @@ fn a_batch_at_each_humidity_is_untied_by_one_at_both() {
     }
 }
 
+/// Where no run at hand unties a batch from its humidity, the list says which sample would.
+#[test]
+fn a_batch_that_no_run_unties_asks_for_another_sample_of_it() {
+    let set = TiedSet {
+        material: "m".to_owned(),
+        level: Level::Between,
+        covariates: vec![Covariate::RelativeHumidity, Covariate::Batch],
+    };
+    let fact_of = |sample: &str, batch: &str, humidity| {
+        fact(
+            sample,
+            &[(Covariate::RelativeHumidity, humidity)],
+            &[(Covariate::Batch, batch)],
+        )
+    };
+    let facts = [fact_of("A0", "A", 20.0), fact_of("B0", "B", 80.0)];
+    let pair = (Covariate::RelativeHumidity, Covariate::Batch);
+    assert_eq!(
+        words::would(&set, &facts, &[0, 1], &[pair]),
+        [
+            "no run in a condition of the design tells relative humidity from batch: another sample of batch B, measured at relative humidity 20 % RH, would."
+        ]
+    );
+}
+
 fn campaign_sample() -> Sample {
     campaign().samples[0].clone()
 }
