@@ -1,6 +1,8 @@
 //! Long-term monitoring: parameters in the reference condition over the life of each sample, their trends, charts and
 //! alarms, and what of a change comes back with the air.
 
+#[cfg(test)]
+mod memory_tests;
 pub mod reference;
 pub mod series;
 pub mod words;

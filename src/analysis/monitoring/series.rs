@@ -4,6 +4,7 @@ use crate::analysis::laws::chance_of::ask;
 use crate::analysis::laws::fitted::{self, Fitted, Interval, Material};
 use crate::analysis::laws::shape::{Bend, Law, Span, progress};
 use crate::numerics::control_chart::{Chart, self_starting};
+use crate::numerics::correlation::Autoregression;
 use crate::numerics::grouped::{Grouped, dot, shared_variance};
 use crate::numerics::student::quantile_95;
 
@@ -255,6 +256,8 @@ impl Series {
         study.p_trend = ask(&self.y, &null, &alternatives, segment, seed).map(|answer| answer.p);
         let flexible = shared_variance(&self.y, &self.variance, segment, &shapes);
         let variance = self.with(flexible);
+        let memory = self.memory(segment, &shapes, &variance);
+        let variance: Vec<f64> = variance.iter().map(|v| memory * v).collect();
         let nuisance = Grouped::new(&variance, segment, &[]);
         let material = Material {
             y: &self.y,
@@ -278,6 +281,23 @@ impl Series {
         if self.x.len() >= FEWEST_FOR_CHANGE {
             study.change = self.change(segment, &shapes, &variance, seed);
         }
+    }
+
+    /// Readings that tell as much about a trend as one independent one, from how each reading's departure from a flexible
+    /// trend goes on to the next; 1 for too few.
+    fn memory(&self, segment: &[usize], shapes: &[Vec<f64>], variance: &[f64]) -> f64 {
+        let n = self.y.len();
+        if n < FEWEST_FOR_CHANGE {
+            return 1.0;
+        }
+        let flexible = Grouped::new(variance, segment, shapes);
+        let left = flexible.residual(&self.y);
+        let goes_on = (1..n).filter(|&k| segment[k] == segment[k - 1]);
+        let product: f64 = goes_on.map(|k| left[k] * left[k - 1]).sum();
+        let square = dot(&left, &left);
+        let terms = (n - flexible.freedom()) as f64;
+        let own = Autoregression::from_sums(square, product, n as f64, terms);
+        n as f64 / own.effective_readings(n as f64)
     }
 
     fn with(&self, shared: f64) -> Vec<f64> {
