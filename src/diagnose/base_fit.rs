@@ -10,7 +10,7 @@ use super::problem::Problem;
 
 /// Fits the base: from the parameters of every run alone, and from a guess by the record's length.
 pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Option<Fitted<'g>> {
-    let mut starts: Vec<LumpedModel> = alone(group, model).into_iter().flatten().collect();
+    let mut starts: Vec<LumpedModel> = of_each_run(group, model).into_iter().flatten().collect();
     starts.push(guess(group, model.branches)?);
     let problem = Problem::new(group, starts.first()?, Vec::new());
     let at: Vec<Vec<f64>> = starts
@@ -25,7 +25,7 @@ pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Op
 }
 
 /// The parameters of every run by itself, in the order of runs; none where it gives no start.
-pub(super) fn alone(group: &Group, model: &'static FitModel) -> Vec<Option<LumpedModel>> {
+pub(super) fn of_each_run(group: &Group, model: &'static FitModel) -> Vec<Option<LumpedModel>> {
     let options = FitOptions {
         model,
         ..FitOptions::default()
