@@ -49,6 +49,19 @@ pub fn local_scatter(series: &[&[f64]]) -> Option<LocalScatter> {
     })
 }
 
+/// [`local_scatter`] of a series that may jump at the times `edges_s`, which increase.
+pub fn scatter_between(time_s: &[f64], values: &[f64], edges_s: &[f64]) -> Option<LocalScatter> {
+    let mut stretches = Vec::with_capacity(edges_s.len() + 1);
+    let mut first = 0;
+    for edge_s in edges_s {
+        let end = time_s.partition_point(|t| t < edge_s).max(first);
+        stretches.push(&values[first..end]);
+        first = end;
+    }
+    stretches.push(&values[first..]);
+    local_scatter(&stretches)
+}
+
 /// Orthonormal polynomials up to the second degree on a window.
 struct Parabola {
     terms: [Vec<f64>; 3],
