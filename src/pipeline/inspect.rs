@@ -30,7 +30,7 @@ pub struct Inspection {
     pub candidates: Vec<CandidateScore>,
     /// Technique as the file names it.
     pub technique: Option<String>,
-    /// How the measurement ended; `refused`, `pending` or `sidecar` where it was not read.
+    /// How the measurement ended; `refused`, `pending`, `sidecar` or `folder` where it was not read.
     pub status: String,
     /// The evidence for it.
     pub status_evidence: String,
@@ -125,6 +125,9 @@ pub struct InspectedColumn {
 /// # Errors
 /// The file cannot be opened, or a profile is wrong.
 pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
+    if file.is_dir() {
+        return Ok(folder(file));
+    }
     let bytes = std::fs::read(file).map_err(|source| PipelineError::File {
         path: file.to_owned(),
         doing: "reading the file",
@@ -139,6 +142,18 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     let mut inspection = inspect_bytes(file, &bytes, &profiles);
     inspection.stored = campaign.and_then(|campaign| stored(&campaign, &absolute));
     Ok(inspection)
+}
+
+/// A folder: what is known of the run that its frames are, where they were taken in.
+fn folder(folder: &Path) -> Inspection {
+    let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    let issue = Issue::note("folder", "a folder; frames in it are a run once they are traced").mend(format!(
+        "`ieap trace {}` shows what is seen in frames, `ieap inspect` of a file what is read from it",
+        folder.display()
+    ));
+    let mut inspection = not_read(folder.display().to_string(), &[], "folder", issue);
+    inspection.stored = campaign_file::find(&absolute).and_then(|campaign| stored(&campaign, &absolute));
+    inspection
 }
 
 /// The run that a file belongs to. A campaign that cannot be opened stores nothing that could be shown: what is wrong

@@ -49,7 +49,7 @@ pub enum FramesError {
     },
     /// Numbers of frames are left out.
     #[error(
-        "{before} and {after}: the numbers between them are left out. Say `numbers = \"count\"` in {FILE_NAME} where {} missing, or `numbers = \"order\"` where the frames there are follow one another at `frames_per_second`",
+        "{before} and {after}: the numbers between them are left out. Say `numbers = \"count\"` in {FILE_NAME} where {} missing, or `numbers = \"order\"` where those that are there follow one another at `frames_per_second`",
         counted(*missing)
     )]
     Gap {
