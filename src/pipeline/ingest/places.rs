@@ -50,7 +50,7 @@ fn places_mm(channels: &[Channel], quantity: Quantity) -> Vec<f64> {
 fn length_of_joints(places_mm: &[f64]) -> Option<f64> {
     let (first, last) = (*places_mm.first()?, *places_mm.last()?);
     let is_joint = |(k, place): (usize, &f64)| (place - (k + 1) as f64 * first).abs() < ROUNDED * first;
-    (places_mm.len() > 2 && first > 0.0 && places_mm.iter().enumerate().all(is_joint)).then(|| first + last)
+    (places_mm.len() > 2 && first > 0.0 && places_mm.iter().enumerate().all(is_joint)).then_some(first + last)
 }
 
 #[cfg(test)]

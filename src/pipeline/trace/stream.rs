@@ -168,11 +168,14 @@ fn vectors(settings: &FrameSettings) -> usize {
     settings.vectors.unwrap_or(VECTORS)
 }
 
+/// A trace with columns and rows of its picture, or why there is none.
+type SizedTrace = Result<(Trace, (usize, usize)), String>;
+
 /// The initial shape with the scale, what is said of the view, and columns and rows of its pictures: those of the first.
 fn initial(source: &Source) -> Result<(Initial, ViewSummary, (usize, usize)), PipelineError> {
     let settings = source.settings;
     let (shape, indices) = initial_frames(source);
-    let traces: Vec<Result<(Trace, (usize, usize)), String>> = indices
+    let traces: Vec<SizedTrace> = indices
         .par_iter()
         .map(|&index| {
             let (gray, _) = picture(&source.files[index])?;
