@@ -147,6 +147,13 @@ fn print(group: &GroupEntry, output: &Output) {
             next.splits.join(", ")
         ));
     }
+    // The clearest run is among the remarks already.
+    for told in &group.lumped_or_distributed {
+        let line = format!("{}: {}", told.run, told.sentence);
+        if !group.remarks.contains(&line) {
+            output.result(&format!("    lumped or distributed: {line}"));
+        }
+    }
     for remark in &group.remarks {
         output.result(&format!("    note: {remark}"));
     }
@@ -187,8 +194,18 @@ fn print_effect(effect: &EffectEntry, output: &Output) {
         .variant
         .as_ref()
         .map_or_else(String::new, |variant| format!(" ({variant})"));
-    let q = effect.q.map_or_else(String::new, |q| format!(", q = {q:.3}"));
-    output.result(&format!("    {}{variant}  p = {:.3}{q}", effect.effect, effect.p));
+    let chance = |name: &str, p: f64| match p < 1e-3 {
+        true => format!("{name} < 0.001"),
+        false => format!("{name} = {p:.3}"),
+    };
+    let q = effect
+        .q
+        .map_or_else(String::new, |q| format!(", {}", chance("q", q)));
+    output.result(&format!(
+        "    {}{variant}  {}{q}",
+        effect.effect,
+        chance("p", effect.p)
+    ));
     let about = effects::effect(&effect.effect).map(|effect| effect.about());
     for (key, parameter) in &effect.parameters {
         let unit = about

@@ -98,6 +98,19 @@ pub fn print(inspection: &Inspection, output: &Output) {
             ));
         }
     }
+    if let Some(stored) = &inspection.stored {
+        let fitted = stored
+            .model
+            .as_deref()
+            .map_or("not fitted".to_owned(), |model| format!("fitted with {model}"));
+        output.result(&format!("  stored as the run {}, {fitted}", stored.run));
+        if let Some(told) = &stored.lumped_or_distributed {
+            output.result(&format!("  lumped or distributed: {}", told.sentence));
+            told.mend
+                .iter()
+                .for_each(|mend| output.result(&format!("    -> {mend}")));
+        }
+    }
     for issue in &inspection.issues {
         let place = if issue.place.is_empty() {
             String::new()

@@ -98,6 +98,7 @@ fn print(status: &Status, output: &Output) {
         .map(|gap| format!("{} in {} at {} V", gap.material, gap.environment, gap.voltage_v))
         .collect();
     list(output, "condition", "without a run", &gaps);
+    lumped_or_distributed(status, output);
     planned(status, output);
     climate(status, output);
     alarms(status, output);
@@ -106,6 +107,27 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", "not diagnosed yet", &status.groups_not_diagnosed);
     let outdated = "with a finding that is out of date (`ieap diagnose` makes it anew)";
     list(output, "group", outdated, &status.findings_out_of_date);
+}
+
+/// How many runs need the distributed model; those that do not are counted only.
+fn lumped_or_distributed(status: &Status, output: &Output) {
+    let told = &status.lumped_or_distributed;
+    let counts = ["distributed", "lumped", "open", "cannot be told"].map(|verdict| {
+        let count = told.iter().filter(|entry| entry.verdict == verdict).count();
+        (count > 0).then(|| format!("{count} {verdict}"))
+    });
+    let counts: Vec<String> = counts.into_iter().flatten().collect();
+    if counts.is_empty() {
+        return;
+    }
+    output.result(&format!("lumped or distributed: {}", counts.join(", ")));
+    for entry in told.iter().filter(|entry| entry.verdict != "lumped") {
+        output.result(&format!("  {}: {}", entry.run, entry.sentence));
+        entry
+            .mend
+            .iter()
+            .for_each(|mend| output.result(&format!("      -> {mend}")));
+    }
 }
 
 /// Run sheets: how many of their runs have been made, and which have not.

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
-use crate::ingest::frames::FrameSettings;
+use crate::ingest::frames::{FrameSettings, Numbers};
 use crate::pipeline::trace::{TraceFrames, TraceSummary};
 use crate::strip::{Side, Tone};
 
@@ -49,6 +49,9 @@ pub struct TraceArgs {
     /// Time of the first frame after the voltage step, s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     first_frame_s: Option<f64>,
+    /// What numbers in names tell where some are left out: count (those frames are missing) or order [default: refused]
+    #[arg(long, value_name = "WHAT", value_parser = numbers)]
+    numbers: Option<Numbers>,
     /// Vectors of equal length into which the strip is cut [default: 20]
     #[arg(long, value_name = "N")]
     vectors: Option<usize>,
@@ -70,6 +73,11 @@ fn tone(text: &str) -> Result<Tone, String> {
     found.ok_or_else(|| "needed dark or bright".to_owned())
 }
 
+fn numbers(text: &str) -> Result<Numbers, String> {
+    let found = Numbers::ALL.into_iter().find(|numbers| numbers.key() == text);
+    found.ok_or_else(|| "needed count or order".to_owned())
+}
+
 pub fn run(args: &TraceArgs, output: &Output) -> Result<u8, CliError> {
     let crop_px = args.crop.as_deref().and_then(|crop| crop.try_into().ok());
     let verb = TraceFrames {
@@ -82,6 +90,7 @@ pub fn run(args: &TraceArgs, output: &Output) -> Result<u8, CliError> {
             crop_px,
             frames_per_second: args.frames_per_second,
             first_frame_s: args.first_frame_s,
+            numbers: args.numbers,
             vectors: args.vectors,
             ..FrameSettings::default()
         },

@@ -3,6 +3,9 @@
 //! In current and mean curvature the resistance looks like other causes. Places along the strip tell: they differ, and
 //! some follow later, as no cause of the strip as a whole makes them.
 
+use super::leftover::p_leftover;
+use super::outcome::WRONG;
+use super::{DiagnoseOptions, RunInput};
 use crate::domain::{EffectFinding, GroupDiagnosis, Parameter, Verdict};
 use crate::fit::distributed::{Decision, LumpedOrDistributed};
 use crate::model::effects::effect;
@@ -19,7 +22,23 @@ pub type PlacesOfRun<'a> = (&'a str, Decision);
 
 /// The finding about a group with what places along the strip of its runs say. Runs without readings at two places say
 /// nothing.
-pub fn with_places(mut found: GroupDiagnosis, runs: &[PlacesOfRun]) -> GroupDiagnosis {
+pub fn with_places(
+    found: GroupDiagnosis,
+    runs: &[PlacesOfRun],
+    inputs: &[RunInput],
+    options: &DiagnoseOptions,
+) -> GroupDiagnosis {
+    joined(found, runs, |resistance_ohm_per_sq| {
+        p_leftover(inputs, options, ID, &[resistance_ohm_per_sq])
+    })
+}
+
+/// `leftover` gives the chance of what is left beside electrodes of that resistance, Ohm per square.
+fn joined(
+    mut found: GroupDiagnosis,
+    runs: &[PlacesOfRun],
+    leftover: impl FnOnce(f64) -> Option<f64>,
+) -> GroupDiagnosis {
     let asked: Vec<(&PlacesOfRun, f64)> = runs
         .iter()
         .filter_map(|run| {
@@ -40,12 +59,18 @@ pub fn with_places(mut found: GroupDiagnosis, runs: &[PlacesOfRun]) -> GroupDiag
     // Two questions were asked of the group: its course in time, and its places.
     found.p_misfit = found.p_misfit.map(|of_time| (2.0 * of_time.min(p)).min(1.0));
     match p < PROVED {
-        true => proved(found, clearest, p),
+        true => proved(found, clearest, p, leftover),
         false => unseen(found, &asked),
     }
 }
 
-fn proved(mut found: GroupDiagnosis, clearest: &PlacesOfRun, p: f64) -> GroupDiagnosis {
+fn proved(
+    mut found: GroupDiagnosis,
+    clearest: &PlacesOfRun,
+    p: f64,
+    leftover: impl FnOnce(f64) -> Option<f64>,
+) -> GroupDiagnosis {
+    let resistance = &clearest.1.electrode_resistance_ohm_per_sq;
     let twins = effect(ID).map_or(&[][..], |effect| effect.about().twins);
     let is_it = |id: &str| id == ID || twins.contains(&id);
     let others = found.set.iter().any(|id| !is_it(id)) && found.verdict == Verdict::Named;
@@ -67,7 +92,7 @@ fn proved(mut found: GroupDiagnosis, clearest: &PlacesOfRun, p: f64) -> GroupDia
             variant: None,
             parameters: vec![Parameter {
                 key: "electrode_resistance_ohm_per_sq".to_owned(),
-                estimate: clearest.1.electrode_resistance_ohm_per_sq.clone(),
+                estimate: resistance.clone(),
             }],
             p,
             q: None,
@@ -80,8 +105,14 @@ fn proved(mut found: GroupDiagnosis, clearest: &PlacesOfRun, p: f64) -> GroupDia
     }
     found.next_run = None;
     found.set = vec![ID.to_owned()];
-    found.verdict = match found.verdict {
-        Verdict::Unknown | Verdict::Partial => Verdict::Partial,
+    // A misfit in time that no cause of the library was named for may be that of the resistance.
+    let was_left = matches!(found.verdict, Verdict::Unknown | Verdict::Partial);
+    if was_left && !fitted {
+        found.p_leftover = resistance.value.and_then(leftover);
+    }
+    found.verdict = match found.p_leftover {
+        Some(p) if p >= WRONG => Verdict::Named,
+        _ if was_left => Verdict::Partial,
         _ => Verdict::Named,
     };
     let summary = effect(ID).map_or("", |effect| effect.about().summary);
@@ -90,7 +121,10 @@ fn proved(mut found: GroupDiagnosis, clearest: &PlacesOfRun, p: f64) -> GroupDia
         chance(p)
     );
     if found.verdict == Verdict::Partial {
-        found.sentence += " A misfit of another kind is left.";
+        found.sentence += match found.p_leftover {
+            Some(_) => " A misfit of another kind is left.",
+            None => " Whether a misfit of another kind is left could not be asked.",
+        };
     }
     found
 }
@@ -156,10 +190,35 @@ mod tests {
         }
     }
 
+    fn unasked(_: f64) -> Option<f64> {
+        panic!("what is left need not be asked")
+    }
+
+    #[test]
+    fn a_misfit_without_a_name_is_asked_whether_the_resistance_leaves_it() {
+        for (verdict, left, expected, said) in [
+            (Verdict::Unknown, Some(0.4), Verdict::Named, "tell it"),
+            (
+                Verdict::Partial,
+                Some(1e-4),
+                Verdict::Partial,
+                "of another kind is left.",
+            ),
+            (Verdict::Unknown, None, Verdict::Partial, "could not be asked"),
+        ] {
+            let found = joined(group(verdict, &[]), &[("a", places(1e-9, 1e-8))], |resistance| {
+                assert_eq!(resistance, 2.5);
+                left
+            });
+            assert_eq!((found.verdict, found.p_leftover), (expected, left));
+            assert!(found.sentence.contains(said), "{}", found.sentence);
+        }
+    }
+
     #[test]
     fn places_make_a_name_of_a_set() {
         let set = ["dispersion", ID, "mechanical-lag"];
-        let found = with_places(group(Verdict::Set, &set), &[("a", places(1e-9, 1e-8))]);
+        let found = joined(group(Verdict::Set, &set), &[("a", places(1e-9, 1e-8))], unasked);
         assert_eq!(
             (found.verdict, &found.set[..]),
             (Verdict::Named, &[ID.to_owned()][..])
@@ -171,7 +230,11 @@ mod tests {
     #[test]
     fn even_places_and_a_fixed_pattern_name_nothing() {
         for (p, p_later) in [(0.4, 0.5), (1e-9, 0.3)] {
-            let found = with_places(group(Verdict::Consistent, &[]), &[("a", places(p, p_later))]);
+            let found = joined(
+                group(Verdict::Consistent, &[]),
+                &[("a", places(p, p_later))],
+                unasked,
+            );
             assert_eq!((found.verdict, found.set.len()), (Verdict::Consistent, 0));
             assert_eq!(found.remarks.len(), 1);
         }
@@ -179,17 +242,19 @@ mod tests {
 
     #[test]
     fn even_places_take_it_out_of_a_set_and_another_name_stands() {
-        let found = with_places(
+        let found = joined(
             group(Verdict::Set, &["dispersion", ID]),
             &[("a", places(0.4, 0.5))],
+            unasked,
         );
         assert_eq!(
             (found.verdict, &found.set[..]),
             (Verdict::Named, &["dispersion".to_owned()][..])
         );
-        let other = with_places(
+        let other = joined(
             group(Verdict::Named, &["faradaic-leak"]),
             &[("a", places(1e-9, 1e-9))],
+            unasked,
         );
         assert_eq!(other.set, ["faradaic-leak"]);
         assert!(other.remarks.iter().any(|remark| remark.contains(ID)));
@@ -199,7 +264,7 @@ mod tests {
     fn runs_without_places_change_nothing() {
         let mut none = places(1e-9, 1e-9);
         none.unevenness = None;
-        let found = with_places(group(Verdict::Set, &["dispersion", ID]), &[("a", none)]);
+        let found = joined(group(Verdict::Set, &["dispersion", ID]), &[("a", none)], unasked);
         assert_eq!((found.set.len(), found.p_misfit), (2, Some(0.001)));
     }
 }

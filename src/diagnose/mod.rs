@@ -19,6 +19,7 @@ mod gain;
 mod group;
 mod held_out;
 mod known_cause;
+mod leftover;
 mod lengthwise;
 mod louder;
 mod next_run;

@@ -45,9 +45,9 @@ pub struct AlongCurve {
 impl AlongCurve {
     /// Puts places beside each other on all times that any of them has, and thins the frames.
     ///
-    /// `origin_s` is the time of the step. Of several series at one place the first counts: two instruments at one
+    /// `edges_s` are the times at which the drive changes. Of several series at one place the first counts: two instruments at one
     /// place are no map. None where there is no place or no time.
-    pub fn of(quantity: Quantity, places: &[PlaceSeries], origin_s: f64) -> Option<AlongCurve> {
+    pub fn of(quantity: Quantity, places: &[PlaceSeries], edges_s: &[f64]) -> Option<AlongCurve> {
         let mut places: Vec<&PlaceSeries> = places.iter().collect();
         places.sort_by(|a, b| a.position_mm.total_cmp(&b.position_mm));
         places.dedup_by(|later, first| later.position_mm == first.position_mm);
@@ -68,7 +68,7 @@ impl AlongCurve {
         };
         let (measured, fitted) = (rows(|place| place.measured), rows(|place| place.fitted));
         let told = if measured.is_empty() { &fitted } else { &measured };
-        let kept = drawn_frames(&time_s, told, origin_s);
+        let kept = drawn_frames(&time_s, told, edges_s);
         let thinned = |rows: &[Vec<f64>]| -> Vec<f64> {
             let picked = rows.iter().map(|row| kept.iter().map(|&frame| row[frame]));
             picked.flatten().collect()
@@ -147,9 +147,11 @@ fn spread(time_s: &[f64], own_s: &[f64], values: &[f64]) -> Vec<f64> {
 /// in each of 60 stretches of time the two in which some place lies farthest above and farthest below its own mean
 /// over the stretch, so that no peak of any place is averaged away and every kept frame is one that was read.
 ///
-/// Half of the stretches have equal length in time, half in the logarithm of the time since `origin_s`.
+/// Half of the stretches have equal length in time, half in the logarithm of the time since the last of `edges_s`, which
+/// increase: what follows a change of the drive is fast at first. All edges have as many, and where there are more edges
+/// than that the first ones have one each.
 /// `rows` holds the values of each place, as long as `time_s`; NaN is passed over.
-pub fn drawn_frames(time_s: &[f64], rows: &[Vec<f64>], origin_s: f64) -> Vec<usize> {
+pub fn drawn_frames(time_s: &[f64], rows: &[Vec<f64>], edges_s: &[f64]) -> Vec<usize> {
     let n = time_s.len();
     if n <= DRAWN_FRAMES {
         return (0..n).collect();
@@ -160,10 +162,17 @@ pub fn drawn_frames(time_s: &[f64], rows: &[Vec<f64>], origin_s: f64) -> Vec<usi
     let mut kept = vec![0, n - 1];
     let even = (0..half).map(|k| first + (last - first) * share(k));
     keep_excursions(time_s, rows, 0, even, &mut kept);
-    let start = time_s.partition_point(|&t| t <= origin_s);
-    if start + 1 < n {
-        let (low, high) = ((time_s[start] - origin_s).ln(), (last - origin_s).ln());
-        let ends = (0..half).map(|k| origin_s + (low + (high - low) * share(k)).exp());
+    let each = (half / edges_s.len().max(1)).max(1);
+    for (edge, &edge_s) in edges_s.iter().enumerate().take(half) {
+        let start = time_s.partition_point(|&t| t <= edge_s);
+        let next = edges_s.get(edge + 1);
+        let stop = next.map_or(n, |next_s| time_s.partition_point(|t| t < next_s));
+        if start + 1 >= stop {
+            continue;
+        }
+        let (low, high) = ((time_s[start] - edge_s).ln(), (time_s[stop - 1] - edge_s).ln());
+        let part = |k: usize| (k + 1) as f64 / each as f64;
+        let ends = (0..each).map(|k| edge_s + (low + (high - low) * part(k)).exp());
         keep_excursions(time_s, rows, start, ends, &mut kept);
     }
     kept.sort_unstable();
@@ -278,7 +287,7 @@ mod tests {
                 place(2.0, &[0.0, 1.0, 2.0], &[1.0, 2.0, 3.0]),
                 place(2.0, &[0.0], &[9.0]),
             ],
-            0.0,
+            &[0.0],
         )
         .unwrap();
         assert_eq!(curve.position_mm, [2.0, 8.0]);
@@ -286,14 +295,14 @@ mod tests {
         let second = curve.measured_at(1);
         assert!(second[0] == 5.0 && second[1].is_nan() && second[2] == 6.0);
         assert!(curve.fitted.is_empty() && curve.fitted_at(1).is_empty());
-        assert_eq!(AlongCurve::of(Quantity::Curvature, &[], 0.0), None);
+        assert_eq!(AlongCurve::of(Quantity::Curvature, &[], &[0.0]), None);
     }
 
     #[test]
     fn cells_end_half_way_and_within_the_strip() {
         let curve = |at: &[f64]| {
             let places: Vec<PlaceSeries> = at.iter().map(|&mm| place(mm, &[0.0], &[1.0])).collect();
-            AlongCurve::of(Quantity::Curvature, &places, 0.0).unwrap()
+            AlongCurve::of(Quantity::Curvature, &places, &[0.0]).unwrap()
         };
         let edges = curve(&[1.0, 5.0, 7.0]).cell_edges_mm(Some(7.5));
         assert_eq!(edges, [(0.0, 3.0), (3.0, 6.0), (6.0, 7.5)]);
@@ -309,10 +318,27 @@ mod tests {
         rows[11][17_345] += 500.0;
         rows[3][60] -= 30.0;
         rows[5][9] = f64::NAN;
-        let kept = drawn_frames(&time_s, &rows, 0.0);
+        let kept = drawn_frames(&time_s, &rows, &[0.0]);
         assert!(kept.len() <= DRAWN_FRAMES + 2, "{}", kept.len());
         assert!(kept.contains(&17_345) && kept.contains(&60));
         assert_eq!((kept[0], kept[kept.len() - 1]), (0, 19_999));
         assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
+    }
+
+    #[test]
+    fn what_follows_a_later_change_of_the_drive_is_kept_too() {
+        let time_s: Vec<f64> = (0..10_000).map(|k| f64::from(k) * 0.1).collect();
+        let rows = [time_s.iter().map(|t| (t % 500.0).min(3.0)).collect()];
+        let soon = |edges_s: &[f64]| {
+            let kept = drawn_frames(&time_s, &rows, edges_s);
+            assert!(kept.len() <= DRAWN_FRAMES + 2, "{}", kept.len());
+            kept.iter()
+                .filter(|&&frame| (5001..5030).contains(&frame))
+                .count()
+        };
+        assert!(soon(&[0.0]) <= 2);
+        assert!(soon(&[0.0, 500.0]) >= 6);
+        let many: Vec<f64> = (0..900).map(f64::from).collect();
+        assert!(drawn_frames(&time_s, &rows, &many).len() <= DRAWN_FRAMES + 2);
     }
 }

@@ -43,6 +43,11 @@ impl Drive {
         }
     }
 
+    /// When segments start, s: where readings may jump.
+    pub fn edges_s(&self) -> Vec<f64> {
+        self.segments.iter().map(|segment| segment.start_s).collect()
+    }
+
     /// The held voltage farthest from the baseline (for a discharge, the baseline itself): the nominal step, V.
     pub fn nominal_step_v(&self) -> f64 {
         let levels = self.segments.iter().filter_map(|segment| match segment.level {

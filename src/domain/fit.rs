@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{AlongCurve, Estimate, Issue, Quantity, RunCurve};
 
+/// Code of the note of a fit that says whether the run needs the distributed model.
+pub const LUMPED_OR_DISTRIBUTED: &str = "lumped-or-distributed";
+
 /// One identified parameter. The key carries the unit: `r1_ohm_cm2`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
@@ -87,6 +90,13 @@ impl Fit {
     /// (`lumped-2 + faradaic-leak`) are.
     pub fn is_of_group(&self) -> bool {
         self.model.contains('+')
+    }
+
+    /// The note that says whether the run needs the distributed model.
+    pub fn lumped_or_distributed(&self) -> Option<&Issue> {
+        self.issues
+            .iter()
+            .find(|issue| issue.code == LUMPED_OR_DISTRIBUTED)
     }
 
     /// The estimate stored under `key`.

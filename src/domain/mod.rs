@@ -35,7 +35,7 @@ pub use diagnosis::{
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
-pub use fit::{ChannelNoise, Fit, NoiseCharacter, Parameter};
+pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};
 pub use issue::{Issue, Severity};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
 pub use monitoring::{Alarm, Limit, MonitoringRules};

@@ -20,12 +20,7 @@ pub struct LocalScatter {
 ///
 /// None where no stretch holds a window of eight readings.
 pub fn local_scatter(series: &[&[f64]]) -> Option<LocalScatter> {
-    let longest = series.iter().map(|stretch| stretch.len()).max()?;
-    let total: usize = series.iter().map(|stretch| stretch.len()).sum();
-    let window = (total / 20).clamp(8, 64).min(longest);
-    if window < 8 {
-        return None;
-    }
+    let window = window_of(series)?;
     let parabola = Parabola::new(window);
     let mut sums: Vec<(f64, f64)> = (series.iter())
         .flat_map(|stretch| stretch.chunks_exact(window))
@@ -47,6 +42,39 @@ pub fn local_scatter(series: &[&[f64]]) -> Option<LocalScatter> {
         correlation: noise.correlation,
         window,
     })
+}
+
+/// Readings of a window; none where no stretch holds eight.
+fn window_of(series: &[&[f64]]) -> Option<usize> {
+    let longest = series.iter().map(|stretch| stretch.len()).max()?;
+    let total: usize = series.iter().map(|stretch| stretch.len()).sum();
+    let window = (total / 20).clamp(8, 64).min(longest);
+    (window >= 8).then_some(window)
+}
+
+/// [`local_scatter`] of a series that may jump at the times `edges_s`, which increase.
+///
+/// A parabola does not follow what comes right after a jump. Where there are more jumps than windows that are left out for
+/// their scatter, the first window after each jump is left out, as far as two others remain of its stretch.
+pub fn scatter_between(time_s: &[f64], values: &[f64], edges_s: &[f64]) -> Option<LocalScatter> {
+    let mut stretches = Vec::with_capacity(edges_s.len() + 1);
+    let mut first = 0;
+    for edge_s in edges_s {
+        let end = time_s.partition_point(|t| t < edge_s).max(first);
+        stretches.push(&values[first..end]);
+        first = end;
+    }
+    stretches.push(&values[first..]);
+    let window = window_of(&stretches)?;
+    let windows: usize = stretches.iter().map(|stretch| stretch.len() / window).sum();
+    if edges_s.len() > windows / 5 {
+        for stretch in stretches.iter_mut().skip(1) {
+            if stretch.len() >= 3 * window {
+                *stretch = &stretch[window..];
+            }
+        }
+    }
+    local_scatter(&stretches)
 }
 
 /// Orthonormal polynomials up to the second degree on a window.
@@ -124,6 +152,22 @@ mod tests {
             );
             assert!((found.correlation - rho).abs() < 0.12, "{n} {rho}: {found:?}");
         }
+    }
+
+    #[test]
+    fn many_jumps_with_fast_answers_do_not_count_as_noise() {
+        let noise = noisy_decay(400, 0.0, 0.0);
+        let time_s: Vec<f64> = (0..400).map(f64::from).collect();
+        let edges_s: Vec<f64> = (0..6).map(|k| f64::from(66 * k)).collect();
+        let values: Vec<f64> = (noise.iter().zip(&time_s))
+            .enumerate()
+            .map(|(k, (value, t))| {
+                let decay = 1000.0 * (-(k as f64) / 60.0).exp();
+                value - decay + 400.0 * (-(t % 66.0) / 3.0).exp() * if (k / 66) % 2 == 0 { 1.0 } else { -1.0 }
+            })
+            .collect();
+        let found = scatter_between(&time_s, &values, &edges_s).unwrap();
+        assert!((found.standard_deviation - 1.0).abs() < 0.15, "{found:?}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::domain::{
     PlaceSeries, Quantity, RunCurve, RunRecord, StripShape, tag::keys,
 };
 use crate::model::geometry::Shape;
-use crate::numerics::noise::local_scatter;
+use crate::numerics::noise::scatter_between;
 use crate::store::{Store, StoreError};
 
 /// Shapes that a page shows at once.
@@ -43,7 +43,8 @@ impl<'a> PageCurves<'a> {
         let mut curves = self.store.fit_along(run.id)?;
         let step_s = step_s(run.drive.as_ref());
         if curves.is_empty() {
-            curves = measured(&self.store.channels(run.id)?, step_s);
+            let edges_s = run.drive.as_ref().map_or(vec![step_s], Drive::edges_s);
+            curves = measured(&self.store.channels(run.id)?, &edges_s);
         }
         let mut take = |quantity: Quantity, is_measured: bool| {
             let at = curves
@@ -116,7 +117,7 @@ fn changes_again(drive: Option<&Drive>, step_s: f64, last_s: f64) -> bool {
 }
 
 /// Readings along the strip of a run that no distributed model was fitted to.
-fn measured(channels: &[Channel], step_s: f64) -> Vec<AlongCurve> {
+fn measured(channels: &[Channel], edges_s: &[f64]) -> Vec<AlongCurve> {
     let of = |quantity: Quantity| {
         let placed = channels
             .iter()
@@ -131,10 +132,10 @@ fn measured(channels: &[Channel], step_s: f64) -> Vec<AlongCurve> {
                 time_s,
                 measured: values,
                 fitted: &[],
-                noise: noise(time_s, values, step_s),
+                noise: noise(time_s, values, edges_s),
             })
             .collect();
-        AlongCurve::of(quantity, &places, step_s)
+        AlongCurve::of(quantity, &places, edges_s)
     };
     [Quantity::Curvature, Quantity::Voltage]
         .into_iter()
@@ -143,10 +144,8 @@ fn measured(channels: &[Channel], step_s: f64) -> Vec<AlongCurve> {
 }
 
 /// Noise of a series without a model; NaN where it is too short to tell.
-fn noise(time_s: &[f64], values: &[f64], step_s: f64) -> f64 {
-    let first = time_s.partition_point(|&t| t < step_s);
-    local_scatter(&[&values[..first], &values[first..]])
-        .map_or(f64::NAN, |scatter| scatter.standard_deviation)
+fn noise(time_s: &[f64], values: &[f64], edges_s: &[f64]) -> f64 {
+    scatter_between(time_s, values, edges_s).map_or(f64::NAN, |scatter| scatter.standard_deviation)
 }
 
 /// Fills in what follows from the curves.
@@ -291,7 +290,7 @@ mod tests {
                 noise,
             })
             .collect();
-        AlongCurve::of(Quantity::Curvature, &places, 0.0).unwrap()
+        AlongCurve::of(Quantity::Curvature, &places, &[0.0]).unwrap()
     }
 
     fn strip(curvature: AlongCurve) -> AlongStrip {

@@ -8,6 +8,7 @@ use super::across_runs::campaign_laws;
 use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry};
 use super::diagnose::library_hash;
 use super::fits_document::{ParameterEntry, as_object, parameter_entries};
+use super::lengthwise::LumpedOrDistributedEntry;
 use super::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
 use super::shared_effects_document::{SharedEffectEntry, shared_effect_entries};
 use super::{Context, DiagnoseChoice, PipelineError};
@@ -72,6 +73,8 @@ pub struct RunEntry {
     pub effects: Vec<EffectEntry>,
     /// Ids of the effects that may be the cause.
     pub set: Vec<String>,
+    /// Whether the run needs the distributed model; null where its fit does not say.
+    pub lumped_or_distributed: Option<LumpedOrDistributedEntry>,
 }
 
 /// One group.
@@ -120,6 +123,8 @@ pub struct GroupEntry {
     pub remarks: Vec<String>,
     /// Each run by itself, where no cause is found for all of them together.
     pub alone: Vec<RunAlone>,
+    /// Which of its runs need the distributed model, as far as their fits say.
+    pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
 }
 
 /// An accepted effect.
@@ -219,6 +224,7 @@ pub fn diagnosis_document(
     };
     let compared = contrast::contrasts(&runs, &context.campaign, &across.facts);
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
+    let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
     Ok(DiagnosisDocument {
         schema: "ieap/diagnosis/1",
         library: library_hash(),
@@ -230,10 +236,14 @@ pub fn diagnosis_document(
             .into_iter()
             .map(|found| {
                 let online = findings.turns.get(&found.group).copied();
-                run_entry(found, online)
+                run_entry(found, online, &told)
             })
             .collect(),
-        groups: findings.groups.into_iter().map(group_entry).collect(),
+        groups: findings
+            .groups
+            .into_iter()
+            .map(|found| group_entry(found, &told))
+            .collect(),
         campaign_effects,
         campaign: campaign_document::entries(&across),
         campaign_confounded: campaign_document::confounded(&across),
@@ -244,8 +254,9 @@ pub fn diagnosis_document(
     })
 }
 
-fn run_entry(found: GroupDiagnosis, online: Option<Turn>) -> RunEntry {
+fn run_entry(found: GroupDiagnosis, online: Option<Turn>, told: &[LumpedOrDistributedEntry]) -> RunEntry {
     RunEntry {
+        lumped_or_distributed: told.iter().find(|entry| entry.run == found.group).cloned(),
         run: found.group,
         online,
         verdict: found.verdict,
@@ -257,8 +268,10 @@ fn run_entry(found: GroupDiagnosis, online: Option<Turn>) -> RunEntry {
     }
 }
 
-fn group_entry(found: GroupDiagnosis) -> GroupEntry {
+fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> GroupEntry {
+    let of_group = |entry: &&LumpedOrDistributedEntry| found.runs.contains(&entry.run);
     GroupEntry {
+        lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),
         group: found.group,
         runs: found.runs,
         base_model: found.base_model,

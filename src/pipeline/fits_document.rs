@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::groups_document::GroupEntry;
+use super::lengthwise::LumpedOrDistributedEntry;
 use super::{Context, PipelineError};
 use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
@@ -66,6 +67,8 @@ pub struct FitEntry {
     pub noise: Vec<ChannelNoise>,
     /// Clocks with their offsets, flags and profiles that the readings rest on.
     pub origin: RunOrigin,
+    /// Whether the run needs the distributed model; null where the fit does not say.
+    pub lumped_or_distributed: Option<LumpedOrDistributedEntry>,
     /// Issues of the run and of the fit.
     pub issues: Vec<Issue>,
 }
@@ -175,6 +178,7 @@ fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
         r_squared_curvature: fit.r_squared_curvature,
         noise: fit.noise.clone(),
         origin: run.origin.clone(),
+        lumped_or_distributed: LumpedOrDistributedEntry::of(run),
         issues: run.issues.iter().chain(&fit.issues).cloned().collect(),
     })
 }

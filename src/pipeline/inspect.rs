@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::PipelineError;
+use super::lengthwise::LumpedOrDistributedEntry;
+use super::{Context, PipelineError};
 use crate::domain::{FlaggedStretch, Issue, Quantity};
 use crate::ingest::campaign_file;
 use crate::ingest::formats::{ReadContext, ReadError};
@@ -29,7 +30,7 @@ pub struct Inspection {
     pub candidates: Vec<CandidateScore>,
     /// Technique as the file names it.
     pub technique: Option<String>,
-    /// How the measurement ended; `refused`, `pending` or `sidecar` where it was not read.
+    /// How the measurement ended; `refused`, `pending`, `sidecar` or `folder` where it was not read.
     pub status: String,
     /// The evidence for it.
     pub status_evidence: String,
@@ -43,6 +44,19 @@ pub struct Inspection {
     pub runs: Vec<InspectedTable>,
     /// What a reader must know.
     pub issues: Vec<Issue>,
+    /// The run that the campaign around the file has stored of it; null where there is none.
+    pub stored: Option<StoredRun>,
+}
+
+/// What a campaign knows of a file that was taken in.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StoredRun {
+    /// Path of the run relative to the campaign.
+    pub run: String,
+    /// Model of its current fit; null where it has none.
+    pub model: Option<String>,
+    /// Whether the run needs the distributed model; null where its fit does not say.
+    pub lumped_or_distributed: Option<LumpedOrDistributedEntry>,
 }
 
 /// A saved profile.
@@ -111,17 +125,53 @@ pub struct InspectedColumn {
 /// # Errors
 /// The file cannot be opened, or a profile is wrong.
 pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
+    if file.is_dir() {
+        return Ok(folder(file));
+    }
     let bytes = std::fs::read(file).map_err(|source| PipelineError::File {
         path: file.to_owned(),
         doing: "reading the file",
         source,
     })?;
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-    let profiles = match absolute.parent().and_then(campaign_file::find) {
-        Some(campaign) => profiles::load(&campaign)?,
+    let campaign = absolute.parent().and_then(campaign_file::find);
+    let profiles = match &campaign {
+        Some(campaign) => profiles::load(campaign)?,
         None => Vec::new(),
     };
-    Ok(inspect_bytes(file, &bytes, &profiles))
+    let mut inspection = inspect_bytes(file, &bytes, &profiles);
+    inspection.stored = campaign.and_then(|campaign| stored(&campaign, &absolute));
+    Ok(inspection)
+}
+
+/// A folder: what is known of the run that its frames are, where they were taken in.
+fn folder(folder: &Path) -> Inspection {
+    let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    let issue = Issue::note("folder", "a folder; frames in it are a run once they are traced").mend(format!(
+        "`ieap trace {}` shows what is seen in frames, `ieap inspect` of a file what is read from it",
+        folder.display()
+    ));
+    let mut inspection = not_read(folder.display().to_string(), &[], "folder", issue);
+    inspection.stored = campaign_file::find(&absolute).and_then(|campaign| stored(&campaign, &absolute));
+    inspection
+}
+
+/// The run that a file belongs to. A campaign that cannot be opened stores nothing that could be shown: what is wrong
+/// with it is said by the verbs that need it.
+fn stored(campaign: &Path, file: &Path) -> Option<StoredRun> {
+    let file = std::fs::canonicalize(file).ok()?;
+    let path = file.strip_prefix(campaign).ok()?;
+    let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+    let path = parts.join("/");
+    let runs = Context::open_read_only(campaign).ok()?.store.runs().ok()?;
+    let run = runs
+        .iter()
+        .find(|run| run.files.iter().any(|file| file.path == path))?;
+    Some(StoredRun {
+        run: run.path.clone(),
+        model: run.fit.as_ref().map(|fit| fit.model.clone()),
+        lumped_or_distributed: LumpedOrDistributedEntry::of(run),
+    })
 }
 
 /// As [`inspect`], for bytes that were read already.
@@ -190,6 +240,7 @@ fn not_read(file: String, claims: &[Claim], status: &str, issue: Issue) -> Inspe
         header_tags: Vec::new(),
         runs: Vec::new(),
         issues: vec![issue],
+        stored: None,
     }
 }
 
@@ -216,6 +267,7 @@ fn of_reading(file: String, choice: &Choice<'_>, reading: &Reading) -> Inspectio
         header_tags: reading.header_tags.clone(),
         runs: reading.tables.iter().map(inspected_table).collect(),
         issues: reading.issues.clone(),
+        stored: None,
     }
 }
 

@@ -25,6 +25,7 @@ pub mod groups_document;
 mod ingest;
 mod init;
 pub mod inspect;
+pub mod lengthwise;
 mod modulus;
 pub mod next_runs;
 mod observer;

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::context::CODE_VERSION;
+use super::lengthwise::LumpedOrDistributedEntry;
 use super::planned::{Planned, planned};
 use super::{Context, PipelineError};
 use crate::domain::tag::keys;
@@ -47,6 +48,8 @@ pub struct Status {
     pub climate: ClimateStatus,
     /// Rows of run sheets, made and not.
     pub planned: Planned,
+    /// Whether fitted runs need the distributed model, as far as their fits say.
+    pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
     /// Alarms of long-term monitoring.
     pub alarms: Vec<Alarm>,
     /// Why nothing is watched; none where something is.
@@ -157,6 +160,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
         planned: planned(context, &runs)?,
+        lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
             .iter()

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use tera::Tera;
+use tera::{Kwargs, State, Tera};
 
 use super::error::ReportError;
 use super::figures::svg::dot_markers;
@@ -16,7 +16,7 @@ use super::pages::{
 };
 use super::run_index::{self, run_index};
 use super::slug::slugs;
-use super::visible::write_escaped;
+use super::visible::{indexed, write_escaped};
 use crate::analysis::dma::table::modulus_table;
 use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::{Conditions, TableFormat, conditions, conditions_table, fits_wide, write_table};
@@ -177,6 +177,7 @@ const LAYOUT: &str = include_str!("../../templates/layout.html");
 fn templates() -> Result<Tera, ReportError> {
     let mut tera = Tera::new();
     tera.set_escape_fn(write_escaped);
+    tera.register_filter("indexed", |text: &str, _: Kwargs, _: &State| indexed(text));
     let pages = PAGES.iter().map(|page| (page.file, page.template));
     let all = [
         ("layout.html", LAYOUT),

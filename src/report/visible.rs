@@ -34,6 +34,11 @@ pub fn escaped(text: &str) -> String {
         })
 }
 
+/// `text` escaped as by [`write_escaped`], with the index c, which few fonts have as a letter, as a lowered one.
+pub fn indexed(text: &str) -> String {
+    escaped(text).replace('\u{a700}', "<sub>c</sub>")
+}
+
 /// `text` with everything visible and nothing escaped: for formats that have escapes of their own. Line breaks and
 /// tabs become blanks, so that it stays one line.
 pub fn one_line(text: &str) -> String {

@@ -235,6 +235,7 @@ pub fn scatter(values: &[f64]) -> f64 {
 /// Whether what stands out is darker or brighter than the ground.
 fn tone(differences: &[f64], noise: f64) -> Result<Tone, Untraceable> {
     let (mut bright, mut dark) = (0.0, 0.0);
+    let largest = differences.iter().fold(0.0f64, |most, d| most.max(d.abs()));
     for difference in differences {
         let beyond = (difference.abs() - 5.0 * noise).max(0.0).powi(2);
         match *difference > 0.0 {
@@ -242,8 +243,8 @@ fn tone(differences: &[f64], noise: f64) -> Result<Tone, Untraceable> {
             false => dark += beyond,
         }
     }
-    if bright == 0.0 && dark == 0.0 {
-        let largest = differences.iter().fold(0.0f64, |most, d| most.max(d.abs()));
+    // The tails of the noise are no strip.
+    if largest < STANDS_OUT * noise {
         return Err(Untraceable::Empty {
             contrast: largest,
             noise,

@@ -49,7 +49,7 @@ fn curvature(fitted: bool) -> AlongCurve {
             noise: 0.0014,
         })
         .collect();
-    let mut curve = AlongCurve::of(Quantity::Curvature, &places, 0.0).expect("a curve");
+    let mut curve = AlongCurve::of(Quantity::Curvature, &places, &[0.0]).expect("a curve");
     curve.measured[2 * FRAMES + 20] = f64::NAN;
     curve
 }
@@ -75,7 +75,7 @@ fn voltage() -> AlongCurve {
             noise: 0.002,
         })
         .collect();
-    AlongCurve::of(Quantity::Voltage, &places, 0.0).expect("a curve")
+    AlongCurve::of(Quantity::Voltage, &places, &[0.0]).expect("a curve")
 }
 
 /// A strip with everything that a page can show, or with readings of the curvature only.

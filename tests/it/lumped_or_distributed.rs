@@ -81,6 +81,30 @@ fn resistance_along_the_strip_is_named_from_places() {
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
     let told = note(&fits["fits"][0], "lumped-or-distributed").unwrap();
     assert!(told.starts_with("distributed: 9 places"), "{told}");
+    // Every verb says it, in text and for machines.
+    let file = folder.join("runs/a.csv");
+    let inspected = ["inspect", file.to_str().unwrap(), "--json"];
+    let inspected = folder.ieap(&inspected).expect(0).json();
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    let diagnosed = folder.ieap(&["diagnose", "--json"]).expect(0).json();
+    for told in [
+        &fits["fits"][0]["lumped_or_distributed"],
+        &diagnosed["groups"][0]["lumped_or_distributed"][0],
+        &diagnosed["runs"][0]["lumped_or_distributed"],
+        &inspected["stored"]["lumped_or_distributed"],
+        &status["status"]["lumped_or_distributed"][0],
+    ] {
+        assert_eq!(
+            (&told["run"], &told["verdict"]),
+            (&"runs/a.csv".into(), &"distributed".into()),
+            "{told:#}"
+        );
+    }
+    let status = folder.ieap(&["status"]).expect(0).stdout;
+    assert!(
+        status.contains("lumped or distributed: 1 distributed"),
+        "{status}"
+    );
     // The run's page says so in the same words.
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
     let pages = std::fs::read_dir(folder.join("report/runs")).unwrap();

@@ -26,7 +26,7 @@ pub(super) fn along(
             .filter(|group| group.kind == kind)
             .flat_map(|group| places(group, fitted))
             .collect();
-        AlongCurve::of(quantity, &places, readings.step_s)
+        AlongCurve::of(quantity, &places, &readings.edges_s)
     };
     let voltage = of(Kind::Voltage, Quantity::Voltage);
     let profile = voltage

@@ -1,6 +1,6 @@
 //! Lumped or distributed: what a run says, in numbers and in a sentence.
 
-use crate::domain::{Estimate, Issue};
+use crate::domain::{Estimate, Issue, LUMPED_OR_DISTRIBUTED};
 use crate::model::distributed::{DistributedModel, LumpedError};
 use crate::numerics::student::quantile_95;
 
@@ -91,7 +91,7 @@ impl Decision {
         let share = |found: &Unevenness| 100.0 * found.gain / found.uneven.max(f64::MIN_POSITIVE);
         let message = match (self.verdict(), &self.unevenness) {
             (LumpedOrDistributed::Distributed, Some(found)) => format!(
-                "distributed: {} places along the strip differ as the electrodes' resistance makes them (p = {}), and some follow later than others (p = {}); it explains {:.0} % of the differences, {} -> {} variances of the noise; {criterion}",
+                "distributed: {} places along the strip differ as the electrodes' resistance makes them ({}), and some follow later than others ({}); it explains {:.0} % of the differences, {} -> {} variances of the noise; {criterion}",
                 found.places,
                 chance(found.p),
                 chance(found.p_later),
@@ -100,13 +100,13 @@ impl Decision {
                 rounded(found.uneven - found.gain),
             ),
             (LumpedOrDistributed::UnevenPattern, Some(found)) => format!(
-                "open: {} places along the strip differ (p = {}), but none follows later than another (p = {}): a coupling that differs from place to place would look the same; {criterion}",
+                "open: {} places along the strip differ ({}), but none follows later than another ({}): a coupling that differs from place to place would look the same; {criterion}",
                 found.places,
                 chance(found.p),
                 chance(found.p_later),
             ),
             (LumpedOrDistributed::Even, Some(found)) => format!(
-                "lumped: {} places along the strip do not differ as the electrodes' resistance would make them (p = {}); {criterion}",
+                "lumped: {} places along the strip do not differ as the electrodes' resistance would make them ({}); {criterion}",
                 found.places,
                 chance(found.p),
             ),
@@ -115,7 +115,7 @@ impl Decision {
             }
             _ => "cannot be told from this run: nothing was measured at several places, and the resistance of the electrodes along the strip is neither given nor determined".to_owned(),
         };
-        let issue = Issue::note("lumped-or-distributed", message);
+        let issue = Issue::note(LUMPED_OR_DISTRIBUTED, message);
         match self.verdict() {
             LumpedOrDistributed::Untold => issue.mend(
                 "measure the electrodes with a four-point probe (electrode_resistance_ohm_per_sq of the sample), or voltages or curvatures at several places",
@@ -125,6 +125,15 @@ impl Decision {
             ),
             _ => issue,
         }
+    }
+
+    /// The first words of the note that [`Decision::issue`] gives; none of any other issue.
+    pub fn word_of(issue: &Issue) -> Option<&'static str> {
+        let words = ["distributed", "open", "lumped", "cannot be told"];
+        let is_it = issue.code == LUMPED_OR_DISTRIBUTED;
+        words
+            .into_iter()
+            .find(|word| is_it && issue.message.starts_with(word))
     }
 
     /// What the criterion alone says.
@@ -170,9 +179,9 @@ impl Decision {
 /// A chance as it is told.
 fn chance(p: f64) -> String {
     match p {
-        p if p < 1e-6 => "below 10^-6".to_owned(),
-        p if p < 1e-3 => format!("{p:.0e}"),
-        p => format!("{p:.3}"),
+        p if p < 1e-6 => "p below 1e-6".to_owned(),
+        p if p < 1e-3 => format!("p = {p:.0e}"),
+        p => format!("p = {p:.3}"),
     }
 }
 

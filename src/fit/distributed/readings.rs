@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::domain::{Channel, Quantity};
-use crate::numerics::noise::local_scatter;
+use crate::numerics::noise::scatter_between;
 
 use super::DistributedInput;
 
@@ -43,6 +43,8 @@ pub(super) struct Readings {
     pub groups: Vec<Group>,
     /// Start of the first segment, s.
     pub step_s: f64,
+    /// Starts of all segments, s.
+    pub edges_s: Vec<f64>,
     /// First change of the voltage, V.
     step_v: f64,
 }
@@ -60,6 +62,7 @@ impl Readings {
         let mut readings = Readings {
             groups: Vec::new(),
             step_s,
+            edges_s: input.drive.edges_s(),
             step_v,
         };
         for channel in input.channels {
@@ -73,7 +76,7 @@ impl Readings {
     }
 
     fn add(&mut self, kind: Kind, position_cm: f64, time_s: Arc<[f64]>, values: Arc<[f64]>) {
-        let noise = noise_of(&time_s, &values, self.step_s);
+        let noise = noise_of(&time_s, &values, &self.edges_s);
         let together = self
             .groups
             .iter_mut()
@@ -172,9 +175,8 @@ fn kind_of(channel: &Channel, length_cm: f64) -> Option<(Kind, f64)> {
 }
 
 /// Noise of a series without the model; at least a millionth of its range, which no instrument beats.
-fn noise_of(time_s: &[f64], values: &[f64], step_s: f64) -> f64 {
-    let first = time_s.partition_point(|&t| t < step_s);
-    let scatter = local_scatter(&[&values[..first], &values[first..]]).map_or(0.0, |s| s.standard_deviation);
+fn noise_of(time_s: &[f64], values: &[f64], edges_s: &[f64]) -> f64 {
+    let scatter = scatter_between(time_s, values, edges_s).map_or(0.0, |s| s.standard_deviation);
     let (low, high) = values
         .iter()
         .fold((0.0f64, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));

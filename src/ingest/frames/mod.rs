@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 pub use listing::{FrameFile, list, of_paths};
-pub use settings::{FILE_NAME, FrameSettings, InitialShape, of_campaign, of_folder};
+pub use settings::{FILE_NAME, FrameSettings, InitialShape, Numbers, of_campaign, of_folder};
 pub use times::times;
 
 /// Why a folder of frames cannot be read.
@@ -47,6 +47,19 @@ pub enum FramesError {
         /// The first frame.
         first: String,
     },
+    /// Numbers of frames are left out.
+    #[error(
+        "{before} and {after}: the numbers between them are left out. Say `numbers = \"count\"` in {FILE_NAME} where {} missing, or `numbers = \"order\"` where those that are there follow one another at `frames_per_second`",
+        counted(*missing)
+    )]
+    Gap {
+        /// The frame before the first gap.
+        before: String,
+        /// The frame behind it.
+        after: String,
+        /// Numbers left out, in steps of the others.
+        missing: u64,
+    },
     /// The times do not fit the frames.
     #[error("{place}: {found}, needed {needed}")]
     Times {
@@ -57,4 +70,11 @@ pub enum FramesError {
         /// What is needed.
         needed: String,
     },
+}
+
+fn counted(missing: u64) -> String {
+    match missing {
+        1 => "1 frame is".to_owned(),
+        many => format!("{many} frames are"),
+    }
 }

@@ -22,6 +22,29 @@ pub enum InitialShape {
     Straight,
 }
 
+/// What the numbers in the names of frames tell where some are left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Numbers {
+    /// They count frames: those left out were taken, and are missing.
+    Count,
+    /// Their order only: the frames there are follow one another.
+    Order,
+}
+
+impl Numbers {
+    /// Both.
+    pub const ALL: [Numbers; 2] = [Numbers::Count, Numbers::Order];
+
+    /// As it is written in settings.
+    pub fn key(self) -> &'static str {
+        match self {
+            Numbers::Count => "count",
+            Numbers::Order => "order",
+        }
+    }
+}
+
 /// What is stated of a view; all of it may be left out.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -46,6 +69,8 @@ pub struct FrameSettings {
     pub frames_per_second: Option<f64>,
     /// Time of the first frame after the voltage step, s.
     pub first_frame_s: Option<f64>,
+    /// What numbers in names tell where some are left out.
+    pub numbers: Option<Numbers>,
     /// Time of each frame after the voltage step, s.
     pub times_s: Option<Vec<f64>>,
 }
@@ -71,6 +96,7 @@ impl FrameSettings {
                 base.frames_per_second
             },
             first_frame_s: self.first_frame_s.or(base.first_frame_s),
+            numbers: self.numbers.or(base.numbers),
             times_s: if timed { self.times_s } else { base.times_s },
         }
     }

@@ -260,14 +260,15 @@ fn diagnose_one(
         return found;
     }
     let diagnosed = std::panic::catch_unwind(|| {
-        let found = with_inputs(members, tasks, channels, |inputs| {
-            diagnose_group(&subject.name, inputs, options)
-        });
         let places = members.iter().zip(channels).filter_map(|(&index, channels)| {
             let decision = fit_along::decision(&tasks[index], channels)?;
             Some((tasks[index].path.as_str(), decision))
         });
-        with_places(found, &places.collect::<Vec<_>>())
+        let places: Vec<_> = places.collect();
+        with_inputs(members, tasks, channels, |inputs| {
+            let found = diagnose_group(&subject.name, inputs, options);
+            with_places(found, &places, inputs, options)
+        })
     });
     diagnosed.unwrap_or_else(|_| {
         GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, FAULT.to_owned())

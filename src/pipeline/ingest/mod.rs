@@ -4,6 +4,7 @@ mod batch;
 mod frame_folder;
 mod groups;
 mod left_out;
+mod places;
 mod prepare;
 mod readers;
 mod retag;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::left_out;
+use super::places::misplaced;
 use super::retag::window;
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
@@ -277,6 +278,8 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         .and_then(|sample| sample.length_mm)
         .map(|length_mm| length_mm / 10.0);
     issues.extend(lengthless(input.channels, length_cm));
+    let length_mm = sample.and_then(|sample| sample.length_mm);
+    issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));
     let clock_offset_s = resolved
         .value(keys::CLOCK_OFFSET_S)
         .and_then(|text| text.parse().ok());

@@ -57,6 +57,7 @@ impl Simulate {
             .parent()
             .unwrap_or(Path::new(""))
             .join(&spec.simulation.folder);
+        self.check_free(&spec, &root)?;
         let mut written = Vec::new();
         let logs = spec.dma.iter().map(|dma| dma.log.len()).sum::<usize>();
         observer.begin("simulating", (spec.run.len() + spec.strip.len() + logs) as u64);
@@ -93,6 +94,19 @@ impl Simulate {
         }
         observer.end();
         Ok(written)
+    }
+
+    /// Refuses before anything is written where a run's file is there already.
+    fn check_free(&self, spec: &Spec, root: &Path) -> Result<(), PipelineError> {
+        let runs = spec.run.iter().map(|run| &run.file);
+        let mut files = runs.chain(spec.strip.iter().map(|strip| &strip.file));
+        let there = files.find(|file| root.join(file).exists());
+        match there.filter(|_| !self.overwrite) {
+            Some(file) => Err(PipelineError::FileExists {
+                path: root.join(file),
+            }),
+            None => Ok(()),
+        }
     }
 
     fn with_sidecar(

@@ -9,7 +9,7 @@ use super::dma_spec::DmaSpec;
 use super::effect_spec::{EffectSpec, hidden_effects};
 use super::noise_spec::Noise;
 use super::run_spec::RunSpec;
-use super::strip_spec::StripSpec;
+use super::strip_spec::{NO_EFFECTS, StripSpec};
 use crate::model::truth::TruthError;
 
 /// A file that says which runs to write.
@@ -63,6 +63,9 @@ pub struct Simulation {
     #[serde(default)]
     pub tell: bool,
 }
+
+/// Readings of a run at most.
+const MOST_ROWS: f64 = 1e7;
 
 fn one_second() -> f64 {
     1.0
@@ -165,6 +168,7 @@ impl Spec {
                 return Err(Wrong::new("sampling.every_s", found, "a time above 0"));
             }
         }
+        self.check_readings()?;
         let safe = |path: &Path| {
             path.components()
                 .all(|c| matches!(c, std::path::Component::Normal(_)))
@@ -186,13 +190,60 @@ impl Spec {
                 ));
             }
         }
+        self.check_files()?;
         self.run.iter().try_for_each(RunSpec::check)?;
         self.strip.iter().try_for_each(StripSpec::check)?;
         self.check_effects()
     }
 
+    /// That a baseline and every list of samplings have a number of rows that a file can hold.
+    fn check_readings(&self) -> Result<(), Wrong> {
+        let simulation = &self.simulation;
+        let (long_s, every_s) = (simulation.baseline_s, simulation.baseline_every_s);
+        let is_baseline = long_s.is_finite() && long_s >= 0.0 && every_s.is_finite() && every_s > 0.0;
+        if !is_baseline {
+            let found = format!("{long_s} s, every {every_s} s");
+            let needed = "a time of 0 or above, and an interval above 0";
+            return Err(Wrong::new("simulation.baseline_s", found, needed));
+        }
+        let own = self.strip.iter().map(|strip| &strip.sampling);
+        for stretches in [&self.sampling, &self.camera].into_iter().chain(own) {
+            let mut from_s = 0.0;
+            let mut rows = long_s / every_s;
+            for stretch in stretches {
+                rows += ((stretch.until_s - from_s) / stretch.every_s).max(0.0);
+                from_s = stretch.until_s;
+            }
+            if !(rows <= MOST_ROWS && from_s.is_finite()) {
+                let found = format!("{rows:.0} readings until {from_s} s");
+                let needed = format!("at most {MOST_ROWS} readings");
+                return Err(Wrong::new("sampling", found, &needed));
+            }
+        }
+        Ok(())
+    }
+
+    /// That no two runs are written to one file.
+    fn check_files(&self) -> Result<(), Wrong> {
+        let runs = self.run.iter().map(|run| &run.file);
+        let mut files: Vec<&PathBuf> = runs.chain(self.strip.iter().map(|strip| &strip.file)).collect();
+        files.sort();
+        match files.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(Wrong::new(
+                &pair[0].display().to_string(),
+                "two runs of that file".into(),
+                "a file for each run",
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// That every effect is known, meets a run, and can act in it.
     fn check_effects(&self) -> Result<(), Wrong> {
+        if let (Some(effect), true) = (self.effect.first(), self.run.is_empty() && !self.strip.is_empty()) {
+            let place = format!("effect {}", effect.id);
+            return Err(Wrong::new(&place, "no [[run]]".into(), NO_EFFECTS));
+        }
         for effect in &self.effect {
             effect.check(&self.run)?;
         }

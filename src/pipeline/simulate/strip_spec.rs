@@ -46,7 +46,13 @@ pub struct StripSpec {
     /// Tags of the run's sidecar.
     #[serde(default)]
     pub tags: toml::Table,
+    /// Nothing: the library's effects act on the strip as a whole, and those who try are told so.
+    #[serde(default)]
+    effect: Vec<toml::Value>,
 }
+
+/// What is said to those who hide an effect in a strip.
+pub(super) const NO_EFFECTS: &str = "no effect in a [[strip]]: effects act on the strip as a whole; hide them in a [[run]], or change the strip's own parameters";
 
 /// Parameters of the distributed model as thesis table 3 states them; R_c, C, R_e positive.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -70,6 +76,14 @@ impl StripSpec {
     pub(super) fn check(&self) -> Result<(), Wrong> {
         let place = |what: &str| format!("strip {}: {what}", self.file.display());
         let given = &self.parameters;
+        if !self.effect.is_empty() {
+            let found = match self.effect.len() {
+                1 => "an effect".to_owned(),
+                many => format!("{many} effects"),
+            };
+            return Err(Wrong::new(&place("effect"), found, NO_EFFECTS));
+        }
+        self.check_numbers(&place)?;
         let positive = [
             ("length_mm", self.length_mm),
             ("width_mm", self.width_mm),
@@ -102,6 +116,33 @@ impl StripSpec {
             let found = format!("voltage_v {:?}, {} segments", self.voltage_v, self.drive.len());
             return Err(Wrong::new(&place("drive"), found, "one of voltage_v and drive"));
         }
+        self.check_drive_and_places(&place)
+    }
+
+    /// That every voltage and time is a number.
+    fn check_numbers(&self, place: &dyn Fn(&str) -> String) -> Result<(), Wrong> {
+        let segments = self.drive.iter().flat_map(|segment| {
+            [
+                ("drive: start_s", segment.start_s),
+                ("drive: voltage_v", segment.voltage_v.unwrap_or(0.0)),
+            ]
+        });
+        let single = [
+            ("voltage_v", self.voltage_v.unwrap_or(0.0)),
+            ("baseline_v", self.baseline_v),
+            ("alpha_per_c_cm", self.parameters.alpha_per_c_cm),
+        ];
+        let bad = single
+            .into_iter()
+            .chain(segments)
+            .find(|(_, value)| !value.is_finite());
+        match bad {
+            Some((key, value)) => Err(Wrong::new(&place(key), value.to_string(), "a number")),
+            None => Ok(()),
+        }
+    }
+
+    fn check_drive_and_places(&self, place: &dyn Fn(&str) -> String) -> Result<(), Wrong> {
         let ordered = self
             .drive
             .windows(2)
@@ -120,6 +161,19 @@ impl StripSpec {
         if let Some(beyond) = places().find(|at| !(0.0..=self.length_mm).contains(*at)) {
             let needed = format!("0 to {}", self.length_mm);
             return Err(Wrong::new(&place("places"), beyond.to_string(), &needed));
+        }
+        for (key, at_mm) in [
+            ("curvature_at_mm", &self.curvature_at_mm),
+            ("voltage_at_mm", &self.voltage_at_mm),
+        ] {
+            let twice = at_mm.iter().enumerate().find(|(k, at)| at_mm[..*k].contains(at));
+            if let Some((_, twice)) = twice {
+                return Err(Wrong::new(
+                    &place(key),
+                    format!("{twice} twice"),
+                    "each place once",
+                ));
+            }
         }
         Ok(())
     }

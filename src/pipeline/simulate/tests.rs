@@ -230,3 +230,77 @@ fn a_strength_in_standard_deviations_that_cannot_be_is_refused() {
     let differs = runs.clone() + &run("b.csv", "voltage_v = 1.0").replace("500.0", "700.0");
     assert!(said(&format!("{leak}strength_sigma = 8"), &differs).contains("different parameters"));
 }
+
+const STRIP: &str = r#"
+[[strip]]
+file = "a.csv"
+length_mm = 28.0
+width_mm = 5.0
+voltage_v = 1.5
+curvature_at_mm = [1.4, 26.6]
+parameters = { re_ohm_per_sq = 2.5, rc_ohm_cm2 = 4.5, c_f_per_cm2 = 0.131, rss_ohm_cm2 = 22.7, alpha_per_c_cm = 2.1, lambda_per_s = 0.0029 }
+"#;
+
+#[test]
+fn strips_that_make_no_sense_are_refused_with_what_would() {
+    let with = |what: &str, instead: &str| {
+        assert!(STRIP.contains(what), "{what}");
+        refused(&format!("{HEAD}{}", STRIP.replacen(what, instead, 1)))
+    };
+    let mut told: Vec<String> = [
+        ("length_mm = 28.0", "length_mm = -28.0"),
+        ("re_ohm_per_sq = 2.5", "re_ohm_per_sq = nan"),
+        ("re_ohm_per_sq = 2.5", "re_ohm_per_sq = 0.0"),
+        ("alpha_per_c_cm = 2.1", "alpha_per_c_cm = inf"),
+        ("lambda_per_s = 0.0029", "lambda_per_s = -1.0"),
+        ("voltage_v = 1.5", "voltage_v = nan"),
+        ("voltage_v = 1.5", ""),
+        ("voltage_v = 1.5", "drive = [{ start_s = 0.0 }]"),
+        (
+            "voltage_v = 1.5",
+            "drive = [{ start_s = 2.0, voltage_v = 1.0 }, { start_s = 1.0, voltage_v = 0.0 }]",
+        ),
+        ("curvature_at_mm = [1.4, 26.6]", "curvature_at_mm = [1.4, 28.1]"),
+        ("curvature_at_mm = [1.4, 26.6]", "curvature_at_mm = [1.4, 1.4]"),
+        ("file = \"a.csv\"", "file = \"../a.csv\""),
+        (
+            "voltage_v = 1.5",
+            "voltage_v = 1.5\nsampling = [{ until_s = 1.0, every_s = 1e-12 }]",
+        ),
+        (
+            "voltage_v = 1.5",
+            "voltage_v = 1.5\nsampling = [{ until_s = inf, every_s = 1.0 }]",
+        ),
+        (
+            "alpha_per_c_cm = 2.1, lambda_per_s = 0.0029 }",
+            "alpha_per_c_cm = 2.1, lambda_per_s = 0.0029 }\n[[strip.effect]]\nid = \"softening\"\ncubic_cm2 = 1.0",
+        ),
+    ]
+    .into_iter()
+    .map(|(what, instead)| with(what, instead))
+    .collect();
+    told.push(refused(&format!(
+        "{HEAD}{STRIP}\n[[effect]]\nid = \"camera-zero\"\noffset_per_cm = 0.1\n"
+    )));
+    told.push(refused(&format!("{HEAD}{STRIP}{STRIP}")));
+    let unknown = with("width_mm = 5.0", "width_mm = 5.0\nwidth_cm = 0.5");
+    assert!(unknown.contains("unknown field `width_cm`"), "{unknown}");
+    insta::assert_snapshot!(told.join("\n"));
+}
+
+#[test]
+fn a_file_that_is_there_stops_everything_before_anything_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let second = STRIP.replace("a.csv", "b.csv");
+    std::fs::write(folder.path().join("spec.toml"), format!("{HEAD}{STRIP}{second}")).unwrap();
+    std::fs::create_dir(folder.path().join("runs")).unwrap();
+    std::fs::write(folder.path().join("runs/b.csv"), "mine").unwrap();
+    let simulate = Simulate {
+        spec: folder.path().join("spec.toml"),
+        seed: None,
+        overwrite: false,
+    };
+    let refused = simulate.run(&Silent).unwrap_err().to_string();
+    assert!(refused.contains("b.csv"), "{refused}");
+    assert!(!folder.path().join("runs/a.csv").exists());
+}

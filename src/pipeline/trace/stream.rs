@@ -54,7 +54,7 @@ pub struct Traced {
 /// # Errors
 /// There is no scale, no frame of the initial shape can be traced, or an overlay cannot be written.
 pub fn trace_frames(source: &Source, observer: &dyn Observer) -> Result<Traced, PipelineError> {
-    let (initial, mut view) = initial(source)?;
+    let (initial, mut view, size_px) = initial(source)?;
     let mut tables = Tables::new(&initial, &view, source.files.len());
     let mut refused = Vec::new();
     let (mut noise, mut rows) = (Vec::with_capacity(source.files.len()), 0);
@@ -65,7 +65,7 @@ pub fn trace_frames(source: &Source, observer: &dyn Observer) -> Result<Traced, 
         let traced: Vec<Result<Row, Failed>> = chunk
             .par_iter()
             .map(|&index| {
-                let row = frame(source, index, &initial);
+                let row = frame(source, index, &initial, size_px);
                 observer.advance();
                 row
             })
@@ -129,9 +129,18 @@ fn view_of(settings: &FrameSettings) -> View {
     }
 }
 
-fn frame(source: &Source, index: usize, initial: &Initial) -> Result<Row, Failed> {
+fn frame(source: &Source, index: usize, initial: &Initial, size_px: (usize, usize)) -> Result<Row, Failed> {
     let file = &source.files[index];
     let (gray, hash) = picture(file).map_err(Failed::Frame)?;
+    if (gray.width(), gray.height()) != size_px {
+        return Err(Failed::Frame(format!(
+            "{} x {} pixels, and the initial shape is from {} x {}: its scale and the place of its clamp may be others. Trace frames of one size together",
+            gray.width(),
+            gray.height(),
+            size_px.0,
+            size_px.1
+        )));
+    }
     let traced = trace(&gray, &view_of(source.settings)).map_err(|error| Failed::Frame(error.to_string()))?;
     let bending = initial
         .bending(&traced)
@@ -159,22 +168,30 @@ fn vectors(settings: &FrameSettings) -> usize {
     settings.vectors.unwrap_or(VECTORS)
 }
 
-/// The initial shape with the scale, and what is said of the view.
-fn initial(source: &Source) -> Result<(Initial, ViewSummary), PipelineError> {
+/// A trace with columns and rows of its picture, or why there is none.
+type SizedTrace = Result<(Trace, (usize, usize)), String>;
+
+/// The initial shape with the scale, what is said of the view, and columns and rows of its pictures: those of the first.
+fn initial(source: &Source) -> Result<(Initial, ViewSummary, (usize, usize)), PipelineError> {
     let settings = source.settings;
     let (shape, indices) = initial_frames(source);
-    let traces: Vec<Result<Trace, String>> = indices
+    let traces: Vec<SizedTrace> = indices
         .par_iter()
         .map(|&index| {
             let (gray, _) = picture(&source.files[index])?;
-            trace(&gray, &view_of(settings)).map_err(|error| error.to_string())
+            let size_px = (gray.width(), gray.height());
+            let traced = trace(&gray, &view_of(settings)).map_err(|error| error.to_string())?;
+            Ok((traced, size_px))
         })
         .collect();
     let mut refusal = None;
     let mut good = Vec::new();
+    let mut size_px = None;
     for (traced, &index) in traces.into_iter().zip(&indices) {
         match traced {
-            Ok(traced) => good.push(traced),
+            Ok((traced, size)) if size == *size_px.get_or_insert(size) => good.push(traced),
+            // Refused with its reason where its turn comes.
+            Ok(_) => {}
             Err(reason) => refusal = refusal.or(Some((source.files[index].name.clone(), reason))),
         }
     }
@@ -195,7 +212,7 @@ fn initial(source: &Source) -> Result<(Initial, ViewSummary), PipelineError> {
         positive,
         shape_words(source, shape, good.len()),
     );
-    Ok((initial, view))
+    Ok((initial, view, size_px.unwrap_or_default()))
 }
 
 fn summary(

@@ -12,14 +12,11 @@ use super::run::condition;
 use super::strip::residual_ratio;
 use super::wording::{RunLink, counted, why_unfitted};
 use crate::analysis::tables::{TableInput, named};
-use crate::domain::{Quantity, RunRecord};
+use crate::domain::{Fit, Quantity, RunRecord};
 use crate::report::error::ReportError;
 use crate::report::input::Input;
 use crate::report::site::Site;
 use crate::report::tables::{grid, note_letter, remarks};
-
-/// What a distributed fit says of how far a lumped model would do.
-const LUMPED_OR_DISTRIBUTED: &str = "lumped-or-distributed";
 
 #[derive(Debug, Serialize)]
 struct Page {
@@ -42,8 +39,8 @@ struct RunRow {
 #[derive(Debug, Serialize)]
 struct Table3 {
     title: String,
-    /// Symbol, an index of it that few fonts have as a letter, unit, quantity.
-    columns: Vec<[String; 4]>,
+    /// Symbol, unit, quantity.
+    columns: Vec<[String; 3]>,
     rows: Vec<Vec<CellText>>,
     notes: Vec<(String, String)>,
     remarks: Vec<String>,
@@ -103,11 +100,6 @@ fn row(site: &Site, run: usize) -> RunRow {
             .and_then(|fit| residual_ratio(fit, quantity))
             .unwrap_or_else(|| "–".to_owned()),
     };
-    let verdict = fit.and_then(|fit| {
-        fit.issues
-            .iter()
-            .find(|issue| issue.code == LUMPED_OR_DISTRIBUTED)
-    });
     RunRow {
         strip: RunLink {
             href: site.strip_href(run),
@@ -118,8 +110,14 @@ fn row(site: &Site, run: usize) -> RunRow {
         model: fit.map_or_else(|| why_unfitted(record).to_owned(), |fit| fit.model.clone()),
         curvature: residual(Quantity::Curvature),
         voltage: residual(Quantity::Voltage),
-        verdict: verdict.map_or_else(String::new, |issue| issue.message.clone()),
+        verdict: decision(record),
     }
+}
+
+/// What the fit says of lumped and distributed; empty where it says nothing.
+pub fn decision(run: &RunRecord) -> String {
+    let told = run.fit.as_ref().and_then(Fit::lumped_or_distributed);
+    told.map_or_else(String::new, |issue| issue.message.clone())
 }
 
 /// `curvature at 19 places, voltage at 4 places`
@@ -165,14 +163,7 @@ fn table3(site: &Site) -> Option<Table3> {
         columns: table
             .columns
             .iter()
-            .map(|column| {
-                // Few fonts have this letter.
-                let (symbol, index) = match column.symbol.strip_suffix('\u{a700}') {
-                    Some(symbol) => (symbol.to_owned(), "c".to_owned()),
-                    None => (column.symbol.clone(), String::new()),
-                };
-                [symbol, index, column.unit.clone(), column.quantity.clone()]
-            })
+            .map(|column| [&column.symbol, &column.unit, &column.quantity].map(String::clone))
             .collect(),
         rows: rows.collect(),
         notes: table

@@ -55,6 +55,8 @@ struct DiagnosisLine {
 struct AlongLine {
     places: String,
     href: String,
+    /// Whether the distributed model is needed; empty where nothing says so.
+    decision: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -109,6 +111,7 @@ pub fn content(
         along: record.is_along().then(|| AlongLine {
             places: super::along::places(record),
             href: site.strip_href(run),
+            decision: super::along::decision(record),
         }),
         parameters: record.fit.as_ref().map_or_else(Vec::new, parameters),
         fit: record.fit.as_ref().map(|fit| fit_text(fit, record)),

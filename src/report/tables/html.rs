@@ -2,7 +2,7 @@
 
 use super::shown::{caption, grid, group_starts, note_letter, note_letters, remarks, repeated};
 use crate::analysis::tables::Table;
-use crate::report::visible::escaped;
+use crate::report::visible::{escaped, indexed};
 
 const STYLE: &str = "body{font:16px/1.4 system-ui,sans-serif;margin:2rem}\
 table{border-collapse:collapse;border-top:2px solid;border-bottom:2px solid}\
@@ -35,7 +35,7 @@ pub fn write(table: &Table) -> String {
             "<th scope=\"col\"{} title=\"{}\">{}{unit}</th>",
             class(at),
             escaped(&column.quantity),
-            escaped(&column.symbol)
+            indexed(&column.symbol)
         );
     }
     out += "</tr></thead>\n<tbody>\n";

@@ -1,0 +1,86 @@
+//! Whether places along the strip fit the sample's free length.
+
+use crate::domain::{Channel, Issue, Quantity};
+
+/// Part of the free length by which what frames show may differ from what a ruler does.
+const ALIKE: f64 = 0.05;
+/// Part of a vector by which joints may be off their places, as they are rounded.
+const ROUNDED: f64 = 0.02;
+
+/// Points out places beyond the strip's end, and joints of a strip that is clearly longer or shorter than the sample: a
+/// scale that is wrong makes every curvature wrong. Nothing is changed.
+pub(super) fn misplaced(channels: &[Channel], length_mm: f64) -> Option<Issue> {
+    let mut curvatures = places_mm(channels, Quantity::Curvature);
+    curvatures.sort_by(f64::total_cmp);
+    if let Some(traced_mm) = length_of_joints(&curvatures)
+        && (traced_mm / length_mm - 1.0).abs() > ALIKE
+    {
+        let message = format!(
+            "the curvatures stand at the joints of a strip of {traced_mm:.2} mm, and the sample is {length_mm} mm long; nothing was changed"
+        );
+        return Some(
+            Issue::warning("length-differs", message)
+                .at(Quantity::Curvature.column())
+                .mend("check px_per_mm and the clamp's side of the crop in frames.toml, and length_mm of the sample in campaign.toml"),
+        );
+    }
+    let all = curvatures
+        .into_iter()
+        .chain(places_mm(channels, Quantity::Voltage));
+    let furthest = all.fold(0.0, f64::max);
+    (furthest > length_mm * (1.0 + 1e-9)).then(|| {
+        let message = format!(
+            "a place at {furthest} mm lies beyond the end of the sample of {length_mm} mm; such places are not fitted"
+        );
+        Issue::warning("place-beyond-strip", message)
+            .mend("check the places in the header, in mm from the clamp, and length_mm of the sample in campaign.toml")
+    })
+}
+
+fn places_mm(channels: &[Channel], quantity: Quantity) -> Vec<f64> {
+    let of = |channel: &&Channel| channel.quantity == quantity && !channel.is_empty();
+    channels
+        .iter()
+        .filter(of)
+        .filter_map(|channel| channel.position_mm)
+        .collect()
+}
+
+/// Length of the strip whose joints between equal vectors these places are, as a trace gives them; none of other places.
+fn length_of_joints(places_mm: &[f64]) -> Option<f64> {
+    let (first, last) = (*places_mm.first()?, *places_mm.last()?);
+    let is_joint = |(k, place): (usize, &f64)| (place - (k + 1) as f64 * first).abs() < ROUNDED * first;
+    (places_mm.len() > 2 && first > 0.0 && places_mm.iter().enumerate().all(is_joint)).then_some(first + last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(places_mm: &[f64], quantity: Quantity) -> Vec<Channel> {
+        let channel = |place: &f64| {
+            let mut channel = Channel::new(quantity, vec![0.0, 1.0].into(), vec![0.0, 0.1].into());
+            channel.position_mm = Some(*place);
+            channel
+        };
+        places_mm.iter().map(channel).collect()
+    }
+
+    #[test]
+    fn a_scale_that_is_wrong_is_pointed_out() {
+        let joints: Vec<f64> = (1..20).map(|k| 0.12 * f64::from(k)).collect();
+        let channels = at(&joints, Quantity::Curvature);
+        let told = misplaced(&channels, 24.0).unwrap();
+        assert_eq!(told.code, "length-differs");
+        assert!(told.message.contains("2.40 mm"), "{}", told.message);
+        assert_eq!(misplaced(&channels, 2.45), None);
+    }
+
+    #[test]
+    fn places_beyond_the_end_are_pointed_out_and_others_are_not() {
+        let channels = at(&[2.0, 12.0, 50.0], Quantity::Voltage);
+        assert_eq!(misplaced(&channels, 45.0).unwrap().code, "place-beyond-strip");
+        assert_eq!(misplaced(&channels, 50.0), None);
+        assert_eq!(misplaced(&at(&[2.0, 3.0, 9.0], Quantity::Curvature), 45.0), None);
+    }
+}
