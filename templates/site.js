@@ -3,7 +3,7 @@
 //
 // Numbers are read back from the drawn shapes: a panel is <g data-f="left top right bottom" data-x="scale low high"
 // data-y="...">, a series <g data-s="name" data-r="runs">. Scales: 0 linear, 1 logarithm, 2 seconds since 1970 UTC,
-// 3 names. Runs are indices in runs.js, which is loaded when it is first needed.
+// 3 names, 4 time about a step (with its unit and the positions per second before it). Runs are indices in runs.js, which is loaded when it is first needed.
 "use strict";
 (() => {
   const root = document.documentElement.dataset.root || "";
@@ -264,12 +264,19 @@
       this.element = element;
       this.name = element.dataset.s;
       this.hidden = false;
-      this.shapes = [...element.querySelectorAll("path, circle")].map((shape) => {
+      this.shapes = (element.tagName === "g" ? [...element.querySelectorAll("path, circle")] : [element]).map((shape) => {
         if (shape.tagName === "circle") {
           const at = [Number(shape.getAttribute("cx")), Number(shape.getAttribute("cy"))];
           return { shape, ring: true, stretches: [[at]], marks: [at] };
         }
-        const stretches = parsed(shape.getAttribute("d"));
+        // Scattered dots count in pixels.
+        const unit = shape.hasAttribute("transform") ? 10 : 1;
+        const stretches = parsed(shape.getAttribute("d")).map((points) => Object.assign(points.map(([x, y]) => [unit * x, unit * y]), { closed: points.closed }));
+        if (unit > 1) {
+          shape.removeAttribute("transform");
+          shape.setAttribute("stroke-width", unit * Number(shape.getAttribute("stroke-width")));
+          shape.setAttribute("d", written(stretches));
+        }
         const small = (points) => {
           const [xs, ys] = [points.map((p) => p[0]), points.map((p) => p[1])];
           const mid = [(Math.min(...xs) + Math.max(...xs)) / 2, (Math.min(...ys) + Math.max(...ys)) / 2];
@@ -311,19 +318,20 @@
   const titleParts = (title) => /^(.*?)(?: \(([^()]*)\))?$/.exec(title || "");
   class Panel {
     constructor(element, chart) {
-      const numbers = (name) => element.dataset[name].split(" ").map(Number);
+      // An axis that is not stated is that of the panel before.
+      const numbers = (name) => (element.dataset[name] ??= element.previousElementSibling.dataset[name]).split(" ").map(Number);
       this.element = element;
       this.chart = chart;
       [this.left, this.top, this.right, this.bottom] = numbers("f");
-      const axis = ([scale, low, high]) => ({ scale, low, high });
+      const axis = ([scale, low, high, unit, before]) => ({ scale, low, high, unit, before });
       this.x = axis(numbers("x"));
       this.y = axis(numbers("y"));
       this.view = null;
       this.axes = element.querySelector(".axes");
       const own = [...element.querySelectorAll(":scope > text")];
-      const upward = own.find((text) => text.hasAttribute("transform"));
+      const upward = own.find((text) => text.matches(".up"));
       [, this.quantity, this.unit = ""] = titleParts(upward?.textContent);
-      const across = own.filter((text) => !text.hasAttribute("transform")).find((text) => Math.abs(Number(text.getAttribute("x")) - (this.left + this.right) / 2) < 40);
+      const across = own.filter((text) => !text.matches(".up")).find((text) => Math.abs(Number(text.getAttribute("x")) - (this.left + this.right) / 2) < 40);
       this.xTitle = across?.textContent || "";
       this.labelled = !!this.xTitle;
       this.series = [...element.querySelectorAll(":scope > [data-s]")].map((s) => new Series(s, this));
@@ -364,7 +372,7 @@
       this.axes.replaceChildren();
       const across = (at) => this.left + ((at - x[0]) / (x[1] - x[0])) * (this.right - this.left);
       const up = (at) => this.bottom - ((at - y[0]) / (y[1] - y[0])) * (this.bottom - this.top);
-      const [xs, ys] = [ticks(this.x.scale, ...x, 6), ticks(this.y.scale, ...y, 5)];
+      const [xs, ys] = [ticks(this.x, ...x, 6), ticks(this.y, ...y, 5)];
       const wide = this.right - this.left;
       draw("path", { class: "s k-grid", "stroke-width": 10, d: ys.map((t) => `M${this.left} ${up(t.at).toFixed(0)}h${wide}`).join("") }, this.axes);
       draw("path", { class: "s k-muted", "stroke-width": 10, d: `M${this.left} ${this.bottom}h${wide}` + xs.map((t) => `M${across(t.at).toFixed(0)} ${this.bottom}v40`).join("") }, this.axes);
@@ -374,15 +382,20 @@
       const below = draw("g", { class: "f k-muted", "font-size": 110, "text-anchor": "middle" }, this.axes);
       xs.forEach((t) => { draw("text", { x: across(t.at), y: this.bottom + 151 }, below).textContent = t.label; });
     }
-    number(scale, position, span) {
+    number(axis, position, span) {
+      const { scale } = axis;
       if (scale === 2) return moment(position);
+      if (scale === 4) return shown(valueAt(axis, position), Math.abs(valueAt(axis, position + Math.abs(span) / 2000) - valueAt(axis, position)));
       const step = Math.abs(span) / 2000;
       return scale === 1 ? shown(10 ** position, 10 ** position * 2.3 * step) : shown(position, step);
     }
   }
 
-  const ticks = (scale, low, high, wanted) => {
-    const span = high - low;
+  // Number at a position of an axis, and the position of a number.
+  const valueAt = ({ scale, unit, before }, at) => (scale === 1 ? 10 ** at : scale === 4 ? (at < 0 ? at / (before || 1) : unit * (10 ** at - 1)) : at);
+  const positionOf = ({ scale, unit, before }, value) => (scale === 1 ? Math.log10(value) : scale === 4 ? (value < 0 ? value * before : Math.log10(1 + value / unit)) : value);
+  const ticks = (axis, low, high, wanted) => {
+    const { scale } = axis, span = high - low;
     if (scale === 2) {
       const steps = [60, 300, 900, 3600, 10800, 21600, 43200, 86400, 172800, 604800, 1209600, 2629800, 7889400, 31557600];
       const step = steps.find((s) => span / s <= wanted) || steps[steps.length - 1];
@@ -392,11 +405,15 @@
       const every = Math.ceil(span / 7);
       return listed(low, high, every).map((at) => ({ at, label: Math.abs(at) < 5 ? fixed(10 ** at, Math.max(0, -at)) : "10" + raised(at) }));
     }
-    const [from, to] = scale === 1 ? [10 ** low, 10 ** high] : [low, high];
+    const [from, to] = [valueAt(axis, low), valueAt(axis, high)];
+    if (scale === 4 && span >= 1) {
+      const decades = listed(Math.log10(2 * axis.unit), Math.log10(to), 1).map((power) => 10 ** power).filter((value) => value >= from);
+      return [...(low <= 0 ? [0] : []), ...decades].map((value) => ({ at: positionOf(axis, value), label: minus(String(Number(value.toPrecision(1)))) }));
+    }
     const rough = (to - from) / wanted, power = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= rough * (1 - 1e-9));
     const decimals = Math.min(9, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
-    return listed(from, to, step).map((value) => ({ at: scale === 1 ? Math.log10(value) : value, label: fixed(value, decimals) }));
+    return listed(from, to, step).map((value) => ({ at: positionOf(axis, value), label: fixed(value, decimals) }));
   };
   const listed = (low, high, step) => {
     const found = [];
@@ -418,7 +435,7 @@
       const last = this.panels[this.panels.length - 1];
       this.panels.forEach((p) => { if (!p.xTitle) p.xTitle = last.xTitle; });
       // Axes of the same quantity go together.
-      this.link = last.x.scale === 3 || !last.xTitle ? null : last.x.scale + last.xTitle;
+      this.link = last.x.scale === 3 || !last.xTitle ? null : [last.x.scale, last.x.unit, last.x.before, last.xTitle].join();
       this.byRun = this.panels.some((p) => p.series.some((s) => s.points.some((point) => point.run !== undefined)));
       svg.setAttribute("tabindex", "0");
       svg.setAttribute("role", "application");
@@ -547,10 +564,10 @@
     async read(here, event) {
       const { panel } = here;
       const lines = [];
-      const number = (p, py) => p.number(p.y.scale, p.yAt(py), p.range.y[1] - p.range.y[0]) + (p.unit ? " " + p.unit : "");
+      const number = (p, py) => p.number(p.y, p.yAt(py), p.range.y[1] - p.range.y[0]) + (p.unit ? " " + p.unit : "");
       const across = (px) => {
         const [, name, unit = ""] = titleParts(panel.xTitle);
-        return [name, panel.number(panel.x.scale, panel.xAt(px), panel.range.x[1] - panel.range.x[0]) + (unit && unit !== "UTC" ? " " + unit : unit ? " UTC" : "")];
+        return [name, panel.number(panel.x, panel.xAt(px), panel.range.x[1] - panel.range.x[0]) + (unit && unit !== "UTC" ? " " + unit : unit ? " UTC" : "")];
       };
       const interval = (p, point) => (point.bar ? ` [${number(p, point.bar[0]).replace(" " + p.unit, "")}, ${number(p, point.bar[1]).replace(" " + p.unit, "")}]` : "");
       const single = this.byRun || panel.x.scale === 3;
@@ -650,7 +667,7 @@
   const marker = (k) => {
     const id = `dot-k-${(k % 6) + 1}-${k % FORMS.length}`;
     if (!document.getElementById(id)) {
-      const defs = document.querySelector(".dot-forms defs");
+      const defs = document.querySelector(".dot-forms");
       const made = draw("marker", { id, overflow: "visible" }, defs);
       draw("path", { class: `f k-${(k % 6) + 1}`, d: FORMS[k % FORMS.length] }, made);
     }

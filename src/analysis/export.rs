@@ -127,6 +127,26 @@ pub fn fits_wide(runs: &[RunRecord], campaign: &Campaign) -> Result<DataFrame, E
     frame("fits_wide", columns)
 }
 
+/// Rounds every number to six digits, standard errors to three: for tables that people read. The export keeps all.
+///
+/// # Errors
+/// [`ExportError::Table`]: a fault of the program.
+pub fn rounded(table: &DataFrame) -> Result<DataFrame, ExportError> {
+    let round = |column: &Column| {
+        let Ok(values) = column.f64() else {
+            return column.clone();
+        };
+        let digits = if column.name().ends_with("_standard_error") {
+            3
+        } else {
+            6
+        };
+        let of = |value: f64| format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+        numbers(column.name(), values.iter().map(|value| value.map(of)))
+    };
+    frame("rounded", table.columns().iter().map(round).collect())
+}
+
 /// One row per measured condition: numbers of runs, and per parameter how many runs determine it, their mean
 /// and their standard deviation between runs (empty for fewer than two). Fits that did not converge are left
 /// out of the parameters.

@@ -28,7 +28,7 @@ pub mod traces;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
 pub use design::confounding;
-pub use export::{ExportError, TableFormat, conditions_table, fits_long, fits_wide, write_table};
+pub use export::{ExportError, TableFormat, conditions_table, fits_long, fits_wide, rounded, write_table};
 pub use findings::{Contrast, contrasts};
 pub use parameters::{PARAMETERS, ParameterInfo};
 pub use traces::TraceWriter;

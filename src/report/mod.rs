@@ -1,6 +1,7 @@
 //! Static site: pages, tables and figures. Pages show what analysis computed and curves that fits stored;
 //! nothing is fitted here.
 
+mod compact;
 pub mod error;
 pub mod figures;
 pub mod input;

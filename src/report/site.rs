@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use tera::{Kwargs, State, Tera};
 
+use super::compact::{compact, without_comments};
 use super::error::ReportError;
 use super::figures::svg::dot_markers;
 use super::input::Input;
@@ -19,7 +20,9 @@ use super::slug::slugs;
 use super::visible::{indexed, write_escaped};
 use crate::analysis::dma::table::modulus_table;
 use crate::analysis::laws::facts::{RunFacts, facts};
-use crate::analysis::{Conditions, TableFormat, conditions, conditions_table, fits_wide, write_table};
+use crate::analysis::{
+    Conditions, TableFormat, conditions, conditions_table, fits_wide, rounded, write_table,
+};
 use crate::domain::{ClimateCurve, CurveSource, RunCurve};
 
 /// What was written.
@@ -129,8 +132,8 @@ pub fn render(
         make_folder(&out_dir.join("along"))?;
     }
     let total = pages.len() + groups + input.runs.len() + strips;
-    let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
-    bytes += write(&out_dir.join("site.js"), SCRIPT)?;
+    let mut bytes = write(&out_dir.join("style.css"), &without_comments(STYLE))?;
+    bytes += write(&out_dir.join("site.js"), &without_comments(SCRIPT))?;
     bytes += write(&out_dir.join(run_index::FILE), &run_index(&site))?;
     for (done, page) in pages.iter().enumerate() {
         let html = filled(&templates, &site, page.file, page.title, (page.content)(&site)?)?;
@@ -299,9 +302,10 @@ fn filled(
         "page": content.context,
     });
     let context = tera::Context::from_serialize(&context).map_err(|source| template_error(file, source))?;
-    templates
+    let html = templates
         .render(file, &context)
-        .map_err(|source| template_error(file, source))
+        .map_err(|source| template_error(file, source))?;
+    Ok(compact(&html))
 }
 
 /// The page of the navigation that leads to pages of that template; the template itself where there is none.
@@ -328,9 +332,9 @@ fn write_tables(input: &Input, out_dir: &Path) -> Result<u64, ReportError> {
         tables.push(("dma.csv", modulus_table(&input.modulus_logs, &input.campaign)?));
     }
     let mut bytes = 0;
-    for (name, mut table) in tables {
+    for (name, table) in tables {
         let path = out_dir.join(name);
-        write_table(&mut table, TableFormat::Csv, &path)?;
+        write_table(&mut rounded(&table)?, TableFormat::Csv, &path)?;
         bytes += fs::metadata(&path)
             .map_err(|source| ReportError::Write { path, source })?
             .len();

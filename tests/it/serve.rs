@@ -89,6 +89,14 @@ fn pages_are_served_with_their_types_and_tags() {
             .ends_with("change 1")
     );
 
+    let icon = running.ask("GET /favicon.ico HTTP/1.1\nHost: localhost");
+    assert!(
+        icon.starts_with("HTTP/1.1 200") && icon.contains("image/svg+xml"),
+        "{icon}"
+    );
+    // Maps along a strip are pictures within their page.
+    assert!(index.contains("img-src 'self' data:"), "{index}");
+
     let tag = index
         .lines()
         .find_map(|line| line.strip_prefix("ETag: "))

@@ -5,6 +5,9 @@ use std::path::Path;
 
 use super::request::{Refusal, Request};
 
+/// A bent strip: browsers ask every server for an icon.
+const ICON: &str = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 32 32\"><path d=\"M4 6c12 0 20 6 22 20\" \
+                    fill=\"none\" stroke=\"#0072b2\" stroke-width=\"5\" stroke-linecap=\"round\"/></svg>";
 /// Shown while there is no report; it looks again by itself.
 const NO_REPORT: &str = "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"3\">\
 <title>No report yet</title></head><body><main><h1>No report yet</h1><p><code>ieap run</code> makes one; this page looks again by itself.</p>\
@@ -59,6 +62,14 @@ impl Answer {
     /// The file below `root` that `request` asks for.
     pub fn to(request: &Request, root: &Path) -> Answer {
         let Some(body) = contents(root, &request.file) else {
+            if request.file == Path::new("favicon.ico") {
+                return Answer {
+                    status: "200 OK",
+                    media_type: "image/svg+xml",
+                    tag: None,
+                    body: ICON.into(),
+                };
+            }
             if request.file == Path::new("index.html") {
                 return Answer {
                     media_type: "text/html; charset=utf-8",
@@ -99,7 +110,7 @@ impl Answer {
         let mut head = format!(
             "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-cache\r\n\
              X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
-             Content-Security-Policy: default-src 'self'; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'\r\n",
+             Content-Security-Policy: default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'\r\n",
             self.status,
             self.media_type,
             self.body.len()

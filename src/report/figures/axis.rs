@@ -3,7 +3,7 @@
 use crate::report::number::{Prefix, fixed, si_prefix, superscript};
 
 /// How numbers become positions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
     /// Proportional.
     Linear,
@@ -13,7 +13,29 @@ pub enum Scale {
     Calendar,
     /// Places of names: a position is no number.
     Names,
+    /// Time about a step, which is at 0: see [`Axis::about_step`].
+    AboutStep {
+        /// Time after the step from which on the scale is logarithmic, s.
+        unit_s: f64,
+        /// Positions per second before the step.
+        before: f64,
+    },
 }
+
+impl Scale {
+    /// Position of a number.
+    fn position(self, number: f64) -> f64 {
+        match self {
+            Scale::Linear | Scale::Calendar | Scale::Names => number,
+            Scale::Log => number.log10(),
+            Scale::AboutStep { before, .. } if number < 0.0 => before * number,
+            Scale::AboutStep { unit_s, .. } => (number / unit_s).ln_1p() / std::f64::consts::LN_10,
+        }
+    }
+}
+
+/// Room of what precedes a step, as a share of the room after it.
+const STRIP_BEFORE: f64 = 0.07;
 
 /// A mark on an axis: its position on the scale and its text (empty for a minor tick).
 #[derive(Debug, Clone, PartialEq)]
@@ -89,12 +111,43 @@ impl Axis {
         }
     }
 
+    /// Times about a step at 0, s: up to `unit_s` the scale is nearly linear, then it becomes logarithmic
+    /// (log10(1 + t / unit)), so that seconds and hours have equal room; what precedes the step stands linear in a narrow
+    /// strip. `first_s` is not after the step, `last_s` after it.
+    pub fn about_step(first_s: f64, unit_s: f64, last_s: f64, title: &str) -> Axis {
+        let after = Scale::AboutStep { unit_s, before: 0.0 }.position(last_s);
+        let before = match first_s < 0.0 {
+            true => STRIP_BEFORE * after / -first_s,
+            false => 0.0,
+        };
+        let scale = Scale::AboutStep { unit_s, before };
+        let zero = Tick {
+            at: 0.0,
+            label: "0".to_owned(),
+        };
+        // A decade's tick stands clear of the one of the step.
+        let lowest = (2.0 * unit_s).log10();
+        let later = log_ticks(lowest, last_s.log10().max(lowest)).into_iter();
+        let margin = 0.012 * after;
+        Axis {
+            scale,
+            low: scale.position(first_s) - margin,
+            high: after + margin,
+            ticks: [zero]
+                .into_iter()
+                .chain(later.map(|tick| Tick {
+                    at: scale.position(10f64.powf(tick.at)),
+                    ..tick
+                }))
+                .collect(),
+            title: titled(title, "s"),
+            shown_factor: 1.0,
+        }
+    }
+
     /// Position of a number on the scale.
     pub fn position(&self, number: f64) -> f64 {
-        match self.scale {
-            Scale::Linear | Scale::Calendar | Scale::Names => number,
-            Scale::Log => number.log10(),
-        }
+        self.scale.position(number)
     }
 
     /// Whether a number can be shown: finite, positive on a log axis, within the range.

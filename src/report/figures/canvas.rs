@@ -241,15 +241,13 @@ where
 
 /// The SVG of what `draw` draws on a canvas of `width` x `height` pixels, for a page.
 ///
-/// `id` must be unique on the page: the title and description are tied to it for screen readers.
-///
 /// # Errors
 /// The message of the drawing library; a fault of the program.
-pub fn svg<F>(id: &str, size: (u32, u32), title: &str, desc: &str, draw: F) -> Result<String, String>
+pub fn svg<F>(size: (u32, u32), title: &str, desc: &str, draw: F) -> Result<String, String>
 where
     F: FnOnce(&Area) -> Result<(), String>,
 {
-    Ok(super::svg::inline(id, &drawing(size, draw)?, title, desc))
+    Ok(super::svg::inline(&drawing(size, draw)?, title, desc))
 }
 
 /// The backend.
@@ -372,13 +370,16 @@ mod tests {
 
     #[test]
     fn text_of_files_is_text_in_figures() {
-        let drawn = svg("f", (10, 10), "<script>", "\"\u{1b}", |area| {
+        let drawn = svg((10, 10), "<script>", "\"\u{1b}", |area| {
             let label = Text::new("</text><script>alert(1)</script>", (0, 0), ("sans", 120));
             let element = EmptyElement::at((5, 5)) + label;
             area.draw(&element).map_err(|error| error.to_string())
         })
         .unwrap();
         assert!(!drawn.contains("<script"), "{drawn}");
-        assert!(drawn.contains("<desc id=\"f-d\">&quot;␛</desc>"));
+        assert!(
+            drawn.contains("aria-label=\"&lt;script&gt;. &quot;␛\""),
+            "{drawn}"
+        );
     }
 }

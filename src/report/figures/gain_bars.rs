@@ -20,7 +20,6 @@ const AXIS_HEIGHT: u32 = 46;
 /// # Errors
 /// The message of the drawing library.
 pub fn gain_bars(
-    id: &str,
     candidates: &[&Candidate],
     gain_at_5_percent: Option<f64>,
     title: &str,
@@ -32,7 +31,7 @@ pub fn gain_bars(
     let x = horizontal(candidates, gain_at_5_percent);
     let y = rows(candidates);
     let height = candidates.len() as u32 * ROW_HEIGHT + AXIS_HEIGHT + 10;
-    let drawn = svg(id, (WIDTH, height), title, desc, |area| {
+    let drawn = svg((WIDTH, height), title, desc, |area| {
         let margins = Margins {
             left: NAMES_WIDTH,
             right: 20,
@@ -140,8 +139,8 @@ mod tests {
             candidate("creep", 0.0, Some(f64::NAN)),
         ];
         let shown: Vec<&Candidate> = all.iter().collect();
-        let drawn = gain_bars("g", &shown, Some(8.2), "t", "d").unwrap().unwrap();
+        let drawn = gain_bars(&shown, Some(8.2), "t", "d").unwrap().unwrap();
         assert!(all.iter().all(|candidate| drawn.contains(&candidate.effect)));
-        assert_eq!(gain_bars("g", &[], None, "t", "d").unwrap(), None);
+        assert_eq!(gain_bars(&[], None, "t", "d").unwrap(), None);
     }
 }

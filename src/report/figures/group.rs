@@ -30,6 +30,8 @@ pub enum Group {
         runs: Vec<usize>,
         /// Which form its dots have, from round on: see [`super::svg::FORMS`].
         form: usize,
+        /// Whether dots stand on whole pixels: for scatter, whose places nobody reads finer.
+        to_the_pixel: bool,
     },
 }
 
@@ -95,6 +97,25 @@ pub fn series<'a, 'b>(
         name: name.to_owned(),
         runs: Vec::new(),
         form: 0,
+        to_the_pixel: false,
+    };
+    grouped(chart, group, draw)
+}
+
+/// Draws a series of scattered dots, on whole pixels.
+///
+/// # Errors
+/// The message of the drawing library, or of `draw`.
+pub fn scatter<'a, 'b>(
+    chart: &mut Chart<'a, 'b>,
+    name: &str,
+    draw: impl FnOnce(&mut Chart<'a, 'b>) -> Result<(), String>,
+) -> Result<(), String> {
+    let group = Group::Series {
+        name: name.to_owned(),
+        runs: Vec::new(),
+        form: 0,
+        to_the_pixel: true,
     };
     grouped(chart, group, draw)
 }

@@ -7,7 +7,7 @@ use super::axis::Axis;
 use super::canvas::{Ink, svg};
 use super::comparison::{ink, marker};
 use super::group::{Group, grouped, series};
-use super::panel::{Chart, Margins, panel};
+use super::panel::{Chart, Margins, panel, pixels};
 
 /// Size of one panel, px.
 const SIZE: (u32, u32) = (400, 270);
@@ -67,14 +67,13 @@ pub struct Beside {
 /// # Errors
 /// The message of the drawing library.
 pub fn law_panel(
-    id: &str,
     axes: (&Axis, &Axis),
     marks: &[Mark],
     beside: &Beside,
     title: &str,
     desc: &str,
 ) -> Result<String, String> {
-    sized_panel(id, SIZE, axes, (marks, beside), (title, desc))
+    sized_panel(SIZE, axes, (marks, beside), (title, desc))
 }
 
 /// Draws one panel of `size` px.
@@ -82,13 +81,12 @@ pub fn law_panel(
 /// # Errors
 /// The message of the drawing library.
 pub fn sized_panel(
-    id: &str,
     size: (u32, u32),
     (x, y): (&Axis, &Axis),
     (marks, beside): (&[Mark], &Beside),
     (title, desc): (&str, &str),
 ) -> Result<String, String> {
-    svg(id, size, title, desc, |area| {
+    svg(size, title, desc, |area| {
         let mut chart = panel(area, MARGINS, x, y, true)?;
         series(&mut chart, "", |chart| draw_beside(chart, x, y, beside))?;
         let styles = marks.iter().map(|mark| mark.style + 1).max().unwrap_or(0);
@@ -154,17 +152,22 @@ fn draw_marks(
         name: name.to_owned(),
         runs: within.iter().chain(&beyond).filter_map(|mark| mark.run).collect(),
         form: style,
+        to_the_pixel: false,
     };
     let color = ink(style);
+    let seen = pixels(chart);
     grouped(chart, group, |chart| {
         for mark in marks {
             let (across, up) = (x.position(mark.x), inside(y, mark.y));
-            let bar = vec![(across, inside(y, mark.bar.0)), (across, inside(y, mark.bar.1))];
-            line(chart, bar, color, 10)?;
-            if mark.x_error > 0.0 {
-                let ends = [mark.x - mark.x_error, mark.x + mark.x_error]
-                    .map(|end| x.position(end).clamp(x.low, x.high));
-                line(chart, vec![(ends[0], up), (ends[1], up)], color, 10)?;
+            let ends = [inside(y, mark.bar.0), inside(y, mark.bar.1)];
+            // What is shorter than a pixel lies within the mark.
+            if (ends[1] - ends[0]).abs() * seen.up >= 1.0 {
+                line(chart, ends.map(|end| (across, end)).to_vec(), color, 10)?;
+            }
+            let ends = [mark.x - mark.x_error, mark.x + mark.x_error]
+                .map(|end| x.position(end).clamp(x.low, x.high));
+            if mark.x_error > 0.0 && (ends[1] - ends[0]) * seen.across >= 1.0 {
+                line(chart, ends.map(|end| (end, up)).to_vec(), color, 10)?;
             }
         }
         let dots = within.iter().map(|mark| {
@@ -212,11 +215,11 @@ mod tests {
             changes: vec![60.0],
             names: vec!["CNaf-1".into(), "CNaf-2".into()],
         };
-        let drawn = law_panel("p", (&x, &y), &[mark], &beside, "t", "d").unwrap();
+        let drawn = law_panel((&x, &y), &[mark], &beside, "t", "d").unwrap();
         assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");
         // The limit; both bars in one path; the mark with the form of its sample.
         assert_eq!(drawn.matches("s k-2").count(), 2, "{drawn}");
-        assert_eq!(drawn.matches("url(#dot-k-2-1)").count(), 1, "{drawn}");
+        assert_eq!(drawn.matches("dots dot-k-2-1").count(), 1, "{drawn}");
         assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
     }
 }

@@ -50,13 +50,8 @@ pub struct NormalisedLog<'a> {
 ///
 /// # Errors
 /// The message of the drawing library.
-pub fn normalised(id: &str, logs: &[NormalisedLog], title: &str, desc: &str) -> Result<String, String> {
-    Ok(super::svg::inline(
-        id,
-        &normalised_drawing(WIDTH, logs)?,
-        title,
-        desc,
-    ))
+pub fn normalised(logs: &[NormalisedLog], title: &str, desc: &str) -> Result<String, String> {
+    Ok(super::svg::inline(&normalised_drawing(WIDTH, logs)?, title, desc))
 }
 
 /// The same `width` pixels wide, wherever it is shown.
@@ -106,13 +101,7 @@ pub fn normalised_drawing(width: u32, logs: &[NormalisedLog]) -> Result<Drawing,
 ///
 /// # Errors
 /// The message of the drawing library.
-pub fn log_panels(
-    id: &str,
-    curves: &[&RunCurve],
-    steps_s: &[f64],
-    title: &str,
-    desc: &str,
-) -> Result<String, String> {
+pub fn log_panels(curves: &[&RunCurve], steps_s: &[f64], title: &str, desc: &str) -> Result<String, String> {
     let minutes = |time_s: f64| time_s / SECONDS_PER_MINUTE;
     let x = time_axis(
         range(
@@ -124,7 +113,7 @@ pub fn log_panels(
     );
     let further = FURTHER_HEIGHT * curves.len().saturating_sub(1) as u32;
     let size = (WIDTH, FIRST_HEIGHT + further + TIME_AXIS_HEIGHT);
-    svg(id, size, title, desc, |area| {
+    svg(size, title, desc, |area| {
         let mut rest = area.clone();
         for (at, curve) in curves.iter().enumerate() {
             let is_last = at + 1 == curves.len();
@@ -375,12 +364,12 @@ mod tests {
             log(&"long ".repeat(20), None),
             log("fourth", None),
         ];
-        let drawn = normalised("n", &logs, "t", "d").unwrap();
+        let drawn = normalised(&logs, "t", "d").unwrap();
         for text in ["RH (%)", "|E*| relative to before (%)", "(min)", "dry", "…"] {
             assert!(drawn.contains(text), "{text}");
         }
         assert!(!drawn.contains("<b>") && !drawn.contains("NaN"));
-        let without = normalised("n", &logs[1..2], "t", "d").unwrap();
+        let without = normalised(&logs[1..2], "t", "d").unwrap();
         assert!(!without.contains("RH (%)"));
     }
 
@@ -388,7 +377,7 @@ mod tests {
     fn a_log_is_drawn_with_every_channel_and_its_fit_in_stretches() {
         let modulus = curve(Quantity::ComplexModulus, |t| 70.0 - t / 1000.0, true);
         let factor = curve(Quantity::LossFactor, |_| 0.1, false);
-        let drawn = log_panels("l", &[&modulus, &factor], &[3600.0], "t", "d").unwrap();
+        let drawn = log_panels(&[&modulus, &factor], &[3600.0], "t", "d").unwrap();
         assert!(drawn.contains("|E*| (MPa)") && drawn.contains("tan δ"));
         assert!(!drawn.contains("NaN"), "{drawn}");
         assert_eq!(fitted_stretches(&modulus, |t| t).len(), 1);

@@ -41,7 +41,7 @@ pub fn text_style(ink: Ink, size: i32, horizontal: HPos, vertical: VPos) -> Text
         .pos(Pos::new(horizontal, vertical))
 }
 
-/// Builds a panel on `area`: grid, axis line at the bottom, tick labels and titles.
+/// Builds a panel on `area`: grid, tick labels and titles; the axis line at the bottom where the horizontal axis has labels.
 ///
 /// # Errors
 /// The message of the drawing library.
@@ -94,13 +94,12 @@ fn axes(chart: &mut Chart, x: &Axis, y: &Axis, x_labels: bool) -> Result<(), Str
     chart.draw_series(grid).map_err(|error| error.to_string())?;
     let bottom = vec![(x.low, y.low), (x.high, y.low)];
     let muted = Ink::Muted.color().stroke_width(10);
-    chart
-        .draw_series([PathElement::new(bottom, muted)])
-        .map_err(|error| error.to_string())?;
-    let marks = x
-        .ticks
-        .iter()
-        .map(|tick| EmptyElement::at((tick.at, y.low)) + PathElement::new([(0, 0), (0, 4 * TENTHS)], muted));
+    let bottom = x_labels.then(|| PathElement::new(bottom, muted));
+    chart.draw_series(bottom).map_err(|error| error.to_string())?;
+    let marks =
+        x.ticks.iter().filter(|_| x_labels).map(|tick| {
+            EmptyElement::at((tick.at, y.low)) + PathElement::new([(0, 0), (0, 4 * TENTHS)], muted)
+        });
     chart.draw_series(marks).map_err(|error| error.to_string())?;
     let right = text_style(Ink::Muted, TICK_SIZE, HPos::Right, VPos::Center);
     for tick in y.ticks.iter().filter(|tick| !tick.label.is_empty()) {

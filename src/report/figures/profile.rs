@@ -20,7 +20,6 @@ const BOUND: f64 = 3.841;
 /// # Errors
 /// The message of the drawing library, or of series of uneven lengths.
 pub fn profile(
-    id: &str,
     (values, rises): (&[f64], &[f64]),
     (quantity, unit): (&str, &str),
     title: &str,
@@ -47,7 +46,7 @@ pub fn profile(
     let margin = 0.04 * (ends.1 - ends.0);
     let x = Axis::linear(ends.0 - margin, ends.1 + margin, quantity, unit, 4);
     let y = Axis::linear(-0.03 * most, 1.05 * most, "Rise of the sum of squares", "", 5);
-    let drawn = svg(id, (WIDTH, HEIGHT), title, desc, |area| {
+    let drawn = svg((WIDTH, HEIGHT), title, desc, |area| {
         let margins = Margins {
             left: 58,
             right: 16,
@@ -86,14 +85,14 @@ mod tests {
     fn a_parabola_is_drawn_and_too_little_is_not() {
         let values: Vec<f64> = (-4..=4).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
         let rises: Vec<f64> = (-4..=4).map(|k| f64::from(k * k)).collect();
-        let drawn = profile("p", (&values, &rises), ("i0", "A/cm2"), "t", "d")
+        let drawn = profile((&values, &rises), ("i0", "A/cm2"), "t", "d")
             .unwrap()
             .unwrap();
         assert!(drawn.contains("A/cm2") && drawn.len() < 12_000);
         assert_eq!(
-            profile("p", (&values[..2], &rises[..2]), ("i0", ""), "t", "d").unwrap(),
+            profile((&values[..2], &rises[..2]), ("i0", ""), "t", "d").unwrap(),
             None
         );
-        assert!(profile("p", (&values, &rises[1..]), ("i0", ""), "t", "d").is_err());
+        assert!(profile((&values, &rises[1..]), ("i0", ""), "t", "d").is_err());
     }
 }

@@ -25,7 +25,6 @@ const SHORTEST: f64 = 1e-5;
 /// # Errors
 /// The message of the drawing library, or of a curve of uneven lengths.
 pub fn residual(
-    id: &str,
     curve: &ResidualCurve,
     whole: bool,
     title: &str,
@@ -49,7 +48,7 @@ pub fn residual(
     let first_s = curve.time_s[since[0]];
     let logarithmic = Axis::log(0.9 * first_s, 1.1 * last_s, "Time since the step", "s");
     let width = if whole { 2 * HALF_WIDTH } else { HALF_WIDTH };
-    let drawn = svg(id, (width, HEIGHT), title, desc, |area| {
+    let drawn = svg((width, HEIGHT), title, desc, |area| {
         if !whole {
             return Half {
                 curve,
@@ -168,18 +167,18 @@ mod tests {
 
     #[test]
     fn a_figure_of_160_points_stays_small() {
-        let drawn = residual("r", &curve(160), true, "t", "d").unwrap().unwrap();
+        let drawn = residual(&curve(160), true, "t", "d").unwrap().unwrap();
         assert!(drawn.len() < 16_000, "{} bytes", drawn.len());
-        let half = residual("r", &curve(160), false, "t", "d").unwrap().unwrap();
+        let half = residual(&curve(160), false, "t", "d").unwrap().unwrap();
         assert!(half.len() < drawn.len());
     }
 
     #[test]
     fn too_little_and_uneven_are_said() {
-        assert_eq!(residual("r", &curve(1), true, "t", "d").unwrap(), None);
+        assert_eq!(residual(&curve(1), true, "t", "d").unwrap(), None);
         let mut uneven = curve(20);
         uneven.before_sigma.pop();
-        assert!(residual("r", &uneven, true, "t", "d").is_err_and(|reason| reason.contains("19")));
+        assert!(residual(&uneven, true, "t", "d").is_err_and(|reason| reason.contains("19")));
     }
 
     #[test]
@@ -187,6 +186,6 @@ mod tests {
         let mut curve = curve(20);
         curve.before_sigma[3] = f64::NAN;
         curve.after_sigma[4] = f64::INFINITY;
-        assert!(residual("r", &curve, true, "t", "d").unwrap().is_some());
+        assert!(residual(&curve, true, "t", "d").unwrap().is_some());
     }
 }

@@ -1,10 +1,10 @@
 //! One response of a run: measured readings with the fitted curve, and the residuals under them.
 //!
-//! Each response is drawn twice, side by side, with the same vertical axis: over the whole run in linear
-//! time, as the thesis draws it and where back-relaxation is seen, and over the logarithm of the time since
-//! the step, where charging (seconds) and creep (hours) get equal room. A linear axis alone hides the first
-//! seconds, in which the fit of R₁ and C₁ is decided; a logarithmic one alone hides what precedes the step
-//! and squeezes the hours that decide λ.
+//! Where the drive is one step, all readings stand in one figure: time since the step is linear at first and then
+//! logarithmic, so that charging (seconds) and creep (hours) get equal room, and what precedes the step stands linear in
+//! a strip before it. A linear axis would hide the first seconds, in which the fit of R₁ and C₁ is decided; a second
+//! figure of the same readings would double the bytes of a page. Where the drive changes again, a response is drawn over
+//! the whole run in linear time, and over the logarithm of the time since the first step.
 
 use plotters::element::{Circle, PathElement};
 use plotters::series::LineSeries;
@@ -12,7 +12,7 @@ use plotters::style::Color;
 
 use super::axis::Axis;
 use super::canvas::{Area, Ink, TENTHS, svg};
-use super::group::series;
+use super::group::{scatter, series};
 use super::panel::{Chart, Margins, panel, pixels};
 use super::thin;
 use crate::domain::RunCurve;
@@ -34,6 +34,18 @@ const SHORTEST: f64 = 1e-6;
 pub enum TimeView {
     /// The whole run in linear time.
     Whole,
+    /// The whole run in the time since its one step at `step_s`, over an axis that its responses share: see
+    /// [`Axis::about_step`].
+    AboutStep {
+        /// Time of the step, s.
+        step_s: f64,
+        /// First time of any response, s.
+        first_s: f64,
+        /// First time of any response after the step, s.
+        next_s: f64,
+        /// Last time of any response, s.
+        last_s: f64,
+    },
     /// Logarithm of the time since the step at `step_s`, until the drive changes again.
     SinceStep {
         /// Time of the step, s.
@@ -47,13 +59,7 @@ pub enum TimeView {
 ///
 /// # Errors
 /// The message of the drawing library.
-pub fn response(
-    id: &str,
-    curve: &RunCurve,
-    view: TimeView,
-    title: &str,
-    desc: &str,
-) -> Result<Option<String>, String> {
+pub fn response(curve: &RunCurve, view: TimeView, title: &str, desc: &str) -> Result<Option<String>, String> {
     check_lengths(curve)?;
     let shown = shown_indices(curve, view);
     let Some(x) = time_axis(curve, view, &shown) else {
@@ -61,7 +67,7 @@ pub fn response(
     };
     let residuals = curve.residual_sigma.len() == curve.time_s.len();
     let height = READINGS_HEIGHT + TIME_AXIS_HEIGHT + if residuals { RESIDUALS_HEIGHT } else { 0 };
-    let drawn = svg(id, (WIDTH, height), title, desc, |area| {
+    let drawn = svg((WIDTH, height), title, desc, |area| {
         let drawing = Drawing {
             curve,
             view,
@@ -93,10 +99,10 @@ impl Drawing<'_> {
         let (low, high) = range(all);
         let margin = 0.05 * (high - low);
         let quantity = curve.quantity;
-        let y = Axis::linear(low - margin, high + margin, quantity.label(), quantity.unit(), 5);
+        let y = Axis::linear(low - margin, high + margin, quantity.label(), quantity.unit(), 4);
         let mut chart = panel(area, margins(x_labels), self.x, &y, x_labels)?;
         series(&mut chart, "Readings", |chart| {
-            self.dots(chart, &curve.measured, 11, 0.6)
+            self.dots(chart, &curve.measured, 11)
         })?;
         if curve.fitted.len() != curve.time_s.len() {
             return Ok(());
@@ -124,13 +130,11 @@ impl Drawing<'_> {
                 .map(|_| ())
                 .map_err(|error| error.to_string())
         })?;
-        series(&mut chart, "Residuals", |chart| {
-            self.dots(chart, residuals, 12, 0.6)
-        })
+        scatter(&mut chart, "Residuals", |chart| self.dots(chart, residuals, 12))
     }
 
-    fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32, opacity: f64) -> Result<(), String> {
-        let style = Ink::Text.color().mix(opacity).filled();
+    fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32) -> Result<(), String> {
+        let style = Ink::Muted.color().filled();
         let points = thin::dots(&self.points(values), pixels(chart));
         chart
             .draw_series(points.into_iter().map(|point| Circle::new(point, radius, style)))
@@ -148,7 +152,9 @@ impl Drawing<'_> {
         let time_s = self.curve.time_s[index];
         match self.view {
             TimeView::Whole => time_s,
-            TimeView::SinceStep { step_s, .. } => (time_s - step_s).log10(),
+            TimeView::AboutStep { step_s, .. } | TimeView::SinceStep { step_s, .. } => {
+                self.x.position(time_s - step_s)
+            }
         }
     }
 }
@@ -181,7 +187,7 @@ fn check_lengths(curve: &RunCurve) -> Result<(), String> {
 fn shown_indices(curve: &RunCurve, view: TimeView) -> Vec<usize> {
     let all = 0..curve.time_s.len();
     match view {
-        TimeView::Whole => all.collect(),
+        TimeView::Whole | TimeView::AboutStep { .. } => all.collect(),
         TimeView::SinceStep { step_s, until_s } => {
             let last_s = curve.time_s.last().copied().unwrap_or(step_s).min(until_s);
             let first_s = step_s + SHORTEST * (last_s - step_s);
@@ -206,14 +212,46 @@ fn time_axis(curve: &RunCurve, view: TimeView, shown: &[usize]) -> Option<Axis> 
             let margin = 0.015 * (last_s - first_s);
             Axis::linear(first_s - margin, last_s + margin, "Time", "s", 6)
         }
-        TimeView::SinceStep { step_s, .. } => {
-            let title = match step_s == 0.0 {
-                true => "Time since the step".to_owned(),
-                false => format!("Time since the step at {} s", fixed(step_s, 2)),
-            };
-            Axis::log(0.9 * (first_s - step_s), 1.1 * (last_s - step_s), &title, "s")
+        TimeView::AboutStep {
+            step_s,
+            first_s,
+            next_s,
+            last_s,
+        } => {
+            let last_s = last_s - step_s;
+            let unit_s = (next_s - step_s).max(SHORTEST * last_s);
+            Axis::about_step((first_s - step_s).min(0.0), unit_s, last_s, &since(step_s))
         }
+        TimeView::SinceStep { step_s, .. } => Axis::log(
+            0.9 * (first_s - step_s),
+            1.1 * (last_s - step_s),
+            &since(step_s),
+            "s",
+        ),
     })
+}
+
+impl TimeView {
+    /// The view about the one step at `step_s` of all these responses; none where no reading follows it.
+    pub fn about_step(step_s: f64, curves: &[RunCurve]) -> Option<TimeView> {
+        let times = || curves.iter().flat_map(|curve| curve.time_s.iter().copied());
+        let (first_s, last_s) = range(times());
+        let (next_s, _) = range(times().filter(|&time_s| time_s > step_s));
+        next_s.is_finite().then_some(TimeView::AboutStep {
+            step_s,
+            first_s,
+            next_s,
+            last_s,
+        })
+    }
+}
+
+/// Title of an axis of times since a step.
+fn since(step_s: f64) -> String {
+    match step_s == 0.0 {
+        true => "Time since the step".to_owned(),
+        false => format!("Time since the step at {} s", fixed(step_s, 2)),
+    }
 }
 
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -252,13 +290,14 @@ mod tests {
     fn a_figure_of_450_readings_stays_small() {
         for view in [
             TimeView::Whole,
+            TimeView::about_step(0.0, &[curve(450, true)]).unwrap(),
             TimeView::SinceStep {
                 step_s: 0.0,
                 until_s: f64::INFINITY,
             },
         ] {
-            let drawn = response("c", &curve(450, true), view, "t", "d").unwrap().unwrap();
-            assert!(drawn.len() < 8_000, "{} bytes", drawn.len());
+            let drawn = response(&curve(450, true), view, "t", "d").unwrap().unwrap();
+            assert!(drawn.len() < 3_500, "{} bytes", drawn.len());
         }
     }
 
@@ -266,13 +305,13 @@ mod tests {
     fn a_curve_of_uneven_lengths_is_an_error() {
         let mut uneven = curve(50, true);
         uneven.fitted.pop();
-        let refused = response("c", &uneven, TimeView::Whole, "t", "d");
+        let refused = response(&uneven, TimeView::Whole, "t", "d");
         assert!(refused.is_err_and(|reason| reason.contains("49 fitted")));
     }
 
     #[test]
     fn an_unfitted_run_has_readings_only() {
-        let drawn = response("c", &curve(50, false), TimeView::Whole, "t", "d")
+        let drawn = response(&curve(50, false), TimeView::Whole, "t", "d")
             .unwrap()
             .unwrap();
         assert!(!drawn.contains("Residual"));
@@ -296,6 +335,6 @@ mod tests {
             step_s: 1e9,
             until_s: f64::INFINITY,
         };
-        assert_eq!(response("c", &curve, empty, "t", "d").unwrap(), None);
+        assert_eq!(response(&curve, empty, "t", "d").unwrap(), None);
     }
 }

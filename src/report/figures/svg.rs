@@ -3,7 +3,7 @@
 //! Plotters' own SVG backend rounds to whole pixels and writes one element per dot. This writer counts in tenths of a
 //! pixel, joins dots, strokes and texts of one kind that follow each other, writes relative coordinates, and names inks
 //! by a class, so that the style sheet can show them in dark mode and in print. Dots are the corners of a path that is
-//! not stroked, with a marker at each: the page holds the markers (see [`dot_markers`]).
+//! not stroked, with a marker at each: the page holds the markers and their classes (see [`dot_markers`]).
 
 use std::fmt::Write as _;
 
@@ -19,19 +19,39 @@ use crate::report::visible::escaped;
 /// Start of the id of a marker; the ink's class and the form follow.
 const MARKER: &str = "dot-";
 
-/// The drawing as an element of a page; `id` must be unique on it.
-pub fn inline(id: &str, drawing: &Drawing, title: &str, desc: &str) -> String {
-    let mut body = Body::default();
+/// Width of most figures, px: the style sheet limits figures to it.
+const USUAL_WIDTH: u32 = 530;
+/// Width of lines and size of labels, tenths of a pixel, where no attribute states another: as in the style sheet.
+const USUAL_LINE: u32 = 10;
+const USUAL_TEXT: f64 = 110.0;
+/// Size of the titles of axes, tenths of a pixel: as in the style sheet.
+const TITLE_TEXT: f64 = 120.0;
+
+/// The drawing as an element of a page.
+pub fn inline(drawing: &Drawing, title: &str, desc: &str) -> String {
+    let mut body = Body {
+        out: String::new(),
+        waiting: None,
+        in_panel: false,
+        across: None,
+        form: 0,
+        dot_unit: 1,
+        group: None,
+    };
     drawing.shapes.iter().for_each(|shape| body.add(shape));
     body.flush();
     if body.in_panel {
         body.out.push_str("</g>");
     }
     let (width, height) = drawing.size;
+    let pixels = width / TENTHS as u32;
+    let widest = match pixels {
+        USUAL_WIDTH => String::new(),
+        _ => format!(" style=\"max-width:{pixels}px\""),
+    };
+    let said = if desc.is_empty() { "" } else { ". " };
     format!(
-        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\" class=\"figure\" \
-         style=\"max-width:{}px\"><title id=\"{id}-t\">{}</title><desc id=\"{id}-d\">{}</desc>{}</svg>",
-        width / TENTHS as u32,
+        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}{said}{}\" class=\"figure\"{widest}>{}</svg>",
         escaped(title),
         escaped(desc),
         body.out,
@@ -50,7 +70,7 @@ pub const FORMS: [&str; 5] = [
 /// A marker that a page must hold so that dots are seen.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct DotMarker {
-    /// Id that paths name.
+    /// Id; paths name it as a class.
     pub id: String,
     /// Class of the ink.
     pub ink: String,
@@ -60,11 +80,11 @@ pub struct DotMarker {
 
 /// The markers of these figures.
 pub fn dot_markers<'a>(figures: impl Iterator<Item = &'a String>) -> Vec<DotMarker> {
-    let start = format!("url(#{MARKER}");
+    let start = format!("\"dots {MARKER}");
     let named = figures.flat_map(|svg| {
         svg.split(&start)
             .skip(1)
-            .filter_map(|rest| rest.split(')').next())
+            .filter_map(|rest| rest.split('"').next())
     });
     let marker = |name: &str| {
         let (ink, form) = name.rsplit_once('-')?;
@@ -88,11 +108,12 @@ enum Waiting {
         radius: u32,
         points: Vec<BackendCoord>,
     },
-    /// Path data.
+    /// Path data, and where they end.
     Strokes {
         color: BackendColor,
         width: u32,
         data: String,
+        end: BackendCoord,
     },
     /// Path data of polygons.
     Fills { color: BackendColor, data: String },
@@ -101,12 +122,17 @@ enum Waiting {
 }
 
 /// Elements written so far.
-#[derive(Default)]
 struct Body {
     out: String,
     waiting: Option<Waiting>,
     in_panel: bool,
+    /// Horizontal axis of the last panel; it is not stated again where the next has the same.
+    across: Option<Span>,
     form: usize,
+    /// Canvas units per unit of the dots' path data.
+    dot_unit: i32,
+    /// Where the elements of the group that is open begin, and its attributes.
+    group: Option<(usize, String)>,
 }
 
 impl Body {
@@ -143,10 +169,22 @@ impl Body {
             Shape::Open(group) => self.open(group),
             Shape::Close => {
                 self.flush();
-                self.form = 0;
-                self.out.push_str("</g>");
+                (self.form, self.dot_unit) = (0, 1);
+                self.close();
             }
         }
+    }
+
+    /// Ends the innermost group; one of a single element is that element.
+    fn close(&mut self) {
+        let Some((start, attributes)) = self.group.take() else {
+            return;
+        };
+        if self.out[start..].starts_with("<path") && self.out[start..].matches('<').count() == 1 {
+            return self.out.insert_str(start + "<path".len(), &attributes);
+        }
+        self.out.insert_str(start, &format!("<g{attributes}>"));
+        self.out.push_str("</g>");
     }
 
     fn open(&mut self, group: &Group) {
@@ -157,21 +195,35 @@ impl Body {
                 let [left, top, right, bottom] = frame;
                 let ends = if self.in_panel { "</g>" } else { "" };
                 self.in_panel = true;
+                let across = match self.across.replace(*x) == Some(*x) {
+                    true => String::new(),
+                    false => format!(" data-x=\"{}\"", span(x)),
+                };
                 write!(
                     self.out,
-                    "{ends}<g data-f=\"{left} {top} {right} {bottom}\" data-x=\"{}\" data-y=\"{}\">",
-                    span(x),
+                    "{ends}<g data-f=\"{left} {top} {right} {bottom}\"{across} data-y=\"{}\">",
                     span(y)
                 )
             }
-            Group::Axes => write!(self.out, "<g class=\"axes\">"),
-            Group::Series { name, runs, form } => {
+            Group::Axes => {
+                self.group = Some((self.out.len(), " class=\"axes\"".to_owned()));
+                Ok(())
+            }
+            Group::Series {
+                name,
+                runs,
+                form,
+                to_the_pixel,
+            } => {
                 self.form = form % FORMS.len();
+                self.dot_unit = if *to_the_pixel { TENTHS } else { 1 };
                 let runs = match runs.is_empty() {
                     true => String::new(),
                     false => format!(" data-r=\"{}\"", run_list(runs)),
                 };
-                write!(self.out, "<g data-s=\"{}\"{runs}>", escaped(name))
+                let attributes = format!(" data-s=\"{}\"{runs}", escaped(name));
+                self.group = Some((self.out.len(), attributes));
+                Ok(())
             }
         };
     }
@@ -187,20 +239,31 @@ impl Body {
                 let class = Ink::class(color);
                 // A path of one corner has no marker without a stretch.
                 let alone = if points.len() == 1 { "h0" } else { "" };
+                let unit = self.dot_unit;
+                let in_units = |at: i32| (f64::from(at) / f64::from(unit)).round() as i32;
+                let points: Vec<BackendCoord> =
+                    points.iter().map(|&(x, y)| (in_units(x), in_units(y))).collect();
+                let transform = match unit {
+                    1 => String::new(),
+                    unit => format!(" transform=\"scale({unit})\""),
+                };
                 let _ = write!(
                     self.out,
-                    "<path class=\"dots\" style=\"marker:url(#{MARKER}{class}-{})\" stroke-width=\"{}\"{} d=\"{}{alone}\"/>",
+                    "<path class=\"dots {MARKER}{class}-{}\" stroke-width=\"{}\"{}{transform} d=\"{}{alone}\"/>",
                     self.form,
-                    2 * radius,
+                    f64::from(2 * radius) / f64::from(unit),
                     opacity(color.alpha),
                     corners(&points, false)
                 );
             }
-            Some(Waiting::Strokes { color, width, data }) => {
+            Some(Waiting::Strokes {
+                color, width, data, ..
+            }) => {
                 let _ = write!(
                     self.out,
-                    "<path class=\"s {}\" stroke-width=\"{width}\"{} d=\"{data}\"/>",
+                    "<path class=\"s {}\"{}{} d=\"{data}\"/>",
                     Ink::class(color),
+                    line_width(width),
                     opacity(color.alpha),
                 );
             }
@@ -217,14 +280,19 @@ impl Body {
     }
 
     fn add_stroke(&mut self, points: &[BackendCoord], width: u32, color: BackendColor) {
+        let Some(&last) = points.last() else {
+            return;
+        };
         let more = path_data(points);
         match &mut self.waiting {
             Some(Waiting::Strokes {
                 color: c,
                 width: w,
                 data,
+                end,
             }) if same(*c, color) && *w == width && c.alpha == 1.0 => {
-                data.push_str(&more);
+                data.push_str(&moved(&more, points[0], *end));
+                *end = last;
             }
             _ => {
                 self.flush();
@@ -232,6 +300,7 @@ impl Body {
                     color,
                     width,
                     data: more,
+                    end: last,
                 });
             }
         }
@@ -284,15 +353,11 @@ impl Body {
 
     fn write_texts(&mut self, labels: &[Label]) {
         let first = &labels[0];
-        let look = format!(
-            "class=\"f {}\" font-size=\"{}\"{}",
-            Ink::class(first.color),
-            first.size,
-            anchor(first)
-        );
-        let (look_of_each, opened) = match labels.len() {
-            1 => (format!(" {look}"), false),
-            _ => (String::new(), true),
+        let look = look(first);
+        let (look_of_each, opened) = match (labels.len(), look.is_empty()) {
+            (_, true) => (String::new(), false),
+            (1, false) => (format!(" {look}"), false),
+            (_, false) => (String::new(), true),
         };
         if opened {
             let _ = write!(self.out, "<g {look}>");
@@ -305,13 +370,9 @@ impl Body {
         } in labels
         {
             let text = escaped(text);
-            let _ = match upward {
-                true => write!(
-                    self.out,
-                    "<text{look_of_each} transform=\"translate({x} {y})rotate(-90)\">{text}</text>"
-                ),
-                false => write!(self.out, "<text{look_of_each} x=\"{x}\" y=\"{y}\">{text}</text>"),
-            };
+            // What runs upward is turned by its class.
+            let (x, y) = if *upward { (-y, *x) } else { (*x, *y) };
+            let _ = write!(self.out, "<text{look_of_each} x=\"{x}\" y=\"{y}\">{text}</text>");
         }
         if opened {
             self.out.push_str("</g>");
@@ -323,23 +384,40 @@ fn same(one: BackendColor, other: BackendColor) -> bool {
     (one.rgb, one.alpha) == (other.rgb, other.alpha)
 }
 
-fn anchor(label: &Label) -> &'static str {
-    match label.anchor {
-        HPos::Left => "",
-        HPos::Center => " text-anchor=\"middle\"",
-        HPos::Right => " text-anchor=\"end\"",
+/// Class and size of a label. Titles of axes, which every figure has, have a class of their own.
+fn look(label: &Label) -> String {
+    let ink = Ink::class(label.color);
+    let upward = if label.upward { " up" } else { "" };
+    match (label.size, ink, label.anchor) {
+        (TITLE_TEXT, "k-text", HPos::Center) => format!("class=\"axis{upward}\""),
+        // Labels of the vertical axis: as the style sheet has it without a class.
+        (USUAL_TEXT, "k-muted", HPos::Right) if !label.upward => String::new(),
+        (USUAL_TEXT, "k-muted", HPos::Center) if !label.upward => "class=\"mid\"".to_owned(),
+        (USUAL_TEXT, ..) => format!("class=\"{ink}{}{upward}\"", anchor(label)),
+        (size, ..) => format!("class=\"{ink}{}{upward}\" font-size=\"{size}\"", anchor(label)),
     }
 }
 
-/// `0 -0.07 3.669`: scale (0 linear, 1 logarithm, 2 calendar, 3 names) and ends.
+/// Class of the anchor, after another class.
+fn anchor(label: &Label) -> &'static str {
+    match label.anchor {
+        HPos::Left => " start",
+        HPos::Center => " mid",
+        HPos::Right => "",
+    }
+}
+
+/// `0 -0.07 3.669`: scale (0 linear, 1 logarithm, 2 calendar, 3 names, 4 about a step) and ends; about a step also the
+/// unit and the positions per second before it.
 fn span(span: &Span) -> String {
-    let scale = match span.scale {
-        Scale::Linear => 0,
-        Scale::Log => 1,
-        Scale::Calendar => 2,
-        Scale::Names => 3,
+    let (scale, more) = match span.scale {
+        Scale::Linear => (0, String::new()),
+        Scale::Log => (1, String::new()),
+        Scale::Calendar => (2, String::new()),
+        Scale::Names => (3, String::new()),
+        Scale::AboutStep { unit_s, before } => (4, format!(" {} {}", shortest(unit_s), shortest(before))),
     };
-    format!("{scale} {} {}", shortest(span.low), shortest(span.high))
+    format!("{scale} {} {}{more}", shortest(span.low), shortest(span.high))
 }
 
 /// As many digits as a position on a screen has, and for a moment those of its seconds.
@@ -371,6 +449,20 @@ pub(super) fn path_data(points: &[BackendCoord]) -> String {
     corners(&distinct, true)
 }
 
+/// Path data that start at `start`, written from `end` of the stretch before where that is shorter.
+fn moved(data: &str, start: BackendCoord, end: BackendCoord) -> String {
+    let absolute = format!("M{} {}", start.0, start.1);
+    let (dx, dy) = (start.0 - end.0, start.1 - end.1);
+    let relative = match dy < 0 {
+        true => format!("m{dx}{dy}"),
+        false => format!("m{dx} {dy}"),
+    };
+    match data.strip_prefix(&absolute) {
+        Some(rest) if relative.len() < absolute.len() => format!("{relative}{rest}"),
+        _ => data.to_owned(),
+    }
+}
+
 /// Path data through all these corners; a stretch along an axis alone is written by its length.
 fn corners(points: &[BackendCoord], with_axes: bool) -> String {
     let Some(&(x, y)) = points.first() else {
@@ -397,6 +489,13 @@ fn corners(points: &[BackendCoord], with_axes: bool) -> String {
         let _ = write!(data, "{before}{dx}{between}{dy}");
     }
     data
+}
+
+fn line_width(width: u32) -> String {
+    match width {
+        USUAL_LINE => String::new(),
+        _ => format!(" stroke-width=\"{width}\""),
+    }
 }
 
 fn opacity(alpha: f64) -> String {
@@ -426,10 +525,10 @@ mod tests {
             }
             Ok(())
         });
-        let drawn = inline("f", &drawn.unwrap(), "t", "d");
+        let drawn = inline(&drawn.unwrap(), "t", "d");
         assert_eq!(drawn.matches("<path").count(), 2, "{drawn}");
         assert!(
-            drawn.contains("marker:url(#dot-k-1-0)\" stroke-width=\"16\" d=\"M10 50l10 0 10 0\""),
+            drawn.contains("class=\"dots dot-k-1-0\" stroke-width=\"16\" d=\"M10 50l10 0 10 0\""),
             "{drawn}"
         );
         assert!(drawn.contains("d=\"M0 5l7-3 2 7M3 4h5\""), "{drawn}");

@@ -195,7 +195,7 @@ impl Section<'_> {
                 names: self.groups.names.clone(),
                 ..Beside::default()
             };
-            let drawn = sized_panel(&id, SMALL, (&x, &y), (&marks, &beside), (&title, desc));
+            let drawn = sized_panel(SMALL, (&x, &y), (&marks, &beside), (&title, desc));
             let svg = drawn.map_err(|reason| ReportError::Figure {
                 figure: id.clone(),
                 reason,

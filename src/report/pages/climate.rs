@@ -195,7 +195,7 @@ fn drawn(
     let heading = quantity.label().to_owned();
     let title = format!("{heading} of all sensors over time");
     let desc = "Readings of each sensor as a line; black marks at the bottom are runs.";
-    let drawn = overview(&id, quantity, &series, &site.input.run_spans_s, &title, desc);
+    let drawn = overview(quantity, &series, &site.input.run_spans_s, &title, desc);
     let svg = drawn.map_err(|reason| ReportError::Figure {
         figure: id.clone(),
         reason,

@@ -185,11 +185,10 @@ fn section(
                 "{} against step voltage in each environment, with 95 % intervals. The numbers stand in the table of parameters.",
                 parameter.symbol
             );
-            let drawn =
-                comparison(&id, groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
-                    figure: id.clone(),
-                    reason,
-                })?;
+            let drawn = comparison(groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
+                figure: id.clone(),
+                reason,
+            })?;
             figures.insert(id.clone(), drawn);
             panel.figure = Some(id);
         }

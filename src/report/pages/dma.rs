@@ -268,7 +268,7 @@ fn overview(
         listed(&names)
     );
     let id = "normalised".to_owned();
-    let svg = normalised(&id, drawn, title, &desc).map_err(|reason| ReportError::Figure {
+    let svg = normalised(drawn, title, &desc).map_err(|reason| ReportError::Figure {
         figure: id.clone(),
         reason,
     })?;
@@ -308,7 +308,7 @@ fn section(
     let title = format!("Modulus log of {}", name(log));
     let desc = "Complex, storage and loss modulus, loss factor, humidity and temperature over time, as far as they \
                 were logged; lines: the humidity steps; red: fitted relaxations.";
-    let svg = log_panels(&id, &curves, &steps_s, &title, desc).map_err(|reason| ReportError::Figure {
+    let svg = log_panels(&curves, &steps_s, &title, desc).map_err(|reason| ReportError::Figure {
         figure: id.clone(),
         reason,
     })?;

@@ -397,7 +397,6 @@ fn bars(
     let id = "gains".to_owned();
     let shown: Vec<&Candidate> = found.candidates.iter().take(BARS).collect();
     let drawn = gain_bars(
-        &id,
         &shown,
         found.gain_at_5_percent,
         "Gain of each candidate",
@@ -456,7 +455,7 @@ fn residuals(
         let heading = format!("{}: {}", curve.run, curve.channel);
         let title = format!("Residual of the {} of {}", curve.channel, curve.run);
         let desc = "Dots: measured minus base model; line: measured minus extended model; band: two standard deviations of single readings.";
-        let drawn = residual(&id, curve, wrong, &title, desc).map_err(|reason| ReportError::Figure {
+        let drawn = residual(curve, wrong, &title, desc).map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,
         })?;
@@ -486,7 +485,7 @@ fn held_out(
         let id = format!("held-out-{}", place + 1);
         let title = format!("Held-out residual of the {} of {}", curve.channel, curve.run);
         let desc = "Measured minus what models predict that were fitted without these readings. Dots: base model; line: extended model.";
-        let drawn = residual(&id, curve, false, &title, desc).map_err(|reason| ReportError::Figure {
+        let drawn = residual(curve, false, &title, desc).map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,
         })?;
@@ -509,7 +508,7 @@ fn profiles(
         let id = format!("profile-{}", place + 1);
         let title = format!("Profile of the strength of {}", of.effect);
         let desc = "Rise of the weighted sum of squares with all other parameters fitted anew; the level line bounds a 95 % interval.";
-        let drawn = profile(&id, (&of.values, &of.rises), (&of.key, ""), &title, desc);
+        let drawn = profile((&of.values, &of.rises), (&of.key, ""), &title, desc);
         let drawn = drawn.map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,

@@ -360,11 +360,10 @@ pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)
         names: found.samples.clone(),
         ..Beside::default()
     };
-    let svg =
-        law_panel(&id, (&x, &y), &marks, &beside, &title, &desc).map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
+    let svg = law_panel((&x, &y), &marks, &beside, &title, &desc).map_err(|reason| ReportError::Figure {
+        figure: id.clone(),
+        reason,
+    })?;
     Ok(Some((id, svg)))
 }
 

@@ -289,7 +289,7 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
     };
     let id = format!("life-{number}");
     let title = format!("{name} of {} over {}", watched.sample, watched.axis.label());
-    let drawn = law_panel(&id, (&x, &y), &marks, &beside, &title, &words::life(watched));
+    let drawn = law_panel((&x, &y), &marks, &beside, &title, &words::life(watched));
     let svg = drawn.map_err(|reason| ReportError::Figure {
         figure: id.clone(),
         reason,

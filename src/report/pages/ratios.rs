@@ -157,7 +157,7 @@ fn panels(
         let id = format!("ratio-{}-{material}", info.key.replace('_', "-"));
         let desc = "Ratio to the reference condition in each environment and at each voltage, with 95 % intervals; the numbers stand in the table below.";
         let title = format!("{} of {name} over the reference condition", info.name);
-        let drawn = comparison(&id, &groups(site, &own), &y, &title, desc);
+        let drawn = comparison(&groups(site, &own), &y, &title, desc);
         let svg = drawn.map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,

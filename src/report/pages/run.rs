@@ -33,8 +33,12 @@ struct RunPage {
     /// Findings first: what the fit says, or why there is none.
     summary: Vec<String>,
     responses: Vec<Response>,
+    /// What is drawn in them.
+    drawn: String,
     along: Option<AlongLine>,
     parameters: Vec<ParameterRow>,
+    /// Whether a parameter has a remark.
+    remarks: bool,
     fit: Option<FitText>,
     issues: Vec<IssueText>,
     same_condition: Vec<RunLink>,
@@ -62,8 +66,9 @@ struct AlongLine {
 #[derive(Debug, Serialize)]
 struct Response {
     heading: String,
-    /// Ids of the figures, side by side.
+    /// Ids of the figures.
     figures: Vec<String>,
+    /// `All 491 readings are drawn.`
     note: String,
 }
 
@@ -92,28 +97,33 @@ pub fn content(
 ) -> Result<Content, ReportError> {
     let record = &site.input.runs[run];
     let mut figures = BTreeMap::new();
+    let views = views(record.drive.as_ref(), curves);
     let responses: Result<Vec<Response>, ReportError> = curves
         .iter()
-        .map(|curve| drawn(record, curve, site.run_name(run), &mut figures))
+        .map(|curve| drawn(&views, curve, &mut figures))
         .collect();
     let climate = climate_panel(record, climate, site.run_name(run), &mut figures)?;
     let mut issues: Vec<IssueText> = worst_first(record).collect();
     issues.dedup();
+    let responses: Vec<Response> = responses?
+        .into_iter()
+        .filter(|response| !response.figures.is_empty())
+        .collect();
+    let rows = record.fit.as_ref().map_or_else(Vec::new, parameters);
     let page = RunPage {
         name: site.run_name(run).to_owned(),
         path: record.path.clone(),
         condition: condition(site, run),
         summary: summary(record),
-        responses: responses?
-            .into_iter()
-            .filter(|response| !response.figures.is_empty())
-            .collect(),
+        drawn: drawn_words(&views, curves),
+        responses,
         along: record.is_along().then(|| AlongLine {
             places: super::along::places(record),
             href: site.strip_href(run),
             decision: super::along::decision(record),
         }),
-        parameters: record.fit.as_ref().map_or_else(Vec::new, parameters),
+        remarks: rows.iter().any(|row| !row.estimate.reason.is_empty()),
+        parameters: rows,
         fit: record.fit.as_ref().map(|fit| fit_text(fit, record)),
         issues,
         same_condition: same_condition(site, run),
@@ -218,22 +228,16 @@ fn symbol_of(key: &str) -> String {
 }
 
 fn drawn(
-    record: &RunRecord,
+    views: &[View],
     curve: &RunCurve,
-    name: &str,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Response, ReportError> {
     let quantity = curve.quantity;
-    let fitted = !curve.fitted.is_empty();
     let mut ids = Vec::new();
-    for (suffix, view, words) in views(record.drive.as_ref()) {
+    for &(suffix, view, words) in views {
         let id = format!("{}-{suffix}", quantity.key().replace('_', "-"));
-        let title = format!("{} of {name} over {words}", quantity.label());
-        let desc = match fitted {
-            true => "Measured readings as dots, the fitted model as a line; residuals over noise below.",
-            false => "Measured readings as dots; nothing is fitted.",
-        };
-        let figure = response(&id, curve, view, &title, desc).map_err(|reason| ReportError::Figure {
+        let title = format!("{} over {words}", quantity.label());
+        let figure = response(curve, view, &title, "").map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,
         })?;
@@ -243,37 +247,46 @@ fn drawn(
         }
     }
     let shown = curve.time_s.len();
-    let thinned = match shown < curve.readings {
-        true => format!(
-            "{shown} of {} readings are drawn; extremes are kept.",
-            curve.readings
-        ),
-        false => format!("All {} are drawn.", counted(curve.readings, "reading")),
-    };
     Ok(Response {
         heading: quantity.label().to_owned(),
         figures: ids,
-        note: match fitted {
-            true => {
-                format!("Dots are readings, the line is the fit; below, residuals over the noise. {thinned}")
-            }
-            false => thinned,
+        note: match shown < curve.readings {
+            true => format!("{shown} of {} readings.", curve.readings),
+            false => format!("{}.", counted(curve.readings, "reading")),
         },
     })
 }
 
-/// The two time axes of every response: see [`crate::report::figures::response`].
-fn views(drive: Option<&Drive>) -> [(&'static str, TimeView, &'static str); 2] {
-    let starts = || {
-        drive
-            .into_iter()
-            .flat_map(|drive| drive.segments.iter().map(|segment| segment.start_s))
+/// What dots, lines and the time axis are, once for all responses of a page.
+fn drawn_words(views: &[View], curves: &[RunCurve]) -> String {
+    let fitted = curves.iter().any(|curve| !curve.fitted.is_empty());
+    let mut words = match fitted {
+        true => "Dots are readings, lines the fit; below, residuals over the noise.".to_owned(),
+        false => "Dots are readings; nothing is fitted.".to_owned(),
     };
+    if matches!(views, [(_, TimeView::AboutStep { .. }, _)]) {
+        words.push_str(" Time is logarithmic after the step.");
+    }
+    words.push_str(" No extreme is left out.");
+    words
+}
+
+/// End of a figure's id, its view, and what the view is of.
+type View = (&'static str, TimeView, &'static str);
+
+/// The time axes of the responses: see [`crate::report::figures::response`].
+fn views(drive: Option<&Drive>, curves: &[RunCurve]) -> Vec<View> {
+    let segments = drive.map_or(&[][..], |drive| &drive.segments);
+    let step_s = segments.first().map_or(0.0, |segment| segment.start_s);
+    let about_step = TimeView::about_step(step_s, curves).filter(|_| segments.len() == 1);
+    if let Some(view) = about_step {
+        return vec![("step", view, "the time since the step")];
+    }
     let since = TimeView::SinceStep {
-        step_s: starts().next().unwrap_or(0.0),
-        until_s: starts().nth(1).unwrap_or(f64::INFINITY),
+        step_s,
+        until_s: segments.get(1).map_or(f64::INFINITY, |next| next.start_s),
     };
-    [
+    vec![
         ("whole", TimeView::Whole, "the whole run"),
         ("step", since, "the logarithm of the time since the step"),
     ]
@@ -312,13 +325,26 @@ fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
         convergence: format!(
             "{verb} after {}: {}",
             counted(fit.evaluations as usize, "evaluation"),
-            fit.why_stopped
+            said_once(&fit.why_stopped)
         ),
         r_squared: r_squared
             .into_iter()
             .filter_map(|(of, value)| Some((format!("R² of {of}"), score(value?))))
             .chain(fit.noise.iter().map(noise_pair))
             .collect(),
+    }
+}
+
+/// `current: x; curvature: x` as `x`.
+fn said_once(reasons: &str) -> &str {
+    let of_each = || {
+        reasons
+            .split("; ")
+            .map(|reason| reason.split_once(": ").map(|(_, why)| why))
+    };
+    match of_each().next().flatten() {
+        Some(first) if of_each().count() > 1 && of_each().all(|reason| reason == Some(first)) => first,
+        _ => reasons,
     }
 }
 
@@ -380,16 +406,31 @@ mod tests {
     }
 
     #[test]
-    fn the_logarithmic_view_ends_at_the_next_change_of_the_drive() {
+    fn one_step_has_one_figure_and_a_logarithmic_view_ends_at_the_next_change_of_the_drive() {
+        let curves = [RunCurve {
+            quantity: Quantity::Current,
+            time_s: vec![-1.0, 0.5, 600.0],
+            measured: vec![0.0; 3],
+            fitted: vec![],
+            residual_sigma: vec![],
+            readings: 3,
+        }];
         let mut drive = Drive::step(2.5);
+        let about = TimeView::AboutStep {
+            step_s: 0.0,
+            first_s: -1.0,
+            next_s: 0.5,
+            last_s: 600.0,
+        };
+        assert_eq!(views(Some(&drive), &curves)[0].1, about);
         drive.segments[0].start_s = 10.0;
         drive.segments.push(crate::domain::Segment {
             start_s: 300.0,
             level: crate::domain::Level::OpenCircuit,
         });
         let since = |step_s, until_s| TimeView::SinceStep { step_s, until_s };
-        assert_eq!(views(Some(&drive))[1].1, since(10.0, 300.0));
-        assert_eq!(views(None)[1].1, since(0.0, f64::INFINITY));
+        assert_eq!(views(Some(&drive), &curves)[1].1, since(10.0, 300.0));
+        assert_eq!(views(None, &curves)[1].1, since(0.0, f64::INFINITY));
     }
 
     #[test]

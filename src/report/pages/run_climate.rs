@@ -51,7 +51,7 @@ pub fn climate_panel(
     let id = "climate".to_owned();
     let title = format!("Climate around {name}");
     let desc = "Readings of the sensors that speak for the run; the time of the run is shaded.";
-    let drawn = around_run(&id, curves, length_s, &title, desc);
+    let drawn = around_run(curves, length_s, &title, desc);
     let svg = drawn.map_err(|reason| ReportError::Figure {
         figure: id.clone(),
         reason,

@@ -11,12 +11,15 @@ use crate::report::site::Site;
 /// Segments of a drive that are spelled out.
 const SEGMENTS: usize = 6;
 
+/// Digits of a hash that pages show.
+const HASH_DIGITS: usize = 16;
+
 /// The lower half of a run's page.
 #[derive(Debug, Serialize)]
 pub struct Evidence {
     status: String,
     drive: String,
-    tags: Vec<TagRow>,
+    tags: Vec<TagGroup>,
     channels: Vec<ChannelRow>,
     clocks: Vec<ClockRow>,
     offsets: Vec<OffsetRow>,
@@ -26,14 +29,15 @@ pub struct Evidence {
     history: Vec<Revision>,
 }
 
+/// Tags that one source states.
 #[derive(Debug, Serialize)]
-struct TagRow {
-    key: String,
-    value: String,
+struct TagGroup {
     origin: String,
     detail: String,
-    /// Whether a stronger source overruled it.
+    /// Whether stronger sources overruled them.
     overruled: bool,
+    /// Keys with their values.
+    tags: Vec<(String, String)>,
 }
 
 #[derive(Debug, Serialize)]
@@ -116,16 +120,29 @@ fn drive_text(drive: &Drive) -> String {
     )
 }
 
-/// The tags in stored order; after the first of a key, the others are overruled.
-fn tags(record: &RunRecord) -> Vec<TagRow> {
-    let row = |(index, tag): (usize, &crate::domain::Tag)| TagRow {
-        key: tag.key.clone(),
-        value: tag.value.clone(),
-        origin: tag.source.label().to_owned(),
-        detail: tag.detail.clone(),
-        overruled: record.tags[..index].iter().any(|earlier| earlier.key == tag.key),
-    };
-    record.tags.iter().enumerate().map(row).collect()
+/// The tags by source, in stored order; after the first of a key, the others are overruled.
+fn tags(record: &RunRecord) -> Vec<TagGroup> {
+    let mut groups: Vec<TagGroup> = Vec::new();
+    for (index, tag) in record.tags.iter().enumerate() {
+        let overruled = record.tags[..index].iter().any(|earlier| earlier.key == tag.key);
+        let origin = tag.source.label();
+        let pair = (tag.key.clone(), tag.value.clone());
+        let alike = |group: &&mut TagGroup| {
+            (group.origin.as_str(), group.detail.as_str(), group.overruled)
+                == (origin, tag.detail.as_str(), overruled)
+        };
+        match groups.iter_mut().find(alike) {
+            Some(group) => group.tags.push(pair),
+            None => groups.push(TagGroup {
+                origin: origin.to_owned(),
+                detail: tag.detail.clone(),
+                overruled,
+                tags: vec![pair],
+            }),
+        }
+    }
+    groups.sort_by_key(|group| group.overruled);
+    groups
 }
 
 fn channel(channel: &ChannelSummary) -> ChannelRow {
@@ -157,9 +174,14 @@ fn file(file: &crate::domain::RunFile) -> FileRow {
     FileRow {
         path: file.path.clone(),
         size: size(file.size_bytes),
-        hash: file.hash.clone(),
+        hash: short_hash(&file.hash),
         aliases: file.aliases.clone(),
     }
+}
+
+/// The beginning of a hash, which tells any two files apart; the export and `explain` have all of it.
+fn short_hash(hash: &str) -> String {
+    hash.chars().take(HASH_DIGITS).collect()
 }
 
 fn size(bytes: u64) -> String {
@@ -173,7 +195,7 @@ fn facts(record: &RunRecord) -> Vec<(String, String)> {
     let mut facts = vec![
         ("Format", clocks::format(record)),
         ("Taken in", moment(&record.ingested_at)),
-        ("Data hash", record.data_hash.clone()),
+        ("Data hash", short_hash(&record.data_hash)),
     ];
     if let Some(technique) = &record.technique {
         facts.insert(1, ("Technique", technique.clone()));
@@ -198,7 +220,7 @@ fn history(site: &Site, record: &RunRecord) -> Vec<Revision> {
     let revision = |run: &RunRecord| Revision {
         revision: run.revision,
         ingested: moment(&run.ingested_at),
-        hashes: run.files.iter().map(|file| file.hash.clone()).collect(),
+        hashes: run.files.iter().map(|file| short_hash(&file.hash)).collect(),
         current: run.revision == record.revision,
     };
     revisions.into_iter().map(revision).collect()

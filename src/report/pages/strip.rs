@@ -218,7 +218,7 @@ impl Drawn<'_> {
         F: FnOnce(&crate::report::figures::canvas::Area) -> Result<(), String>,
     {
         let title = format!("{title} of {}", self.name);
-        let drawn = svg(id, size, &title, desc, draw).map_err(|reason| ReportError::Figure {
+        let drawn = svg(size, &title, desc, draw).map_err(|reason| ReportError::Figure {
             figure: id.to_owned(),
             reason,
         })?;

@@ -162,7 +162,9 @@ fn parameters(table: &tables::Table, row: &tables::Row, shown: &[ShownCell]) -> 
                 .notes
                 .iter()
                 .filter_map(|&note| table.notes.get(note).cloned());
-            let hover = spread(cell, &table.columns[at].unit).into_iter().chain(notes);
+            let hover = spread(cell, row.cells[MATERIAL].sources.len())
+                .into_iter()
+                .chain(notes);
             ShownParameter {
                 text,
                 error,
@@ -182,16 +184,16 @@ fn stacked(shown: &ShownCell) -> (String, String) {
     }
 }
 
-/// Interval, and numbers of runs and samples where there are several.
-fn spread(cell: &Cell, unit: &str) -> Vec<String> {
+/// Interval, and the number of runs where it is not that of the row's `runs`.
+fn spread(cell: &Cell, runs: usize) -> Vec<String> {
     let tables::Content::Measured(measured) = &cell.content else {
         return vec![];
     };
     let interval = match (measured.low_95, measured.high_95) {
-        (Some(low), Some(high)) => Some(format!("95 %: {} {unit}", interval(low, high))),
+        (Some(low), Some(high)) => Some(format!("95 %: {}", interval(low, high))),
         _ => None,
     };
-    let pooled = measured.pooled.as_ref();
+    let pooled = measured.pooled.as_ref().filter(|mean| mean.runs != runs);
     let pooled = pooled.map(|mean| format!("mean of {} runs, {} samples", mean.runs, mean.samples));
     interval.into_iter().chain(pooled).collect()
 }
