@@ -156,8 +156,10 @@ fn every_table_is_whole_in_every_format() {
             for format in &FORMATS {
                 let text = (format.write)(&table);
                 assert!(text.ends_with('\n'), "{name} as {}", format.name);
+                // "Reinforcement" is a word of table 2.
+                let mut words = text.split(|c: char| !c.is_alphanumeric());
                 assert!(
-                    !text.contains("NaN") && !text.contains("inf"),
+                    !words.any(|word| ["NaN", "inf"].contains(&word)),
                     "{name} as {}",
                     format.name
                 );

@@ -267,7 +267,7 @@ fn drawn_words(views: &[View], curves: &[RunCurve]) -> String {
     if matches!(views, [(_, TimeView::AboutStep { .. }, _)]) {
         words.push_str(" Time is logarithmic after the step.");
     }
-    words.push_str(" No extreme is left out.");
+    words.push_str(" Extremes are kept to within a pixel.");
     words
 }
 
