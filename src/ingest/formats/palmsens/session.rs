@@ -6,7 +6,6 @@
 //! document, so a cut file cannot be read.
 
 use encoding_rs::UTF_16LE;
-use jiff::ToSpan;
 use jiff::civil::{Date, DateTime};
 use serde_json::Value;
 
@@ -210,14 +209,33 @@ fn from_ticks(ticks: i64) -> Option<DateTime> {
     let epoch = Date::new(1, 1, 1)
         .ok()?
         .to_datetime(jiff::civil::Time::midnight());
-    let seconds = epoch.checked_add((ticks / 10_000_000).seconds()).ok()?;
-    seconds
-        .checked_add((ticks % 10_000_000 / 10_000).milliseconds())
-        .ok()
+    // Ticks of a damaged file may be more than any span of time holds.
+    let whole = jiff::Span::new().try_seconds(ticks / 10_000_000).ok()?;
+    let rest = jiff::Span::new()
+        .try_milliseconds(ticks % 10_000_000 / 10_000)
+        .ok()?;
+    epoch.checked_add(whole).ok()?.checked_add(rest).ok()
 }
 
 fn metadata(session: &Value) -> Vec<(String, String)> {
     let keys = ["type", "coreversion", "methodformeasurement"];
     let pair = |key: &&str| Some(((*key).to_owned(), get(session, key)?.as_str()?.to_owned()));
     keys.iter().filter_map(pair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::from_ticks;
+
+    #[test]
+    fn ticks_count_from_the_year_1_and_impossible_ones_give_no_date() {
+        let day = 24 * 3600 * 10_000_000;
+        assert_eq!(
+            from_ticks(day + 15_000_000).unwrap().to_string(),
+            "0001-01-02T00:00:01.5"
+        );
+        for impossible in [i64::MAX, i64::MIN, 4_000_000 * day] {
+            assert_eq!(from_ticks(impossible), None, "{impossible}");
+        }
+    }
 }

@@ -1,8 +1,9 @@
 //! Columns of a Parquet file to columns of cells.
 
-use parquet::basic::{ConvertedType, LogicalType, Type};
+use parquet::basic::{ConvertedType, Encoding, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
+use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::schema::types::ColumnDescriptor;
 
 use super::{broken, failed};
@@ -45,6 +46,12 @@ impl Kind {
             _ => Err("bytes without a meaning"),
         }
     }
+}
+
+/// Whether the table of contents lists an encoding of texts by their differences: see `pages`.
+pub fn is_by_delta(column: &ColumnChunkMetaData) -> bool {
+    let mask = column.encodings_mask();
+    mask.is_set(Encoding::DELTA_LENGTH_BYTE_ARRAY) || mask.is_set(Encoding::DELTA_BYTE_ARRAY)
 }
 
 /// Whole numbers of files that state their meaning in the way of before 2018.

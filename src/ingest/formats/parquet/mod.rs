@@ -189,7 +189,15 @@ fn kept(file: &SerializedFileReader<Bytes>, issues: &mut Vec<Issue>) -> Vec<(usi
     let mut kept = Vec::new();
     let mut left_out: Vec<&str> = Vec::new();
     for leaf in 0..schema.num_columns() {
-        match Kind::of(&schema.column(leaf)) {
+        let groups = file.metadata().row_groups();
+        let by_delta = groups
+            .iter()
+            .any(|group| columns::is_by_delta(group.column(leaf)));
+        let kind = match by_delta {
+            true => Err("texts in an encoding that is not read (write them as PLAIN or with a dictionary)"),
+            false => Kind::of(&schema.column(leaf)),
+        };
+        match kind {
             Ok(kind) => kept.push((leaf, kind)),
             Err(held) => {
                 let root = schema.get_column_root(leaf).name();
@@ -197,10 +205,7 @@ fn kept(file: &SerializedFileReader<Bytes>, issues: &mut Vec<Issue>) -> Vec<(usi
                     continue;
                 }
                 left_out.push(root);
-                let message = format!(
-                    "column {} holds {held}, neither numbers nor text; it is left out",
-                    quoted(root)
-                );
+                let message = format!("column {} holds {held}; it is left out", quoted(root));
                 issues.push(Issue::note("text-column", message));
             }
         }
