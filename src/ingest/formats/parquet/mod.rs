@@ -12,6 +12,7 @@ mod tests;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bytes::Bytes;
+use parquet::basic::Compression;
 use parquet::file::reader::FileReader;
 use parquet::file::serialized_reader::SerializedFileReader;
 
@@ -118,6 +119,7 @@ fn read_columns(
     let file = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).map_err(failed)?;
     let rows = checked_rows(&file, max_bytes)?;
     let kept = kept(&file, issues);
+    check_compression(&file, &kept)?;
     pages::check(bytes, file.metadata(), &kept)?;
     let schema = file.metadata().file_metadata().schema_descr();
     let headers: Vec<Header> = kept
@@ -181,6 +183,27 @@ fn checked_rows(file: &SerializedFileReader<Bytes>, max_bytes: u64) -> Result<us
         )),
         _ => Ok(rows as usize),
     }
+}
+
+/// Refuses the two ways of compression that are not built in, by name: such a file is not damaged.
+fn check_compression(file: &SerializedFileReader<Bytes>, kept: &[(usize, Kind)]) -> Result<(), ReadError> {
+    let groups = file.metadata().row_groups();
+    for (group, (leaf, _)) in groups
+        .iter()
+        .flat_map(|group| kept.iter().map(move |kept| (group, kept)))
+    {
+        let kind = match group.column(*leaf).compression() {
+            Compression::BROTLI(_) => "a Parquet file compressed with Brotli",
+            Compression::LZO => "a Parquet file compressed with LZO",
+            _ => continue,
+        };
+        return Err(ReadError::NotRead {
+            kind,
+            sign: "its table of contents says so",
+            mend: "write it anew with Snappy, Zstandard, gzip or LZ4, or as CSV",
+        });
+    }
+    Ok(())
 }
 
 /// The columns that are read, by their number among the leaves of the schema; the others become issues.

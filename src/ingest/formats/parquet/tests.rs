@@ -134,3 +134,16 @@ fn a_page_that_declares_more_than_the_table_of_contents_is_refused_before_it_is_
     let text = error.to_string();
     assert!(text.contains("bytes unpacked, the table of contents"), "{text}");
 }
+
+#[test]
+fn what_is_compressed_with_brotli_is_not_called_damaged() {
+    let mut frame = DataFrame::new(1, vec![Series::new("time_s".into(), [0.0]).into()]).unwrap();
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes)
+        .with_compression(ParquetCompression::Brotli(None))
+        .finish(&mut frame)
+        .unwrap();
+    let error = read("run.parquet", &bytes, &ReadContext::default()).unwrap_err();
+    assert!(error.to_string().contains("compressed with Brotli"), "{error}");
+    assert!(error.mend().contains("Snappy"));
+}
