@@ -93,13 +93,7 @@ pub fn series<'a, 'b>(
     name: &str,
     draw: impl FnOnce(&mut Chart<'a, 'b>) -> Result<(), String>,
 ) -> Result<(), String> {
-    let group = Group::Series {
-        name: name.to_owned(),
-        runs: Vec::new(),
-        form: 0,
-        to_the_pixel: false,
-    };
-    grouped(chart, group, draw)
+    grouped(chart, unlinked(name, false), draw)
 }
 
 /// Draws a series of scattered dots, on whole pixels.
@@ -111,13 +105,17 @@ pub fn scatter<'a, 'b>(
     name: &str,
     draw: impl FnOnce(&mut Chart<'a, 'b>) -> Result<(), String>,
 ) -> Result<(), String> {
-    let group = Group::Series {
+    grouped(chart, unlinked(name, true), draw)
+}
+
+/// A series whose points lead to no runs.
+fn unlinked(name: &str, to_the_pixel: bool) -> Group {
+    Group::Series {
         name: name.to_owned(),
         runs: Vec::new(),
         form: 0,
-        to_the_pixel: true,
-    };
-    grouped(chart, group, draw)
+        to_the_pixel,
+    }
 }
 
 /// Puts a shape on the canvas as it is.
