@@ -93,14 +93,18 @@ fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<Strin
             effects: Vec::new(),
         };
         let runs = group.runs.iter().enumerate();
-        runs.map(|(index, run)| likeness(&model, index, run, channel))
-            .collect::<Vec<_>>()
+        let view = |channel: usize| -> Vec<Option<Likeness>> {
+            let runs = runs.clone();
+            runs.map(|(index, run)| likeness(&model, index, run, channel))
+                .collect()
+        };
+        (view(channel), view(1 - channel))
     });
     let agreeing = |view: &Vec<Option<Likeness>>| view.iter().flatten().filter(|l| l.agrees()).count();
     // The first of several equally good ones, for the same answer each time.
-    let Some(view) = views.reduce(|best, view| {
-        if agreeing(&view) > agreeing(&best) {
-            view
+    let Some((view, other)) = views.reduce(|best, next| {
+        if agreeing(&next.0) > agreeing(&best.0) {
+            next
         } else {
             best
         }
@@ -111,6 +115,9 @@ fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<Strin
         .iter()
         .enumerate()
         .filter_map(|(run, likeness)| Some((run, likeness.filter(|l| !l.agrees())?.odd()?)))
+        // A current may be a thousand times another by its voltage alone, but then its bending is no longer that of the
+        // others; and a strip may bend one way whatever the sign of the voltage.
+        .filter(|(run, _)| other[*run].is_some_and(Likeness::agrees))
         .filter(|(run, odd)| *odd != Odd::Turned || has_witness(group, &view, *run))
         .collect();
     if agreeing(&view) < 2 || odd.len() >= agreeing(&view) {
@@ -133,8 +140,7 @@ fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<Strin
     odd.iter().map(said).collect()
 }
 
-/// Whether a run that agrees steps to the same side: else a strip that bends the same way whatever the sign of the
-/// voltage would look turned.
+/// Whether a run that agrees steps to the same side.
 fn has_witness(group: &Group, view: &[Option<Likeness>], run: usize) -> bool {
     let side = |run: usize| group.runs[run].given.input.drive.nominal_step_v().signum();
     let mut others = view.iter().enumerate();
