@@ -74,8 +74,12 @@ pub fn print(summary: &RunSummary, output: &Output) {
     }
     let diagnosed = &summary.diagnose;
     diagnose::say(diagnosed, output);
+    let left = match diagnosed.left {
+        0 => String::new(),
+        left => format!(", {left} to come"),
+    };
     output.result(&format!(
-        "diagnoses: {} new, {} up to date",
+        "diagnoses: {} new, {} up to date{left}",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
     if summary.alarms.standing > 0 {

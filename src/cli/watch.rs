@@ -39,8 +39,8 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
             .transpose()?,
     };
     let stop = Arc::new(AtomicBool::new(false));
-    let heard = stop.clone();
-    ctrlc::set_handler(move || heard.store(true, Ordering::SeqCst))
+    let (heard, quiet) = (stop.clone(), global.quiet);
+    ctrlc::set_handler(move || end(&heard, quiet))
         .map_err(|error| CliError::internal(&format!("cannot listen for Ctrl-C: {error}")))?;
     let mut context = args.campaign.open(global, output)?;
     output.message(&format!(
@@ -66,6 +66,20 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
     output.message("Stopped.");
     Ok(DONE)
 }
+
+/// Asks the watch to stop, and ends the program where a long diagnosis does not hear of it: what is saved is whole at any
+/// time, and the watch makes the rest when it starts again.
+fn end(stop: &AtomicBool, quiet: bool) {
+    stop.store(true, Ordering::SeqCst);
+    std::thread::sleep(GRACE);
+    if !quiet {
+        eprintln!("Stopped within a diagnosis, which is made when the watch starts again.");
+    }
+    std::process::exit(i32::from(DONE));
+}
+
+/// How long a watch that is asked to stop may take for what it is at.
+const GRACE: Duration = Duration::from_secs(10);
 
 fn seconds(option: &str, seconds: f64) -> Result<Duration, CliError> {
     Duration::try_from_secs_f64(seconds).map_err(|_| {

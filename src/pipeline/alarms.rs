@@ -72,8 +72,8 @@ impl RaiseAlarms {
 /// A command that ended well.
 const DONE: &str = "ended with 0";
 
-/// Runs the campaign's command in its folder, and says how it ended; none where there is no command. Its output goes
-/// to stderr: stdout is for results.
+/// Runs the campaign's command in its folder, and says how it ended; none where there is no command. Of its
+/// output only stderr is shown: stdout is for results.
 fn tell(campaign: &Campaign, folder: &std::path::Path, alarm: &Alarm) -> Option<String> {
     let (program, arguments) = campaign.monitoring.command.split_first()?;
     let ended = Command::new(program)

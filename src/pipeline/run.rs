@@ -42,10 +42,11 @@ impl Run {
     /// # Errors
     /// See the single steps.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<RunSummary, PipelineError> {
-        self.run_ready(context, observer, &mut |_| true)
+        self.run_ready(context, observer, &mut |_| true, &|| true)
     }
 
-    /// The same with those files only that `ready` lets pass.
+    /// The same with those files only that `ready` lets pass. The diagnosis ends early where `may_go_on` says no; what is
+    /// left of it is counted.
     ///
     /// # Errors
     /// See the single steps.
@@ -54,6 +55,7 @@ impl Run {
         context: &mut Context,
         observer: &dyn Observer,
         ready: &mut dyn FnMut(&SeenFile) -> bool,
+        may_go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<RunSummary, PipelineError> {
         let ingest = Ingest { ready }.run(context, observer)?;
         let fit = FitRuns {
@@ -63,7 +65,7 @@ impl Run {
         .run(context, observer)?;
         let diagnose = match self.skip_diagnosis {
             true => DiagnoseSummary::default(),
-            false => self.diagnosis().run(context, observer)?,
+            false => self.diagnosis().run_while(context, observer, may_go_on)?,
         };
         let modulus = AnalyseModulus::default().run(context, observer)?;
         let alarms = RaiseAlarms.run(context, observer)?;

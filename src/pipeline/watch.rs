@@ -1,7 +1,8 @@
 //! The main job for every file that arrives, until stopped.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::{Context, Observer, PipelineError, Run, RunSummary};
@@ -14,6 +15,9 @@ const SHORTEST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(30);
 /// Wait before another try where the disk or the database refused.
 const AFTER_REFUSAL: Duration = Duration::from_secs(10);
+/// A diagnosis is left for the next round after this long, so that runs that arrive meanwhile are taken in and the report
+/// shows what is known by then.
+const TURN: Duration = Duration::from_secs(15);
 /// After this many refusals by the disk or the database in a row the watch ends.
 const MOST_REFUSALS: u32 = 360;
 
@@ -64,7 +68,7 @@ impl Watch {
         let mut sightings = Sightings::new(self.settings.quiet);
         let (mut refusals, mut first) = (0, true);
         loop {
-            let wait = match self.round(context, observer, &mut sightings) {
+            let wait = match self.round(context, observer, &mut sightings, stop) {
                 Ok(summary) => {
                     refusals = 0;
                     if first || summary.ingest.changed() || summary.fit.fitted > 0 || summary.report.rendered
@@ -72,9 +76,12 @@ impl Watch {
                         after(&summary);
                     }
                     first = false;
-                    sightings
-                        .next_look()
-                        .map_or(LONGEST_WAIT, |wait| wait.clamp(SHORTEST_WAIT, LONGEST_WAIT))
+                    match summary.diagnose.left {
+                        0 => sightings
+                            .next_look()
+                            .map_or(LONGEST_WAIT, |wait| wait.clamp(SHORTEST_WAIT, LONGEST_WAIT)),
+                        _ => SHORTEST_WAIT,
+                    }
                 }
                 Err(error) if may_pass(&error) && refusals < MOST_REFUSALS => {
                     refusals += 1;
@@ -97,6 +104,7 @@ impl Watch {
         context: &mut Context,
         observer: &dyn Observer,
         sightings: &mut Sightings,
+        stop: &AtomicBool,
     ) -> Result<RunSummary, PipelineError> {
         if let Err(error) = context.reload() {
             observer.warn(&format!(
@@ -104,8 +112,15 @@ impl Watch {
             ));
         }
         sightings.begin();
-        self.job
-            .run_ready(context, observer, &mut |file| sightings.is_ready(file))
+        // The turn begins when the diagnosis first asks.
+        let begun: OnceLock<Instant> = OnceLock::new();
+        let may_go_on = || begun.get_or_init(Instant::now).elapsed() < TURN && !stop.load(Ordering::SeqCst);
+        self.job.run_ready(
+            context,
+            observer,
+            &mut |file| sightings.is_ready(file),
+            &may_go_on,
+        )
     }
 }
 

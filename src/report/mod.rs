@@ -9,6 +9,7 @@ pub mod number;
 pub mod pages;
 pub mod prints;
 pub mod run_index;
+mod shared_axes;
 pub mod site;
 pub mod slug;
 pub mod tables;

@@ -16,6 +16,7 @@ use super::pages::{
     strip_content,
 };
 use super::run_index::{self, run_index};
+use super::shared_axes::share;
 use super::slug::slugs;
 use super::visible::{indexed, write_escaped};
 use crate::analysis::dma::table::modulus_table;
@@ -305,7 +306,7 @@ fn filled(
     let html = templates
         .render(file, &context)
         .map_err(|source| template_error(file, source))?;
-    Ok(compact(&html))
+    Ok(share(&compact(&html)))
 }
 
 /// The page of the navigation that leads to pages of that template; the template itself where there is none.

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::campaign::CampaignFolder;
+use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, run_table};
 
 const PLAIN: [f64; 7] = [520.0, 0.04, 1000.0, 0.13, 5600.0, 14.0, 4e-3];
 
@@ -235,6 +235,28 @@ fn simulate_over(folder: &CampaignFolder, runs: &str) {
     folder
         .ieap(&["simulate", "--overwrite", spec.to_str().unwrap()])
         .expect(0);
+}
+
+#[test]
+fn runs_that_do_not_say_when_they_were_made_are_not_watched_and_status_says_so() {
+    let limit = "[monitoring]\n[[monitoring.limit]]\nparameter = \"alpha_per_c_cm\"\nbelow = 1e6\n";
+    let folder = CampaignFolder::new();
+    folder.write("campaign.toml", format!("{CAMPAIGN_TOML}{limit}"));
+    for run in 1..5 {
+        folder.write(&format!("runs/{run}.csv"), run_table(run));
+    }
+    folder.run_json();
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    let why = status["status"]["monitoring"]
+        .as_str()
+        .unwrap_or_default()
+        .to_owned();
+    assert!(
+        why.starts_with("4 of 4 runs of S1 in the reference condition do not say when"),
+        "{why}"
+    );
+    let page = folder.report("monitoring.html");
+    assert!(page.contains("do not say when they were made"), "{page}");
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! The whole way of a finding: files of the truth simulator with an effect hidden in them, the command, the JSON
 //! document and the pages.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use ieap::pipeline::{Context, DiagnoseChoice, DiagnoseRuns, Silent};
 use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, ieap, run_table};
@@ -374,4 +377,46 @@ fn status_says_which_findings_wait() {
     assert_eq!(lists("findings_out_of_date"), ["sample=S1,environment=air"]);
     folder.ieap(&["diagnose", "--draws", "99"]).expect(0);
     assert_eq!(lists("findings_out_of_date").len(), 0);
+}
+
+#[test]
+fn a_diagnosis_made_in_turns_ends_as_one_made_at_once() {
+    let folder = CampaignFolder::new();
+    for run in 1..4 {
+        folder.write(&format!("runs/{run}.csv"), run_table(run));
+        folder.write(
+            &format!("runs/{run}.csv.toml"),
+            format!("relative_humidity_percent = {}\n", 20 * run),
+        );
+    }
+    folder.run_json();
+    let verb = DiagnoseRuns {
+        choice: DiagnoseChoice {
+            draws: Some(199),
+            ..DiagnoseChoice::default()
+        },
+        ..DiagnoseRuns::default()
+    };
+    let mut context = Context::open(folder.path(), false).unwrap();
+    let sentences = |context: &Context| -> Vec<(String, String)> {
+        let stored = context.store.diagnoses().unwrap();
+        stored
+            .into_iter()
+            .map(|one| (one.name, one.found.sentence))
+            .collect()
+    };
+    // Each turn may begin one group: it is asked once before the batch and once before each group.
+    let mut left = Vec::new();
+    for _ in 0..3 {
+        let asked = AtomicUsize::new(0);
+        let may_go_on = || asked.fetch_add(1, Ordering::SeqCst) < 2;
+        let summary = verb.run_while(&mut context, &Silent, &may_go_on).unwrap();
+        left.push(summary.left);
+    }
+    // A group of one run and that run alone are one question.
+    assert_eq!(left, [4, 2, 0]);
+    let in_turns = sentences(&context);
+    let whole = DiagnoseRuns { again: true, ..verb };
+    assert_eq!(whole.run(&mut context, &Silent).unwrap().diagnosed, 6);
+    assert_eq!(sentences(&context), in_turns);
 }

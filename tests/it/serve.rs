@@ -9,14 +9,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use ieap::pipeline::serve::Server;
 
 /// A server on a free port until the value is dropped.
-struct Running {
+pub struct Running {
     address: SocketAddr,
     stop: Arc<AtomicBool>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
 impl Running {
-    fn of(folder: &Path) -> Running {
+    /// Serves the report of the campaign in `folder`.
+    pub fn of(folder: &Path) -> Running {
         let any = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
         let server = Server::listen(folder, any).expect("a server");
         let (address, stop) = (server.address(), Arc::new(AtomicBool::new(false)));
@@ -30,7 +31,7 @@ impl Running {
     }
 
     /// The whole answer to a request with these lines.
-    fn ask(&self, lines: &str) -> String {
+    pub fn ask(&self, lines: &str) -> String {
         let mut stream = TcpStream::connect(self.address).expect("a connection");
         let request = format!("{}\r\n\r\n", lines.replace('\n', "\r\n"));
         stream.write_all(request.as_bytes()).expect("a request");

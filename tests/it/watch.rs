@@ -4,7 +4,8 @@ use std::io::Write;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::campaign::{CampaignFolder, command, run_table};
+use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, command, run_table};
+use crate::serve::Running;
 
 /// Waits until `done`, at the longest for half a minute.
 pub fn until(what: &str, mut done: impl FnMut() -> bool) {
@@ -120,5 +121,54 @@ fn hand_tags_and_sidecars_reach_a_running_watch() {
     assert_eq!(fitted(&folder), 0);
     folder.write("runs/a.csv.toml", "sample = \"S1\"\nenvironment = \"air\"\n");
     until("the fit", || fitted(&folder) == 1);
+    drop(watching);
+}
+
+#[test]
+fn a_served_page_learns_of_a_run_that_a_watch_took_in() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/first.csv", run_table(1));
+    let watching = Watching::start(&folder, &[]);
+    until("the first run", || fitted(&folder) == 1);
+    let server = Running::of(folder.path());
+    let asked = |path: &str| server.ask(&format!("GET {path} HTTP/1.1\nHost: localhost"));
+    until("a page with the first run", || asked("/").contains("first.csv"));
+    // What a page asks every two seconds to know whether it is out of date.
+    let before = asked("/.made-from");
+    assert!(before.starts_with("HTTP/1.1 200"), "{before}");
+    folder.write("runs/second.csv", run_table(2));
+    until("a newer report", || asked("/.made-from") != before);
+    assert!(asked("/").contains("second.csv"));
+    drop(watching);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_alarm_under_watch_runs_the_command_once() {
+    const MONITORING: &str = r#"
+[monitoring]
+command = ["sh", "-c", "echo \"$IEAP_ALARM_PARAMETER $IEAP_ALARM_CHART\" >> told.txt"]
+[[monitoring.limit]]
+parameter = "c_total_f_per_cm2"
+below = 1e6
+"#;
+    let folder = CampaignFolder::new();
+    folder.write("campaign.toml", format!("{CAMPAIGN_TOML}{MONITORING}"));
+    let write = |run: u32| {
+        folder.write(&format!("runs/{run}.csv.toml"), format!("cycle = {run}\n"));
+        folder.write(&format!("runs/{run}.csv"), run_table(run));
+    };
+    (1..4).for_each(write);
+    let watching = Watching::start(&folder, &[]);
+    until("three runs", || fitted(&folder) == 3);
+    // Four runs of a sample are needed before anything is monitored.
+    assert!(!folder.join("told.txt").exists());
+    write(4);
+    let told = || std::fs::read_to_string(folder.join("told.txt")).unwrap_or_default();
+    until("the alarm", || told().contains("c_total_f_per_cm2 limit"));
+    write(5);
+    until("one run more", || fitted(&folder) == 5);
+    until("its report", || folder.report("index.html").contains("5.csv"));
+    assert_eq!(told().matches("c_total_f_per_cm2 limit").count(), 1, "{}", told());
     drop(watching);
 }

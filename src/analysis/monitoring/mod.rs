@@ -106,6 +106,10 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
         .par_iter()
         .filter_map(|(places, key)| watch(runs, campaign, facts, places, (key, limits)))
         .collect();
+    if let Some(why_not) = without_order(facts, &questions).filter(|_| monitoring.watched.is_empty()) {
+        monitoring.why_not = why_not;
+        return monitoring;
+    }
     monitoring.alarms = monitoring
         .watched
         .iter()
@@ -113,6 +117,26 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
         .collect();
     monitoring.reference = Some(reference);
     monitoring
+}
+
+/// Why no question has an order to go by; none where every run of one has a place in some order.
+fn without_order(facts: &[RunFacts], questions: &[(Vec<usize>, String)]) -> Option<String> {
+    let has = |place: &usize| {
+        Covariate::OF_AGE
+            .iter()
+            .any(|axis| facts[*place].numbers.contains_key(axis))
+    };
+    let (places, _) = questions
+        .iter()
+        .min_by_key(|(places, _)| places.iter().filter(|place| !has(place)).count())?;
+    let missing = places.iter().filter(|place| !has(place)).count();
+    (missing > 0).then(|| {
+        format!(
+            "{missing} of {} runs of {} in the reference condition do not say when they were made; tag them with cycle or started_at",
+            places.len(),
+            facts[places[0]].sample
+        )
+    })
 }
 
 fn watch(

@@ -85,6 +85,8 @@ pub struct DiagnoseSummary {
     pub diagnosed: usize,
     /// Groups and single runs whose diagnosis was up to date.
     pub up_to_date: usize,
+    /// Groups and single runs left for the next turn.
+    pub left: usize,
     /// Groups and single runs whose diagnosis stopped on an internal fault.
     pub failed: Vec<String>,
     /// Runs diagnosed now that may be claimed to be wrong as they came, with p and the level that they were tested at.
@@ -105,6 +107,20 @@ impl DiagnoseRuns {
         &self,
         context: &mut Context,
         observer: &dyn Observer,
+    ) -> Result<DiagnoseSummary, PipelineError> {
+        self.run_while(context, observer, &|| true)
+    }
+
+    /// The same until `may_go_on` says no, which is asked before each group: what was begun until then is made and saved,
+    /// and the rest is counted in [`DiagnoseSummary::left`].
+    ///
+    /// # Errors
+    /// As of [`DiagnoseRuns::run`].
+    pub fn run_while(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+        may_go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<DiagnoseSummary, PipelineError> {
         let options = self.choice.options(&context.campaign)?;
         let tasks = context.store.fit_tasks()?;
@@ -142,12 +158,26 @@ impl DiagnoseRuns {
             }
         }
         observer.begin("diagnosing", due.len() as u64);
+        let mut made: Vec<Due> = Vec::new();
         for batch in due.chunks(BATCH) {
-            let found = diagnose_batch(context, batch, &tasks, &options, observer)?;
-            save_batch(context, batch, found, (&tasks, &options, &library), &mut summary)?;
+            if !may_go_on() {
+                break;
+            }
+            let found = diagnose_batch(context, batch, (&tasks, &options), observer, may_go_on)?;
+            let pairs = batch.iter().cloned().zip(found);
+            let (done, found): (Vec<Due>, Vec<GroupDiagnosis>) =
+                pairs.filter_map(|(due, found)| Some((due, found?))).unzip();
+            save_batch(context, &done, found, (&tasks, &options, &library), &mut summary)?;
+            made.extend(done);
         }
         observer.end();
-        summary.claimed = claimed(context, &due)?;
+        let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
+        summary.left = count(&due) - count(&made);
+        summary.diagnosed -= summary.left;
+        summary.claimed = claimed(context, &made)?;
+        if summary.left > 0 {
+            return Ok(summary);
+        }
         from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
         Ok(summary)
     }
@@ -216,13 +246,14 @@ fn retire_gone(context: &mut Context, all: &[Subject]) -> Result<(), PipelineErr
     Ok(context.store.retire_diagnoses(&now(), &gone)?)
 }
 
+/// The diagnoses of a batch in its order; none for those before which `may_go_on` said no.
 fn diagnose_batch(
     context: &Context,
     batch: &[Due],
-    tasks: &[FitTask],
-    options: &DiagnoseOptions,
+    (tasks, options): (&[FitTask], &DiagnoseOptions),
     observer: &dyn Observer,
-) -> Result<Vec<GroupDiagnosis>, PipelineError> {
+    may_go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Vec<Option<GroupDiagnosis>>, PipelineError> {
     let load = |(_, members, subjects): &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
         if subjects[0].set_apart.is_some() {
             return Ok(Vec::new());
@@ -235,7 +266,7 @@ fn diagnose_batch(
         .par_iter()
         .zip(loaded)
         .map(|((_, members, subjects), channels)| {
-            let found = diagnose_one(subjects[0], members, tasks, &channels, options);
+            let found = may_go_on().then(|| diagnose_one(subjects[0], members, tasks, &channels, options));
             observer.advance();
             found
         })

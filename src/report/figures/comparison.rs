@@ -64,20 +64,28 @@ pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), Stri
         ticks: vec![],
         ..Axis::linear(-0.5, width - 0.5, "", "", 2)
     };
-    let mut chart = panel(area, MARGINS, &x, y, true)?;
     let pixels = f64::from(area.dim_in_pixel().0) / f64::from(TENTHS);
     let pixels_per_slot = (pixels - f64::from(MARGINS.left + MARGINS.right)) / width.max(1.0);
-    let axis_title = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
-    label(
-        &mut chart,
-        (0.5 * width - 0.5, y.low),
-        (0, 51),
-        "Step voltage (V)",
-        &axis_title,
-    )?;
+    let names = Names::of(groups, pixels_per_slot);
+    let lower = (names.lanes - 1) * LANE;
+    let margins = Margins {
+        bottom: MARGINS.bottom + lower,
+        ..MARGINS
+    };
+    let mut chart = panel(area, margins, &x, y, true)?;
+    // A title wider than the plot ends with it: room for what is longer is on the left.
+    let is_wide = names.axis_title.chars().count() as f64 * CHARACTER > width * pixels_per_slot;
+    let (at, anchor) = match is_wide {
+        true => (width - 0.5, HPos::Right),
+        false => (0.5 * width - 0.5, HPos::Center),
+    };
+    let axis_title = text_style(Ink::Muted, TICK_SIZE, anchor, VPos::Top);
+    let below = (0, 51 + lower as i32);
+    label(&mut chart, (at, y.low), below, &names.axis_title, &axis_title)?;
     let mut left = 0.0;
-    for group in groups {
-        draw_names(&mut chart, y, group, left, pixels_per_slot)?;
+    for (index, group) in groups.iter().enumerate() {
+        let lane = index as u32 % names.lanes;
+        draw_names(&mut chart, y, group, left, &names, lane)?;
         series(&mut chart, &group.label, |chart| {
             draw_estimates(chart, y, group, left)
         })?;
@@ -88,6 +96,55 @@ pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), Stri
 
 /// Room between two groups, in slots.
 const GAP: f64 = 0.6;
+/// Distance of two lanes of group names, px.
+const LANE: u32 = 14;
+
+/// How voltages and surroundings are written under the groups of a panel.
+struct Names {
+    pixels_per_slot: f64,
+    /// One voltage of so many is written.
+    every: usize,
+    /// Lanes that neighbouring groups' names take in turn: two where a name does not fit under its group.
+    lanes: u32,
+    /// `Step voltage (V)`, with the voltages of every group where not all are written under it.
+    axis_title: String,
+}
+
+impl Names {
+    fn of(groups: &[Group], pixels_per_slot: f64) -> Names {
+        let slots = || groups.iter().flat_map(|group| &group.slots);
+        let longest = slots().map(|slot| slot.label.chars().count()).max().unwrap_or(0);
+        let every = ((longest as f64 * CHARACTER + 5.0) / pixels_per_slot)
+            .ceil()
+            .max(1.0) as usize;
+        let fits = |group: &Group| group.label.chars().count() <= room(group, pixels_per_slot);
+        let voltages =
+            |group: &Group| -> Vec<String> { group.slots.iter().map(|slot| slot.label.clone()).collect() };
+        let all = groups.first().map(voltages).unwrap_or_default();
+        let said = every > 1 && all.len() <= SAID && groups.iter().all(|group| voltages(group) == all);
+        Names {
+            pixels_per_slot,
+            every,
+            lanes: if groups.len() > 1 && !groups.iter().all(fits) {
+                2
+            } else {
+                1
+            },
+            axis_title: match said {
+                true => format!("Steps of {} V", all.join(", ")),
+                false => "Step voltage (V)".to_owned(),
+            },
+        }
+    }
+}
+
+/// Voltages that an axis title names.
+const SAID: usize = 4;
+
+/// Characters that fit under a group.
+fn room(group: &Group, pixels_per_slot: f64) -> usize {
+    ((group.slots.len() as f64 + GAP) * pixels_per_slot / CHARACTER) as usize
+}
 
 /// The values of a group, repeats of a condition side by side.
 fn draw_estimates(chart: &mut Chart, y: &Axis, group: &Group, left: f64) -> Result<(), String> {
@@ -126,27 +183,19 @@ fn draw_names(
     y: &Axis,
     group: &Group,
     left: f64,
-    pixels_per_slot: f64,
+    names: &Names,
+    lane: u32,
 ) -> Result<(), String> {
     let tick = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
-    let longest = group
-        .slots
-        .iter()
-        .map(|slot| slot.label.chars().count())
-        .max()
-        .unwrap_or(0);
-    let every = ((longest as f64 * CHARACTER + 5.0) / pixels_per_slot)
-        .ceil()
-        .max(1.0) as usize;
     for (index, slot) in group.slots.iter().enumerate() {
         let at = left + index as f64;
-        if index % every == 0 {
+        if index % names.every == 0 {
             label(chart, (at, y.low), (0, 7), &slot.label, &tick)?;
         }
     }
     let count = group.slots.len() as f64;
     let middle = left + 0.5 * (count - 1.0);
-    let room = ((count + GAP) * pixels_per_slot / CHARACTER) as usize;
+    let room = names.lanes as usize * room(group, names.pixels_per_slot);
     let name = text_style(Ink::Text, TICK_SIZE, HPos::Center, VPos::Top);
     let text = match group.humidity.is_empty() {
         true => group.label.clone(),
@@ -160,7 +209,7 @@ fn draw_names(
     label(
         chart,
         (middle, y.low),
-        (0, 27),
+        (0, 27 + (lane * LANE) as i32),
         &shortened(&text, &group.label, room),
         &name,
     )
@@ -320,6 +369,27 @@ mod tests {
         assert_eq!(shortened("air, 28–38 % RH", "air", 15), "air, 28–38 % RH");
         assert_eq!(shortened("air, 28–38 % RH", "air", 6), "air");
         assert_eq!(shortened("glove box, dry", "glove box", 5), "glov…");
+    }
+
+    #[test]
+    fn in_a_narrow_panel_names_take_two_lanes_and_the_axis_says_the_voltages() {
+        let of = |environment: &str| Group {
+            label: environment.to_owned(),
+            slots: ["1.2", "2", "2.5"]
+                .map(|voltage| Slot {
+                    label: voltage.to_owned(),
+                    estimates: vec![],
+                })
+                .to_vec(),
+            ..group(vec![])
+        };
+        let groups = [of("vacuum"), of("inert"), of("air")];
+        let narrow = Names::of(&groups, 8.7);
+        assert_eq!((narrow.lanes, narrow.every), (2, 3));
+        assert_eq!(narrow.axis_title, "Steps of 1.2, 2, 2.5 V");
+        let wide = Names::of(&groups, 40.0);
+        assert_eq!((wide.lanes, wide.every), (1, 1));
+        assert_eq!(wide.axis_title, "Step voltage (V)");
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::canvas::{Ink, svg};
 use super::comparison::{ink, marker};
 use super::group::{Group, grouped, series};
 use super::panel::{Chart, Margins, panel, pixels};
+use super::thin;
 
 /// Size of one panel, px.
 const SIZE: (u32, u32) = (400, 270);
@@ -111,20 +112,19 @@ fn inside(y: &Axis, value: f64) -> f64 {
 /// The law with its band, limits and changes.
 fn draw_beside(chart: &mut Chart, x: &Axis, y: &Axis, beside: &Beside) -> Result<(), String> {
     if beside.law.x.len() > 1 {
-        let at = |k: usize| x.position(beside.law.x[k]);
-        let forth = (0..beside.law.x.len()).map(|k| (at(k), inside(y, beside.law.band[k].0)));
-        let back = (0..beside.law.x.len())
-            .rev()
-            .map(|k| (at(k), inside(y, beside.law.band[k].1)));
+        let seen = pixels(chart);
+        let curve = |value: &dyn Fn(usize) -> f64| {
+            let points = (0..beside.law.x.len()).map(|k| (x.position(beside.law.x[k]), inside(y, value(k))));
+            thin::line(&points.collect::<Vec<_>>(), seen)
+        };
+        let low = curve(&|k| beside.law.band[k].0);
+        let high = curve(&|k| beside.law.band[k].1);
         let band = Polygon::new(
-            forth.chain(back).collect::<Vec<_>>(),
+            low.into_iter().chain(high.into_iter().rev()).collect::<Vec<_>>(),
             Ink::Muted.color().mix(0.18).filled(),
         );
         chart.draw_series([band]).map_err(|error| error.to_string())?;
-        let curve: Vec<(f64, f64)> = (0..beside.law.x.len())
-            .map(|k| (at(k), inside(y, beside.law.y[k])))
-            .collect();
-        line(chart, curve, Ink::Text, 14)?;
+        line(chart, curve(&|k| beside.law.y[k]), Ink::Text, 14)?;
     }
     for &limit in beside.limits.iter().filter(|limit| y.shows(**limit)) {
         let across = vec![(x.low, y.position(limit)), (x.high, y.position(limit))];

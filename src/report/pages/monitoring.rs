@@ -65,7 +65,8 @@ struct ChartRow {
 
 /// Whether a report of that input has the page.
 pub fn is_shown(input: &Input) -> bool {
-    !input.monitoring.watched.is_empty() || !input.campaign.monitoring.reference.is_empty()
+    let rules = &input.campaign.monitoring;
+    !input.monitoring.watched.is_empty() || !rules.reference.is_empty() || !rules.limits.is_empty()
 }
 
 /// Makes the page.

@@ -323,9 +323,13 @@ fn fit_text(fit: &Fit, record: &RunRecord) -> FitText {
         model: format!("{} version {}, fitted by {program}", fit.model, fit.model_version),
         method: fit.method.clone(),
         convergence: format!(
-            "{verb} after {}: {}",
+            "{verb} after {}{}",
             counted(fit.evaluations as usize, "evaluation"),
-            said_once(&fit.why_stopped)
+            // Where a search ended well there is one reason, which says nothing of this run.
+            match fit.converged {
+                true => String::new(),
+                false => format!(": {}", said_once(&fit.why_stopped)),
+            }
         ),
         r_squared: r_squared
             .into_iter()

@@ -120,11 +120,16 @@ fn drive_text(drive: &Drive) -> String {
     )
 }
 
-/// The tags by source, in stored order; after the first of a key, the others are overruled.
+/// The tags by source, in stored order; after the first of a key, others are overruled, and left out where they say the
+/// same.
 fn tags(record: &RunRecord) -> Vec<TagGroup> {
     let mut groups: Vec<TagGroup> = Vec::new();
     for (index, tag) in record.tags.iter().enumerate() {
-        let overruled = record.tags[..index].iter().any(|earlier| earlier.key == tag.key);
+        let ruling = record.tags[..index].iter().find(|earlier| earlier.key == tag.key);
+        if ruling.is_some_and(|ruling| ruling.value == tag.value) {
+            continue;
+        }
+        let overruled = ruling.is_some();
         let origin = tag.source.label();
         let pair = (tag.key.clone(), tag.value.clone());
         let alike = |group: &&mut TagGroup| {
