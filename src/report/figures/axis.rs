@@ -111,6 +111,12 @@ impl Axis {
         }
     }
 
+    /// Linear time of a whole run, s, with a little room at its ends.
+    pub fn whole(first_s: f64, last_s: f64) -> Axis {
+        let margin = 0.015 * (last_s - first_s);
+        Axis::linear(first_s - margin, last_s + margin, "Time", "s", 6)
+    }
+
     /// Times about a step at 0, s: up to `unit_s` the scale is nearly linear, then it becomes logarithmic
     /// (log10(1 + t / unit)), so that seconds and hours have equal room; what precedes the step stands linear in a narrow
     /// strip. `first_s` is not after the step, `last_s` after it.

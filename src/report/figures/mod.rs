@@ -8,6 +8,7 @@ pub mod cells;
 pub mod climate;
 pub mod colors;
 pub mod comparison;
+pub mod drive;
 pub mod gain_bars;
 pub mod group;
 pub mod law;

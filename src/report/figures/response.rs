@@ -95,8 +95,13 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     fn readings(&self, area: &Area, x_labels: bool) -> Result<(), String> {
         let curve = self.curve;
-        let all = curve.measured.iter().chain(&curve.fitted).copied();
-        let (low, high) = range(all);
+        let fitted = |&index: &usize| curve.fitted.get(index).copied();
+        let seen = self.shown.iter();
+        let (low, high) = range(
+            seen.clone()
+                .map(|&index| curve.measured[index])
+                .chain(seen.filter_map(fitted)),
+        );
         let margin = 0.05 * (high - low);
         let quantity = curve.quantity;
         let y = Axis::linear(low - margin, high + margin, quantity.label(), quantity.unit(), 4);
@@ -208,10 +213,7 @@ fn time_axis(curve: &RunCurve, view: TimeView, shown: &[usize]) -> Option<Axis> 
         return None;
     }
     Some(match view {
-        TimeView::Whole => {
-            let margin = 0.015 * (last_s - first_s);
-            Axis::linear(first_s - margin, last_s + margin, "Time", "s", 6)
-        }
+        TimeView::Whole => Axis::whole(first_s, last_s),
         TimeView::AboutStep {
             step_s,
             first_s,

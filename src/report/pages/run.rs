@@ -12,8 +12,9 @@ use super::wording::{
 };
 use crate::analysis::ParameterInfo;
 use crate::analysis::conditions::{material, nominal_voltage_v};
-use crate::domain::{ChannelNoise, ClimateCurve, Drive, Fit, RunCurve, RunRecord};
+use crate::domain::{ChannelNoise, ClimateCurve, Drive, Fit, Level, RunCurve, RunRecord};
 use crate::report::error::ReportError;
+use crate::report::figures;
 use crate::report::figures::response::{TimeView, response};
 use crate::report::number::{fixed, score, significant};
 use crate::report::site::Site;
@@ -70,6 +71,8 @@ struct Response {
     figures: Vec<String>,
     /// `All 491 readings are drawn.`
     note: String,
+    /// Whether its figure stands in a row of its own.
+    own_row: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -105,10 +108,13 @@ pub fn content(
     let climate = climate_panel(record, climate, site.run_name(run), &mut figures)?;
     let mut issues: Vec<IssueText> = worst_first(record).collect();
     issues.dedup();
-    let responses: Vec<Response> = responses?
+    let mut responses: Vec<Response> = responses?
         .into_iter()
         .filter(|response| !response.figures.is_empty())
         .collect();
+    if let Some(voltage) = voltage(record.drive.as_ref(), curves, &mut figures)? {
+        responses.insert(0, voltage);
+    }
     let rows = record.fit.as_ref().map_or_else(Vec::new, parameters);
     let page = RunPage {
         name: site.run_name(run).to_owned(),
@@ -254,7 +260,47 @@ fn drawn(
             true => format!("{shown} of {} readings.", curve.readings),
             false => format!("{}.", counted(curve.readings, "reading")),
         },
+        own_row: false,
     })
+}
+
+/// The drive over the whole run, where it changes more than once.
+fn voltage(
+    drive: Option<&Drive>,
+    curves: &[RunCurve],
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Option<Response>, ReportError> {
+    const ID: &str = "voltage";
+    let Some(drive) = drive.filter(|drive| drive.segments.len() > 1) else {
+        return Ok(None);
+    };
+    let times = || curves.iter().flat_map(|curve| curve.time_s.iter().copied());
+    let (first_s, last_s) = (
+        times().fold(f64::INFINITY, f64::min),
+        times().fold(f64::NEG_INFINITY, f64::max),
+    );
+    if first_s >= last_s {
+        return Ok(None);
+    }
+    let drawn = figures::drive::drive(drive, (first_s, last_s), "Voltage over the whole run");
+    let svg = drawn.map_err(|reason| ReportError::Figure {
+        figure: ID.to_owned(),
+        reason,
+    })?;
+    figures.insert(ID.to_owned(), svg);
+    let opens = drive
+        .segments
+        .iter()
+        .any(|segment| segment.level == Level::OpenCircuit);
+    Ok(Some(Response {
+        heading: "Voltage".to_owned(),
+        figures: vec![ID.to_owned()],
+        note: match opens {
+            true => "What drives the run; no line where the circuit is open.".to_owned(),
+            false => "What drives the run.".to_owned(),
+        },
+        own_row: true,
+    }))
 }
 
 /// What dots, lines and the time axis are, once for all responses of a page.
