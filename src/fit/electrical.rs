@@ -108,6 +108,10 @@ impl Electrical {
 const SETTLE: f64 = 1e-12;
 const SETTLE_SUM: f64 = 1e-3;
 
+/// Part of the variance of the scatter about parabolas below which what a fit leaves shows that the parabolas did not follow
+/// the signal.
+pub(super) const FOLLOWED: f64 = 0.25;
+
 /// A choice of branches with what it leaves.
 struct Choice {
     found: Found,
@@ -186,6 +190,7 @@ impl Choosing<'_> {
     fn choose(&mut self, most: usize, with_offset: bool) -> Choice {
         let most = if self.limits.is_some() { most } else { 0 };
         let mut chosen = self.fit(most, with_offset);
+        self.believe(&chosen.residuals);
         for count in (0..most).rev() {
             let gain = self.square_of(count, with_offset) - chosen.residuals.square;
             let all_used = chosen.found.solution.conductances_a_per_v[..=count]
@@ -204,6 +209,18 @@ impl Choosing<'_> {
             chosen = self.fit(count, with_offset);
         }
         chosen
+    }
+
+    /// Takes the noise from what the circuit leaves where that is far less than the scatter about parabolas: parabolas cannot
+    /// follow what decays within a few readings of every edge, and a circuit of few parameters cannot follow noise.
+    fn believe(&mut self, residuals: &Residuals) {
+        let Some(scatter) = &self.sampled.scatter else {
+            return;
+        };
+        if residuals.noise.variance < FOLLOWED * scatter.standard_deviation.powi(2) {
+            let rounding = (1e-9 * sums::peak(&self.sampled.values)).powi(2);
+            self.noise = residuals.noise.long_run_variance().max(rounding);
+        }
     }
 
     /// Takes an offset of the instrument's zero where it explains most of what the circuit leaves: a current

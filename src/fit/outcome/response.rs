@@ -2,6 +2,7 @@
 
 use crate::domain::thinning::drawn_indices;
 use crate::domain::{ChannelNoise, NoiseCharacter, Quantity, RunCurve};
+use crate::fit::electrical::FOLLOWED;
 use crate::fit::joint::noise::Noise;
 use crate::fit::joint::whitening::Memory;
 use crate::fit::sampled::Sampled;
@@ -28,7 +29,7 @@ impl Response {
         step_s: f64,
         describes_noise: bool,
     ) -> Response {
-        let (standard_deviation, basis) = noise(sampled);
+        let (standard_deviation, basis) = noise(sampled, residuals);
         let rms = residuals.map_or(0.0, |r| (r.square / sampled.len().max(1) as f64).sqrt());
         // Noise of exactly zero (a channel that was computed) cannot be a unit; the residual then is its own.
         let unit = [standard_deviation, rms]
@@ -89,9 +90,14 @@ fn character(sampled: &Sampled) -> NoiseCharacter {
     }
 }
 
-/// Noise standard deviation without the model, and how it was found.
-fn noise(sampled: &Sampled) -> (f64, String) {
+/// Noise standard deviation, and how it was found: without the model, unless that leaves far less than the signal's own
+/// bends do.
+fn noise(sampled: &Sampled, residuals: Option<&Residuals>) -> (f64, String) {
     match &sampled.scatter {
+        Some(scatter) if residuals.is_some_and(|r| are_below(r, scatter.standard_deviation)) => (
+            residuals.map_or(0.0, |residuals| residuals.noise.variance.sqrt()),
+            "residuals of the fit, for the readings are too far apart to show scatter".to_owned(),
+        ),
         Some(scatter) => (
             scatter.standard_deviation,
             format!(
@@ -112,6 +118,13 @@ fn noise(sampled: &Sampled) -> (f64, String) {
             )
         }
     }
+}
+
+/// Whether a fit leaves so little that a scatter of `standard_deviation` cannot be noise. Readings that are equal to the
+/// last digit leave nothing and say nothing.
+fn are_below(residuals: &Residuals, standard_deviation: f64) -> bool {
+    let left = residuals.noise.variance;
+    left > 0.0 && left < FOLLOWED * standard_deviation.powi(2)
 }
 
 /// 1 - SUM r^2 / SUM (y - mean)^2 over the readings from the step on, as the thesis prints it; none where

@@ -163,3 +163,37 @@ fn a_group_may_have_three_branches() {
         );
     }
 }
+
+/// Pulses with a second branch that decays within a few readings of every edge: parabolas follow none of it.
+#[test]
+fn what_parabolas_cannot_follow_is_no_noise_and_hides_no_branch() {
+    let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
+        resistance_ohm_cm2,
+        capacitance_f_per_cm2,
+    };
+    let model = LumpedModel {
+        branches: vec![branch(100.0, 0.02), branch(150.0, 0.05)],
+        ..three()
+    };
+    let level = |k: usize| Level::Voltage(if k.is_multiple_of(2) { 2.0 } else { 0.0 });
+    let drive = Drive {
+        baseline_v: 0.0,
+        segments: (0..20)
+            .map(|k| Segment {
+                start_s: 15.0 * k as f64,
+                level: level(k),
+            })
+            .collect(),
+    };
+    let channels = channels(&model, &drive, &times(-10.0, 300.0, 311), 1e-3, 0.0, 1);
+    let fit = fitted_with("lumped-2", &channels, &drive);
+    let noise = &fit.noise[0];
+    assert!(noise.basis.starts_with("residuals of the fit"), "{noise:?}");
+    assert!(
+        (0.8..1.25).contains(&(noise.residual_rms / noise.standard_deviation)),
+        "{noise:?}"
+    );
+    let tau1_s = fit.parameters.iter().find(|one| one.key == "tau1_s").unwrap();
+    let (low, high) = (tau1_s.estimate.low_95.unwrap(), tau1_s.estimate.high_95.unwrap());
+    assert!((low..=high).contains(&2.0), "{tau1_s:?}");
+}
