@@ -58,7 +58,12 @@ impl Default for Plan {
                 Ok("discharge") => Drives::Discharge,
                 _ => Drives::Five,
             },
-            readings: Readings::Even,
+            readings: match std::env::var("READINGS").as_deref() {
+                Ok("uneven") => Readings::Uneven,
+                Ok("quantised") => Readings::Quantised,
+                Ok("outliers") => Readings::Outliers,
+                _ => Readings::Even,
+            },
             autocorrelation: None,
             growing: std::env::var("GROWING")
                 .ok()

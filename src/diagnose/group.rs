@@ -9,7 +9,7 @@ use crate::model::extended::{ExtendedModel, RunContext};
 use super::spikes::without_spikes;
 
 /// Readings after the step that a channel needs to take part.
-const NEEDED: usize = 12;
+pub(super) const NEEDED: usize = 12;
 /// Readings of a channel beyond which neighbours are averaged: the diagnosis asks about shapes, not about sampling.
 const MOST: usize = 1500;
 /// A channel with a memory so many times as long as the middle one's kind is not believed.
@@ -70,6 +70,12 @@ impl<'a> Group<'a> {
     /// Runs with at least one usable channel, in the order given.
     pub(super) fn new(given: &[RunInput<'a>]) -> Group<'a> {
         let runs: Vec<GroupRun> = given.iter().filter_map(GroupRun::new).collect();
+        let blocks = Group::blocks(&runs);
+        Group { runs, blocks }
+    }
+
+    /// The rows of those runs, one channel after the other.
+    pub(super) fn blocks(runs: &[GroupRun]) -> Vec<Block> {
         let mut blocks = Vec::new();
         let mut row = 0;
         for (run, group_run) in runs.iter().enumerate() {
@@ -85,7 +91,7 @@ impl<'a> Group<'a> {
                 });
             }
         }
-        Group { runs, blocks }
+        blocks
     }
 
     /// The same readings with the noise that `model` leaves. A channel whose memory cannot be told from its misfit

@@ -35,6 +35,7 @@ mod select;
 mod sigmas;
 mod signature;
 mod spikes;
+mod strays;
 mod stretch;
 mod tangent;
 #[cfg(test)]
@@ -55,7 +56,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
@@ -105,9 +106,29 @@ fn with_base<R>(
     then: impl FnOnce(&group::Group, fitted::Fitted) -> R,
 ) -> Option<R> {
     let first = base_fit::base_fit(raw, model)?;
+    without_strays(raw, &first, STRAY_LOOKS, then)
+}
+
+/// Strays disturb the fit beside which they are seen: it is made again without them, and looked at again.
+const STRAY_LOOKS: usize = 3;
+
+/// Calls `then` as [`with_base`] does, from a first fit of the base model and without the readings that are far off it.
+fn without_strays<R>(
+    raw: &group::Group,
+    first: &fitted::Fitted,
+    looks: usize,
+    then: impl FnOnce(&group::Group, fitted::Fitted) -> R,
+) -> Option<R> {
+    let model = first.problem.model(&first.at);
+    if let Some(cleaned) = strays::without(raw, &model).filter(|_| looks > 0) {
+        let again = base_fit::refit(&cleaned, first)?;
+        // A type of its own for every look would have no end.
+        let then: Box<dyn FnOnce(&group::Group, fitted::Fitted) -> R + '_> = Box::new(then);
+        return without_strays(&cleaned, &again, looks - 1, then);
+    }
     // The noise that the readings alone show holds what is fast in them; a first fit takes that out.
     let once = raw.renoised(&first.problem.model(&first.at));
-    let second = base_fit::refit(&once, &first)?;
+    let second = base_fit::refit(&once, first)?;
     let group = once.renoised(&second.problem.model(&second.at));
     let base = base_fit::refit(&group, &second)?;
     Some(then(&group, base))

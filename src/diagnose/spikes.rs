@@ -1,4 +1,5 @@
-//! Single readings far off their neighbours: a fault of the reading, not of the model.
+//! Single readings far off their neighbours: a fault of the reading, not of the model. Those near an edge of the drive are
+//! left to [`super::strays`], which knows a model.
 
 use std::sync::Arc;
 
@@ -6,9 +7,11 @@ use crate::domain::{Channel, Drive};
 
 /// A spike stands this many robust standard deviations off the middle of its neighbours: under Gaussian noise one
 /// in a hundred million readings does.
-const FAR: f64 = 6.0;
+pub(super) const FAR: f64 = 6.0;
 /// Readings after an edge of the drive in which a fast decay may look like a spike.
-const AFTER_EDGE: usize = 4;
+pub(super) const AFTER_EDGE: usize = 4;
+/// Readings before an edge whose neighbours lie behind it.
+pub(super) const BEFORE_EDGE: usize = 2;
 /// Readings of a stretch whose surroundings tell the spread.
 const AROUND: usize = 16;
 /// Readings from which the spread of a channel is known.
@@ -35,7 +38,7 @@ pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
     let near_edge = |k: usize| {
         drive.segments.iter().any(|segment| {
             let first = time_s.partition_point(|&t| t < segment.start_s);
-            (first.saturating_sub(2)..first + AFTER_EDGE).contains(&k)
+            (first.saturating_sub(BEFORE_EDGE)..first + AFTER_EDGE).contains(&k)
         })
     };
     let is_spike = |k: &usize| {
@@ -55,7 +58,7 @@ pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
 }
 
 /// Spread around every value: that of its surroundings where it is wider than the whole's, for noise may grow.
-fn spreads(values: &[f64]) -> Vec<f64> {
+pub(super) fn spreads(values: &[f64]) -> Vec<f64> {
     let whole = robust_spread(values);
     let around = |stretch: usize| {
         let first = (stretch * AROUND).saturating_sub(AROUND);
@@ -67,7 +70,7 @@ fn spreads(values: &[f64]) -> Vec<f64> {
 }
 
 /// Standard deviation of Gaussian values with that median distance from zero.
-fn robust_spread(values: &[f64]) -> f64 {
+pub(super) fn robust_spread(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     sizes.get(sizes.len() / 2).map_or(0.0, |median| 1.4826 * median)
