@@ -7,6 +7,8 @@ use super::silhouette::Root;
 
 /// Centres from which the next one is foretold.
 const REMEMBERED: usize = 12;
+/// Widths from which the thickness is learnt.
+const LEARNT_FROM: usize = 60;
 /// Steps at most, however the strip winds.
 const MOST_STEPS: usize = 20_000;
 
@@ -81,9 +83,15 @@ impl<'a> Walk<'a> {
                 self.seen.push(true);
                 if let Some(width) = width {
                     // Near the clamp the side cuts the strip at an angle: the thickness is learnt soon.
-                    let learn = if self.widths.len() < 8 { 0.5 } else { 0.1 };
-                    self.width += learn * (width - self.width);
                     self.widths.push(width);
+                    match self.widths.len() < 8 {
+                        true => self.width += 0.5 * (width - self.width),
+                        // A shine makes it thinner for a stretch: the median of a long way back is not led astray.
+                        false => {
+                            let from = self.widths.len().saturating_sub(LEARNT_FROM);
+                            self.width = median(&mut self.widths[from..].to_vec());
+                        }
+                    }
                 }
                 self.unseen = 0;
             }
@@ -163,8 +171,9 @@ impl<'a> Walk<'a> {
             return Some((0.5 * (low + high), Some(found)));
         }
         let even = (0.5 * (low + high)).abs() <= 0.12 * self.width + 0.75;
-        let (thin, thick) = if even { (0.3, 2.0) } else { (0.65, 1.4) };
-        if (thin * self.width..=thick * self.width).contains(&found) {
+        let (thin, thick) = if even { (0.3, 2.0) } else { (0.85, 1.2) };
+        let slack = if even { 0.0 } else { 1.0 };
+        if (thin * self.width - slack..=thick * self.width + slack).contains(&found) {
             return Some((0.5 * (low + high), Some(found)));
         }
         // Something adds to the strip or takes from it at one edge: the other one, where it is expected, counts.

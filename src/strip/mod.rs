@@ -4,6 +4,7 @@
 //! bright ground or the reverse, held at one side of the picture; it may turn through any angle. What cannot be traced
 //! is refused with the reason ([`Untraceable`]).
 
+mod believed;
 mod bending;
 mod curve;
 mod decode;
@@ -17,6 +18,9 @@ mod refusal;
 mod silhouette;
 mod smooth;
 mod spline;
+mod steady;
+mod thickness;
+mod tip;
 mod trace;
 mod traced;
 
@@ -31,7 +35,7 @@ pub use trace::trace;
 pub use traced::Trace;
 
 /// Version of what is traced: it rises where the same picture gives other numbers, so that folders are traced anew.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Whether the strip is darker or brighter than what lies behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

@@ -1,6 +1,7 @@
 //! The smoothest curve that the edges allow: least squares on the curvature's spline, its roughness weighed by the
 //! evidence, readings that disagree with their neighbours left out.
 
+use super::believed::believed;
 use super::curve::{Curve, PARAMETERS};
 use super::edges::Edges;
 use super::ground::{biweight, median, scatter};
@@ -11,6 +12,8 @@ use crate::numerics::dense::Dense;
 const LEFT_OUT: f64 = 4.685;
 /// No edge of a real strip is followed better than this, pixels.
 const LEAST_NOISE: f64 = 0.01;
+/// Weight of an edge beside one that is something else's: some of what disturbs that one reaches it.
+const ONE_EDGE: f64 = 0.1;
 /// Order of the differences that are rough.
 const ORDER: usize = 3;
 /// Lags of the residuals' correlation that are summed at most, places.
@@ -47,18 +50,21 @@ impl Equations {
         let used = |k: usize| k >= ends && k + ends < n;
         let course = course(edges, n / INTERVALS);
         let offs: Vec<f64> = (0..n)
-            .filter(|&k| used(k))
+            .filter(|&k| used(k) && !edges.doubtful[k])
             .flat_map(|k| [0, 1].map(|side: usize| edges.middle[side][k].map(|reading| reading - course[k])))
             .flatten()
             .collect();
-        let noise = scatter(&offs).max(LEAST_NOISE).max(doubt);
+        let noise = scatter(&offs).max(LEAST_NOISE);
+        let left_out = LEFT_OUT * noise.max(doubt);
+        let believed = believed(edges, noise, doubt > 0.0);
         let mut weight = vec![0.0; n];
         let mut readings = vec![(0.0, 0.0); n];
         for k in (0..n).filter(|&k| used(k)) {
-            for side in &edges.middle {
-                if let Some(reading) = side[k] {
-                    let w = biweight(reading / (LEFT_OUT * noise));
+            for (side, believed) in edges.middle.iter().zip(&believed) {
+                if let Some(reading) = side[k].filter(|_| believed[k]) {
+                    let w = biweight(reading / left_out);
                     weight[k] = f64::max(weight[k], w);
+                    let w = if edges.doubtful[k] { w * ONE_EDGE } else { w };
                     readings[k].0 += w;
                     readings[k].1 += w * reading;
                 }
@@ -188,12 +194,11 @@ fn course(edges: &Edges, window: usize) -> Vec<f64> {
             let middle = part * window;
             let range = middle.saturating_sub(window / 2)..(middle + window / 2 + 1).min(n);
             room.clear();
-            room.extend(
-                edges
-                    .middle
-                    .iter()
-                    .flat_map(|side| side[range.clone()].iter().flatten().copied()),
-            );
+            room.extend(edges.middle.iter().flat_map(|side| {
+                range
+                    .clone()
+                    .filter_map(|k| side[k].filter(|_| !edges.doubtful[k]))
+            }));
             let at = 0.5 * (range.start + range.end) as f64 - 0.5;
             (!room.is_empty()).then(|| (at, median(&mut room)))
         })

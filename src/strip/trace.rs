@@ -10,6 +10,7 @@ use super::march::{self, Rough};
 use super::refusal::Untraceable;
 use super::silhouette::{Root, Silhouette};
 use super::smooth::{Equations, Solution};
+use super::tip;
 use super::traced::Trace;
 
 /// Fewest pixels to a side of a picture.
@@ -18,10 +19,14 @@ const LEAST_SIDE: usize = 32;
 const MOST_ROUNDS: usize = 9;
 /// By how much the curve may be off the strip in the first rounds, pixels.
 const DOUBTS_PX: [f64; 3] = [0.6, 0.25, 0.1];
+/// A step moves the line by at most this many thicknesses, and pixels in addition.
+const LONGEST_STEP: (f64, f64) = (1.0, 4.0);
 /// The curve stands still where its tip moves by less than this, pixels.
 const STANDS_STILL: f64 = 0.02;
 /// Longest stretch that may be hidden, as a share of the length.
 const LONGEST_HIDDEN: f64 = 0.12;
+/// Longest stretch on which the strip is seen but not where exactly, as a share of the length.
+const LONGEST_DOUBTFUL: f64 = 0.25;
 /// Scatter of an edge that is allowed, as a share of the thickness.
 const MOST_SCATTER: f64 = 0.2;
 /// Share of the strip's pixels that another thing may have.
@@ -116,7 +121,7 @@ impl<'a> Fitting<'a> {
     fn run(mut self) -> Result<Fitted, Untraceable> {
         let mut round = 0;
         loop {
-            let edges = edges::measure(self.gray, self.ground, &self.curve, &self.width);
+            let edges = edges::measure(self.gray, self.ground, &self.curve, &self.width, round >= 2);
             let tip = self.tip(&edges);
             let equations = Equations::new(&self.curve, &edges, DOUBTS_PX.get(round).copied().unwrap_or(0.0));
             let solution = equations.solve(&self.curve);
@@ -148,14 +153,33 @@ impl<'a> Fitting<'a> {
     fn tip(&self, edges: &Edges) -> (f64, f64) {
         let (place, reach) = self.followed;
         let followed = self.curve.nearest(place);
-        edges::tip(self.gray, self.ground, &self.curve, edges)
+        tip::tip(self.gray, self.ground, &self.curve, edges)
             .filter(|(moved, _)| (self.curve.length + moved - followed).abs() < reach)
             .unwrap_or((followed - self.curve.length, 0.5 * edges.width_at_tip.max(2.0)))
     }
 
-    /// The curve after a step, `longer` by what the tip says.
+    /// The curve after a step, `longer` by what the tip says. A step that would throw the line off the strip, as one does
+    /// that rests on few readings, is cut short.
     fn moved(&self, solution: &Solution, longer: f64) -> Curve {
-        let shift = solution.change[0];
+        let longest = LONGEST_STEP.0 * self.width[0] + LONGEST_STEP.1;
+        let last = self.curve.places() - 1;
+        let mut share = 1.0;
+        loop {
+            let next = self.moved_by(solution, share, longer);
+            let far = (0..=8).any(|k| {
+                let (x, y) = self.curve.point(k * last / 8);
+                let (to_x, to_y) = next.point(k * (next.places() - 1) / 8);
+                (to_x - x).hypot(to_y - y) > longest + longer.abs()
+            });
+            if !far || share == 0.0 {
+                return next;
+            }
+            share = if share > 0.05 { 0.5 * share } else { 0.0 };
+        }
+    }
+
+    fn moved_by(&self, solution: &Solution, share: f64, longer: f64) -> Curve {
+        let shift = share * solution.change[0];
         let line = self.curve.clamp_line;
         let start = (
             self.curve.start.0 + shift * line.0,
@@ -167,15 +191,10 @@ impl<'a> Fitting<'a> {
             .coefficients
             .iter_mut()
             .zip(changes)
-            .for_each(|(c, change)| *c += change);
+            .for_each(|(c, change)| *c += share * change);
+        let angle_rad = self.curve.angle_rad + share * solution.change[1];
         let length = (self.curve.length + longer).max(8.0);
-        Curve::new(
-            start,
-            line,
-            self.curve.angle_rad + solution.change[1],
-            curvature,
-            length,
-        )
+        Curve::new(start, line, angle_rad, curvature, length)
     }
 }
 
@@ -192,23 +211,23 @@ impl Fitted {
     fn check_seen(&self) -> Result<(), Untraceable> {
         let weight = &self.equations.weight;
         let length = self.curve.length;
-        let (mut longest, mut from): (usize, usize) = (0, 0);
-        let mut start = 0;
-        for k in 0..=weight.len() {
-            if k == weight.len() || weight[k] > 0.2 {
-                if k - start > longest {
-                    (longest, from) = (k - start, start);
-                }
-                start = k + 1;
-            }
-        }
         let width = self.edges.width[self.edges.width.len() / 2];
-        let gap = longest as f64 * self.curve.step();
-        if gap > (LONGEST_HIDDEN * length).max(1.5 * width + 6.0) {
-            let (x, y) = self
-                .curve
-                .point((from + longest / 2).min(self.curve.places() - 1));
-            return Err(Untraceable::Hidden { gap, length, x, y });
+        let hidden = |k: usize| weight[k] <= 0.2;
+        // Where its thickness is not its own the strip is there, but not where exactly.
+        let in_doubt = |k: usize| self.edges.doubtful.get(k).is_some_and(|doubtful| *doubtful);
+        let gaps = [
+            (
+                longest(weight.len(), |k| hidden(k) && !in_doubt(k)),
+                LONGEST_HIDDEN,
+            ),
+            (longest(weight.len(), hidden), LONGEST_DOUBTFUL),
+        ];
+        for ((from, count), share) in gaps {
+            let gap = count as f64 * self.curve.step();
+            if gap > (share * length).max(1.5 * width + 6.0) {
+                let (x, y) = self.curve.point((from + count / 2).min(self.curve.places() - 1));
+                return Err(Untraceable::Hidden { gap, length, x, y });
+            }
         }
         let allowed = (MOST_SCATTER * width).max(1.0);
         if self.equations.noise > allowed {
@@ -219,6 +238,20 @@ impl Fitted {
         }
         Ok(())
     }
+}
+
+/// Start and length of the longest stretch of places that are so.
+fn longest(places: usize, so: impl Fn(usize) -> bool) -> (usize, usize) {
+    let (mut best, mut start) = ((0, 0), 0);
+    for k in 0..=places {
+        if k == places || !so(k) {
+            if k - start > best.1 {
+                best = (start, k - start);
+            }
+            start = k + 1;
+        }
+    }
+    best
 }
 
 /// Refuses where something as large as the strip lies beside the line.

@@ -33,6 +33,7 @@ mod models_reference;
 mod mutations;
 mod next_runs;
 mod prints;
+mod random_strips;
 mod real_campaigns;
 mod rendered;
 mod report_fixture;
