@@ -112,6 +112,17 @@ fn resistance_along_the_strip_is_named_from_places() {
     assert!(pages.any(|page| page.contains("distributed: 9 places")));
 }
 
+/// R_e L^2 over R_c of 30, as PtNaf of the thesis's table 3 has it.
+#[test]
+fn a_strip_that_resists_as_strongly_as_ptnaf_is_named_from_places() {
+    let strong = strip(30.0 * 9.0 / (2.8 * 2.8));
+    let folder = campaign(&table(&strong, None, 8));
+    let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
+    let group = &document["groups"][0];
+    assert_eq!(group["verdict"], "named", "{group:#}");
+    assert_eq!(group["set"], serde_json::json!(["lengthwise-resistance"]));
+}
+
 /// Differences are claimed from p < 0.05 on: of four even strips two are called uneven by chance in 1 of 70 cases.
 #[test]
 fn even_strips_are_left_in_peace() {

@@ -3,6 +3,12 @@
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
 use crate::model::extended::{RunContext, System};
 
+/// Strength at which its signature is looked for, times the length squared and the conductance across the strip.
+const SMALL: f64 = 0.04;
+/// Strongest that is sought, in the same measure: a tenth of the strip is charged at once. Table 3 of the thesis has 4.6
+/// (CNaf) and 33 (PtNaf).
+const MOST: f64 = 100.0;
+
 /// See the module.
 pub(super) struct LengthwiseResistance;
 
@@ -41,8 +47,9 @@ impl Effect for LengthwiseResistance {
             .iter()
             .map(|b| b.resistance_ohm_cm2.recip())
             .sum();
-        let most = 4.0 / (conductance * length_cm * length_cm);
-        Search::over(0.01 * most, vec![Limits::linear(0.0, most)], &[])
+        // With R_sq G L^2 = 1 the voltage falls by about a third along the strip at once.
+        let unit = 1.0 / (conductance * length_cm * length_cm);
+        Search::over(SMALL * unit, vec![Limits::linear(0.0, MOST * unit)], &[])
     }
 
     fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
