@@ -1,6 +1,6 @@
 //! The identified parameters of the lumped model as tables and figures name them.
 
-use crate::domain::{Estimate, RunRecord};
+use crate::domain::{Estimate, Fit, RunRecord};
 
 /// How one parameter is named and shown. The stored key carries the unit in which values are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +99,15 @@ impl ParameterInfo {
     pub fn of(key: &str) -> Option<&'static ParameterInfo> {
         let mut known = PARAMETERS.iter().chain(&FURTHER);
         known.find(|parameter| parameter.key == key)
+    }
+
+    /// Unit and shown number per stored number in a list of the parameters of a fit. The distributed model's resistances
+    /// are a few Ω cm², also the steady-state one, and stand in one unit as in the thesis's table 3.
+    pub fn shown_in(&self, fit: &Fit) -> (&'static str, f64) {
+        match fit.parameter("rc_ohm_cm2") {
+            Some(_) if self.unit == "Ω cm²" => (self.unit, 1.0),
+            _ => (self.shown_unit, self.shown_factor),
+        }
     }
 }
 

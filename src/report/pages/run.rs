@@ -341,11 +341,12 @@ fn views(drive: Option<&Drive>, curves: &[RunCurve]) -> Vec<View> {
 fn parameters(fit: &Fit) -> Vec<ParameterRow> {
     let row = |parameter: &crate::domain::Parameter| {
         let known = ParameterInfo::of(&parameter.key);
+        let (unit, factor) = known.map_or(("", 1.0), |known| known.shown_in(fit));
         ParameterRow {
             symbol: symbol_of(&parameter.key),
             name: known.map_or_else(String::new, |known| known.name.to_owned()),
-            unit: known.map_or_else(String::new, |known| known.shown_unit.to_owned()),
-            estimate: EstimateText::of(&parameter.estimate, known.map_or(1.0, |known| known.shown_factor)),
+            unit: unit.to_owned(),
+            estimate: EstimateText::of(&parameter.estimate, factor),
         }
     };
     fit.parameters.iter().map(row).collect()
