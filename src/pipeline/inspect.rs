@@ -12,6 +12,7 @@ use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::profiles::{self, Choice, Claim, Profile, Reader};
 use crate::ingest::run_sheet;
 use crate::ingest::{Reading, RunTable, StartedAt};
+use crate::strip;
 
 /// A file as a reader sees it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +31,7 @@ pub struct Inspection {
     pub candidates: Vec<CandidateScore>,
     /// Technique as the file names it.
     pub technique: Option<String>,
-    /// How the measurement ended; `refused`, `pending`, `sidecar` or `folder` where it was not read.
+    /// How the measurement ended; `refused`, `pending`, `sidecar`, `folder` or `frame` where it was not read.
     pub status: String,
     /// The evidence for it.
     pub status_evidence: String,
@@ -181,6 +182,9 @@ pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile]) -> Inspect
     if run_sheet::is_sheet(&name, bytes) {
         return sheet(shown, bytes);
     }
+    if let Some(format) = strip::format(bytes) {
+        return picture(file, format, bytes);
+    }
     let choice = match profiles::choose(profiles, &name, bytes) {
         Ok(choice) => choice,
         Err(error) => return refused(shown, &[], &error),
@@ -212,6 +216,33 @@ fn sheet(file: String, bytes: &[u8]) -> Inspection {
         Err(issue) => ("refused", issue),
     };
     not_read(file, &[], status, issue)
+}
+
+/// A picture: a frame of a strip, perhaps. Its folder is what is traced and taken in.
+fn picture(file: &Path, format: &str, bytes: &[u8]) -> Inspection {
+    let (status, issue) = match strip::decode(bytes) {
+        Ok(gray) => (
+            "frame",
+            Issue::note(
+                "frame",
+                format!(
+                    "a {format} of {} x {} pixels, which may be a frame of the strip seen from its side",
+                    gray.width(),
+                    gray.height()
+                ),
+            ),
+        ),
+        Err(error) => ("refused", Issue::error("frame", error.to_string())),
+    };
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    let issue = issue.mend(format!(
+        "`ieap trace {} --px-per-mm ... --frames-per-second ...` shows what is seen in the frames of its folder; docs/frames.md",
+        folder.display()
+    ));
+    not_read(file.display().to_string(), &[], status, issue)
 }
 
 fn refused(file: String, claims: &[Claim], error: &ReadError) -> Inspection {

@@ -61,16 +61,26 @@ pub enum DecodeError {
 /// Endings of files that are looked at.
 pub const ENDINGS: [&str; 5] = ["png", "jpg", "jpeg", "tif", "tiff"];
 
+/// Name of the format that the first bytes are of; none for what is no picture.
+pub fn format(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => Some("PNG"),
+        [0xff, 0xd8, 0xff, ..] => Some("JPEG"),
+        [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some("TIFF"),
+        _ => None,
+    }
+}
+
 /// Reads the bytes of a file; the format is told by its first bytes.
 ///
 /// # Errors
 /// [`DecodeError`] for whatever is no complete picture.
 pub fn decode(bytes: &[u8]) -> Result<Gray, DecodeError> {
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => png(bytes),
-        [0xff, 0xd8, 0xff, ..] => jpeg(bytes),
-        [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => tiff(bytes),
-        _ => Err(DecodeError::Unknown {
+    match format(bytes) {
+        Some("PNG") => png(bytes),
+        Some("JPEG") => jpeg(bytes),
+        Some(_) => tiff(bytes),
+        None => Err(DecodeError::Unknown {
             found: match bytes {
                 [] => "nothing, the file is empty".to_owned(),
                 _ => bytes
@@ -191,7 +201,12 @@ fn tiff(bytes: &[u8]) -> Result<Gray, DecodeError> {
         other => {
             return Err(DecodeError::Colours {
                 format: FORMAT,
-                found: format!("{other:?}"),
+                found: match other {
+                    C::Gray(bits) => format!("grey of {bits} bits"),
+                    C::Palette(_) => "colours of a palette".to_owned(),
+                    C::CMYK(_) => "CMYK".to_owned(),
+                    other => format!("{other:?}"),
+                },
             });
         }
     };

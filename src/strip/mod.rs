@@ -27,7 +27,7 @@ mod traced;
 use serde::Deserialize;
 
 pub use bending::{Bending, Initial, OtherLength, Positive, Reading, Scale};
-pub use decode::{DecodeError, ENDINGS, decode};
+pub use decode::{DecodeError, ENDINGS, decode, format};
 pub use gray::{Crop, Gray};
 pub use overlay::overlay;
 pub use refusal::Untraceable;

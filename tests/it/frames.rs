@@ -458,3 +458,25 @@ fn real_views_of_textile_strips_are_traced() {
     let broken = trace(&view("break_test_image.jpg"), &View::default());
     assert!(broken.is_err(), "{:?}", broken.map(|traced| traced.tip_px()));
 }
+
+#[test]
+fn inspect_says_what_a_picture_is_and_where_to_go_with_it() {
+    let folder = CampaignFolder::new();
+    let whole = png_bytes(&Scene::default().draw(700.0, |_| 0.0));
+    folder.write("f0.png", &whole);
+    folder.write("f1.png", &whole[..whole.len() / 2]);
+    let inspected = |name: &str| {
+        let file = folder.join(name);
+        let told = folder.ieap(&["inspect", file.to_str().unwrap(), "--json"]);
+        told.expect(3).json()
+    };
+    let (frame, cut) = (inspected("f0.png"), inspected("f1.png"));
+    assert_eq!(frame["status"], "frame", "{frame:#}");
+    let text = frame["issues"][0].to_string();
+    assert!(
+        text.contains("PNG of 1280 x 1024") && text.contains("ieap trace"),
+        "{text}"
+    );
+    assert_eq!(cut["status"], "refused", "{cut:#}");
+    assert!(cut["issues"][0].to_string().contains("cannot be read"), "{cut:#}");
+}
