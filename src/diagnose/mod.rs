@@ -106,24 +106,21 @@ fn with_base<R>(
     then: impl FnOnce(&group::Group, fitted::Fitted) -> R,
 ) -> Option<R> {
     let first = base_fit::base_fit(raw, model)?;
-    without_strays(raw, &first, STRAY_LOOKS, then)
+    without_strays(raw, &first, STRAY_LOOKS, Box::new(then))
 }
+
+/// What is made of a group and the base model fitted to it. In a box: looks for strays are nested, and a type of its own for
+/// each would have no end.
+type Then<'t, R> = Box<dyn FnOnce(&group::Group, fitted::Fitted) -> R + 't>;
 
 /// Strays disturb the fit beside which they are seen: it is made again without them, and looked at again.
 const STRAY_LOOKS: usize = 3;
 
 /// Calls `then` as [`with_base`] does, from a first fit of the base model and without the readings that are far off it.
-fn without_strays<R>(
-    raw: &group::Group,
-    first: &fitted::Fitted,
-    looks: usize,
-    then: impl FnOnce(&group::Group, fitted::Fitted) -> R,
-) -> Option<R> {
+fn without_strays<R>(raw: &group::Group, first: &fitted::Fitted, looks: usize, then: Then<R>) -> Option<R> {
     let model = first.problem.model(&first.at);
     if let Some(cleaned) = strays::without(raw, &model).filter(|_| looks > 0) {
         let again = base_fit::refit(&cleaned, first)?;
-        // A type of its own for every look would have no end.
-        let then: Box<dyn FnOnce(&group::Group, fitted::Fitted) -> R + '_> = Box::new(then);
         return without_strays(&cleaned, &again, looks - 1, then);
     }
     // The noise that the readings alone show holds what is fast in them; a first fit takes that out.
