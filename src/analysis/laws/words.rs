@@ -174,8 +174,12 @@ fn sample_sentence(found: &Dependence) -> String {
     let what = format!("{} of {}", symbol(&found.parameter), found.material);
     match found.q <= CLAIMED_BELOW {
         true if found.is_log => format!(
-            "{what} differs between samples by more than between runs: standard deviation a factor of {} ({n}).",
-            short(deviation.exp())
+            "{what} differs between samples by more than between runs: standard deviation {} ({n}).",
+            // A factor of 1.0 would say nothing.
+            match deviation < std::f64::consts::LN_2 {
+                true => format!("{} %", short(100.0 * deviation.exp_m1())),
+                false => format!("a factor of {}", short(deviation.exp())),
+            }
         ),
         true => format!("{what} differs between samples by more than between runs ({n})."),
         false => format!(

@@ -19,6 +19,9 @@ const MARGINS: Margins = Margins {
     bottom: 46,
 };
 
+/// Length of the tail of a mark, px: as much beyond the mark as the mark is wide.
+const TAIL: f64 = 10.0;
+
 /// Size of one panel of small multiples, px.
 pub const SMALL: (u32, u32) = (400, 230);
 
@@ -37,6 +40,9 @@ pub struct Mark {
     pub style: usize,
     /// Index of the run that it stands for.
     pub run: Option<usize>,
+    /// From where the covariate came: -1 from below (a tail to the left), 1 from above (to the right), 0 where that is not
+    /// known or not shown.
+    pub came_from: i8,
 }
 
 /// A law as it is drawn: at each place the value and the ends of the band.
@@ -157,6 +163,11 @@ fn draw_marks(
     let color = ink(style);
     let seen = pixels(chart);
     grouped(chart, group, |chart| {
+        for mark in marks.iter().filter(|mark| mark.came_from != 0) {
+            let (across, up) = (x.position(mark.x), inside(y, mark.y));
+            let end = (across + f64::from(mark.came_from) * TAIL / seen.across).clamp(x.low, x.high);
+            line(chart, vec![(across, up), (end, up)], color, 18)?;
+        }
         for mark in marks {
             let (across, up) = (x.position(mark.x), inside(y, mark.y));
             let ends = [inside(y, mark.bar.0), inside(y, mark.bar.1)];
@@ -203,6 +214,7 @@ mod tests {
             bar: (8e-4, 1.2e-3),
             style: 1,
             run: None,
+            came_from: -1,
         };
         let law = Curve {
             x: vec![20.0, 50.0, 80.0],
@@ -217,8 +229,8 @@ mod tests {
         };
         let drawn = law_panel((&x, &y), &[mark], &beside, "t", "d").unwrap();
         assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");
-        // The limit; both bars in one path; the mark with the form of its sample.
-        assert_eq!(drawn.matches("s k-2").count(), 2, "{drawn}");
+        // The limit; both bars in one path; the tail; the mark with the form of its sample.
+        assert_eq!(drawn.matches("s k-2").count(), 3, "{drawn}");
         assert_eq!(drawn.matches("dots dot-k-2-1").count(), 1, "{drawn}");
         assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
     }

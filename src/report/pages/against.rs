@@ -239,6 +239,7 @@ impl Section<'_> {
                 bar: (shown(estimate.low_95), shown(estimate.high_95)),
                 style,
                 run: Some(run),
+                came_from: 0,
             });
         }
         if !self.places.names.is_empty() {
@@ -343,6 +344,7 @@ mod tests {
             bar: (1.0, 1.0),
             style: 0,
             run: None,
+            came_from: 0,
         };
         let mut marks: Vec<Mark> = (0..50).map(|k| mark(f64::from(k % 2))).collect();
         stand_side_by_side(&mut marks, 2);

@@ -259,6 +259,11 @@ fn described(found: &Dependence, figure: Option<String>) -> Panel {
             100.0 * part
         ));
     }
+    if shows_branches(found) {
+        notes.push(
+            "tails point to where the humidity came from: left after wetting, right after drying".to_owned(),
+        );
+    }
     let against = match found.covariate {
         Covariate::RelativeHumidity => String::new(),
         other => format!("drawn against {}", other.label()),
@@ -285,6 +290,12 @@ fn described(found: &Dependence, figure: Option<String>) -> Panel {
     }
 }
 
+/// Whether runs after wetting and after drying stand in the figure over humidity.
+fn shows_branches(found: &Dependence) -> bool {
+    let has = |direction: i8| found.points.iter().any(|point| point.direction == direction);
+    found.covariate == Covariate::RelativeHumidity && has(1) && has(-1)
+}
+
 /// Draws the points of a dependence with its law; none where there is nothing to draw.
 pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)>, ReportError> {
     let (Some(span), false) = (found.span, found.points.is_empty()) else {
@@ -295,11 +306,14 @@ pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)
     let (symbol, unit) = info.map_or((found.parameter.as_str(), ""), |info| {
         (info.symbol, info.shown_unit)
     });
+    let tails = shows_branches(found);
     let marks: Vec<Mark> = found
         .points
         .iter()
         .map(|point| Mark {
             run: None,
+            // Humidity that rose came from below.
+            came_from: if tails { -point.direction } else { 0 },
             x: point.x,
             x_error: point.x_error.unwrap_or(0.0),
             y: point.value * factor,

@@ -216,6 +216,7 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
             let reach = 1.96 * series.variance[k].sqrt();
             Mark {
                 run: None,
+                came_from: 0,
                 x: series.x[k],
                 x_error: 0.0,
                 y: on_scale(series.y[k]),
