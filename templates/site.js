@@ -658,6 +658,9 @@
       if (named.size < 2 || named.size > 24) continue;
       const bar = make("div", { class: "tools legend", role: "group", "aria-label": "Series shown" }, ...[...named].map(([name, series]) => legend(of, name, series)));
       const first = of[0].svg.closest(".panels") || of[0].svg.closest("figure") || of[0].svg;
+      // Where the page has keys that cannot be pressed, these stand in their place.
+      const still = first.previousElementSibling;
+      if (still?.matches("p.legend") && still.children.length && [...still.children].every((child) => child.matches(".key"))) still.remove();
       first.before(bar);
     }
   };

@@ -259,7 +259,7 @@ fn described(found: &Dependence, figure: Option<String>) -> Panel {
             100.0 * part
         ));
     }
-    if shows_branches(found) {
+    if figure.is_some() && shows_branches(found) {
         notes.push(
             "tails point to where the humidity came from: left after wetting, right after drying".to_owned(),
         );
@@ -268,7 +268,7 @@ fn described(found: &Dependence, figure: Option<String>) -> Panel {
         Covariate::RelativeHumidity => String::new(),
         other => format!("drawn against {}", other.label()),
     };
-    if !against.is_empty() {
+    if !against.is_empty() && figure.is_some() {
         notes.push(against);
     }
     Panel {
