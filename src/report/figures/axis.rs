@@ -237,7 +237,32 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
             }
         }
     }
-    ticks
+    match ticks.len() {
+        0..=2 => narrow_log_ticks(low, high, plain),
+        _ => ticks,
+    }
+}
+
+/// Ticks of a log axis that spans too little for whole digits: evenly spaced numbers at their logarithms.
+fn narrow_log_ticks(low: f64, high: f64, plain: bool) -> Vec<Tick> {
+    let (first, last) = (10f64.powf(low), 10f64.powf(high));
+    let step = tick_step(last - first, 4);
+    let decade = if plain { 0 } else { low.floor() as i32 };
+    let digits = (f64::from(decade) - step.log10()).ceil().max(0.0) as usize;
+    let ending = match decade {
+        0 => String::new(),
+        _ => format!("·10{}", superscript(decade)),
+    };
+    let tick = |k: i64| {
+        let number = k as f64 * step;
+        Tick {
+            at: number.log10(),
+            label: format!("{}{ending}", fixed(number / 10f64.powi(decade), digits)),
+        }
+    };
+    ((first / step).ceil() as i64..=(last / step).floor() as i64)
+        .map(tick)
+        .collect()
 }
 
 fn log_label(decade: i32, factor: f64, plain: bool) -> String {
@@ -256,6 +281,20 @@ mod tests {
 
     fn labels(axis: &Axis) -> Vec<&str> {
         axis.ticks.iter().map(|tick| tick.label.as_str()).collect()
+    }
+
+    #[test]
+    fn a_log_axis_over_a_fraction_of_a_decade_has_ticks_too() {
+        let axis = Axis::log(114.0, 271.0, "R₁", "Ω cm²");
+        assert_eq!(labels(&axis), ["150", "200", "250"]);
+        let axis = Axis::log(1.21e-4, 1.34e-4, "λ", "s⁻¹");
+        assert_eq!(labels(&axis), ["1.3·10⁻⁴", "1.4·10⁻⁴", "1.5·10⁻⁴"]);
+        assert!(
+            axis.ticks
+                .iter()
+                .all(|tick| (axis.low..=axis.high).contains(&tick.at))
+        );
+        assert_eq!(labels(&Axis::log(1.0, 100.0, "a", "")), ["1", "10", "100"]);
     }
 
     #[test]
