@@ -214,11 +214,14 @@ fn linear_ticks(low: f64, high: f64, step: f64, prefix: Prefix) -> Vec<Tick> {
         .collect()
 }
 
+/// Decades below which evenly spaced numbers look evenly spaced on a log axis.
+const NARROW: f64 = 0.6;
+
 /// Ticks at powers of ten; within less than two decades also between them.
 fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     let every = (((high - low) / 7.0).ceil() as i32).max(1);
     let factors: &[f64] = match high - low {
-        span if span < 0.6 => &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        span if span < NARROW => &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
         span if span < 1.7 => &[1.0, 2.0, 5.0],
         _ => &[1.0],
     };
@@ -237,9 +240,9 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
             }
         }
     }
-    match ticks.len() {
-        0..=2 => narrow_log_ticks(low, high, plain),
-        _ => ticks,
+    match ticks.len() < 3 && high - low < NARROW {
+        true => narrow_log_ticks(low, high, plain),
+        false => ticks,
     }
 }
 
@@ -295,6 +298,7 @@ mod tests {
                 .all(|tick| (axis.low..=axis.high).contains(&tick.at))
         );
         assert_eq!(labels(&Axis::log(1.0, 100.0, "a", "")), ["1", "10", "100"]);
+        assert_eq!(labels(&Axis::log(1.2, 900.0, "a", "")), ["10", "100"]);
     }
 
     #[test]
