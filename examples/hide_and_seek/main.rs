@@ -8,7 +8,7 @@
 //! outside of their intervals); `DRIVES=step` or `discharge` takes one or two runs in place of five; `STRENGTHS=16,32` and
 //! `DRIVES=five` take a part of the benchmark's table of single causes; `READINGS=uneven`, `quantised` or `outliers` (1 %, ten
 //! standard deviations off) says how groups are read; `GROWING=1` lets the noise at the largest signal
-//! of a run be `sqrt(1 + GROWING^2)` times that at none.
+//! of a run be `sqrt(1 + GROWING^2)` times that at none. `FIRST` is the first seed of `effects` (1000 without it).
 
 mod benchmark;
 mod case;
@@ -52,12 +52,22 @@ fn main() {
                 .split(',')
                 .filter_map(|d| d.parse().ok())
                 .collect();
-            let _ = effects(count, &strengths, &arguments[3.min(arguments.len())..]);
+            let _ = effects(
+                seed_from(),
+                count,
+                &strengths,
+                &arguments[3.min(arguments.len())..],
+            );
         }
         _ => eprintln!(
             "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | figure < TABLES | short"
         ),
     }
+}
+
+fn seed_from() -> u64 {
+    let named = std::env::var("FIRST").ok();
+    named.and_then(|first| first.parse().ok()).unwrap_or(1000)
 }
 
 fn extent(arguments: &[String], each: u64) -> benchmark::Extent {
@@ -92,7 +102,7 @@ fn short() {
         "softening",
         "slow-branch",
     ];
-    let total = effects(3, &[32.0], &ids.map(str::to_owned));
+    let total = effects(1000, 3, &[32.0], &ids.map(str::to_owned));
     let [hidden, seen, in_set, _, wrong, ..] = total;
     if hidden < 12 || seen < hidden || 10 * in_set < 8 * hidden || wrong > 1 {
         failed.push(format!(
