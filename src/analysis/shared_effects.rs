@@ -7,6 +7,7 @@ use super::laws::words::{round, short};
 use super::pooling::{Averaging, Pooled, Repeat, pooled};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, EffectFinding, FromOthers, GroupDiagnosis, RunRecord};
+use crate::model::effects::{Effect, effect};
 use crate::numerics::chance::chi_square_chance;
 
 /// Samples whose numbers differ by more than chance would have it in fewer cases than this have numbers of their own.
@@ -56,7 +57,8 @@ struct Carrier<'a> {
     finding: &'a EffectFinding,
 }
 
-/// Effects that several samples of a material share, by material and id. The first effect that a group accepted counts.
+/// Effects that several samples of a material share, by material and id. The first effect that a group accepted counts;
+/// accidents of single runs do not.
 pub fn shared_effects(
     found: &[GroupDiagnosis],
     runs: &[RunRecord],
@@ -109,7 +111,10 @@ pub fn values_without(
     }
     let values = parameters(&others)
         .into_iter()
-        .map(|parameter| Some((parameter.key, parameter.mean?.value)))
+        .map(|parameter| {
+            let mean = parameter.mean?.value;
+            mean.is_finite().then_some((parameter.key, mean))
+        })
         .collect::<Option<Vec<_>>>()?;
     let samples = samples(&others).into_iter().map(str::to_owned).collect();
     Some(OfOthers { values, samples })
@@ -203,6 +208,10 @@ fn by_effect<'a>(
         let (Some(&sample), Some(finding)) = (sample, one.effects.first()) else {
             continue;
         };
+        // Two samples whose foil cracked share no instant.
+        if effect(&finding.effect).is_some_and(Effect::is_an_accident) {
+            continue;
+        }
         let material = campaign
             .sample(sample)
             .map_or(sample, |sample| sample.material.as_str());
@@ -335,6 +344,15 @@ mod tests {
             })
             .to_vec();
         (found, runs, campaign)
+    }
+
+    #[test]
+    fn a_contact_that_broke_in_two_samples_is_no_cause_that_they_share() {
+        let (mut found, runs, campaign) = three();
+        for one in &mut found {
+            one.effects[0].effect = "contact-break".to_owned();
+        }
+        assert_eq!(shared_effects(&found, &runs, &campaign), []);
     }
 
     #[test]

@@ -70,6 +70,7 @@ pub struct EffectFinding {
     /// Its parameters, the strength first.
     pub parameters: Vec<Parameter>,
     /// Probability of such a gain by chance, over all candidates.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub p: f64,
     /// The same over all groups of the campaign (Benjamini and Hochberg); none until the campaign is looked at.
     pub q: Option<f64>,
@@ -156,6 +157,7 @@ pub struct Confusable {
     /// Ids, the most promising first.
     pub effects: Vec<String>,
     /// Absolute cosine between the traces of each two, row by row: 1 where these readings cannot tell them apart.
+    #[serde(deserialize_with = "number_or_null::rows")]
     pub likeness: Vec<Vec<f64>>,
 }
 
@@ -167,8 +169,10 @@ pub struct StrengthProfile {
     /// Key of its strength.
     pub key: String,
     /// Strengths, in the key's unit.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub values: Vec<f64>,
     /// Rise of the weighted sum of squares above its minimum at each; 3.84 bounds a 95 % interval.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub rises: Vec<f64>,
 }
 
@@ -178,8 +182,10 @@ pub struct Prediction {
     /// `peak_curvature`, `time_of_peak_curvature`, `end_curvature`, `charge` or `end_current`.
     pub quantity: String,
     /// Root mean square over the runs of its deviation from what was measured, percent, by the base model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub before_percent: f64,
     /// The same by the extended model.
+    #[serde(deserialize_with = "number_or_null::one")]
     pub after_percent: f64,
 }
 
@@ -406,6 +412,7 @@ pub struct FromOthers {
     /// Samples that its parameters are from.
     pub samples: Vec<String>,
     /// Keys and values of its parameters.
+    #[serde(deserialize_with = "number_or_null::named")]
     pub parameters: Vec<(String, f64)>,
     /// Fall of the sum of squares beside the base model refitted alone, in units of the noise; no number where the effect
     /// cannot be held against this sample.

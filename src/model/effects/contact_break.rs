@@ -90,6 +90,10 @@ impl Effect for ContactBreak {
         }
     }
 
+    fn is_an_accident(&self) -> bool {
+        true
+    }
+
     fn acts_in(&self, parameters: &[f64], run: usize) -> bool {
         parameters[2].round() as usize == run
     }
