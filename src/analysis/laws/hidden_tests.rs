@@ -326,33 +326,61 @@ fn samples_at_one_humidity_each_are_compared_as_samples() {
     assert!(p.iter().all(|p| *p > 1e-3), "{p:?}");
 }
 
+/// Humidities rise and fall again, once for each sample.
+const UP_AND_DOWN: Plan = Plan {
+    humidities: &[20.0, 40.0, 60.0, 80.0, 60.0, 40.0, 20.0],
+    voltages: &[2.0],
+    is_confounded: true,
+    ..PLAN
+};
+
 #[test]
 fn wetting_and_drying_are_told_apart() {
-    const UP_AND_DOWN: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 60.0, 40.0, 20.0];
-    let plan = Plan {
-        humidities: &UP_AND_DOWN,
-        voltages: &[2.0],
-        is_confounded: true,
-        ..PLAN
-    };
+    let count = tries(5, 200);
     let late = |key: &str, humidity: f64, k: usize| match key {
         "lambda_per_s" => 0.01 * humidity + if k > 3 { 0.3 } else { 0.0 },
         _ => 0.0,
     };
-    let laws = found(plan, &late, 8);
-    let claimed: Vec<_> = laws
-        .claimed()
-        .filter(|one| one.parameter == "lambda_per_s")
-        .collect();
-    let covers = |covariate: Covariate| {
-        claimed
-            .iter()
-            .any(|one| one.covariate == covariate || one.confounded_with.contains(&covariate))
+    let mut seen = 0;
+    for seed in 0..count {
+        let laws = found(UP_AND_DOWN, &late, 50_000 + seed);
+        let covers = |covariate: Covariate| {
+            laws.claimed().any(|one| {
+                one.parameter == "lambda_per_s"
+                    && (one.covariate == covariate || one.confounded_with.contains(&covariate))
+            })
+        };
+        seen += u64::from(covers(Covariate::RelativeHumidity) && covers(Covariate::Direction));
+    }
+    println!("humidity and its direction: found in {seen} of {count}");
+    assert!(seen as f64 >= 0.9 * count as f64);
+}
+
+#[test]
+fn where_drying_is_as_wetting_no_difference_is_claimed() {
+    let count = tries(24, 200);
+    let law = |key: &str, humidity: f64, _: usize| match key {
+        "lambda_per_s" => 0.01 * humidity,
+        _ => 0.0,
     };
-    assert!(
-        covers(Covariate::RelativeHumidity) && covers(Covariate::Direction),
-        "{claimed:#?}"
+    let (mut wrong, mut p) = (0, Vec::new());
+    for seed in 0..count {
+        let laws = found(UP_AND_DOWN, &law, 60_000 + seed);
+        let of_direction = |one: &&super::Dependence| {
+            one.covariate == Covariate::Direction || one.confounded_with.contains(&Covariate::Direction)
+        };
+        wrong += u64::from(laws.claimed().any(|one| of_direction(&one)));
+        p.extend(laws.dependences.iter().filter(of_direction).map(|one| one.p));
+    }
+    let below = p.iter().filter(|p| **p <= 0.05).count() as f64 / p.len() as f64;
+    println!(
+        "no hysteresis: claimed in {wrong} of {count}; {} p-values, {below:.3} below 0.05, KS distance {:.4} (5 %: {:.4})",
+        p.len(),
+        super::chance_of::distance_from_even(&p),
+        1.358 / (p.len() as f64).sqrt()
     );
+    assert!(wrong as f64 / count as f64 <= 0.05 + 3.1 * (0.05 * 0.95 / count as f64).sqrt());
+    assert!(below <= 0.05 + 3.1 * (0.05 * 0.95 / p.len() as f64).sqrt());
 }
 
 #[test]
