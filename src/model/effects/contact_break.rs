@@ -63,6 +63,10 @@ impl Law for Break {
             _ => c.coupling_factor *= self.factor,
         }
     }
+
+    fn jumps_at_s(&self) -> Option<f64> {
+        Some(self.at_s)
+    }
 }
 
 impl Effect for ContactBreak {

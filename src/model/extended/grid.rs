@@ -1,8 +1,9 @@
-//! The times at which a run is stepped: the readings, the edges of the drive, and what lies between where a step
-//! would be too long.
+//! The times at which a run is stepped: the readings, or as many as are enough where they are dense, the edges of the
+//! drive, and what lies between where a step would be too long.
 
 use crate::domain::Level;
 
+use super::knots::{Places, enough};
 use super::system::{RunContext, System};
 
 /// Steps after an edge begin at this part of the shortest time constant and may grow by this part of the time that
@@ -22,9 +23,9 @@ pub(super) struct Grid {
     /// Increasing times, s.
     pub(super) time_s: Vec<f64>,
     /// Place in `time_s` of every current reading.
-    pub(super) current: Vec<usize>,
+    pub(super) current: Places,
     /// Places whose mean is every curvature reading, `shares` each.
-    pub(super) curvature: Vec<usize>,
+    pub(super) curvature: Places,
     /// Places per curvature reading.
     pub(super) shares: usize,
 }
@@ -46,16 +47,24 @@ impl Grid {
                 .map(move |k| if shares == 1 { shown_s } else { back(k) })
         };
         let seen_s: Vec<f64> = curvature_s.iter().flat_map(seen).collect();
-        let edges = run.drive.segments.iter().map(|segment| segment.start_s);
+        let edges: Vec<f64> = run.drive.segments.iter().map(|segment| segment.start_s).collect();
         let last_s = current_s.iter().chain(&seen_s).copied().fold(start_s, f64::max);
         let mut time_s: Vec<f64> = current_s
             .iter()
             .chain(&seen_s)
             .copied()
-            .chain(edges.filter(|&t| t <= last_s))
+            .chain(edges.iter().copied().filter(|&t| t <= last_s))
             .collect();
-        time_s.sort_unstable_by(f64::total_cmp);
+        // Stable, for it goes along stretches that are sorted already.
+        time_s.sort_by(f64::total_cmp);
         time_s.dedup();
+        let jumps = jumps(run, system, &time_s);
+        let few = system
+            .is_smooth()
+            .then(|| enough(&merged(&time_s, &jumps), &merged(&edges, &jumps)))
+            .flatten();
+        let is_thinned = few.is_some();
+        time_s = few.unwrap_or(time_s);
         let opens = (run.drive.segments.iter()).any(|segment| segment.level == Level::OpenCircuit);
         if let Some(shortest_s) = resolved_s(system, opens) {
             let laws = system.laws.iter().map(|law| law.finer());
@@ -72,14 +81,39 @@ impl Grid {
                 GROWTH * coarser / finer,
             );
         }
-        let place = |t: &f64| time_s.partition_point(|x| x < t);
+        let places = |of: &[f64]| match is_thinned {
+            true => Places::between(&time_s, &merged(&edges, &jumps), of),
+            false => Places::on(&time_s, of),
+        };
         Grid {
-            current: current_s.iter().map(place).collect(),
-            curvature: seen_s.iter().map(place).collect(),
+            current: places(current_s),
+            curvature: places(&seen_s),
             shares,
             time_s,
         }
     }
+}
+
+/// Times at which laws jump, within those of the run.
+fn jumps(run: &RunContext, system: &System, time_s: &[f64]) -> Vec<f64> {
+    let (Some(&first), Some(&last)) = (time_s.first(), time_s.last()) else {
+        return Vec::new();
+    };
+    let at = system.laws.iter().filter_map(|law| law.jumps_at_s());
+    let mut at: Vec<f64> = at
+        .map(|at_s| run.start_s() + at_s)
+        .filter(|t| (first..=last).contains(t))
+        .collect();
+    at.sort_by(f64::total_cmp);
+    at
+}
+
+/// Both, increasing, each time once.
+fn merged(times: &[f64], more: &[f64]) -> Vec<f64> {
+    let mut all = [times, more].concat();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
 }
 
 /// Shortest time that steps must resolve; none where every step is exact.

@@ -5,6 +5,7 @@
 //! of the step and with the strength of the effect.
 
 mod grid;
+mod knots;
 mod node;
 mod stepper;
 mod system;

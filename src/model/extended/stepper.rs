@@ -114,11 +114,9 @@ impl<'a> Stepper<'a> {
         }
         let shares = grid.shares as f64;
         Responses {
-            current_a: grid.current.iter().map(|&k| current_a[k]).collect(),
-            curvature_per_cm: grid
-                .curvature
-                .chunks(grid.shares)
-                .map(|places| places.iter().map(|&k| curvature[k]).sum::<f64>() / shares)
+            current_a: grid.current.of(&current_a),
+            curvature_per_cm: (grid.curvature.of(&curvature).chunks(grid.shares))
+                .map(|seen| seen.iter().sum::<f64>() / shares)
                 .collect(),
         }
     }

@@ -174,6 +174,10 @@ pub trait Law {
     fn finer(&self) -> f64 {
         1.0
     }
+    /// Clock time at which it changes a coefficient at once, s; none where it does not.
+    fn jumps_at_s(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// Something between the curvature of the model and the one that is read.
@@ -269,6 +273,12 @@ impl System {
             g / (1.0 + g * b.resistance_ohm_cm2)
         });
         self.steady_s_per_cm2 + inside.sum::<f64>()
+    }
+
+    /// Whether answers are smooth between edges of the drive and jumps of the laws. Observations look at neighbouring
+    /// readings, and are shown all of them.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.observations.is_empty() && self.current_limit_a.is_infinite()
     }
 
     /// Whether every step can be exact: nothing depends on the state or on time.

@@ -112,3 +112,38 @@ fn every_effect_has_its_own_id_and_code() {
     ids.dedup();
     assert_eq!(ids.len(), all);
 }
+
+#[test]
+fn dense_readings_are_answered_as_sparse_ones() {
+    let drive = drive(&[(0.0, Some(2.0)), (61.003, Some(-1.0))]);
+    let few: Vec<f64> = (-3..100).map(f64::from).collect();
+    let many: Vec<f64> = (-300..9901).map(|k| 0.01 * f64::from(k)).collect();
+    for (id, parameters) in [
+        ("faradaic-leak", vec![1e-4, 1.5, 0.1]),
+        ("contact-break", vec![0.5, 30.017, 0.0]),
+        ("joule-heating", vec![0.05, 50.0]),
+        ("partial-relaxation", vec![0.4]),
+    ] {
+        let effect = effect(id).unwrap();
+        let count = effect.about().parameters.len();
+        let parameters = parameters.into_iter().chain([0.01; 4]).take(count).collect();
+        let effects = vec![Applied {
+            effect,
+            variant: 0,
+            parameters,
+        }];
+        let model = ExtendedModel {
+            base: base(),
+            effects,
+        };
+        let sparse = model.responses(&context(&drive), &few, &few);
+        let dense = model.responses(&context(&drive), &many, &many);
+        let every = |values: &[f64]| -> Vec<f64> { values.iter().copied().step_by(100).collect() };
+        let current = apart(&every(&dense.current_a), &sparse.current_a);
+        let curvature = apart(&every(&dense.curvature_per_cm), &sparse.curvature_per_cm);
+        assert!(
+            current < 1e-4 && curvature < 1e-4,
+            "{id}: {current:e} {curvature:e}"
+        );
+    }
+}

@@ -7,8 +7,8 @@
 //! - `dispersion`: a branch becomes many in parallel, whose tau are log-normally spread about the branch's own (sd
 //!   `log_spread` of ln tau), C shared out with normal weights, R = tau/C of each share.
 //! - `warburg`: diffusion of total capacitance C into a film that is sealed at its far side, as finite volumes that
-//!   grow from the mouth, the first 0.5 % of the film: `c_t = D c_zz`, `tau = L^2/D`. At the very instant of a step the
-//!   sum over modes diverges; the half volume at the mouth bounds it at `400 C V/tau`.
+//!   grow from the mouth, the first 0.6 % of the film: `c_t = D c_zz`, `tau = L^2/D`. At the very instant of a step the
+//!   sum over modes diverges; the half volume at the mouth bounds it at `300 C V/tau`.
 //! - `voltage-dependent-capacitance`, `asymmetric-capacitance`: differential capacitance `C (1 + a e^2)` and
 //!   `C (1 + b e)`, never below 0.05 C (both together: their sum). "all": every chain, also added ones.
 //! - `redox-peak`: branch 2's differential capacitance gains `q f(1-f)/0.0257`, `f = 1/(1 + exp(-(e - E0)/0.0257))`,
@@ -234,8 +234,8 @@ fn dispersed(role: Role, branch: Branch, log_spread: f64) -> Vec<Chain> {
 /// Finite volumes of a sealed film of capacitance `c` and diffusion time `tau_s`, thickness 1: volume of width w has
 /// the capacitance c w, and its middle is tau_s/c times their distance away from the next one's.
 fn film(c: f64, tau_s: f64) -> Vec<Link> {
-    const VOLUMES: i32 = 50;
-    const GROWTH: f64 = 1.05;
+    const VOLUMES: i32 = 40;
+    const GROWTH: f64 = 1.06;
     let whole: f64 = (0..VOLUMES).map(|k| GROWTH.powi(k)).sum();
     let mut from_previous = 0.0;
     (0..VOLUMES)
