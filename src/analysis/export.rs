@@ -2,6 +2,7 @@
 //!
 //! Column names carry the unit. A missing number is an empty cell (CSV) or null (Parquet), never a zero.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -12,6 +13,7 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::conditions::{Conditions, conditions, material, nominal_voltage_v};
+use super::one_fit::SharedEstimate;
 use super::parameters::{PARAMETERS, usable};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, Estimate, Parameter, RunRecord};
@@ -149,7 +151,7 @@ pub fn rounded(table: &DataFrame) -> Result<DataFrame, ExportError> {
 
 /// One row per measured condition: numbers of runs, and per parameter how many runs determine it, their mean
 /// and their standard deviation between runs (empty for fewer than two). Fits that did not converge are left
-/// out of the parameters.
+/// out of the parameters; runs with the one parameter set of a group count as one.
 ///
 /// # Errors
 /// [`ExportError::Table`]: a fault of the program.
@@ -278,8 +280,14 @@ fn parameter_keys(runs: &[RunRecord]) -> Vec<String> {
     keys.into_iter().map(str::to_owned).collect()
 }
 
+/// Determined values of a condition's runs; one that the fit of a group gave to several of them counts once.
 fn determined(runs: &[RunRecord], indices: &[usize], key: &str) -> Vec<f64> {
-    let value = |index: &usize| usable(&runs[*index], key)?.value;
+    let mut counted = BTreeSet::new();
+    let value = |&index: &usize| {
+        let estimate = usable(&runs[index], key)?;
+        let is_new = SharedEstimate::of(&runs[index], estimate).is_none_or(|shared| counted.insert(shared));
+        estimate.value.filter(|_| is_new)
+    };
     indices.iter().filter_map(value).collect()
 }
 
@@ -380,6 +388,18 @@ mod tests {
             table.column("alpha_per_c_cm_runs").unwrap().u32().unwrap().get(0),
             Some(2)
         );
+    }
+
+    #[test]
+    fn one_parameter_set_of_a_group_counts_once() {
+        let mut runs = [10.0, 10.0, 14.0].map(|value| fitted("a", known(value, 0.1)));
+        for run in &mut runs[..2] {
+            run.fit.as_mut().unwrap().model = "lumped-2 + faradaic-leak".to_owned();
+        }
+        let table = conditions_table(&runs, &campaign()).unwrap();
+        let count = table.column("alpha_per_c_cm_runs").unwrap().u32().unwrap().get(0);
+        let mean = table.column("alpha_per_c_cm_mean").unwrap().f64().unwrap().get(0);
+        assert_eq!((count, mean), (Some(2), Some(12.0)));
     }
 
     #[test]
