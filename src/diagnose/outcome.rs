@@ -130,7 +130,8 @@ impl<'g> Shown<'_, 'g> {
         };
         if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
             let forms = self.other_forms(model);
-            found.effects = self.findings(selection, &sets, &forms);
+            found.profiles = profiles(self.group, model);
+            found.effects = self.findings(selection, &sets, &found.profiles, &forms);
             found.remarks.extend(in_words(&found.effects, &forms));
             let mut members: Vec<String> = Vec::new();
             for id in sets.iter().flatten() {
@@ -140,7 +141,6 @@ impl<'g> Shown<'_, 'g> {
             }
             found.set = members;
             found.shifts = self.shifts(model);
-            found.profiles = profiles(self.group, model);
             found.next_run = self.next_run(selection, &sets);
         }
         found.gain = selection
@@ -173,9 +173,13 @@ impl<'g> Shown<'_, 'g> {
         let parameters = model.effect_parameters(self.group);
         let strength = parameters[0].first().map(|parameter| &parameter.estimate);
         let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
-        // A logarithm never reaches none: there the gain alone decides.
+        // A logarithm never reaches none, and where a shape is sought beside the strength it can make up for any strength
+        // but none: there the gain alone decides.
         let limits = sought.limits[0];
-        limits.held || limits.logarithmic || interval.is_some_and(|(low, high)| low * high > 0.0)
+        limits.held
+            || limits.logarithmic
+            || sought.free() > 1
+            || interval.is_some_and(|(low, high)| low * high > 0.0)
     }
 
     /// Everything that does not depend on a cause.

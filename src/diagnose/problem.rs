@@ -355,6 +355,11 @@ impl<'g> Problem<'g> {
         value < self.low[k] || value > self.high[k]
     }
 
+    /// The value of coordinate `k`, or the limit that it passes.
+    pub(super) fn within(&self, k: usize, value: f64) -> f64 {
+        value.clamp(self.low[k], self.high[k])
+    }
+
     /// Whether coordinate `k` lies at a limit of the search.
     pub(super) fn at_limit(&self, k: usize, value: f64) -> bool {
         let near = 1e-6 * (self.high[k] - self.low[k]).min(1.0);

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::domain::StrengthProfile;
+use crate::domain::{Estimate, StrengthProfile};
+use crate::model::extended::ExtendedModel;
 
 use super::fitted::Fitted;
 use super::group::Group;
@@ -13,6 +14,11 @@ const AT: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 /// Evaluations of each search, from the place that the covariance expects.
 const SHORT: u64 = 6;
 const SETTLE: f64 = 0.02;
+/// Rise at the ends of a 95 % interval.
+const BOUNDS: f64 = 3.84;
+/// Where three standard errors do not reach it, steps that each go so many times farther, and how many of them.
+const FARTHER: f64 = 1.6;
+const FURTHER: usize = 9;
 
 /// Profiles of the effects whose strength is searched and has a standard error.
 pub(super) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
@@ -48,30 +54,37 @@ fn profile(
     if !(sd > 0.0 && sd.is_finite()) {
         return None;
     }
-    let sought = &fitted.problem.effects[number];
-    let below = AT.iter().rev().map(|at| -at);
-    let steps: Vec<f64> = below.chain([0.0]).chain(AT).map(|at| at * sd).collect();
-    let (mut values, mut rises) = (Vec::new(), Vec::new());
-    for step in steps {
-        let at: Vec<f64> = fitted.at.iter().zip(shift).map(|(x, s)| x + s * step).collect();
-        if fitted.problem.is_outside(place, at[place]) {
-            continue;
+    let along = Along {
+        group,
+        fitted,
+        number,
+        place,
+        shift,
+    };
+    let mut points = vec![(fitted.effect_values()[number][0], 0.0)];
+    for side in [-1.0, 1.0] {
+        let mut last: Option<Point> = None;
+        for at in AT {
+            let step = side * at * sd;
+            let is_outside = fitted.problem.is_outside(place, fitted.at[place] + step);
+            let found = (!is_outside).then(|| along.expected(step)).flatten();
+            points.extend(found.as_ref().map(Point::shown));
+            last = found.or(last);
         }
-        let model = fitted.problem.model(&at);
-        let strength = model.effects[number].parameters[0];
-        let mut all = fitted.problem.effects.clone();
-        all[number] = held(sought, &model.effects[number].parameters);
-        let problem = Problem::new(group, &model.base, all);
-        let parameters: Vec<Vec<f64>> = model.effects.iter().map(|e| e.parameters.clone()).collect();
-        let start = problem.coordinates(&model.base, &parameters);
-        let square = problem.descend(&start, SHORT, SETTLE, &[]).slope.square;
-        if !square.is_finite() {
-            continue;
+        // A valley that bends, or goes on along a limit of another parameter, is followed from where it was left.
+        let mut at = AT[AT.len() - 1];
+        for _ in 0..FURTHER {
+            let Some(before) = last.filter(|point| point.rise < BOUNDS) else {
+                break;
+            };
+            at *= FARTHER;
+            last = along.further(side * at * sd, &before);
+            points.extend(last.as_ref().map(Point::shown));
         }
-        values.push(strength);
-        rises.push((square - fitted.square).max(0.0));
     }
-    let about = sought.effect.about();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let about = fitted.problem.effects[number].effect.about();
+    let (values, rises): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
     (values.len() > 2).then(|| StrengthProfile {
         effect: about.id.to_owned(),
         key: about.parameters[0].key.to_owned(),
@@ -80,9 +93,141 @@ fn profile(
     })
 }
 
+/// The strength of one effect of a fitted model, on its way.
+struct Along<'a, 'g> {
+    group: &'a Group<'g>,
+    fitted: &'a Fitted<'g>,
+    number: usize,
+    place: usize,
+    shift: &'a [f64],
+}
+
+/// Where all else is at its best.
+struct Point {
+    model: ExtendedModel,
+    strength: f64,
+    rise: f64,
+}
+
+impl Point {
+    fn shown(&self) -> (f64, f64) {
+        (self.strength, self.rise)
+    }
+}
+
+impl Along<'_, '_> {
+    /// The rise at a step of the strength's coordinate, all else searched from where the covariance expects it.
+    fn expected(&self, step: f64) -> Option<Point> {
+        let at: Vec<f64> = (self.fitted.at.iter().zip(self.shift))
+            .map(|(x, s)| x + s * step)
+            .collect();
+        self.searched(self.fitted.problem.model(&at))
+    }
+
+    /// The same from where the search `before` ended, no further than the limit; none where that lies behind.
+    fn further(&self, step: f64, before: &Point) -> Option<Point> {
+        let problem = &self.fitted.problem;
+        let mut at = self.fitted.at.clone();
+        at[self.place] = problem.within(self.place, at[self.place] + step);
+        let strength = problem.model(&at).effects[self.number].parameters[0];
+        let mut model = ExtendedModel {
+            base: before.model.base.clone(),
+            effects: before.model.effects.clone(),
+        };
+        model.effects[self.number].parameters[0] = strength;
+        (strength != before.strength)
+            .then(|| self.searched(model))
+            .flatten()
+    }
+
+    fn searched(&self, from: ExtendedModel) -> Option<Point> {
+        let mut all = self.fitted.problem.effects.clone();
+        all[self.number] = held(&all[self.number], &from.effects[self.number].parameters);
+        let problem = Problem::new(self.group, &from.base, all);
+        let parameters: Vec<Vec<f64>> = from.effects.iter().map(|e| e.parameters.clone()).collect();
+        let start = problem.coordinates(&from.base, &parameters);
+        let bottom = problem.descend(&start, SHORT, SETTLE, &[]);
+        bottom.slope.square.is_finite().then(|| Point {
+            strength: from.effects[self.number].parameters[0],
+            rise: (bottom.slope.square - self.fitted.square).max(0.0),
+            model: problem.model(&bottom.at),
+        })
+    }
+}
+
+/// The strength with an interval that ends no sooner than its profile does: the covariance knows nothing of a valley that
+/// bends.
+pub(super) fn held_by(strength: &Estimate, profile: &StrengthProfile) -> Estimate {
+    let (Some(low), Some(high), Some(best)) = (strength.low_95, strength.high_95, strength.value) else {
+        return strength.clone();
+    };
+    let points: Vec<(f64, f64)> = (profile.values.iter().copied())
+        .zip(profile.rises.iter().copied())
+        .collect();
+    let below: Vec<(f64, f64)> = points.iter().rev().copied().filter(|(x, _)| *x <= best).collect();
+    let above: Vec<(f64, f64)> = points.into_iter().filter(|(x, _)| *x >= best).collect();
+    let (low, high) = (low.min(end(&below, best)), high.max(end(&above, best)));
+    let before = strength.high_95.unwrap_or(high) - strength.low_95.unwrap_or(low);
+    Estimate {
+        standard_error: strength.standard_error.map(|error| error * (high - low) / before),
+        low_95: Some(low),
+        high_95: Some(high),
+        ..strength.clone()
+    }
+}
+
+/// Where the rise passes that of a 95 % interval, of points that go outward from the best; the last of them where it does
+/// not.
+fn end(points: &[(f64, f64)], best: f64) -> f64 {
+    let steps = points.windows(2).find(|pair| pair[1].1 >= BOUNDS);
+    if let Some(&[(x, rise), (further, higher)]) = steps {
+        // Roots of rises go along straight lines where the profile is a parabola.
+        let part = (BOUNDS.sqrt() - rise.sqrt()) / (higher.sqrt() - rise.sqrt());
+        return x + part.clamp(0.0, 1.0) * (further - x);
+    }
+    points.last().map_or(best, |(x, _)| *x)
+}
+
 /// The effect with its strength held.
 fn held(sought: &Sought, parameters: &[f64]) -> Sought {
     let mut limits = sought.limits.clone();
     limits[0].held = true;
     Sought::new(sought.effect, sought.variant, limits, parameters)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn profile(points: &[(f64, f64)]) -> StrengthProfile {
+        let (values, rises) = points.iter().copied().unzip();
+        StrengthProfile {
+            effect: "e".to_owned(),
+            key: "k".to_owned(),
+            values,
+            rises,
+        }
+    }
+
+    #[test]
+    fn a_parabola_leaves_the_interval_and_a_bent_valley_widens_it() {
+        let strength = Estimate::determined(2.0, 0.5, 1.02, 2.98);
+        let parabola = [-1.5, -1.0, 0.0, 1.0, 1.5].map(|x| (2.0 + x, (x / 0.5) * (x / 0.5)));
+        let same = held_by(&strength, &profile(&parabola));
+        assert!((same.low_95.unwrap() - 1.02).abs() < 1e-3 && (same.high_95.unwrap() - 2.98).abs() < 1e-3);
+        let bent = [
+            (0.5, 9.0),
+            (1.0, 4.0),
+            (2.0, 0.0),
+            (3.0, 0.96),
+            (4.0, 2.0),
+            (8.0, 5.76),
+        ];
+        let wide = held_by(&strength, &profile(&bent));
+        assert!((wide.low_95.unwrap() - 1.02).abs() < 0.01, "{wide:?}");
+        assert!((4.0..8.0).contains(&wide.high_95.unwrap()), "{wide:?}");
+        assert!(wide.standard_error.unwrap() > 0.5);
+        let to_the_limit = [(0.5, 9.0), (1.0, 4.0), (2.0, 0.0), (3.0, 0.5), (5.0, 1.0)];
+        assert_eq!(held_by(&strength, &profile(&to_the_limit)).high_95, Some(5.0));
+    }
 }

@@ -5,8 +5,9 @@ use super::forms::widened;
 use crate::diagnose::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
 use crate::diagnose::fitted::Fitted;
 use crate::diagnose::problem::Problem;
+use crate::diagnose::profile::held_by;
 use crate::diagnose::select::{Selection, Step};
-use crate::domain::{EffectFinding, Parameter};
+use crate::domain::{EffectFinding, Parameter, StrengthProfile};
 
 /// A strength that is known to this part of itself is one number: a law without free strength is held against it.
 const SHARP: f64 = 0.1;
@@ -125,10 +126,18 @@ impl<'g> Shown<'_, 'g> {
         &self,
         selection: &Selection,
         sets: &[Vec<&'static str>],
+        profiles: &[StrengthProfile],
         forms: &[(&'static str, Vec<Parameter>)],
     ) -> Vec<EffectFinding> {
         let model = &selection.model;
         let mut parameters = model.effect_parameters(self.group);
+        for (sought, own) in model.problem.effects.iter().zip(&mut parameters) {
+            let id = sought.effect.about().id;
+            let profile = profiles.iter().find(|profile| profile.effect == id);
+            if let (Some(profile), Some(strength)) = (profile, own.first_mut()) {
+                strength.estimate = held_by(&strength.estimate, profile);
+            }
+        }
         if let Some(strength) = parameters.first_mut().and_then(|own| own.first_mut()) {
             strength.estimate = widened(&strength.estimate, forms);
         }
