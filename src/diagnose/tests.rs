@@ -348,3 +348,21 @@ fn what_a_strip_can_do_is_no_fault_of_the_readings() {
         None
     );
 }
+
+#[test]
+fn a_strength_that_its_threshold_makes_up_for_is_no_doubt_of_the_cause() {
+    // At 2 V 0.5 from 1.3 V on acts as 0.27 from 1 V on, and at 1 V neither does.
+    let hidden: Hidden = (
+        "threshold-relaxation",
+        None,
+        &[("steepness", 0.5), ("threshold_v", 1.3)],
+    );
+    let found = Runs::with(Some(hidden), &[STEP, HALF, REVERSED, DISCHARGED], 31).diagnosed();
+    let own = found
+        .effects
+        .iter()
+        .find(|own| own.effect == "threshold-relaxation");
+    let steepness = &own.expect("it is the cause that was fitted").parameters[0].estimate;
+    assert!(steepness.low_95.is_none_or(|low| low <= 0.5), "{steepness:?}");
+    assert!(steepness.high_95.is_none_or(|high| high >= 0.5), "{steepness:?}");
+}
