@@ -8,7 +8,8 @@ mod sets;
 use sentence::SPIKED_WORDS;
 
 use crate::domain::{
-    DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve, Verdict,
+    DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve, StrengthProfile,
+    Verdict,
 };
 
 use super::drawn::{drawn, paired};
@@ -24,6 +25,7 @@ use super::signature::{Direction, Signature};
 use super::stretch::Stretch;
 use super::words::{channel_name, whereabouts};
 use super::{DiagnoseOptions, RunInput};
+use crate::model::effects::effect;
 use crate::numerics::sums::dot;
 
 /// The simulation is called wrong below this p, and right from the second on.
@@ -130,8 +132,13 @@ impl<'g> Shown<'_, 'g> {
         };
         if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
             let forms = self.other_forms(model);
-            found.profiles = profiles(self.group, model);
-            found.effects = self.findings(selection, &sets, &found.profiles, &forms);
+            let profiles = profiles(self.group, model);
+            found.effects = self.findings(selection, &sets, &profiles, &forms);
+            let is_strength = |profile: &StrengthProfile| {
+                let about = effect(&profile.effect).map(|effect| effect.about());
+                about.is_some_and(|about| about.parameters[0].key == profile.key)
+            };
+            found.profiles = profiles.into_iter().filter(is_strength).collect();
             found.remarks.extend(in_words(&found.effects, &forms));
             let mut members: Vec<String> = Vec::new();
             for id in sets.iter().flatten() {

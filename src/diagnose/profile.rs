@@ -1,4 +1,4 @@
-//! The profile likelihood of the strength of every effect.
+//! The profile likelihood of the parameters of every effect.
 
 use rayon::prelude::*;
 
@@ -20,7 +20,7 @@ const BOUNDS: f64 = 3.84;
 const FARTHER: f64 = 1.6;
 const FURTHER: usize = 9;
 
-/// Profiles of the effects whose strength is searched and has a standard error.
+/// Profiles of every parameter of the effects that is searched and has a standard error, effect after effect.
 pub(super) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
     let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
     let inverse = slope.normal.inverse(1e-12);
@@ -28,40 +28,54 @@ pub(super) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
     let mut place = fitted.problem.base_len();
     let mut wanted = Vec::new();
     for (number, sought) in effects.iter().enumerate() {
-        if !sought.limits[0].held {
-            wanted.push((number, place));
+        for parameter in (0..sought.limits.len()).filter(|&k| !sought.limits[k].held) {
+            wanted.push(Which {
+                number,
+                parameter,
+                place,
+            });
+            place += 1;
         }
-        place += sought.free();
     }
-    let of = |(number, place): (usize, usize)| {
+    let of = |which: Which| {
+        let place = which.place;
         let sd = inverse.get(place, place).max(0.0).sqrt();
         let shift: Vec<f64> = (0..fitted.at.len())
             .map(|k| inverse.get(k, place) / (sd * sd))
             .collect();
-        profile(group, fitted, (number, place), sd, &shift)
+        profile(group, fitted, which, sd, &shift)
     };
     wanted.into_par_iter().filter_map(of).collect()
 }
 
-/// One profile; `shift` is how the other coordinates follow the strength's to first order.
-fn profile(
-    group: &Group,
-    fitted: &Fitted,
-    (number, place): (usize, usize),
-    sd: f64,
-    shift: &[f64],
-) -> Option<StrengthProfile> {
+/// A searched parameter of an effect of the model.
+#[derive(Clone, Copy)]
+struct Which {
+    /// Place of the effect in the model.
+    number: usize,
+    /// Place of the parameter in the effect.
+    parameter: usize,
+    /// Place of its coordinate.
+    place: usize,
+}
+
+/// One profile; `shift` is how the other coordinates follow the parameter's to first order.
+fn profile(group: &Group, fitted: &Fitted, which: Which, sd: f64, shift: &[f64]) -> Option<StrengthProfile> {
     if !(sd > 0.0 && sd.is_finite()) {
         return None;
     }
     let along = Along {
         group,
         fitted,
-        number,
-        place,
+        which,
         shift,
     };
-    let mut points = vec![(fitted.effect_values()[number][0], 0.0)];
+    let Which {
+        number,
+        parameter,
+        place,
+    } = which;
+    let mut points = vec![(fitted.effect_values()[number][parameter], 0.0)];
     for side in [-1.0, 1.0] {
         let mut last: Option<Point> = None;
         for at in AT {
@@ -87,36 +101,35 @@ fn profile(
     let (values, rises): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
     (values.len() > 2).then(|| StrengthProfile {
         effect: about.id.to_owned(),
-        key: about.parameters[0].key.to_owned(),
+        key: about.parameters[parameter].key.to_owned(),
         values,
         rises,
     })
 }
 
-/// The strength of one effect of a fitted model, on its way.
+/// One parameter of a fitted model, on its way.
 struct Along<'a, 'g> {
     group: &'a Group<'g>,
     fitted: &'a Fitted<'g>,
-    number: usize,
-    place: usize,
+    which: Which,
     shift: &'a [f64],
 }
 
 /// Where all else is at its best.
 struct Point {
     model: ExtendedModel,
-    strength: f64,
+    value: f64,
     rise: f64,
 }
 
 impl Point {
     fn shown(&self) -> (f64, f64) {
-        (self.strength, self.rise)
+        (self.value, self.rise)
     }
 }
 
 impl Along<'_, '_> {
-    /// The rise at a step of the strength's coordinate, all else searched from where the covariance expects it.
+    /// The rise at a step of the parameter's coordinate, all else searched from where the covariance expects it.
     fn expected(&self, step: f64) -> Option<Point> {
         let at: Vec<f64> = (self.fitted.at.iter().zip(self.shift))
             .map(|(x, s)| x + s * step)
@@ -127,52 +140,58 @@ impl Along<'_, '_> {
     /// The same from where the search `before` ended, no further than the limit; none where that lies behind.
     fn further(&self, step: f64, before: &Point) -> Option<Point> {
         let problem = &self.fitted.problem;
+        let Which {
+            number,
+            parameter,
+            place,
+        } = self.which;
         let mut at = self.fitted.at.clone();
-        at[self.place] = problem.within(self.place, at[self.place] + step);
-        let strength = problem.model(&at).effects[self.number].parameters[0];
+        at[place] = problem.within(place, at[place] + step);
+        let value = problem.model(&at).effects[number].parameters[parameter];
         let mut model = ExtendedModel {
             base: before.model.base.clone(),
             effects: before.model.effects.clone(),
         };
-        model.effects[self.number].parameters[0] = strength;
-        (strength != before.strength)
-            .then(|| self.searched(model))
-            .flatten()
+        model.effects[number].parameters[parameter] = value;
+        (value != before.value).then(|| self.searched(model)).flatten()
     }
 
     fn searched(&self, from: ExtendedModel) -> Option<Point> {
+        let Which {
+            number, parameter, ..
+        } = self.which;
         let mut all = self.fitted.problem.effects.clone();
-        all[self.number] = held(&all[self.number], &from.effects[self.number].parameters);
+        all[number] = held(&all[number], parameter, &from.effects[number].parameters);
         let problem = Problem::new(self.group, &from.base, all);
         let parameters: Vec<Vec<f64>> = from.effects.iter().map(|e| e.parameters.clone()).collect();
         let start = problem.coordinates(&from.base, &parameters);
         let bottom = problem.descend(&start, SHORT, SETTLE, &[]);
         bottom.slope.square.is_finite().then(|| Point {
-            strength: from.effects[self.number].parameters[0],
+            value: from.effects[number].parameters[parameter],
             rise: (bottom.slope.square - self.fitted.square).max(0.0),
             model: problem.model(&bottom.at),
         })
     }
 }
 
-/// The strength with an interval that ends no sooner than its profile does: the covariance knows nothing of a valley that
+/// The estimate with an interval that ends no sooner than its profile does: the covariance knows nothing of a valley that
 /// bends.
-pub(super) fn held_by(strength: &Estimate, profile: &StrengthProfile) -> Estimate {
-    let (Some(low), Some(high), Some(best)) = (strength.low_95, strength.high_95, strength.value) else {
-        return strength.clone();
+pub(super) fn held_by(estimate: &Estimate, profile: &StrengthProfile) -> Estimate {
+    let (Some(low), Some(high), Some(best)) = (estimate.low_95, estimate.high_95, estimate.value) else {
+        return estimate.clone();
     };
+    let before = high - low;
     let points: Vec<(f64, f64)> = (profile.values.iter().copied())
         .zip(profile.rises.iter().copied())
         .collect();
     let below: Vec<(f64, f64)> = points.iter().rev().copied().filter(|(x, _)| *x <= best).collect();
     let above: Vec<(f64, f64)> = points.into_iter().filter(|(x, _)| *x >= best).collect();
     let (low, high) = (low.min(end(&below, best)), high.max(end(&above, best)));
-    let before = strength.high_95.unwrap_or(high) - strength.low_95.unwrap_or(low);
     Estimate {
-        standard_error: strength.standard_error.map(|error| error * (high - low) / before),
+        standard_error: estimate.standard_error.map(|error| error * (high - low) / before),
         low_95: Some(low),
         high_95: Some(high),
-        ..strength.clone()
+        ..estimate.clone()
     }
 }
 
@@ -188,10 +207,10 @@ fn end(points: &[(f64, f64)], best: f64) -> f64 {
     points.last().map_or(best, |(x, _)| *x)
 }
 
-/// The effect with its strength held.
-fn held(sought: &Sought, parameters: &[f64]) -> Sought {
+/// The effect with that parameter held.
+fn held(sought: &Sought, parameter: usize, parameters: &[f64]) -> Sought {
     let mut limits = sought.limits.clone();
-    limits[0].held = true;
+    limits[parameter].held = true;
     Sought::new(sought.effect, sought.variant, limits, parameters)
 }
 

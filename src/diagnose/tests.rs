@@ -362,7 +362,10 @@ fn a_strength_that_its_threshold_makes_up_for_is_no_doubt_of_the_cause() {
         .effects
         .iter()
         .find(|own| own.effect == "threshold-relaxation");
-    let steepness = &own.expect("it is the cause that was fitted").parameters[0].estimate;
-    assert!(steepness.low_95.is_none_or(|low| low <= 0.5), "{steepness:?}");
-    assert!(steepness.high_95.is_none_or(|high| high >= 0.5), "{steepness:?}");
+    let own = own.expect("it is the cause that was fitted");
+    for (parameter, truth) in own.parameters.iter().zip([0.5, 1.3]) {
+        let estimate = &parameter.estimate;
+        assert!(estimate.low_95.is_none_or(|low| low <= truth), "{parameter:?}");
+        assert!(estimate.high_95.is_none_or(|high| high >= truth), "{parameter:?}");
+    }
 }

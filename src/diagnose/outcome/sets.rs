@@ -133,9 +133,12 @@ impl<'g> Shown<'_, 'g> {
         let mut parameters = model.effect_parameters(self.group);
         for (sought, own) in model.problem.effects.iter().zip(&mut parameters) {
             let id = sought.effect.about().id;
-            let profile = profiles.iter().find(|profile| profile.effect == id);
-            if let (Some(profile), Some(strength)) = (profile, own.first_mut()) {
-                strength.estimate = held_by(&strength.estimate, profile);
+            for parameter in own {
+                let is_its =
+                    |profile: &&StrengthProfile| profile.effect == id && profile.key == parameter.key;
+                if let Some(profile) = profiles.iter().find(is_its) {
+                    parameter.estimate = held_by(&parameter.estimate, profile);
+                }
             }
         }
         if let Some(strength) = parameters.first_mut().and_then(|own| own.first_mut()) {
