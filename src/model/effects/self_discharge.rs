@@ -35,8 +35,10 @@ impl Effect for SelfDischarge {
         let Some(slowest) = scale.base.branches.last() else {
             return Search::none();
         };
-        let most = 0.5 / slowest.resistance_ohm_cm2;
-        Search::over(0.01 * most, vec![Limits::linear(0.0, most)], &[])
+        // The plateau falls to a third. The base model alone takes a strong leak for a larger resistance: what is twice
+        // as large as a strip could bear by its own is within the limit.
+        let most = 2.0 / slowest.resistance_ohm_cm2;
+        Search::over(0.0025 * most, vec![Limits::linear(0.0, most)], &[])
     }
 
     fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
