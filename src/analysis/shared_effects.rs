@@ -7,13 +7,15 @@ use super::laws::words::{round, short};
 use super::pooling::{Averaging, Pooled, Repeat, pooled};
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, EffectFinding, FromOthers, GroupDiagnosis, RunRecord};
-use crate::model::effects::{Effect, effect};
 use crate::numerics::chance::chi_square_chance;
 
 /// Samples whose numbers differ by more than chance would have it in fewer cases than this have numbers of their own.
 const OWN_BELOW: f64 = 0.05;
 /// What a strength of its own must lower the sum of squares by to count: chance gives more in 1 of 100.
 const OWN_STRENGTH: f64 = 6.63;
+
+/// Key of the parameter that tells in which run of the group an effect acts.
+const RUN: &str = "run";
 
 /// An effect that was accepted in groups of at least two samples of one material.
 #[derive(Debug, Clone, PartialEq)]
@@ -208,8 +210,7 @@ fn by_effect<'a>(
         let (Some(&sample), Some(finding)) = (sample, one.effects.first()) else {
             continue;
         };
-        // Two samples whose foil cracked share no instant.
-        if effect(&finding.effect).is_some_and(Effect::is_an_accident) {
+        if is_of_one_run(finding) {
             continue;
         }
         let material = campaign
@@ -225,6 +226,11 @@ fn by_effect<'a>(
             });
     }
     carriers
+}
+
+/// Whether it happened to one run of its group, as a foil cracks: samples do not share that.
+fn is_of_one_run(finding: &EffectFinding) -> bool {
+    finding.parameters.iter().any(|parameter| parameter.key == RUN)
 }
 
 fn samples<'a>(carriers: &[Carrier<'a>]) -> Vec<&'a str> {
@@ -351,6 +357,10 @@ mod tests {
         let (mut found, runs, campaign) = three();
         for one in &mut found {
             one.effects[0].effect = "contact-break".to_owned();
+            one.effects[0].parameters.push(Parameter {
+                key: "run".to_owned(),
+                estimate: known(1.0, 0.0),
+            });
         }
         assert_eq!(shared_effects(&found, &runs, &campaign), []);
     }

@@ -94,10 +94,6 @@ impl Effect for ContactBreak {
         }
     }
 
-    fn is_an_accident(&self) -> bool {
-        true
-    }
-
     fn acts_in(&self, parameters: &[f64], run: usize) -> bool {
         parameters[2].round() as usize == run
     }

@@ -75,11 +75,6 @@ pub trait Effect: Sync {
         true
     }
 
-    /// Whether it happens to one run, at an instant of it, and says nothing of another sample.
-    fn is_an_accident(&self) -> bool {
-        false
-    }
-
     /// Puts it into the system of a run. `parameters` are in the order of [`About::parameters`].
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System);
 }
