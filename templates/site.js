@@ -1,8 +1,8 @@
 // What a page gains where scripts run: readouts, zoom with linked axes, series that can be hidden, points grouped and
 // filtered by tags, tables that sort and filter, runs found by typing. Every page is complete without it.
 //
-// Numbers are read back from the drawn shapes: a panel is <g data-f="left top right bottom" data-x="scale low high"
-// data-y="...">, a series <g data-s="name" data-r="runs">. Scales: 0 linear, 1 logarithm, 2 seconds since 1970 UTC,
+// Numbers are read back from the drawn shapes: a panel is <g data-f="left top right bottom">, an axis in it <g class="axes"
+// data-x="scale low high"> or data-y, a series <g data-s="name" data-r="runs">. Scales: 0 linear, 1 logarithm, 2 seconds since 1970 UTC,
 // 3 names, 4 time about a step (with its unit and the positions per second before it). Runs are indices in runs.js, which is loaded when it is first needed.
 "use strict";
 (() => {
@@ -59,9 +59,9 @@
     runsLoaded ??= new Promise((resolve) => {
       const script = make("script", { src: root + "runs.js" });
       const done = () => {
-        const index = window.ieapRuns || { keys: [], values: [], runs: [] };
-        resolve(index.runs.map(([name, page, ...tags]) => {
-          const run = { name, href: root + "runs/" + page + ".html", tags: {} };
+        const index = window.ieapRuns || { keys: [], values: [], pages: [], runs: [] };
+        resolve(index.runs.map(([name, place, page, ...tags]) => {
+          const run = { name, place, href: root + "runs/" + index.pages[page] + ".html" + (place && "#" + place), tags: {} };
           tags.forEach((at, k) => { if (at >= 0) run.tags[index.keys[k]] = index.values[k][at]; });
           run.text = (name + " " + Object.entries(run.tags).map(([key, value]) => key + "=" + value).join(" ")).toLowerCase();
           return run;
@@ -146,7 +146,7 @@
       else return;
       event.preventDefault();
     });
-    document.addEventListener("click", (event) => { if (!event.target.closest(".finder")) close(); });
+    document.addEventListener("click", (event) => { if (!event.target.closest(".finder") || event.target.closest("#found-runs a")) close(); });
     document.addEventListener("keydown", (event) => {
       const typing = event.target.closest?.("input, select, textarea, [contenteditable]");
       if (event.key === "/" && !typing && !event.ctrlKey && !event.metaKey) { input.focus(); event.preventDefault(); }
@@ -163,6 +163,7 @@
     const asRead = (cell) => {
       const copy = cell.cloneNode(true);
       copy.querySelectorAll("sup").forEach((mark) => mark.remove());
+      copy.querySelectorAll("br").forEach((end) => { while (end.nextSibling) end.nextSibling.remove(); });
       return copy.textContent.trim();
     };
     let visible = rows, limit = rows.length > 2 * AT_ONCE ? AT_ONCE : Infinity;
@@ -318,17 +319,22 @@
   const titleParts = (title) => /^(.*?)(?: \(([^()]*)\))?$/.exec(title || "");
   class Panel {
     constructor(element, chart) {
-      // An axis that is not stated is that of the panel before.
-      const numbers = (name) => (element.dataset[name] ??= element.previousElementSibling.dataset[name]).split(" ").map(Number);
+      // Axes state their ranges; a panel without one across shows that of the figure's first, if it states no other.
+      const axis = (name) => element.querySelector(`.axes[data-${name}]`) || chart.svg.querySelector(`.axes[data-${name}]`);
+      const numbers = (name) => (element.dataset[name] ??= axis(name).dataset[name]).split(" ").map(Number);
       this.element = element;
       this.chart = chart;
       [this.left, this.top, this.right, this.bottom] = numbers("f");
-      const axis = ([scale, low, high, unit, before]) => ({ scale, low, high, unit, before });
-      this.x = axis(numbers("x"));
-      this.y = axis(numbers("y"));
+      const range = ([scale, low, high, unit, before]) => ({ scale, low, high, unit, before });
+      this.x = range(numbers("x"));
+      this.y = range(numbers("y"));
       this.view = null;
-      this.axes = element.querySelector(".axes");
-      const own = [...element.querySelectorAll(":scope > text")];
+      // Titles stay where they are while lines and labels are drawn anew.
+      const own = [...element.querySelectorAll(":scope > text, .axis")];
+      element.append(...own);
+      const [axes, ...more] = element.querySelectorAll(".axes");
+      more.forEach((other) => { axes.append(...other.childNodes); other.remove(); });
+      this.axes = axes;
       const upward = own.find((text) => text.matches(".up"));
       [, this.quantity, this.unit = ""] = titleParts(upward?.textContent);
       const across = own.filter((text) => !text.matches(".up")).find((text) => Math.abs(Number(text.getAttribute("x")) - (this.left + this.right) / 2) < 40);
@@ -811,6 +817,18 @@
     }
   };
 
+  // An axis that stands in another chart and is shown again: each chart gets its own, to be drawn anew alone.
+  document.querySelectorAll("main use").forEach((use) => {
+    const own = document.querySelector(use.getAttribute("href")).cloneNode(true);
+    own.removeAttribute("id");
+    use.replaceWith(own);
+  });
+  // A link to a run of this page's group that has gone to another page since.
+  const place = location.hash.slice(1);
+  const moved = async () => {
+    const run = (await runs()).find((run) => run.place === place);
+    if (run) location.replace(run.href);
+  };
   finder();
   document.querySelectorAll("main table").forEach(sortable);
   document.querySelectorAll("main svg.figure").forEach((svg) => new Chart(svg));
@@ -818,4 +836,7 @@
   films();
   byTags();
   follow();
+  // What was added above has moved the place that the address names.
+  if (place && document.getElementById(place)) document.getElementById(place).scrollIntoView();
+  else if (place && document.querySelector(".of-run, h1.run-name")) moved();
 })();

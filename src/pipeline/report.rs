@@ -88,7 +88,9 @@ fn write_fresh(
     std::fs::create_dir_all(fresh).map_err(failed(fresh, "making the report's folder"))?;
     observer.begin("rendering", input.runs.len() as u64);
     let curves = PageCurves::new(&context.store, &input.runs, &context.campaign);
-    let rendered = report::render(input, &curves, fresh, &|done, _| observer.reach(done as u64))?;
+    // Several runs share a page; progress is told in runs.
+    let reach = |done: usize, pages: usize| observer.reach((done * input.runs.len() / pages.max(1)) as u64);
+    let rendered = report::render(input, &curves, fresh, &reach)?;
     observer.end();
     std::fs::write(fresh.join(STAMP), stamp).map_err(failed(fresh, "stamping the report"))?;
     sync(fresh);

@@ -5,7 +5,7 @@
 //! holds a `<`.
 
 /// Elements beside which white space is not seen. A link is not among them: the blank between two of them is.
-const BLOCKS: [&str; 36] = [
+const BLOCKS: [&str; 37] = [
     "!doctype",
     "html",
     "head",
@@ -22,6 +22,7 @@ const BLOCKS: [&str; 36] = [
     "h1",
     "h2",
     "h3",
+    "h4",
     "p",
     "ul",
     "ol",

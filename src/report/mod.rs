@@ -2,6 +2,7 @@
 //! nothing is fitted here.
 
 mod compact;
+mod drawn_runs;
 pub mod error;
 pub mod figures;
 pub mod input;
@@ -9,6 +10,7 @@ pub mod number;
 pub mod pages;
 pub mod prints;
 pub mod run_index;
+pub mod run_pages;
 mod shared_axes;
 pub mod site;
 pub mod slug;

@@ -20,7 +20,8 @@ const MATERIAL: &str = "material";
 /// Longest value taken in, characters: notes are not for grouping.
 const LONGEST: usize = 60;
 
-/// `window.ieapRuns = {"keys": [...], "values": [[...]], "runs": [[name, page, place of the value of each key or -1]]}`.
+/// `window.ieapRuns = {"keys": [...], "values": [[...]], "pages": [...], "runs": [[name, place on its page, page, place of
+/// the value of each key or -1]]}`; a page of one run has no places.
 pub fn run_index(site: &Site) -> String {
     let tags: Vec<BTreeMap<&str, String>> = site.input.runs.iter().map(|run| tags_of(site, run)).collect();
     let keys: BTreeSet<&str> = tags.iter().flat_map(|tags| tags.keys().copied()).collect();
@@ -40,7 +41,12 @@ pub fn run_index(site: &Site) -> String {
             Some(value) => json!(values.binary_search(&value.as_str()).unwrap_or(0)),
             None => json!(-1),
         };
-        let head = [json!(one_line(site.run_name(run))), json!(site.run_slug(run))];
+        let page = site.page_of_run(run);
+        let anchor = match site.run_pages[page].runs.len() {
+            1 => "",
+            _ => site.run_slug(run),
+        };
+        let head = [json!(one_line(site.run_name(run))), json!(anchor), json!(page)];
         Value::Array(
             head.into_iter()
                 .chain(keys.iter().zip(&values).map(place))
@@ -48,7 +54,8 @@ pub fn run_index(site: &Site) -> String {
         )
     };
     let runs: Vec<Value> = tags.iter().enumerate().map(row).collect();
-    let index = json!({ "keys": keys, "values": values, "runs": runs });
+    let pages: Vec<&str> = site.run_pages.iter().map(|page| page.slug.as_str()).collect();
+    let index = json!({ "keys": keys, "values": values, "pages": pages, "runs": runs });
     format!("window.ieapRuns={index};\n")
 }
 

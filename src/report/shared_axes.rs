@@ -1,38 +1,40 @@
-//! Figures of a page that share an axis: grid, ticks and labels that are the same to the byte stand in the page once, and
-//! the other figures show them again (SVG `use`). The panels of a run's responses have their time and their residuals in
-//! common, which is a tenth of its page.
+//! Figures of a page that share an axis: grid, ticks, labels and title that are the same to the byte stand in the page
+//! once, and the other figures show them again (SVG `use`). The runs of a page have their time and their residuals in
+//! common, which is a tenth of it.
 
 use std::collections::HashMap;
 
-/// How axes begin in a page whose attributes have no quotes they do not need.
-const AXES: &str = "<g class=axes>";
+/// How an axis begins in a page whose attributes have no quotes they do not need; its range follows.
+const AXIS: &str = "<g class=axes";
+const END: &str = "</g>";
 /// Fewer bytes than this are not worth naming.
-const WORTH_BYTES: usize = 100;
+const WORTH_BYTES: usize = 60;
 
-/// The same page, in which axes that stand there again are shown again.
+/// The same page, in which an axis that stands there again is shown again.
 pub fn share(html: &str) -> String {
     let mut counts: HashMap<&str, usize> = HashMap::new();
-    for (_, content) in axes(html) {
-        *counts.entry(content).or_default() += 1;
+    for (_, axis) in axes(html) {
+        *counts.entry(axis).or_default() += 1;
     }
     let mut names: HashMap<&str, usize> = HashMap::new();
     let mut out = String::with_capacity(html.len());
     let mut copied = 0;
-    for (start, content) in axes(html) {
-        if counts[content] < 2 || content.len() < WORTH_BYTES {
+    for (start, axis) in axes(html) {
+        if counts[axis] < 2 || axis.len() < WORTH_BYTES {
             continue;
         }
         let next = names.len() + 1;
-        out.push_str(&html[copied..start - AXES.len()]);
+        out.push_str(&html[copied..start]);
         copied = start;
-        match names.get(content) {
+        match names.get(axis) {
             Some(name) => {
-                out.push_str(&format!("{AXES}<use href=\"#axes-{name}\"/>"));
-                copied += content.len();
+                out.push_str(&format!("<use href=\"#axis-{name}\"/>"));
+                copied += axis.len();
             }
             None => {
-                out.push_str(&format!("<g class=axes id=\"axes-{next}\">"));
-                names.insert(content, next);
+                out.push_str(&format!("{AXIS} id=\"axis-{next}\""));
+                copied += AXIS.len();
+                names.insert(axis, next);
             }
         }
     }
@@ -40,11 +42,12 @@ pub fn share(html: &str) -> String {
     out
 }
 
-/// Where the content of each axes begins, and that content.
+/// Where each axis begins, and all of it.
 fn axes(html: &str) -> impl Iterator<Item = (usize, &str)> {
-    html.match_indices(AXES).filter_map(|(at, _)| {
-        let start = at + AXES.len();
-        Some((start, &html[start..start + length(&html[start..])?]))
+    html.match_indices(AXIS).filter_map(|(at, _)| {
+        let inner = at + AXIS.len();
+        let end = inner + length(&html[inner..])? + END.len();
+        Some((at, &html[at..end]))
     })
 }
 
@@ -55,7 +58,7 @@ fn length(text: &str) -> Option<usize> {
         let tag = &text[at..];
         if tag.starts_with("<g ") || tag.starts_with("<g>") {
             open += 1;
-        } else if tag.starts_with("</g>") {
+        } else if tag.starts_with(END) {
             open -= 1;
         }
         if open == 0 {
@@ -84,7 +87,7 @@ mod tests {
         assert_eq!(
             share(&page),
             format!(
-                "<p><g class=axes id=\"axes-1\">{time}</g>a<g class=axes>{other}</g>b<g class=axes><use href=\"#axes-1\"/></g>c<g class=axes><use href=\"#axes-1\"/></g>d"
+                "<p><g class=axes id=\"axis-1\">{time}</g>a<g class=axes>{other}</g>b<use href=\"#axis-1\"/>c<use href=\"#axis-1\"/>d"
             )
         );
     }

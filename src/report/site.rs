@@ -1,4 +1,4 @@
-//! Writes the site: every page of the list, a page per run, the style sheet and the tables beside them.
+//! Writes the site: every page of the list, the pages of the runs, the style sheet and the tables beside them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,14 +8,16 @@ use serde_json::{Map, Value, json};
 use tera::{Kwargs, State, Tera};
 
 use super::compact::{compact, without_comments};
+use super::drawn_runs::{ToDraw, batches, to_draw};
 use super::error::ReportError;
 use super::figures::svg::dot_markers;
 use super::input::Input;
 use super::pages::{
-    Content, FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, finding_content, run_content,
+    Content, FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, STRIP_TEMPLATE, finding_content, run_page_content,
     strip_content,
 };
 use super::run_index::{self, run_index};
+use super::run_pages::{RunPage, run_pages};
 use super::shared_axes::share;
 use super::slug::slugs;
 use super::visible::{indexed, write_escaped};
@@ -24,7 +26,7 @@ use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::{
     Conditions, TableFormat, conditions, conditions_table, fits_wide, rounded, write_table,
 };
-use crate::domain::{ClimateCurve, CurveSource, RunCurve};
+use crate::domain::CurveSource;
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,6 +49,10 @@ pub struct Site<'a> {
     pub facts: Vec<RunFacts>,
     /// Pages that the site has once, in the order of the navigation.
     pub pages: Vec<&'static Page>,
+    /// Pages of the runs.
+    pub run_pages: Vec<RunPage>,
+    /// Of each run the index of its page.
+    pages_of_runs: Vec<usize>,
     slugs: Vec<String>,
     finding_slugs: Vec<String>,
 }
@@ -54,8 +60,15 @@ pub struct Site<'a> {
 impl<'a> Site<'a> {
     /// Sorts the runs of `input` into conditions and names their pages.
     pub fn new(input: &'a Input) -> Site<'a> {
+        let run_pages = run_pages(input);
+        let mut pages_of_runs = vec![0; input.runs.len()];
+        for (index, page) in run_pages.iter().enumerate() {
+            page.runs.iter().for_each(|&run| pages_of_runs[run] = index);
+        }
         Site {
             input,
+            run_pages,
+            pages_of_runs,
             conditions: conditions(&input.runs, &input.campaign),
             facts: facts(&input.runs, &input.campaign, &[]),
             pages: PAGES.iter().filter(|page| (page.is_shown)(input)).collect(),
@@ -64,9 +77,23 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Address of a run's page, relative to the site's root.
+    /// Address of a run, relative to the site's root: its page, and its place there where others stand on it.
     pub fn run_href(&self, run: usize) -> String {
-        format!("runs/{}.html", self.slugs[run])
+        let page = self.page_of_run(run);
+        match self.run_pages[page].runs.len() {
+            1 => self.run_page_href(page),
+            _ => format!("{}#{}", self.run_page_href(page), self.slugs[run]),
+        }
+    }
+
+    /// Index of a run's page.
+    pub fn page_of_run(&self, run: usize) -> usize {
+        self.pages_of_runs[run]
+    }
+
+    /// Address of a page of runs, relative to the site's root.
+    pub fn run_page_href(&self, page: usize) -> String {
+        format!("runs/{}.html", self.run_pages[page].slug)
     }
 
     /// Address of the page that shows a run along its strip, relative to the site's root.
@@ -74,7 +101,7 @@ impl<'a> Site<'a> {
         format!("along/{}.html", self.slugs[run])
     }
 
-    /// Name of a run's page, without folder and ending.
+    /// What stands for a run in addresses: its place on its page, and the name of the page along its strip.
     pub fn run_slug(&self, run: usize) -> &str {
         &self.slugs[run]
     }
@@ -106,9 +133,6 @@ impl<'a> Site<'a> {
     }
 }
 
-/// Run pages made at a time: enough for every core, few enough that only their curves are in memory.
-const BATCH: usize = 32;
-
 /// Writes the whole site into `out_dir`, which is made where it is missing.
 ///
 /// `progress` hears how many of how many pages are done. Curves are asked for on the calling thread, so that
@@ -132,7 +156,7 @@ pub fn render(
     if strips > 0 {
         make_folder(&out_dir.join("along"))?;
     }
-    let total = pages.len() + groups + input.runs.len() + strips;
+    let total = pages.len() + groups + site.run_pages.len() + strips;
     let mut bytes = write(&out_dir.join("style.css"), &without_comments(STYLE))?;
     bytes += write(&out_dir.join("site.js"), &without_comments(SCRIPT))?;
     bytes += write(&out_dir.join(run_index::FILE), &run_index(&site))?;
@@ -150,10 +174,9 @@ pub fn render(
         bytes += sizes?.iter().sum::<u64>();
         progress(pages.len() + groups, total);
     }
-    for first in (0..input.runs.len()).step_by(BATCH) {
-        let batch = first..input.runs.len().min(first + BATCH);
+    for batch in batches(&site.run_pages) {
         let drawn: Result<Vec<ToDraw>, ReportError> =
-            batch.clone().map(|run| curves_of(input, run, curves)).collect();
+            batch.clone().map(|page| to_draw(&site, page, curves)).collect();
         let page = |drawn: &ToDraw| run_page(&templates, &site, drawn, out_dir);
         let sizes: Result<Vec<u64>, ReportError> = drawn?.par_iter().map(page).collect();
         bytes += sizes?.iter().sum::<u64>();
@@ -196,32 +219,15 @@ fn templates() -> Result<Tera, ReportError> {
     Ok(tera)
 }
 
-/// A run's page before it is drawn: number of the run, its curves, the climate around it.
-type ToDraw = (usize, Vec<RunCurve>, Vec<ClimateCurve>);
-
-fn curves_of(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<ToDraw, ReportError> {
-    let record = &input.runs[run];
-    let failed = |reason| ReportError::Curves {
-        run: record.path.clone(),
-        reason,
-    };
-    let climate = match record.climate.is_empty() {
-        true => Vec::new(),
-        false => curves.climate_curves(record.id).map_err(failed)?,
-    };
-    Ok((run, curves.curves(record.id).map_err(failed)?, climate))
-}
-
 fn run_page(
     templates: &Tera,
     site: &Site,
-    (run, drawn, climate): &ToDraw,
+    (page, drawn): &ToDraw,
     out_dir: &Path,
 ) -> Result<u64, ReportError> {
-    let run = *run;
-    let content = run_content(site, run, drawn, climate)?;
-    let html = filled(templates, site, "run.html", site.run_name(run), content)?;
-    write(&out_dir.join(site.run_href(run)), &html)
+    let content = run_page_content(site, *page, drawn)?;
+    let html = filled(templates, site, "run.html", &site.run_page_title(*page), content)?;
+    write(&out_dir.join(site.run_page_href(*page)), &html)
 }
 
 /// The pages of runs that are read along the strip, one after the other: they are few, and their curves large.

@@ -1,7 +1,7 @@
 //! What the pages say, as text: goldens of the contexts that the templates print.
 
 use ieap::domain::CurveSource;
-use ieap::report::pages::{PAGES, finding_content, run_content};
+use ieap::report::pages::{Content, DrawnRun, PAGES, finding_content, run_page_content};
 use ieap::report::{Input, Site};
 use serde_json::Value;
 
@@ -14,13 +14,30 @@ fn page(input: &Input, file: &str) -> Value {
     (page.content)(&Site::new(input)).expect("its content").context
 }
 
-fn run_page(input: &Input, run: usize) -> Value {
-    let curves = MadeUpCurves::of(input)
-        .curves(input.runs[run].id)
-        .expect("curves");
-    run_content(&Site::new(input), run, &curves, &[])
-        .expect("its content")
-        .context
+/// The page on which a run stands.
+fn page_of_run(input: &Input, run: usize) -> Content {
+    let site = Site::new(input);
+    let source = MadeUpCurves::of(input);
+    let page = site.page_of_run(run);
+    let drawn = |&run: &usize| DrawnRun {
+        run,
+        curves: source.curves(input.runs[run].id).expect("curves"),
+        climate: vec![],
+    };
+    let drawn: Vec<DrawnRun> = site.run_pages[page].runs.iter().map(drawn).collect();
+    run_page_content(&site, page, &drawn).expect("its content")
+}
+
+/// A run on its page.
+fn run_section(input: &Input, run: usize) -> Value {
+    let name = Site::new(input).run_name(run).to_owned();
+    let page = page_of_run(input, run).context;
+    let sections = page["runs"].as_array().expect("runs").iter();
+    sections
+        .into_iter()
+        .find(|section| section["name"] == name.as_str())
+        .expect("the run")
+        .clone()
 }
 
 #[test]
@@ -70,10 +87,20 @@ fn overview_and_comparison_of_a_campaign_with_currents_only() {
 #[test]
 fn runs_fitted_revised_hostile_and_untagged() {
     let input = troubled_input();
-    insta::assert_json_snapshot!("run_not_converged", run_page(&input, 0));
-    insta::assert_json_snapshot!("run_revised", run_page(&input, 2));
-    insta::assert_json_snapshot!("run_hostile", run_page(&input, 18));
-    insta::assert_json_snapshot!("run_untagged", run_page(&input, 19));
+    insta::assert_json_snapshot!("run_not_converged", run_section(&input, 0));
+    insta::assert_json_snapshot!("run_revised", run_section(&input, 2));
+    insta::assert_json_snapshot!("run_hostile", run_section(&input, 18));
+    insta::assert_json_snapshot!("run_untagged", page_of_run(&input, 19).context);
+}
+
+#[test]
+fn runs_of_a_group_stand_side_by_side_and_share_what_they_have_in_common() {
+    let input = troubled_input();
+    let mut page = page_of_run(&input, 0).context;
+    let runs = page["runs"].as_array_mut().expect("runs");
+    assert_eq!(runs.len(), 3);
+    runs.truncate(1);
+    insta::assert_json_snapshot!("runs_of_a_group", page);
 }
 
 #[test]
@@ -95,6 +122,6 @@ fn findings_of_a_campaign_and_of_its_groups() {
 fn climate_of_three_sensors_and_of_a_run() {
     let input = climate_input();
     insta::assert_json_snapshot!("climate", page(&input, "climate.html"));
-    insta::assert_json_snapshot!("climate_of_a_run", run_page(&input, 6)["climate"]);
+    insta::assert_json_snapshot!("climate_of_a_run", run_section(&input, 6)["climate"]);
     insta::assert_json_snapshot!("climate_without_logs", page(&troubled_input(), "climate.html"));
 }

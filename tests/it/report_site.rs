@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use ieap::report::pages::PAGES;
-use ieap::report::{Input, render};
+use ieap::report::{Input, Site, render};
 
 use super::report_fixture::{MadeUpCurves, current_only_input, input, troubled_input};
 
@@ -57,20 +57,20 @@ fn every_internal_link_leads_somewhere() {
     for input in all_inputs() {
         let files = site(&input);
         for (name, html) in files.iter().filter(|(name, _)| name.ends_with(".html")) {
-            let ids = attributes(html, "id");
             for href in attributes(html, "href")
                 .into_iter()
                 .chain(attributes(html, "src"))
             {
-                if let Some(anchor) = href.strip_prefix('#') {
-                    assert!(ids.contains(&anchor), "{name}: {href}");
-                    continue;
-                }
-                let from_root = match name.starts_with("runs/") {
-                    true => href.strip_prefix("../").expect("run pages link through the root"),
-                    false => href,
+                let (file, anchor) = href.split_once('#').unwrap_or((href, ""));
+                let file = match (file, name.starts_with("runs/")) {
+                    ("", _) => name,
+                    (file, true) => file.strip_prefix("../").expect("run pages link through the root"),
+                    (file, false) => file,
                 };
-                assert!(files.contains_key(from_root), "{name}: {href}");
+                let there = files.get(file);
+                let there = there.unwrap_or_else(|| panic!("{name}: {href}"));
+                let found = anchor.is_empty() || attributes(there, "id").contains(&anchor);
+                assert!(found, "{name}: {href}");
             }
         }
     }
@@ -194,7 +194,7 @@ fn the_same_input_gives_the_same_bytes_at_any_number_of_threads() {
 }
 
 #[test]
-fn a_page_of_a_run_stays_small() {
+fn a_run_on_a_page_stays_small() {
     for (name, html) in site(&input(&["CNaf"], 1))
         .iter()
         .filter(|(name, _)| name.starts_with("runs/"))
@@ -204,9 +204,54 @@ fn a_page_of_a_run_stays_small() {
             .filter(|svg| svg.contains(" class=figure>"))
             .filter_map(|rest| rest.split("</svg>").next())
             .collect();
-        assert_eq!(figures.len(), 2, "{name}");
+        assert_eq!(figures.len(), 6, "{name}");
         assert!(figures.iter().all(|svg| svg.len() < 3_000), "{name}");
-        assert!(html.len() < 10_000, "{name}: {} bytes", html.len());
+        assert!(html.len() < 3 * 8_000, "{name}: {} bytes", html.len());
+    }
+}
+
+#[test]
+fn every_run_stands_on_one_page_and_its_links_lead_to_it() {
+    for input in all_inputs() {
+        let files = site(&input);
+        let site = Site::new(&input);
+        for run in 0..input.runs.len() {
+            let href = site.run_href(run);
+            let (file, anchor) = href.split_once('#').unwrap_or((&href, ""));
+            let page = &files[file];
+            let anchored = attributes(page, "id").contains(&site.run_slug(run));
+            assert_eq!(anchored, !anchor.is_empty(), "{href}");
+            let name = ieap::report::visible::escaped(site.run_name(run));
+            let level = if anchor.is_empty() {
+                "h1 class=run-name"
+            } else {
+                "h2"
+            };
+            assert!(page.contains(&format!("<{level}>{name}</")), "{href}");
+            let on: usize = site
+                .run_pages
+                .iter()
+                .map(|page| page.runs.iter().filter(|&&on| on == run).count())
+                .sum();
+            assert_eq!(on, 1, "{href}");
+        }
+    }
+}
+
+#[test]
+fn a_large_group_goes_on_to_further_pages_that_lead_to_each_other() {
+    let input = input(&["CNaf"], 8);
+    let files = site(&input);
+    let site = Site::new(&input);
+    let parts: Vec<usize> = site.run_pages.iter().map(|page| page.runs.len()).collect();
+    assert_eq!(parts, [8; 9]);
+    for (index, page) in site.run_pages.iter().enumerate() {
+        let html = &files[&site.run_page_href(index)];
+        assert_eq!(html.matches(" rel=prev").count(), usize::from(page.part > 1));
+        assert_eq!(
+            html.matches(" rel=next").count(),
+            usize::from(page.part < page.parts)
+        );
     }
 }
 
@@ -234,7 +279,7 @@ fn progress_ends_with_everything_done() {
     assert_eq!(seen.borrow().last(), Some(&(rendered.pages, rendered.pages)));
     assert!(seen.borrow().windows(2).all(|pair| pair[0].0 < pair[1].0));
     let once = PAGES.iter().filter(|page| (page.is_shown)(&input)).count();
-    assert_eq!(rendered.pages, once + input.runs.len());
+    assert_eq!(rendered.pages, once + Site::new(&input).run_pages.len());
 }
 
 #[test]

@@ -20,8 +20,14 @@ pub enum Group {
         /// Vertical axis.
         y: Span,
     },
-    /// Grid, ticks and their labels: what is drawn anew when a panel shows another range.
-    Axes,
+    /// One axis, vertical or horizontal: grid or line, ticks, their labels and the title. Its lines and labels are drawn
+    /// anew when a panel shows another range.
+    Axes {
+        /// Whether it is the horizontal one.
+        level: bool,
+        /// The range that it shows.
+        span: Span,
+    },
     /// One series.
     Series {
         /// What readouts call it; empty for what has no numbers to read, as a band or a limit.

@@ -61,55 +61,65 @@ pub fn panel<'a, 'b>(
         .build_cartesian_2d(x.low..x.high, y.low..y.high)
         .map_err(|error| error.to_string())?;
     open_panel(&mut chart, x, y)?;
-    grouped(&mut chart, Group::Axes, |chart| axes(chart, x, y, x_labels))?;
-    let middle_y = 0.5 * (y.low + y.high);
-    let rotated = ("sans-serif", TITLE_SIZE * TENTHS)
-        .into_font()
-        .transform(FontTransform::Rotate270)
-        .color(&Ink::Text.color())
-        .pos(Pos::new(HPos::Center, VPos::Top));
-    if !y.title.is_empty() {
-        let left = -(margins.left as i32) + 2;
-        label(&mut chart, (x.low, middle_y), (left, 0), &y.title, &rotated)?;
-    }
-    if x_labels && !x.title.is_empty() {
-        let title = text_style(Ink::Text, TITLE_SIZE, HPos::Center, VPos::Top);
-        label(
-            &mut chart,
-            (0.5 * (x.low + x.high), y.low),
-            (0, 24),
-            &x.title,
-            &title,
-        )?;
+    let axis = |level: bool, axis: &Axis| Group::Axes {
+        level,
+        span: axis.into(),
+    };
+    grouped(&mut chart, axis(false, y), |chart| upright(chart, x, y, margins))?;
+    if x_labels {
+        grouped(&mut chart, axis(true, x), |chart| level(chart, x, y))?;
     }
     Ok(chart)
 }
 
-/// Grid lines, the line at the bottom, tick marks and tick labels.
-fn axes(chart: &mut Chart, x: &Axis, y: &Axis, x_labels: bool) -> Result<(), String> {
+/// The vertical axis: grid lines, their labels and the title.
+fn upright(chart: &mut Chart, x: &Axis, y: &Axis, margins: Margins) -> Result<(), String> {
     let grid = y.ticks.iter().map(|tick| {
         let across = vec![(x.low, tick.at), (x.high, tick.at)];
         PathElement::new(across, Ink::Grid.color().stroke_width(10))
     });
     chart.draw_series(grid).map_err(|error| error.to_string())?;
-    let bottom = vec![(x.low, y.low), (x.high, y.low)];
-    let muted = Ink::Muted.color().stroke_width(10);
-    let bottom = x_labels.then(|| PathElement::new(bottom, muted));
-    chart.draw_series(bottom).map_err(|error| error.to_string())?;
-    let marks =
-        x.ticks.iter().filter(|_| x_labels).map(|tick| {
-            EmptyElement::at((tick.at, y.low)) + PathElement::new([(0, 0), (0, 4 * TENTHS)], muted)
-        });
-    chart.draw_series(marks).map_err(|error| error.to_string())?;
     let right = text_style(Ink::Muted, TICK_SIZE, HPos::Right, VPos::Center);
     for tick in y.ticks.iter().filter(|tick| !tick.label.is_empty()) {
         label(chart, (x.low, tick.at), (-6, 0), &tick.label, &right)?;
     }
+    if y.title.is_empty() {
+        return Ok(());
+    }
+    let rotated = ("sans-serif", TITLE_SIZE * TENTHS)
+        .into_font()
+        .transform(FontTransform::Rotate270)
+        .color(&Ink::Text.color())
+        .pos(Pos::new(HPos::Center, VPos::Top));
+    let left = -(margins.left as i32) + 2;
+    label(
+        chart,
+        (x.low, 0.5 * (y.low + y.high)),
+        (left, 0),
+        &y.title,
+        &rotated,
+    )
+}
+
+/// The horizontal axis: its line with tick marks, their labels and the title.
+fn level(chart: &mut Chart, x: &Axis, y: &Axis) -> Result<(), String> {
+    let muted = Ink::Muted.color().stroke_width(10);
+    let bottom = PathElement::new(vec![(x.low, y.low), (x.high, y.low)], muted);
+    chart.draw_series([bottom]).map_err(|error| error.to_string())?;
+    let marks = x
+        .ticks
+        .iter()
+        .map(|tick| EmptyElement::at((tick.at, y.low)) + PathElement::new([(0, 0), (0, 4 * TENTHS)], muted));
+    chart.draw_series(marks).map_err(|error| error.to_string())?;
     let below = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
-    for tick in x.ticks.iter().filter(|tick| x_labels && !tick.label.is_empty()) {
+    for tick in x.ticks.iter().filter(|tick| !tick.label.is_empty()) {
         label(chart, (tick.at, y.low), (0, 7), &tick.label, &below)?;
     }
-    Ok(())
+    if x.title.is_empty() {
+        return Ok(());
+    }
+    let title = text_style(Ink::Text, TITLE_SIZE, HPos::Center, VPos::Top);
+    label(chart, (0.5 * (x.low + x.high), y.low), (0, 24), &x.title, &title)
 }
 
 /// Pixels per unit of the positions in `chart`.

@@ -125,8 +125,8 @@ impl Drawing<'_> {
     fn residuals(&self, area: &Area) -> Result<(), String> {
         let residuals = &self.curve.residual_sigma;
         let (low, high) = range(residuals.iter().copied());
-        let reach = 1.05 * low.abs().max(high.abs()).max(3.0);
-        let y = Axis::linear(-reach, reach, "Residual / σ", "", 4);
+        let reach = 1.05 * rounded_up(low.abs().max(high.abs()));
+        let y = Axis::linear(-reach, reach, "Residual / σ", "", 5);
         let mut chart = panel(area, margins(true), self.x, &y, true)?;
         series(&mut chart, "", |chart| {
             let zero = [(self.x.low, 0.0), (self.x.high, 0.0)];
@@ -162,6 +162,17 @@ impl Drawing<'_> {
             }
         }
     }
+}
+
+/// The next of few numbers, 3 at least: residuals of runs that stand beside each other have one axis.
+fn rounded_up(sigmas: f64) -> f64 {
+    if !sigmas.is_finite() || sigmas <= 3.0 {
+        return 3.0;
+    }
+    let decade = 10f64.powf(sigmas.log10().floor());
+    let steps = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+    let step = steps.into_iter().find(|step| step * decade >= sigmas);
+    step.unwrap_or(10.0) * decade
 }
 
 fn margins(x_labels: bool) -> Margins {
@@ -301,6 +312,12 @@ mod tests {
             let drawn = response(&curve(450, true), view, "t", "d").unwrap().unwrap();
             assert!(drawn.len() < 3_500, "{} bytes", drawn.len());
         }
+    }
+
+    #[test]
+    fn residuals_have_one_of_few_ranges() {
+        let rounded = [0.4, 3.1, 4.0, 6.2, 9.0, 11.0, 99.0, f64::NEG_INFINITY].map(rounded_up);
+        assert_eq!(rounded, [3.0, 4.0, 4.0, 8.0, 10.0, 12.0, 100.0, 3.0]);
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub fn inline(drawing: &Drawing, title: &str, desc: &str) -> String {
         out: String::new(),
         waiting: None,
         in_panel: false,
-        across: None,
+        across: level_span(&drawing.shapes),
         form: 0,
         dot_unit: 1,
         group: None,
@@ -126,7 +126,7 @@ struct Body {
     out: String,
     waiting: Option<Waiting>,
     in_panel: bool,
-    /// Horizontal axis of the last panel; it is not stated again where the next has the same.
+    /// What the first horizontal axis of the figure shows: panels that state nothing else show the same.
     across: Option<Span>,
     form: usize,
     /// Canvas units per unit of the dots' path data.
@@ -175,12 +175,14 @@ impl Body {
         }
     }
 
-    /// Ends the innermost group; one of a single element is that element.
+    /// Ends the innermost group; a series of a single element is that element.
     fn close(&mut self) {
         let Some((start, attributes)) = self.group.take() else {
             return;
         };
-        if self.out[start..].starts_with("<path") && self.out[start..].matches('<').count() == 1 {
+        let is_series = attributes.starts_with(" data-s");
+        if is_series && self.out[start..].starts_with("<path") && self.out[start..].matches('<').count() == 1
+        {
             return self.out.insert_str(start + "<path".len(), &attributes);
         }
         self.out.insert_str(start, &format!("<g{attributes}>"));
@@ -191,22 +193,23 @@ impl Body {
         self.flush();
         // Writing to a String cannot fail.
         let _ = match group {
-            Group::Panel { frame, x, y } => {
+            Group::Panel { frame, x, .. } => {
                 let [left, top, right, bottom] = frame;
                 let ends = if self.in_panel { "</g>" } else { "" };
                 self.in_panel = true;
-                let across = match self.across.replace(*x) == Some(*x) {
+                let across = match self.across == Some(*x) {
                     true => String::new(),
                     false => format!(" data-x=\"{}\"", span(x)),
                 };
                 write!(
                     self.out,
-                    "{ends}<g data-f=\"{left} {top} {right} {bottom}\"{across} data-y=\"{}\">",
-                    span(y)
+                    "{ends}<g data-f=\"{left} {top} {right} {bottom}\"{across}>"
                 )
             }
-            Group::Axes => {
-                self.group = Some((self.out.len(), " class=\"axes\"".to_owned()));
+            Group::Axes { level, span: shown } => {
+                let which = if *level { "x" } else { "y" };
+                let attributes = format!(" class=\"axes\" data-{which}=\"{}\"", span(shown));
+                self.group = Some((self.out.len(), attributes));
                 Ok(())
             }
             Group::Series {
@@ -378,6 +381,14 @@ impl Body {
             self.out.push_str("</g>");
         }
     }
+}
+
+/// The range of the first horizontal axis among `shapes`.
+fn level_span(shapes: &[Shape]) -> Option<Span> {
+    shapes.iter().find_map(|shape| match shape {
+        Shape::Open(Group::Axes { level: true, span }) => Some(*span),
+        _ => None,
+    })
 }
 
 fn same(one: BackendColor, other: BackendColor) -> bool {

@@ -19,6 +19,11 @@ pub mod run;
 pub mod run_climate;
 pub mod run_clocks;
 mod run_evidence;
+pub mod run_figures;
+pub mod run_fit;
+pub mod run_page;
+pub mod run_tables;
+mod run_tags;
 pub mod strip;
 pub mod table5;
 pub mod wording;
@@ -34,7 +39,8 @@ use super::site::Site;
 use crate::analysis::comparison::against::Against;
 
 pub use finding::content as finding_content;
-pub use run::content as run_content;
+pub use run::DrawnRun;
+pub use run_page::content as run_page_content;
 pub use strip::content as strip_content;
 
 /// What a page shows: formatted text, and figures apart, so that goldens of the text stay readable.
@@ -223,7 +229,7 @@ pub const PAGES: [Page; 17] = [
     },
 ];
 
-/// Template of the pages that every run has.
+/// Template of the pages of runs.
 pub const RUN_TEMPLATE: &str = include_str!("../../../templates/pages/run.html");
 /// Template of the pages of runs that are read along the strip.
 pub const STRIP_TEMPLATE: &str = include_str!("../../../templates/pages/strip.html");

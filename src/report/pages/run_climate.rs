@@ -1,4 +1,4 @@
-//! The climate panel of a run's page.
+//! The climate panel of a run.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ struct ClimateRow {
     chosen: bool,
 }
 
-/// The panel; none where no log says anything of the run.
+/// The panel, whose figure goes to `figures` as `id`; none where no log says anything of the run.
 ///
 /// # Errors
 /// [`ReportError::Figure`]: a fault of the program.
@@ -40,6 +40,7 @@ pub fn climate_panel(
     record: &RunRecord,
     curves: &[ClimateCurve],
     name: &str,
+    id: String,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Option<ClimatePanel>, ReportError> {
     if record.climate.is_empty() {
@@ -48,7 +49,6 @@ pub fn climate_panel(
     let firsts = record.channels.iter().filter_map(|channel| channel.first_time_s);
     let lasts = record.channels.iter().filter_map(|channel| channel.last_time_s);
     let length_s = lasts.fold(0.0, f64::max) - firsts.fold(0.0, f64::min);
-    let id = "climate".to_owned();
     let title = format!("Climate around {name}");
     let desc = "Readings of the sensors that speak for the run; the time of the run is shaded.";
     let drawn = around_run(curves, length_s, &title, desc);

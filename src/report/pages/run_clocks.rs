@@ -9,15 +9,6 @@ use crate::report::number::{plain, significant};
 /// Flagged stretches that are listed.
 const FLAGS: usize = 12;
 
-/// One clock.
-#[derive(Debug, Serialize)]
-pub struct ClockRow {
-    file: String,
-    time: String,
-    stamp: String,
-    reading: String,
-}
-
 /// One offset.
 #[derive(Debug, Serialize)]
 pub struct OffsetRow {
@@ -63,20 +54,21 @@ pub fn format(record: &RunRecord) -> String {
     }
 }
 
-/// The clocks in the order of the files.
-pub fn clocks(record: &RunRecord) -> Vec<ClockRow> {
-    let row = |clock: &RunClock| ClockRow {
-        file: clock.file.clone(),
-        time: time(clock),
-        stamp: clock
-            .stamp
-            .as_ref()
-            .map_or("no date in the file".to_owned(), |stamp| {
-                format!("{} ({})", stamp.raw, kind(stamp.kind))
-            }),
-        reading: clock.stamp.as_ref().map_or(String::new(), read_as),
+/// The clocks in the order of the files: `time_s [s]; no date in the file`, and the file where there are several.
+pub fn clocks(record: &RunRecord) -> Vec<String> {
+    let clocks = &record.origin.clocks;
+    let line = |clock: &RunClock| {
+        let stamp = clock.stamp.as_ref();
+        let stated = stamp.map_or("no date in the file".to_owned(), |stamp| {
+            format!("{} ({}); {}", stamp.raw, kind(stamp.kind), read_as(stamp))
+        });
+        let file = match clocks.len() {
+            1 => String::new(),
+            _ => format!(" ({})", clock.file),
+        };
+        format!("{}; {stated}{file}", time(clock))
     };
-    record.origin.clocks.iter().map(row).collect()
+    clocks.iter().map(line).collect()
 }
 
 fn time(clock: &RunClock) -> String {

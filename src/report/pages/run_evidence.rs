@@ -1,10 +1,10 @@
-//! What a run rests on: tags, channels, drive, files, versions, history.
+//! What a run rests on: channels, drive, files, versions, history.
 
 use serde::Serialize;
 
-use super::run_clocks::{self as clocks, ClockRow, FlagRow, OffsetRow};
+use super::run_clocks::{self as clocks, FlagRow, OffsetRow};
 use super::wording::{in_unit, moment, voltage_label};
-use crate::domain::{ChannelSummary, Drive, Level, Quantity, RunRecord, RunStatus};
+use crate::domain::{ChannelSummary, Drive, Level, Quantity, RunCurve, RunRecord, RunStatus};
 use crate::report::number::{plain, significant};
 use crate::report::site::Site;
 
@@ -14,39 +14,29 @@ const SEGMENTS: usize = 6;
 /// Digits of a hash that pages show.
 const HASH_DIGITS: usize = 16;
 
-/// The lower half of a run's page.
+/// What a run rests on, apart from its tags and channels.
 #[derive(Debug, Serialize)]
 pub struct Evidence {
-    status: String,
-    drive: String,
-    tags: Vec<TagGroup>,
-    channels: Vec<ChannelRow>,
-    clocks: Vec<ClockRow>,
+    /// Each with what it is a fact of.
+    pub facts: Vec<Fact>,
     offsets: Vec<OffsetRow>,
     flags: Vec<FlagRow>,
     files: Vec<FileRow>,
-    facts: Vec<(String, String)>,
     history: Vec<Revision>,
 }
 
-/// Tags that one source states.
-#[derive(Debug, Serialize)]
-struct TagGroup {
-    origin: String,
-    detail: String,
-    /// Whether stronger sources overruled them.
-    overruled: bool,
-    /// Keys with their values.
-    tags: Vec<(String, String)>,
-}
+/// `Drive`, `from 0 V: 2.5 V at 0 s`
+pub type Fact = (String, String);
 
-#[derive(Debug, Serialize)]
-struct ChannelRow {
-    quantity: String,
-    raw: String,
-    readings: String,
-    times: String,
-    values: String,
+/// A channel in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChannelText {
+    /// Quantity.
+    pub quantity: String,
+    /// Name and unit in the file, number of readings, times.
+    pub what: String,
+    /// `from −2.70 µA to 560 µA`, or the first and the last reading where the extremes are not known.
+    pub range: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -68,18 +58,10 @@ struct Revision {
 /// Gathers the evidence of `record`.
 pub fn evidence(site: &Site, record: &RunRecord) -> Evidence {
     Evidence {
-        status: status(record),
-        drive: record
-            .drive
-            .as_ref()
-            .map_or_else(|| "not known".to_owned(), drive_text),
-        tags: tags(record),
-        channels: record.channels.iter().map(channel).collect(),
-        clocks: clocks::clocks(record),
+        facts: facts(record),
         offsets: clocks::offsets(record),
         flags: clocks::flags(record),
         files: record.files.iter().map(file).collect(),
-        facts: facts(record),
         history: history(site, record),
     }
 }
@@ -120,59 +102,52 @@ fn drive_text(drive: &Drive) -> String {
     )
 }
 
-/// The tags by source, in stored order; after the first of a key, others are overruled, and left out where they say the
-/// same.
-fn tags(record: &RunRecord) -> Vec<TagGroup> {
-    let mut groups: Vec<TagGroup> = Vec::new();
-    for (index, tag) in record.tags.iter().enumerate() {
-        let ruling = record.tags[..index].iter().find(|earlier| earlier.key == tag.key);
-        if ruling.is_some_and(|ruling| ruling.value == tag.value) {
-            continue;
-        }
-        let overruled = ruling.is_some();
-        let origin = tag.source.label();
-        let pair = (tag.key.clone(), tag.value.clone());
-        let alike = |group: &&mut TagGroup| {
-            (group.origin.as_str(), group.detail.as_str(), group.overruled)
-                == (origin, tag.detail.as_str(), overruled)
-        };
-        match groups.iter_mut().find(alike) {
-            Some(group) => group.tags.push(pair),
-            None => groups.push(TagGroup {
-                origin: origin.to_owned(),
-                detail: tag.detail.clone(),
-                overruled,
-                tags: vec![pair],
-            }),
-        }
-    }
-    groups.sort_by_key(|group| group.overruled);
-    groups
+/// The channels of `record`; extremes come from its drawn curves, which keep them.
+pub fn channels(record: &RunRecord, curves: &[RunCurve]) -> Vec<ChannelText> {
+    record
+        .channels
+        .iter()
+        .map(|channel| channel_text(channel, curves))
+        .collect()
 }
 
-fn channel(channel: &ChannelSummary) -> ChannelRow {
+fn channel_text(channel: &ChannelSummary, curves: &[RunCurve]) -> ChannelText {
     let unit = channel.quantity.unit();
-    let between = |first: Option<f64>, last: Option<f64>, unit: &str| match (first, last) {
-        (Some(first), Some(last)) => format!("{} … {}", in_unit(first, unit), in_unit(last, unit)),
-        _ => "–".to_owned(),
+    let shown = |value: f64| in_unit(value, unit);
+    let raw = match channel.raw_unit.is_empty() {
+        true => channel.raw_name.clone(),
+        false => format!("{} [{}]", channel.raw_name, channel.raw_unit),
     };
     let excluded = match channel.excluded {
         0 => String::new(),
         excluded => format!(", {excluded} left out"),
     };
-    ChannelRow {
+    let times = match (channel.first_time_s, channel.last_time_s) {
+        (Some(first), Some(last)) => format!(", {} … {}", in_unit(first, "s"), in_unit(last, "s")),
+        _ => String::new(),
+    };
+    let drawn = curves
+        .iter()
+        .find(|curve| curve.quantity == channel.quantity && channel.position_mm.is_none());
+    let range = match (drawn.and_then(extremes), channel.first, channel.last) {
+        (Some((low, high)), ..) => format!("from {} to {}", shown(low), shown(high)),
+        (None, Some(first), Some(last)) => format!("first {}, last {}", shown(first), shown(last)),
+        _ => String::new(),
+    };
+    ChannelText {
         quantity: match channel.quantity {
             Quantity::Other => "kept as it is".to_owned(),
             quantity => quantity.label().to_owned(),
         },
-        raw: match channel.raw_unit.is_empty() {
-            true => channel.raw_name.clone(),
-            false => format!("{} [{}]", channel.raw_name, channel.raw_unit),
-        },
-        readings: format!("{}{excluded}", channel.readings),
-        times: between(channel.first_time_s, channel.last_time_s, "s"),
-        values: between(channel.first, channel.last, unit),
+        what: format!("{raw}, {} readings{excluded}{times}", channel.readings),
+        range,
     }
+}
+
+/// The smallest and the largest reading of a curve: thinning keeps both.
+fn extremes(curve: &RunCurve) -> Option<(f64, f64)> {
+    let finite = || curve.measured.iter().copied().filter(|value| value.is_finite());
+    Some((finite().reduce(f64::min)?, finite().reduce(f64::max)?))
 }
 
 fn file(file: &crate::domain::RunFile) -> FileRow {
@@ -196,18 +171,22 @@ fn size(bytes: u64) -> String {
     }
 }
 
-fn facts(record: &RunRecord) -> Vec<(String, String)> {
+fn facts(record: &RunRecord) -> Vec<Fact> {
+    let drive = record.drive.as_ref();
     let mut facts = vec![
+        ("Ended", status(record)),
+        ("Drive", drive.map_or_else(|| "not known".to_owned(), drive_text)),
         ("Format", clocks::format(record)),
-        ("Taken in", moment(&record.ingested_at)),
-        ("Data hash", short_hash(&record.data_hash)),
     ];
     if let Some(technique) = &record.technique {
-        facts.insert(1, ("Technique", technique.clone()));
+        facts.push(("Technique", technique.clone()));
     }
     if let Some(area_cm2) = record.area_cm2 {
-        facts.insert(1, ("Active area", format!("{} cm²", significant(area_cm2, 3))));
+        facts.push(("Active area", format!("{} cm²", significant(area_cm2, 3))));
     }
+    facts.push(("Taken in", moment(&record.ingested_at)));
+    facts.push(("Data hash", short_hash(&record.data_hash)));
+    facts.extend(clocks::clocks(record).into_iter().map(|clock| ("Times", clock)));
     facts
         .into_iter()
         .map(|(key, value)| (key.to_owned(), value))
