@@ -835,8 +835,8 @@
   legends();
   films();
   byTags();
-  follow();
   // What was added above has moved the place that the address names.
   if (place && document.getElementById(place)) document.getElementById(place).scrollIntoView();
   else if (place && document.querySelector(".of-run, h1.run-name")) moved();
+  follow();
 })();

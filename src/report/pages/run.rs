@@ -53,7 +53,8 @@ pub struct RunSection {
     pub alone: String,
     /// The page of the group that it was diagnosed in.
     pub group: Option<RunLink>,
-    issues: Vec<IssueText>,
+    /// What is to be known of it, errors first.
+    pub issues: Vec<IssueText>,
     climate: Option<ClimatePanel>,
     /// What it rests on.
     pub evidence: Evidence,

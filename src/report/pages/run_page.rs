@@ -11,8 +11,9 @@ use super::run_evidence::{ChannelText, Fact, channels};
 use super::run_fit::r_squared;
 use super::run_tables::{ParametersTable, RunsTable, parameters_table, runs_table};
 use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
-use super::wording::{RunLink, counted};
+use super::wording::{IssueText, RunLink, counted};
 use crate::analysis::conditions::material;
+use crate::domain::Severity;
 use crate::report::error::ReportError;
 use crate::report::site::Site;
 
@@ -35,6 +36,8 @@ struct Page {
     diagnosis: Option<RunLink>,
     table: Option<RunsTable>,
     parameters: Option<ParametersTable>,
+    /// What is to be known of all of them.
+    issues: Vec<IssueText>,
     drawn: String,
     runs: Vec<RunSection>,
     facts: Vec<Fact>,
@@ -65,6 +68,7 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         diagnosis: None,
         table: several.then(|| runs_table(site, &runs)),
         parameters: several.then(|| parameters_table(site, &runs)).flatten(),
+        issues: Vec::new(),
         drawn: String::new(),
         runs: sections?,
         facts: Vec::new(),
@@ -96,13 +100,18 @@ impl Page {
     fn say_once(&mut self, site: &Site, drawn: &[DrawnRun]) {
         for (section, drawn) in self.runs.iter_mut().zip(drawn) {
             section.condition = own_condition(site, drawn.run);
-            section.remarks = remarks(section);
+            // What an issue says already is not said again.
+            let mut remarks = remarks(section);
+            let told = |reason: &str| section.issues.iter().any(|issue| issue.message.contains(reason));
+            remarks.retain(|(_, reason)| !told(reason));
+            section.remarks = remarks;
             section.parameters.clear();
         }
         let runs = &mut self.runs;
         self.facts = taken(runs, |section| &mut section.fit);
         self.facts
             .extend(taken(runs, |section| &mut section.evidence.facts));
+        self.issues = taken_notes(runs);
         if runs.iter().all(|section| section.drawn == runs[0].drawn) {
             self.drawn = std::mem::take(&mut runs[0].drawn);
             runs.iter_mut().for_each(|section| section.drawn.clear());
@@ -144,8 +153,11 @@ impl Page {
     }
 }
 
-/// Takes the facts that all sections have.
-fn taken(sections: &mut [RunSection], of: impl Fn(&mut RunSection) -> &mut Vec<Fact>) -> Vec<Fact> {
+/// Takes what all sections have.
+fn taken<T: Clone + PartialEq>(
+    sections: &mut [RunSection],
+    of: impl Fn(&mut RunSection) -> &mut Vec<T>,
+) -> Vec<T> {
     let mut common = of(&mut sections[0]).clone();
     for section in sections.iter_mut().skip(1) {
         let own = of(section);
@@ -157,7 +169,20 @@ fn taken(sections: &mut [RunSection], of: impl Fn(&mut RunSection) -> &mut Vec<F
     common
 }
 
-/// `R₁ and C₁`: what is said of them.
+/// Takes the notes that all sections have. Warnings and errors stay with each run: who comes for one must not miss them.
+fn taken_notes(sections: &mut [RunSection]) -> Vec<IssueText> {
+    let note = Severity::Note.key();
+    let mut common = sections[0].issues.clone();
+    common.retain(|issue| {
+        issue.severity == note && sections.iter().all(|section| section.issues.contains(issue))
+    });
+    for section in sections {
+        section.issues.retain(|issue| !common.contains(issue));
+    }
+    common
+}
+
+/// `R₁, C₁`: what is said of them.
 fn remarks(section: &RunSection) -> Vec<Fact> {
     let mut said: Vec<Fact> = Vec::new();
     for row in section
