@@ -139,7 +139,7 @@ fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_consi
         .split("href=\"")
         .find(|rest| rest.starts_with("runs/leaky"))
         .unwrap();
-    let run = folder.report(run.split('"').next().unwrap());
+    let run = folder.report(run.split(['"', '#']).next().unwrap());
     assert_eq!(finding_links(&run).len(), 1, "the run leads to its group");
 
     let again = folder.ieap(&["diagnose", "--json"]).expect(0);

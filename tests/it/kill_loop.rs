@@ -57,7 +57,7 @@ fn check(folder: &CampaignFolder) {
         for link in index
             .split("href=\"runs/")
             .skip(1)
-            .filter_map(|rest| rest.split('"').next())
+            .filter_map(|rest| rest.split(['"', '#']).next())
         {
             assert!(folder.join("report/runs").join(link).exists(), "{link}");
         }
