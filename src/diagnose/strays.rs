@@ -72,6 +72,9 @@ fn strays(group: &Group, model: &ExtendedModel) -> Vec<Found> {
 fn look(group: &Group, model: &ExtendedModel, run: usize, kind: usize) -> Option<Looked> {
     let own = &group.runs[run];
     let channel = own.channels[kind].as_ref().filter(|c| c.len() >= ENOUGH)?;
+    if is_held(channel.values()) {
+        return None;
+    }
     let responses = model.responses(&own.context(run, None), own.times(0), own.times(1));
     let fitted = [responses.current_a, responses.curvature_per_cm];
     let pairs = channel.values().iter().zip(&fitted[kind]);
@@ -86,6 +89,13 @@ fn look(group: &Group, model: &ExtendedModel, run: usize, kind: usize) -> Option
             .map(|edge_s| time_s.partition_point(|t| t < edge_s))
             .collect(),
     })
+}
+
+/// Whether at least half of the readings repeat the one before: an instrument that holds its readings, or whose steps are
+/// coarser than the noise. What differs from its neighbours is then the next step, and no stray.
+fn is_held(values: &[f64]) -> bool {
+    let repeated = values.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    2 * repeated >= values.len()
 }
 
 /// How far each value is off the means of pairs of its neighbours, in robust spreads of the same differences; of the four
@@ -194,6 +204,14 @@ mod tests {
         (0..n)
             .map(|k| (k as f64 * 1.7).sin() * (k as f64 * 0.37).cos())
             .collect()
+    }
+
+    #[test]
+    fn readings_in_steps_are_held_and_a_scatter_is_not() {
+        let stairs: Vec<f64> = (0..300).map(|k| (-f64::from(k / 3) / 40.0).exp()).collect();
+        assert!(is_held(&stairs) && !is_held(&scatter(300)));
+        let rounded: Vec<f64> = scatter(300).iter().map(|v| (v / 0.5).round()).collect();
+        assert!(!is_held(&rounded));
     }
 
     fn looked(values: &[f64], edges: &[usize]) -> Looked {
