@@ -21,6 +21,9 @@ const OTHER_EDGES: usize = 3;
 const BEYOND_USUAL: f64 = 2.0;
 /// Looks at a channel, each with the strays of the one before left out: of neighbours only the farthest one goes.
 const LOOKS: usize = 6;
+/// Part of a channel's readings that are strays at most: where more stand off, as under the bubbles of an electrolysis, the
+/// noise is of that kind.
+const MOST: f64 = 0.03;
 /// Pairs of neighbours that tell what a reading should be. A stray beside another one is off two pairs at least, a good
 /// reading between two strays off one.
 const PAIRS: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 1), (2, 2)];
@@ -28,16 +31,18 @@ const PAIRS: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 1), (2, 2)];
 /// The group without its strays; none where there are none.
 pub(super) fn without<'a>(group: &Group<'a>, model: &ExtendedModel) -> Option<Group<'a>> {
     let mut cleaned = group.clone();
-    for look in 0..LOOKS {
+    for _ in 0..LOOKS {
         let found = strays(&cleaned, model);
         if found.iter().all(|(_, _, strays)| strays.is_empty()) {
-            return (look > 0).then_some(cleaned);
+            break;
         }
         for (run, kind, strays) in found {
             cleaned.leave_out(run, kind, &strays);
         }
     }
-    Some(cleaned)
+    cleaned.give_back(group);
+    let left_out = |group: &Group| group.runs.iter().flat_map(|run| run.spikes).sum::<usize>();
+    (left_out(&cleaned) > left_out(group)).then_some(cleaned)
 }
 
 /// Run, kind of channel, and its strays in rising order.
@@ -176,7 +181,21 @@ fn is_at_every_edge(own: &Looked, k: usize, all: &[Looked]) -> bool {
     others.len() < OTHER_EDGES || own.off[k] < BEYOND_USUAL * usual
 }
 
-impl Group<'_> {
+impl<'a> Group<'a> {
+    /// Takes channels back from before, of which more was left out than outliers are.
+    fn give_back(&mut self, before: &Group<'a>) {
+        for (own, before) in self.runs.iter_mut().zip(&before.runs) {
+            for kind in 0..QUANTITIES.len() {
+                let left = own.channels[kind].as_ref().map_or(0, WhitenedChannel::len);
+                if own.spikes[kind] as f64 > MOST * (left + own.spikes[kind]) as f64 {
+                    own.channels[kind].clone_from(&before.channels[kind]);
+                    own.spikes[kind] = before.spikes[kind];
+                }
+            }
+        }
+        self.blocks = Group::blocks(&self.runs);
+    }
+
     /// Leaves those readings out of a channel, where enough others remain.
     fn leave_out(&mut self, run: usize, kind: usize, strays: &[usize]) {
         let own = &mut self.runs[run];
