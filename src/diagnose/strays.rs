@@ -218,11 +218,31 @@ impl<'a> Group<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::tests::Runs;
 
     fn scatter(n: usize) -> Vec<f64> {
         (0..n)
             .map(|k| (k as f64 * 1.7).sin() * (k as f64 * 0.37).cos())
             .collect()
+    }
+
+    #[test]
+    fn a_channel_of_which_more_would_go_than_outliers_are_is_kept_whole() {
+        let runs = Runs::with(None, &[&[(0.0, 2.0)]], 3);
+        let inputs = runs.inputs();
+        let whole = Group::new(&inputs);
+        let without = |count: usize| {
+            let mut cleaned = whole.clone();
+            cleaned.leave_out(0, 0, &(100..100 + count).collect::<Vec<_>>());
+            cleaned.give_back(&whole);
+            let left = cleaned.runs[0].channels[0]
+                .as_ref()
+                .map_or(0, WhitenedChannel::len);
+            (left, cleaned.runs[0].spikes[0])
+        };
+        let (all, _) = without(0);
+        assert_eq!(without(10), (all - 10, 10));
+        assert_eq!(without(30), (all, 0));
     }
 
     #[test]
