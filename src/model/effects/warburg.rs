@@ -40,6 +40,7 @@ static ABOUT: About = About {
 const ALONE: usize = 5;
 /// ... further ones form groups that begin with these and end before the next; the last holds all the rest.
 const GROUPS: [usize; 6] = [6, 9, 14, 23, 40, 72];
+
 /// Part of the capacitance and time over tau of the n-th term.
 fn term(n: usize) -> (f64, f64) {
     let square = ((n as f64 - 0.5) * std::f64::consts::PI).powi(2);
