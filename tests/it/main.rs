@@ -35,6 +35,7 @@ mod next_runs;
 mod prints;
 mod random_strips;
 mod real_campaigns;
+mod real_findings;
 mod rendered;
 mod report_fixture;
 mod report_goldens;
