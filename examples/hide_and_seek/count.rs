@@ -11,7 +11,7 @@ use crate::hidden::{OUTSIDE, apart, hidden, outside};
 
 /// Groups with p below 0.05, and groups that were given a name, among so many clean ones from seed `first` on.
 pub fn nulls(first: u64, count: u64) -> (usize, usize) {
-    let mut found: Vec<(f64, Verdict)> = (first..first + count)
+    let found: Vec<(f64, Verdict, bool)> = (first..first + count)
         .into_par_iter()
         .map(|seed| {
             let mut case = case(seed, Plan::default());
@@ -26,9 +26,18 @@ pub fn nulls(first: u64, count: u64) -> (usize, usize) {
                     );
                 }
             }
-            (found.p_misfit.unwrap_or(f64::NAN), found.verdict)
+            let best = found.candidates.iter().map(|candidate| candidate.forecast_gain);
+            let beyond = found
+                .gain_at_5_percent
+                .is_some_and(|mark| best.fold(0.0, f64::max) > mark);
+            (found.p_misfit.unwrap_or(f64::NAN), found.verdict, beyond)
         })
         .collect();
+    println!(
+        "candidates beyond the mark that chance passes in 5 %: {:.3}",
+        found.iter().filter(|(_, _, beyond)| *beyond).count() as f64 / found.len() as f64
+    );
+    let mut found: Vec<(f64, Verdict)> = found.into_iter().map(|(p, verdict, _)| (p, verdict)).collect();
     for rho in 0..4 {
         let of: Vec<f64> = found.iter().skip(rho).step_by(4).map(|(p, _)| *p).collect();
         let below = |limit: f64| of.iter().filter(|p| **p < limit).count() as f64 / of.len() as f64;
@@ -73,6 +82,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
     );
     for &d in strengths {
         let mut total = [0usize; 8];
+        let (mut left, mut further) = (Vec::new(), 0);
         for &effect in ALL {
             let id = effect.about().id;
             if !only.is_empty() && !only.iter().any(|o| o == id) {
@@ -96,6 +106,12 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
             let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
             for (found, applied, _) in &found {
                 row[0] += 1;
+                if found.effects.first().is_some_and(|first| first.effect == id) {
+                    match found.effects.len() {
+                        1 => left.extend(found.p_leftover),
+                        _ => further += 1,
+                    }
+                }
                 row[1] += usize::from(found.p_misfit.is_some_and(|p| p < 0.05));
                 let inset = found.set.iter().any(|s| s == id);
                 row[2] += usize::from(inset);
@@ -160,6 +176,15 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
         println!(
             "{:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
             "all", total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7]
+        );
+        let below = |limit: f64| left.iter().filter(|p| **p < limit).count() as f64 / left.len() as f64;
+        println!(
+            "what the truth leaves: p<0.01 {:.3}  p<0.05 {:.3}  p<0.2 {:.3}  p<0.5 {:.3} of {}; a further cause taken in {further}",
+            below(0.01),
+            below(0.05),
+            below(0.2),
+            below(0.5),
+            left.len()
         );
         last = total;
     }

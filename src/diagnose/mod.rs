@@ -31,6 +31,7 @@ mod problem;
 mod profile;
 mod quantities;
 mod record_length;
+mod remainder;
 mod select;
 mod sigmas;
 mod signature;
@@ -56,7 +57,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 9;
+pub const VERSION: u32 = 10;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

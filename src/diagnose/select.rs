@@ -171,7 +171,7 @@ impl<'g> Ground<'_, 'g> {
             model = taken;
             let beside = self.null(&model, steps.len() as u64);
             leftover = beside.0.observe(self.group, &model.residuals(), &beside.1);
-            p_leftover = beside.0.p_misfit(&leftover, None);
+            p_leftover = self.p_left(&model, &beside.0, &leftover, steps.len() as u64);
             later = Some(beside);
             if p_leftover >= TAKEN {
                 break;
@@ -184,7 +184,7 @@ impl<'g> Ground<'_, 'g> {
             model = self.backward(better);
             let (null, directions) = self.null(&model, steps.len() as u64);
             leftover = null.observe(self.group, &model.residuals(), &directions);
-            p_leftover = null.p_misfit(&leftover, None);
+            p_leftover = self.p_left(&model, &null, &leftover, steps.len() as u64);
         }
         let held_out = (!model.problem.effects.is_empty()).then(|| self.held_out(&model));
         let selection = Selection {
@@ -262,7 +262,7 @@ impl<'g> Ground<'_, 'g> {
         let (null, directions) = self.null(&fitted, 1);
         let leftover = null.observe(self.group, &fitted.residuals(), &directions);
         Selection {
-            p_leftover: null.p_misfit(&leftover, None),
+            p_leftover: self.p_left(&fitted, &null, &leftover, 1),
             leftover,
             model: fitted,
             held_out: Some(own),

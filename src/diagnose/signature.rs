@@ -51,6 +51,22 @@ impl Signature {
         &self.change
     }
 
+    /// The same change whitened with the noise of `to`, where it was with that of `from`: the same readings in both.
+    pub(super) fn in_noise_of(&self, from: &Group, to: &Group) -> Signature {
+        let mut change = self.change.clone();
+        for (block, other) in from.blocks.iter().zip(&to.blocks) {
+            if let Some((before, after)) = from.channel(block).zip(to.channel(other)) {
+                let rows = &mut change[block.first..block.end];
+                before.colour(rows);
+                after.whiten(rows);
+            }
+        }
+        Signature {
+            change,
+            ..self.clone()
+        }
+    }
+
     /// The effect at this probe as something to search.
     pub(super) fn sought(&self) -> Sought {
         Sought::new(self.effect, self.variant, self.limits.clone(), &self.probe)

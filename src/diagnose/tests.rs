@@ -369,3 +369,52 @@ fn a_strength_that_its_threshold_makes_up_for_is_no_doubt_of_the_cause() {
         assert!(estimate.high_95.is_none_or(|high| high >= truth), "{parameter:?}");
     }
 }
+
+/// Current and mean bending of a strip that charges from its clamp are much like those of one more branch.
+#[test]
+fn electrodes_that_resist_along_the_strip_are_found_without_places() {
+    let hidden: Hidden = (
+        "lengthwise-resistance",
+        None,
+        &[("electrode_resistance_ohm_per_sq", 2000.0)],
+    );
+    let found = Runs::with(Some(hidden), FOUR, 41).diagnosed();
+    assert!(
+        found.set.iter().any(|id| id == "lengthwise-resistance"),
+        "{:?} {}",
+        found.set,
+        found.sentence
+    );
+    let own = &found.effects[0].parameters[0].estimate;
+    assert!(
+        own.low_95.unwrap() < 2000.0 && 2000.0 < own.high_95.unwrap(),
+        "{own:?}"
+    );
+}
+
+/// The p of what a right extension leaves is even: asked in the noise beside the base, which holds some of its misfit, it
+/// was nearly always near 1. As many groups as the statement deserves with `IEAP_LONG=1`.
+#[test]
+fn what_a_right_extension_leaves_is_chance() {
+    let groups: u64 = match std::env::var_os("IEAP_LONG") {
+        Some(_) => 160,
+        None => 16,
+    };
+    let hidden: Hidden = ("current-offset", None, &[("offset_a", 4e-5)]);
+    let left = |seed| {
+        let found = Runs::with(Some(hidden), &[STEP, REVERSED], 500 + seed).diagnosed();
+        assert_eq!(found.effects[0].effect, "current-offset", "{}", found.sentence);
+        found.p_leftover.unwrap()
+    };
+    let p: Vec<f64> = (0..groups).map(left).collect();
+    for limit in [0.05, 0.5] {
+        let below = p.iter().filter(|p| **p < limit).count() as f64;
+        let due = limit * groups as f64;
+        // Three standard deviations, and one group more where few are due.
+        let range = 3.0 * (due * (1.0 - limit)).sqrt() + f64::from(due < 3.0);
+        assert!(
+            (below - due).abs() < range,
+            "{below} of {groups} below {limit}, {due} due"
+        );
+    }
+}

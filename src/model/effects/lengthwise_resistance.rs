@@ -3,8 +3,9 @@
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
 use crate::model::extended::{RunContext, System};
 
-/// Strength at which its signature is looked for, times the length squared and the conductance across the strip.
-const SMALL: f64 = 0.04;
+/// Strengths at which its signature is looked for, times the length squared and the conductance across the strip: weak, it
+/// looks like a resistance before the strip, which a refit takes up; strong, like charge that walks into it.
+const PROBES: [f64; 3] = [0.04, 4.0, 40.0];
 /// Strongest that is sought, in the same measure: a tenth of the strip is charged at once. Table 3 of the thesis has 4.6
 /// (CNaf) and 33 (PtNaf).
 const MOST: f64 = 100.0;
@@ -49,7 +50,11 @@ impl Effect for LengthwiseResistance {
             .sum();
         // With R_sq G L^2 = 1 the voltage falls by about a third along the strip at once.
         let unit = 1.0 / (conductance * length_cm * length_cm);
-        Search::over(SMALL * unit, vec![Limits::linear(0.0, MOST * unit)], &[])
+        Search {
+            limits: vec![Limits::linear(0.0, MOST * unit)],
+            probes: PROBES.iter().map(|strength| vec![strength * unit]).collect(),
+            absent: 0.0,
+        }
     }
 
     fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
