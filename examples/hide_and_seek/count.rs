@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use ieap::domain::{GroupDiagnosis, Verdict};
+use ieap::domain::{Estimate, GroupDiagnosis, Verdict};
 use ieap::model::effects::ALL;
 use rayon::prelude::*;
 
@@ -83,6 +83,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
     for &d in strengths {
         let mut total = [0usize; 8];
         let (mut left, mut further) = (Vec::new(), 0);
+        let mut all = Held::default();
         for &effect in ALL {
             let id = effect.about().id;
             if !only.is_empty() && !only.iter().any(|o| o == id) {
@@ -119,6 +120,12 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                 row[4] += usize::from(!inset && found.set.len() == 1);
                 row[5] += usize::from(found.verdict == Verdict::Unknown);
                 let own = found.effects.iter().find(|own| own.effect == id);
+                for (parameter, truth) in own
+                    .iter()
+                    .flat_map(|own| own.parameters.iter().zip(&applied.parameters))
+                {
+                    all.add(&parameter.estimate, *truth);
+                }
                 let strength = own
                     .and_then(|own| own.parameters.first())
                     .map(|own| &own.estimate);
@@ -186,9 +193,46 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
             below(0.5),
             left.len()
         );
+        println!(
+            "all parameters of the truth: {} intervals, {} hold it; {} bounds, {} hold it; nothing stated of {}",
+            all.intervals, all.within, all.bounds, all.behind, all.nothing
+        );
         last = total;
     }
     last
+}
+
+/// What is stated of parameters, and how often it holds the truth.
+#[derive(Default)]
+struct Held {
+    intervals: usize,
+    within: usize,
+    bounds: usize,
+    behind: usize,
+    nothing: usize,
+}
+
+impl Held {
+    fn add(&mut self, estimate: &Estimate, truth: f64) {
+        let holds = estimate.low_95.is_none_or(|low| low <= truth)
+            && estimate.high_95.is_none_or(|high| truth <= high);
+        if !holds && std::env::var("SHOW").as_deref() == Ok("parameters") {
+            println!(
+                "    {truth:.4e} not in {:?} to {:?}, best {:?}",
+                estimate.low_95, estimate.high_95, estimate.value
+            );
+        }
+        let (count, held) = match (estimate.low_95, estimate.high_95) {
+            (Some(_), Some(_)) => (&mut self.intervals, &mut self.within),
+            (None, None) => {
+                self.nothing += 1;
+                return;
+            }
+            _ => (&mut self.bounds, &mut self.behind),
+        };
+        *count += 1;
+        *held += usize::from(holds);
+    }
 }
 
 /// NaN of none.

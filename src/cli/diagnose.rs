@@ -2,12 +2,12 @@
 
 use clap::Args;
 
+use super::estimates::{in_words, interval_in_words};
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::model::effects;
 use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
-use crate::pipeline::fits_document::ParameterEntry;
 use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest,
 };
@@ -211,20 +211,11 @@ fn print_effect(effect: &EffectEntry, output: &Output) {
         let unit = about
             .and_then(|about| about.parameters.iter().find(|known| known.key == key))
             .map_or("", |known| known.unit);
-        output.result(&format!("        {key:<26} {} {unit}", value(parameter)));
-    }
-}
-
-fn value(parameter: &ParameterEntry) -> String {
-    let interval = match (parameter.low_95, parameter.high_95) {
-        (Some(low), Some(high)) => format!(" (95 %: {low:.4e} to {high:.4e})"),
-        (Some(low), None) => format!(" (above {low:.4e})"),
-        (None, Some(high)) => format!(" (below {high:.4e})"),
-        (None, None) => String::new(),
-    };
-    match (parameter.value, parameter.standard_error) {
-        (Some(value), Some(error)) => format!("{value:.5e} +- {error:.1e}{interval}"),
-        (Some(value), None) => format!("{value:.5e}{interval}"),
-        _ => format!("not determined{interval}"),
+        let line = format!(
+            "{key:<26} {}{}",
+            in_words(parameter),
+            interval_in_words(parameter)
+        );
+        output.result(&format!("        {line}  [{unit}]"));
     }
 }

@@ -2,11 +2,11 @@
 
 use clap::Args;
 
+use super::estimates::in_words;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::dma_document::{LogEntry, dma_document};
-use crate::pipeline::fits_document::ParameterEntry;
 use crate::pipeline::{AnalyseModulus, Ingest};
 
 /// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files
@@ -58,33 +58,17 @@ fn print(log: &LogEntry, output: &Output) {
     for step in &log.steps {
         output.result(&format!("  at {:.0} s:", step.start_s));
         for (key, entry) in &step.estimates {
-            output.result(&format!("    {key:<34} {}", shown(entry)));
+            output.result(&format!("    {key:<34} {}", in_words(entry)));
         }
     }
     if let Some(recovery) = &log.recovery_percent {
-        output.result(&format!("  {:<36} {}", "recovery_percent", shown(recovery)));
+        output.result(&format!("  {:<36} {}", "recovery_percent", in_words(recovery)));
     }
     for entry in &log.hysteresis {
         let at = entry
             .relative_humidity_percent
             .map_or(String::new(), |percent| format!(" at {percent:.0} % RH"));
         let name = format!("hysteresis_percent{at}");
-        output.result(&format!("  {name:<36} {}", shown(&entry.hysteresis_percent)));
-    }
-}
-
-/// A value with its standard error, a bound, or that it is not determined, with the reason.
-fn shown(entry: &ParameterEntry) -> String {
-    match (entry.value, entry.standard_error, entry.low_95, entry.high_95) {
-        (Some(value), Some(error), ..) => format!("{value:.5} +- {error:.2}"),
-        (Some(value), None, ..) => format!("{value:.5}"),
-        (None, _, low, high) => {
-            let bound = match (low, high) {
-                (Some(low), None) => format!("above {low:.0}"),
-                (None, Some(high)) => format!("below {high:.0}"),
-                _ => "not determined".to_owned(),
-            };
-            format!("{bound}: {}", entry.reason.as_deref().unwrap_or_default())
-        }
+        output.result(&format!("  {name:<36} {}", in_words(&entry.hysteresis_percent)));
     }
 }

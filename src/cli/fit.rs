@@ -2,12 +2,13 @@
 
 use clap::Args;
 
+use super::estimates::in_words;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::Output;
 use super::{CampaignArg, Global};
-use crate::pipeline::fits_document::{FitEntry, ParameterEntry, fits_document};
+use crate::pipeline::fits_document::{FitEntry, fits_document};
 use crate::pipeline::{FitRuns, FitSummary, Ingest};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
@@ -82,20 +83,5 @@ fn print(fit: &FitEntry, output: &Output) {
     output.result(&format!("{}  {}  {}", fit.run, fit.model, fit.why_stopped));
     for (key, parameter) in &fit.parameters {
         output.result(&format!("    {key:<22} {}", in_words(parameter)));
-    }
-}
-
-/// A parameter as a line of text.
-pub(super) fn in_words(parameter: &ParameterEntry) -> String {
-    match (parameter.value, parameter.standard_error) {
-        (Some(value), Some(error)) => format!("{value:.5e} +- {error:.1e}"),
-        _ => {
-            let bound = match (parameter.low_95, parameter.high_95) {
-                (Some(low), None) => format!("above {low:.2e}"),
-                (None, Some(high)) => format!("below {high:.2e}"),
-                _ => "not determined".to_owned(),
-            };
-            format!("{bound}: {}", parameter.reason.as_deref().unwrap_or_default())
-        }
     }
 }

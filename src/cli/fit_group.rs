@@ -3,12 +3,13 @@
 
 use clap::Args;
 
+use super::estimates::{in_words, interval_in_words};
 use super::exit::CliError;
-use super::fit::in_words;
 use super::output::Output;
 use crate::pipeline::fits_document::ParameterEntry;
 use crate::pipeline::groups_document::{GroupEntry, GroupRunEntry};
 use crate::pipeline::{FitChoice, FitGroups, FitTogether, Sharing};
+use crate::report::number::{interval, significant};
 
 /// Refits below which a bootstrap tells nothing of the ends of a 95 % interval.
 const FEWEST_REFITS: usize = 40;
@@ -130,13 +131,11 @@ fn line(key: &str, parameter: &ParameterEntry, run: Option<&GroupRunEntry>) -> S
     let bootstrap = run.and_then(|run| run.bootstrap.iter().find(|(own, _)| own == key));
     let spread = bootstrap.map_or_else(String::new, |(_, of)| {
         format!(
-            "; bootstrap +- {:.1e}, {:.4e} to {:.4e}",
-            of.standard_deviation, of.low_95, of.high_95
+            "; bootstrap ± {}, {}",
+            significant(of.standard_deviation, 2),
+            interval(of.low_95, of.high_95)
         )
     });
-    let interval = match (parameter.value, parameter.low_95, parameter.high_95) {
-        (Some(_), Some(low), Some(high)) => format!("  ({low:.4e} to {high:.4e})"),
-        _ => String::new(),
-    };
+    let interval = interval_in_words(parameter);
     format!("    {key:<22} {}{interval}{spread}", in_words(parameter))
 }

@@ -4,6 +4,7 @@ mod completions;
 mod diagnose;
 mod dma;
 mod effects;
+mod estimates;
 mod exit;
 mod explain;
 mod export;

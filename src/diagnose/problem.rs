@@ -350,6 +350,11 @@ impl<'g> Problem<'g> {
         })
     }
 
+    /// Limits of coordinate `k`.
+    pub(super) fn limits_of(&self, k: usize) -> (f64, f64) {
+        (self.low[k], self.high[k])
+    }
+
     /// Whether coordinate `k` may not take that value.
     pub(super) fn is_outside(&self, k: usize, value: f64) -> bool {
         value < self.low[k] || value > self.high[k]

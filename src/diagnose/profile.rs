@@ -14,13 +14,22 @@ const AT: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 /// Evaluations of each search, from the place that the covariance expects.
 const SHORT: u64 = 6;
 const SETTLE: f64 = 0.02;
-/// Rise at the ends of a 95 % interval.
+/// Rise at the ends of a 95 % interval: chi-square of one degree of freedom.
 const BOUNDS: f64 = 3.84;
+/// The same where the covariance tells nothing, of so many degrees of freedom as the effect has parameters: they make up for
+/// each other along valleys that bend, and an end that a search did not reach must not pass for one.
+const TOGETHER: [f64; 3] = [3.84, 5.99, 7.81];
 /// Where three standard errors do not reach it, steps that each go so many times farther, and how many of them.
 const FARTHER: f64 = 1.6;
 const FURTHER: usize = 9;
+/// Parts of the way to a limit at which a parameter is looked at of which the covariance tells nothing.
+const WAY: [f64; 9] = [0.01, 0.03, 0.07, 0.13, 0.22, 0.35, 0.52, 0.75, 1.0];
+/// Evaluations of each search on that way: a valley that bends is followed slowly.
+const LONG: u64 = 20;
+/// Ends of an interval of a logarithmic parameter that are farther apart than this give no value, as with the covariance.
+const DECADES: f64 = 100.0;
 
-/// Profiles of every parameter of the effects that is searched and has a standard error, effect after effect.
+/// Profiles of every parameter of the effects that is searched, effect after effect.
 pub(super) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
     let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
     let inverse = slope.normal.inverse(1e-12);
@@ -61,9 +70,6 @@ struct Which {
 
 /// One profile; `shift` is how the other coordinates follow the parameter's to first order.
 fn profile(group: &Group, fitted: &Fitted, which: Which, sd: f64, shift: &[f64]) -> Option<StrengthProfile> {
-    if !(sd > 0.0 && sd.is_finite()) {
-        return None;
-    }
     let along = Along {
         group,
         fitted,
@@ -75,8 +81,22 @@ fn profile(group: &Group, fitted: &Fitted, which: Which, sd: f64, shift: &[f64])
         parameter,
         place,
     } = which;
-    let mut points = vec![(fitted.effect_values()[number][parameter], 0.0)];
-    for side in [-1.0, 1.0] {
+    let best = (fitted.effect_values()[number][parameter], 0.0);
+    let mut points = vec![best];
+    // Intervals that the limits would cut anyway are no scale to look at.
+    let (low, high) = fitted.problem.limits_of(place);
+    let is_known = sd > 0.0 && 2.0 * AT[3] * sd < high - low;
+    if !is_known {
+        for end in [low, high] {
+            points.extend(
+                along
+                    .to_the_limit(end - fitted.at[place])
+                    .iter()
+                    .map(Point::shown),
+            );
+        }
+    }
+    for side in [-1.0, 1.0].into_iter().filter(|_| is_known) {
         let mut last: Option<Point> = None;
         for at in AT {
             let step = side * at * sd;
@@ -92,7 +112,7 @@ fn profile(group: &Group, fitted: &Fitted, which: Which, sd: f64, shift: &[f64])
                 break;
             };
             at *= FARTHER;
-            last = along.further(side * at * sd, &before);
+            last = along.further(side * at * sd, &before, SHORT);
             points.extend(last.as_ref().map(Point::shown));
         }
     }
@@ -134,11 +154,40 @@ impl Along<'_, '_> {
         let at: Vec<f64> = (self.fitted.at.iter().zip(self.shift))
             .map(|(x, s)| x + s * step)
             .collect();
-        self.searched(self.fitted.problem.model(&at))
+        self.searched(self.fitted.problem.model(&at), SHORT)
+    }
+
+    fn together(&self) -> f64 {
+        together(&self.fitted.problem.effects[self.which.number])
+    }
+
+    fn best(&self) -> Point {
+        Point {
+            model: self.fitted.problem.model(&self.fitted.at),
+            value: self.fitted.effect_values()[self.which.number][self.which.parameter],
+            rise: 0.0,
+        }
+    }
+
+    /// Points on the way to a limit so far off, from one to the next, until the rise has passed that of an interval.
+    fn to_the_limit(&self, reach: f64) -> Vec<Point> {
+        let mut found: Vec<Point> = Vec::new();
+        let best = self.best();
+        for part in WAY {
+            let before = found.last().unwrap_or(&best);
+            if before.rise > self.together() {
+                break;
+            }
+            match self.further(part * reach, before, LONG) {
+                Some(point) => found.push(point),
+                None => break,
+            }
+        }
+        found
     }
 
     /// The same from where the search `before` ended, no further than the limit; none where that lies behind.
-    fn further(&self, step: f64, before: &Point) -> Option<Point> {
+    fn further(&self, step: f64, before: &Point, evaluations: u64) -> Option<Point> {
         let problem = &self.fitted.problem;
         let Which {
             number,
@@ -153,10 +202,11 @@ impl Along<'_, '_> {
             effects: before.model.effects.clone(),
         };
         model.effects[number].parameters[parameter] = value;
-        (value != before.value).then(|| self.searched(model)).flatten()
+        let search = || self.searched(model, evaluations);
+        (value != before.value).then(search).flatten()
     }
 
-    fn searched(&self, from: ExtendedModel) -> Option<Point> {
+    fn searched(&self, from: ExtendedModel, evaluations: u64) -> Option<Point> {
         let Which {
             number, parameter, ..
         } = self.which;
@@ -165,7 +215,7 @@ impl Along<'_, '_> {
         let problem = Problem::new(self.group, &from.base, all);
         let parameters: Vec<Vec<f64>> = from.effects.iter().map(|e| e.parameters.clone()).collect();
         let start = problem.coordinates(&from.base, &parameters);
-        let bottom = problem.descend(&start, SHORT, SETTLE, &[]);
+        let bottom = problem.descend(&start, evaluations, SETTLE, &[]);
         bottom.slope.square.is_finite().then(|| Point {
             value: from.effects[number].parameters[parameter],
             rise: (bottom.slope.square - self.fitted.square).max(0.0),
@@ -181,11 +231,7 @@ pub(super) fn held_by(estimate: &Estimate, profile: &StrengthProfile) -> Estimat
         return estimate.clone();
     };
     let before = high - low;
-    let points: Vec<(f64, f64)> = (profile.values.iter().copied())
-        .zip(profile.rises.iter().copied())
-        .collect();
-    let below: Vec<(f64, f64)> = points.iter().rev().copied().filter(|(x, _)| *x <= best).collect();
-    let above: Vec<(f64, f64)> = points.into_iter().filter(|(x, _)| *x >= best).collect();
+    let (below, above) = sides(profile, best);
     let (low, high) = (low.min(end(&below, best)), high.max(end(&above, best)));
     Estimate {
         standard_error: estimate.standard_error.map(|error| error * (high - low) / before),
@@ -195,16 +241,70 @@ pub(super) fn held_by(estimate: &Estimate, profile: &StrengthProfile) -> Estimat
     }
 }
 
+/// What a profile alone tells of a parameter whose best value is `best` and of which the covariance tells nothing: an
+/// interval where both ends are passed, a bound where one is, else `estimate` as it is.
+pub(super) fn told_by(
+    estimate: &Estimate,
+    profile: &StrengthProfile,
+    best: f64,
+    sought: &Sought,
+    logarithmic: bool,
+) -> Estimate {
+    let rise = together(sought);
+    let (below, above) = sides(profile, best);
+    match (
+        crossing(&below, rise, logarithmic),
+        crossing(&above, rise, logarithmic),
+    ) {
+        (Some(low), Some(high)) if logarithmic && high > DECADES * low => Estimate {
+            low_95: Some(low),
+            high_95: Some(high),
+            ..estimate.clone()
+        },
+        (Some(low), Some(high)) => Estimate::determined(best, 0.5 * (high - low) / HALF_95, low, high),
+        (Some(low), None) => Estimate::above(low, NO_END),
+        (None, Some(high)) => Estimate::below(high, NO_END),
+        (None, None) => estimate.clone(),
+    }
+}
+
+/// Rise at the ends of an interval of all parameters of an effect together.
+fn together(sought: &Sought) -> f64 {
+    TOGETHER[sought.free().clamp(1, TOGETHER.len()) - 1]
+}
+
+const NO_END: &str = "the readings fit as well with all values from there to the limit of what is sought";
+/// Half of a 95 % interval in standard errors.
+const HALF_95: f64 = 1.96;
+
+type Points = Vec<(f64, f64)>;
+
+/// The points on either side of the best, from it outward.
+fn sides(profile: &StrengthProfile, best: f64) -> (Points, Points) {
+    let points: Points = (profile.values.iter().copied())
+        .zip(profile.rises.iter().copied())
+        .collect();
+    let below = points.iter().rev().copied().filter(|(x, _)| *x <= best).collect();
+    let above = points.into_iter().filter(|(x, _)| *x >= best).collect();
+    (below, above)
+}
+
 /// Where the rise passes that of a 95 % interval, of points that go outward from the best; the last of them where it does
 /// not.
 fn end(points: &[(f64, f64)], best: f64) -> f64 {
-    let steps = points.windows(2).find(|pair| pair[1].1 >= BOUNDS);
-    if let Some(&[(x, rise), (further, higher)]) = steps {
-        // Roots of rises go along straight lines where the profile is a parabola.
-        let part = (BOUNDS.sqrt() - rise.sqrt()) / (higher.sqrt() - rise.sqrt());
-        return x + part.clamp(0.0, 1.0) * (further - x);
-    }
-    points.last().map_or(best, |(x, _)| *x)
+    let last = || points.last().map_or(best, |(x, _)| *x);
+    crossing(points, BOUNDS, false).unwrap_or_else(last)
+}
+
+fn crossing(points: &[(f64, f64)], bound: f64, logarithmic: bool) -> Option<f64> {
+    let pair = points.windows(2).find(|pair| pair[1].1 >= bound)?;
+    let ((x, rise), (further, higher)) = (pair[0], pair[1]);
+    // Roots of rises go along straight lines where the profile is a parabola.
+    let part = ((bound.sqrt() - rise.sqrt()) / (higher.sqrt() - rise.sqrt())).clamp(0.0, 1.0);
+    Some(match logarithmic {
+        true => x * (further / x).powf(part),
+        false => x + part * (further - x),
+    })
 }
 
 /// The effect with that parameter held.
@@ -226,6 +326,30 @@ mod tests {
             values,
             rises,
         }
+    }
+
+    #[test]
+    fn a_profile_tells_what_the_covariance_does_not() {
+        let nothing = Estimate::not_determined("flat");
+        let effect = crate::model::effects::effect("current-offset").unwrap();
+        let limits = vec![crate::model::effects::Limits::linear(0.0, 1.0)];
+        let one = Sought::new(effect, 0, limits, &[0.5]);
+        let told =
+            |points: &[(f64, f64)], logarithmic| told_by(&nothing, &profile(points), 1.0, &one, logarithmic);
+        let both = told(
+            &[(0.5, 5.0), (0.7, 2.0), (1.0, 0.0), (2.0, 1.0), (3.0, 9.0)],
+            false,
+        );
+        assert!(both.value == Some(1.0) && both.low_95.unwrap() > 0.5 && both.high_95.unwrap() < 3.0);
+        let open = told(&[(0.5, 5.0), (0.7, 2.0), (1.0, 0.0), (2.0, 1.0)], false);
+        assert!(open.value.is_none() && open.high_95.is_none() && open.low_95.is_some_and(|low| low > 0.5));
+        assert_eq!(told(&[(0.5, 1.0), (1.0, 0.0), (2.0, 1.0)], false), nothing);
+        // Known to three decades only: both ends, and no value.
+        let wide = told(
+            &[(0.01, 9.0), (0.1, 1.0), (1.0, 0.0), (30.0, 2.0), (300.0, 9.0)],
+            true,
+        );
+        assert!(wide.value.is_none() && wide.low_95.unwrap() > 0.01 && wide.high_95.unwrap() < 300.0);
     }
 
     #[test]

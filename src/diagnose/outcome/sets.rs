@@ -5,7 +5,7 @@ use super::forms::widened;
 use crate::diagnose::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
 use crate::diagnose::fitted::Fitted;
 use crate::diagnose::problem::Problem;
-use crate::diagnose::profile::held_by;
+use crate::diagnose::profile::{held_by, told_by};
 use crate::diagnose::select::{Selection, Step};
 use crate::domain::{EffectFinding, Parameter, StrengthProfile};
 
@@ -131,13 +131,17 @@ impl<'g> Shown<'_, 'g> {
     ) -> Vec<EffectFinding> {
         let model = &selection.model;
         let mut parameters = model.effect_parameters(self.group);
-        for (sought, own) in model.problem.effects.iter().zip(&mut parameters) {
+        let values = model.effect_values();
+        for ((sought, own), values) in model.problem.effects.iter().zip(&mut parameters).zip(&values) {
             let id = sought.effect.about().id;
-            for parameter in own {
+            for ((parameter, limits), value) in own.iter_mut().zip(&sought.limits).zip(values) {
                 let is_its =
                     |profile: &&StrengthProfile| profile.effect == id && profile.key == parameter.key;
                 if let Some(profile) = profiles.iter().find(is_its) {
-                    parameter.estimate = held_by(&parameter.estimate, profile);
+                    parameter.estimate = match parameter.estimate.value {
+                        Some(_) => held_by(&parameter.estimate, profile),
+                        None => told_by(&parameter.estimate, profile, *value, sought, limits.logarithmic),
+                    };
                 }
             }
         }

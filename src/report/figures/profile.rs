@@ -14,6 +14,8 @@ const WIDTH: u32 = 420;
 const HEIGHT: u32 = 210;
 /// Rise that bounds a 95 % interval: the 95 % point of chi-square with one degree of freedom.
 const BOUND: f64 = 3.841;
+/// Ends this far apart are drawn over the logarithm.
+const DECADES: f64 = 30.0;
 
 /// Draws `rises` over `values`, whose axis is called `quantity` in `unit`. None where there is too little to draw.
 ///
@@ -43,9 +45,18 @@ pub fn profile(
         return Ok(None);
     }
     let most = points.iter().fold(2.0 * BOUND, |most, (_, y)| most.max(*y));
-    let margin = 0.04 * (ends.1 - ends.0);
-    let x = Axis::linear(ends.0 - margin, ends.1 + margin, quantity, unit, 4);
+    let x = match ends.0 > 0.0 && ends.1 > DECADES * ends.0 {
+        true => Axis::log(ends.0, ends.1, quantity, unit),
+        false => {
+            let margin = 0.04 * (ends.1 - ends.0);
+            Axis::linear(ends.0 - margin, ends.1 + margin, quantity, unit, 4)
+        }
+    };
     let y = Axis::linear(-0.03 * most, 1.05 * most, "Rise of the sum of squares", "", 5);
+    let points: Vec<(f64, f64)> = points
+        .into_iter()
+        .map(|(v, rise)| (x.position(v), rise))
+        .collect();
     let drawn = svg((WIDTH, HEIGHT), title, desc, |area| {
         let margins = Margins {
             left: 58,
@@ -80,6 +91,17 @@ pub fn profile(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn decades_are_drawn_over_the_logarithm() {
+        let values: Vec<f64> = (-4..=4).map(|k| 10f64.powi(k)).collect();
+        let rises: Vec<f64> = (-4..=4).map(|k| f64::from(k * k)).collect();
+        let drawn = profile((&values, &rises), ("i0", "A/cm2"), "t", "d")
+            .unwrap()
+            .unwrap();
+        let ticks = ["10⁻⁴<", "10⁻²<", ">1<", "10²<", "10⁴<"];
+        assert!(ticks.iter().all(|tick| drawn.contains(tick)), "{drawn}");
+    }
 
     #[test]
     fn a_parabola_is_drawn_and_too_little_is_not() {
