@@ -33,6 +33,9 @@ const CLAIMED: f64 = 0.01;
 const ASKS: f64 = 9.0;
 /// Half of the step of differences in the logarithm of the factor.
 const STEP: f64 = 0.05;
+/// A foil is called cracked where its resistance changes by more than this factor, its interval allowed for: foils are
+/// uneven by less, and so is what a tracer gets wrong.
+const LEAST_FACTOR: f64 = 1.1;
 /// Half width of a place's interval, as a share of the length, beyond which it is no place.
 const WIDEST: f64 = 0.25;
 
@@ -57,6 +60,12 @@ impl ContactBreak {
     fn share(&self) -> (f64, f64) {
         let k = self.fitted.at.len() - 1;
         (self.fitted.at[k], self.half(k))
+    }
+
+    /// Whether the resistance changes by more than foils are uneven, its interval allowed for.
+    fn is_crack(&self) -> bool {
+        let (log, half) = self.factor();
+        log.abs() - half > LEAST_FACTOR.ln()
     }
 
     fn half(&self, k: usize) -> f64 {
@@ -187,7 +196,7 @@ fn sought(found: &Identified) -> Option<Found> {
         length_cm: input.strip.length_cm,
         fitted,
     };
-    if p >= CLAIMED || broken.gain <= 0.0 {
+    if p >= CLAIMED || broken.gain <= 0.0 || !broken.is_crack() {
         return None;
     }
     let electrical: Vec<usize> = (0..electrical_parameters(&input.strip)).collect();

@@ -6,12 +6,14 @@
 //! they must where curvatures are all there is.
 
 mod along;
+mod common_error;
 mod contact_break;
 mod decision;
 mod described;
 mod electrical;
 mod estimates;
 mod jointly;
+mod left_out;
 mod mechanical;
 mod outcome;
 #[cfg(test)]

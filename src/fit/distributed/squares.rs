@@ -5,6 +5,7 @@ use crate::numerics::sums::{dot, square};
 use crate::numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::described::Described;
+use super::left_out::{Columns, LeftOut};
 use super::readings::{Group, Kind, Readings};
 use super::residual_noise::ResidualNoise;
 use super::{DistributedInput, response};
@@ -188,13 +189,27 @@ impl<'a> Problem<'a> {
         let n = self.parameters;
         let found = levenberg::minimise(start, low, high, LIMIT, SETTLED, 0.0, |at| self.local(at));
         let at = found.at[..n].to_vec();
-        let noise = self.noise(&self.residuals(&at));
-        let slopes = self.slopes(&at);
+        let (residuals, slopes) = (self.residuals(&at), self.slopes(&at));
+        let noise = self.noise(&residuals);
         let scattered: Vec<Vec<Vec<f64>>> = slopes.iter().map(|slope| scatter(&noise, slope)).collect();
         let middle = Symmetric::from_fn(n, |row, column| product(&slopes[row], &scattered[column]));
         let inverse = found.local.normal.floored_inverse(FLOOR);
         let covariance = inverse.sandwich(&middle);
-        let independent: f64 = noise.iter().map(ResidualNoise::independent_readings).sum();
+        let mut freedom = slopes
+            .iter()
+            .zip(&scattered)
+            .map(|(slope, scattered)| freedom(&noise, slope, scattered, n))
+            .fold(f64::INFINITY, f64::min);
+        let columns = Columns {
+            groups: &self.groups,
+            residuals: &residuals,
+            slopes: &slopes,
+        };
+        let places: Vec<f64> = noise.iter().map(ResidualNoise::independent_places).collect();
+        let covariance = match columns.left_out(&found.local.normal, &places, FLOOR) {
+            Some(left_out) => widened(&covariance, &left_out, &mut freedom),
+            None => covariance,
+        };
         Fitted {
             at,
             square: found.local.square,
@@ -202,7 +217,7 @@ impl<'a> Problem<'a> {
                 .map(|k| covariance.get(k, k) / inverse.get(k, k).max(f64::MIN_POSITIVE))
                 .collect(),
             covariance,
-            freedom: (independent - n as f64).max(1.0),
+            freedom,
             stop: found.stop,
             evaluations: found.evaluations,
         }
@@ -228,6 +243,55 @@ impl<'a> Problem<'a> {
 /// Inner product of two columns that stand by group.
 pub(super) fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
+}
+
+/// The covariance where leaving places out shows no larger one, else that, parameter by parameter; `freedom` is what the
+/// variance is known from.
+fn widened(covariance: &Symmetric, left_out: &LeftOut, freedom: &mut f64) -> Symmetric {
+    let factor = |k: usize| {
+        let (noise, shown) = (covariance.get(k, k), left_out.covariance.get(k, k));
+        let factor = shown / noise;
+        if factor.is_finite() && factor > 1.0 {
+            factor
+        } else {
+            1.0
+        }
+    };
+    let factors: Vec<f64> = (0..covariance.order()).map(factor).collect();
+    for factor in &factors {
+        let more = 1.0 - factor.recip();
+        *freedom = ((1.0 - more).powi(2) / *freedom + more * more / left_out.freedom)
+            .recip()
+            .min(*freedom);
+    }
+    Symmetric::from_fn(covariance.order(), |i, j| {
+        covariance.get(i, j) * (factors[i] * factors[j]).sqrt()
+    })
+}
+
+/// Independent readings that the variance along a column is known from (Satterthwaite), of which a fit has taken
+/// `parameters`; `scattered` is the covariance of the noise times the column.
+pub(super) fn freedom(
+    noise: &[ResidualNoise],
+    column: &[Vec<f64>],
+    scattered: &[Vec<f64>],
+    parameters: usize,
+) -> f64 {
+    let independent: f64 = noise.iter().map(ResidualNoise::independent_readings).sum();
+    let by_noise = (independent - parameters as f64).max(1.0);
+    let all = product(column, scattered);
+    let (mut common, mut known) = (0.0, 0.0);
+    for (noise, part) in noise.iter().zip(column) {
+        if let Some((scattered, freedom)) = noise.common(part) {
+            let variance = dot(part, &scattered);
+            common += variance;
+            known += variance * variance / freedom;
+        }
+    }
+    if all <= 0.0 {
+        return by_noise;
+    }
+    ((all - common).powi(2) / by_noise + known).recip().min(f64::MAX) * all * all
 }
 
 /// The covariance of the noise times a column that stands by group.

@@ -15,7 +15,7 @@ use crate::numerics::sums::{dot, square};
 
 use super::described::{Described, electrical_parameters};
 use super::readings::{Group, Kind};
-use super::squares::{Problem, product, scatter};
+use super::squares::{Problem, freedom, product, scatter};
 use super::{Identified, response};
 
 /// Reach of the resistance at which the direction is taken where less was found: `R_e L^2 / R_c`.
@@ -74,9 +74,10 @@ pub(super) fn unevenness(found: &Identified) -> Option<Unevenness> {
     // Of voltages alone the shape of the direction is found in the same differences, by three parameters: chance then has
     // three directions to answer in. A current or a curvature knows the laminate's times without them.
     let is_sought = !bends && found.readings.count(Kind::Current) == 0;
-    let freedom = (independent - problem.parameters() as f64).max(1.0);
     let chance = |direction: &[Vec<f64>]| {
-        let spread = product(direction, &scatter(&noise, direction)).max(0.0).sqrt();
+        let scattered = scatter(&noise, direction);
+        let freedom = freedom(&noise, direction, &scattered, problem.parameters());
+        let spread = product(direction, &scattered).max(0.0).sqrt();
         let along = product(direction, &measured);
         match (spread > 0.0 && along > 0.0, is_sought) {
             (false, _) => 1.0,
