@@ -191,7 +191,7 @@ static MODELS: [FitModel; 5] = [
     },
     FitModel {
         id: "distributed",
-        version: 2,
+        version: 3,
         branches: 1,
         description: "one R-C branch beside R_ss between electrodes that resist along the strip; needs a current, or voltages or curvatures along it",
         parameters: &[

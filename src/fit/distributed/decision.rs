@@ -154,11 +154,16 @@ impl Decision {
                 high_first,
             }) => {
                 let interval = match low_first < high_first {
-                    true => format!(
-                        " (95 % interval {} to {} %)",
-                        percent(*low_first),
-                        percent(*high_first)
-                    ),
+                    true => {
+                        // As many decimals as tell its ends apart.
+                        let digits =
+                            (1.0 - (100.0 * (high_first - low_first)).log10()).clamp(1.0, 4.0) as usize;
+                        format!(
+                            " (95 % interval {:.digits$} to {:.digits$} %)",
+                            100.0 * low_first,
+                            100.0 * high_first
+                        )
+                    }
                     false => String::new(),
                 };
                 format!(
