@@ -1,4 +1,4 @@
-//! All parameters from all readings at once, each weighted by its noise.
+//! All parameters from all readings at once, each weighted by its noise and what else it gets wrong.
 
 use super::DistributedInput;
 use super::described::{self, electrical_parameters};
@@ -34,7 +34,16 @@ pub(super) fn refine(
 ) -> (Fitted, Mechanical) {
     let mut start = electrical.at.clone();
     start.extend([mechanical.fitted.at[0], mechanical.fitted.at[1]]);
-    let mut fitted = problem(input, readings, mechanical.scale).search(&start);
+    let first = problem(input, readings, mechanical.scale);
+    let mut fitted = first.search(&start);
+    // Curvatures of many frames err alike in all of them: by their noise alone they would outweigh a current that
+    // knows better.
+    let weighed = readings.less_sure(&first.excess(&fitted.at));
+    let found = problem(input, &weighed, mechanical.scale).search(&fitted.at);
+    fitted = Fitted {
+        evaluations: fitted.evaluations + found.evaluations,
+        ..found
+    };
     fitted.evaluations += electrical.evaluations + mechanical.fitted.evaluations;
     parts(input, readings, &fitted, mechanical.scale)
 }

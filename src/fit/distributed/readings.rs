@@ -127,6 +127,15 @@ impl Readings {
         Some((group.values[0][first] / self.step_v).abs()).filter(|g| *g > 0.0 && g.is_finite())
     }
 
+    /// The same with the noise's variance of each group multiplied by a factor.
+    pub fn less_sure(&self, factors: &[f64]) -> Readings {
+        let mut readings = self.clone();
+        for (group, factor) in readings.groups.iter_mut().zip(factors) {
+            group.noise.iter_mut().for_each(|noise| *noise *= factor.sqrt());
+        }
+        readings
+    }
+
     /// The same with few readings a series, closer together after the step.
     pub fn thinned(&self) -> Readings {
         let mut thinned = self.clone();

@@ -223,6 +223,23 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// By how much each group's part in the parameters varies more than independent readings of its noise would let it,
+    /// the parameters taken alike; 1 at least.
+    pub fn excess(&self, at: &[f64]) -> Vec<f64> {
+        let (noise, slopes) = (self.noise(&self.residuals(at)), self.slopes(at));
+        let of = |(g, noise): (usize, &ResidualNoise)| {
+            let (mut varies, mut would) = (0.0, 0.0);
+            for slope in &slopes {
+                let all = product(slope, slope).max(f64::MIN_POSITIVE);
+                varies += dot(&slope[g], &noise.times(&slope[g])) / all;
+                would += square(&slope[g]) / all;
+            }
+            let excess = varies / would;
+            if excess.is_finite() { excess.max(1.0) } else { 1.0 }
+        };
+        noise.iter().enumerate().map(of).collect()
+    }
+
     /// Noise of every group, as residuals over the noise show it.
     pub fn noise(&self, residuals: &[Vec<f64>]) -> Vec<ResidualNoise> {
         let series: usize = self.groups.iter().map(|group| group.values.len()).sum();
