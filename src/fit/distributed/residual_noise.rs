@@ -255,14 +255,15 @@ mod tests {
             for _ in 0..200 {
                 let mut noise = draw(places, times, 0.3, 0.0, &mut random);
                 for row in noise.chunks_exact_mut(times) {
-                    let (level, tilt): (f64, f64) = (
-                        StandardNormal.sample(&mut random),
-                        StandardNormal.sample(&mut random),
-                    );
-                    let course = |k: usize| level + 0.35 * tilt * (2.0 * k as f64 / times as f64 - 1.0);
-                    row.iter_mut()
-                        .enumerate()
-                        .for_each(|(k, value)| *value += share * course(k));
+                    for wave in 0..6 {
+                        let drawn: f64 = StandardNormal.sample(&mut random);
+                        let size = share * drawn / (1.0 + wave as f64);
+                        let step = std::f64::consts::PI * wave as f64 / times as f64;
+                        let root = if wave == 0 { 1.0 } else { 2.0f64.sqrt() };
+                        row.iter_mut().enumerate().for_each(|(k, value)| {
+                            *value += size * root * (step * (k as f64 + 0.5)).cos();
+                        });
+                    }
                 }
                 made += dot(&slope, &noise).powi(2) / 200.0;
                 let found = ResidualNoise::of(&noise, times, 0.0);
