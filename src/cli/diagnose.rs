@@ -2,12 +2,12 @@
 
 use clap::Args;
 
-use super::estimates::{in_words, interval_in_words};
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::model::effects;
 use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
+use crate::pipeline::estimate_words::{in_words, interval_in_words};
 use crate::pipeline::{
     Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest,
 };

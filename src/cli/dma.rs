@@ -2,11 +2,11 @@
 
 use clap::Args;
 
-use super::estimates::in_words;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::dma_document::{LogEntry, dma_document};
+use crate::pipeline::estimate_words::in_words;
 use crate::pipeline::{AnalyseModulus, Ingest};
 
 /// Find the humidity steps in the modulus logs under dma/ and what the modulus does at each, after taking in new files

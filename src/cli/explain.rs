@@ -5,12 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::estimates::in_words;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::pipeline::Context;
+use crate::pipeline::estimate_words::{ends, in_words};
 use crate::pipeline::explain::{Evidence, Explanation, explain, rows_and_columns};
-use crate::report::number::interval;
 
 /// Say which runs, files, fits and versions stand behind a cell of a table
 ///
@@ -70,7 +69,7 @@ fn print(found: &Explanation, output: &Output) {
     output.result(&format!("  {} {}", found.text, found.unit));
     output.result(&format!("  {}", found.how));
     if let (Some(low), Some(high)) = (found.low_95, found.high_95) {
-        output.result(&format!("  95 % interval {} {}", interval(low, high), found.unit));
+        output.result(&format!("  95 % interval {} {}", ends(low, high), found.unit));
     }
     for note in &found.notes {
         output.result(&format!("  note: {note}"));

@@ -2,12 +2,12 @@
 
 use clap::Args;
 
-use super::estimates::in_words;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::Output;
 use super::{CampaignArg, Global};
+use crate::pipeline::estimate_words::in_words;
 use crate::pipeline::fits_document::{FitEntry, fits_document};
 use crate::pipeline::{FitRuns, FitSummary, Ingest};
 

@@ -3,13 +3,12 @@
 
 use clap::Args;
 
-use super::estimates::{in_words, interval_in_words};
 use super::exit::CliError;
 use super::output::Output;
+use crate::pipeline::estimate_words::{ends, in_words, interval_in_words, spread as in_two_digits};
 use crate::pipeline::fits_document::ParameterEntry;
 use crate::pipeline::groups_document::{GroupEntry, GroupRunEntry};
 use crate::pipeline::{FitChoice, FitGroups, FitTogether, Sharing};
-use crate::report::number::{interval, significant};
 
 /// Refits below which a bootstrap tells nothing of the ends of a 95 % interval.
 const FEWEST_REFITS: usize = 40;
@@ -132,8 +131,8 @@ fn line(key: &str, parameter: &ParameterEntry, run: Option<&GroupRunEntry>) -> S
     let spread = bootstrap.map_or_else(String::new, |(_, of)| {
         format!(
             "; bootstrap ± {}, {}",
-            significant(of.standard_deviation, 2),
-            interval(of.low_95, of.high_95)
+            in_two_digits(of.standard_deviation),
+            ends(of.low_95, of.high_95)
         )
     });
     let interval = interval_in_words(parameter);

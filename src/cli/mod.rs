@@ -4,7 +4,6 @@ mod completions;
 mod diagnose;
 mod dma;
 mod effects;
-mod estimates;
 mod exit;
 mod explain;
 mod export;

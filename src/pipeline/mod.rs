@@ -11,6 +11,7 @@ mod diagnose;
 pub mod diagnosis_document;
 pub mod dma_document;
 mod error;
+pub mod estimate_words;
 pub mod explain;
 pub mod export;
 pub mod figures;

@@ -14,6 +14,8 @@ const WIDTH: u32 = 420;
 const HEIGHT: u32 = 210;
 /// Rise that bounds a 95 % interval: the 95 % point of chi-square with one degree of freedom.
 const BOUND: f64 = 3.841;
+/// Rises beyond this many times the bound are not drawn: one far point would press the others flat.
+const HIGHEST: f64 = 4.0;
 /// Ends this far apart are drawn over the logarithm.
 const DECADES: f64 = 30.0;
 
@@ -45,6 +47,7 @@ pub fn profile(
         return Ok(None);
     }
     let most = points.iter().fold(2.0 * BOUND, |most, (_, y)| most.max(*y));
+    let most = most.min(HIGHEST * BOUND);
     let x = match ends.0 > 0.0 && ends.1 > DECADES * ends.0 {
         true => Axis::log(ends.0, ends.1, quantity, unit),
         false => {
@@ -57,6 +60,7 @@ pub fn profile(
         .into_iter()
         .map(|(v, rise)| (x.position(v), rise))
         .collect();
+    let points = below(HIGHEST * BOUND, &points);
     let drawn = svg((WIDTH, HEIGHT), title, desc, |area| {
         let margins = Margins {
             left: 58,
@@ -88,9 +92,30 @@ pub fn profile(
     Ok(Some(drawn))
 }
 
+/// The points up to `most`, with those where the line between neighbours passes it.
+fn below(most: f64, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let passes = |a: (f64, f64), b: (f64, f64)| (a.0 + (most - a.1) / (b.1 - a.1) * (b.0 - a.0), most);
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for (k, &point) in points.iter().enumerate() {
+        if k > 0 && (points[k - 1].1 > most) != (point.1 > most) {
+            kept.push(passes(points[k - 1], point));
+        }
+        kept.extend((point.1 <= most).then_some(point));
+    }
+    kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_far_point_is_cut_where_the_line_leaves_the_figure() {
+        let cut = below(4.0, &[(0.0, 1004.0), (1.0, 3.0), (2.0, 0.0), (3.0, 8.0)]);
+        assert_eq!(cut.len(), 4);
+        assert!((cut[0].0 - 0.999).abs() < 1e-3 && cut[0].1 == 4.0 && cut[3] == (2.5, 4.0));
+        assert_eq!(below(4.0, &[(0.0, 1.0), (1.0, 0.0)]), [(0.0, 1.0), (1.0, 0.0)]);
+    }
 
     #[test]
     fn decades_are_drawn_over_the_logarithm() {

@@ -1,10 +1,10 @@
 //! An estimate as a line of text, with no more digits than its uncertainty carries.
 
-use crate::pipeline::fits_document::ParameterEntry;
+use super::fits_document::ParameterEntry;
 use crate::report::number::{interval, lower_bound, measured, significant, upper_bound};
 
 /// `24.62 ± 0.31`, `> 1.2: reason`, `0.4 to 3.1: reason`, `not determined: reason`.
-pub(super) fn in_words(estimate: &ParameterEntry) -> String {
+pub fn in_words(estimate: &ParameterEntry) -> String {
     let bound = match (estimate.value, estimate.low_95, estimate.high_95) {
         (Some(value), ..) => {
             return match estimate.standard_error {
@@ -23,8 +23,18 @@ pub(super) fn in_words(estimate: &ParameterEntry) -> String {
     }
 }
 
+/// `24.0 to 25.3`: the ends of a 95 % interval.
+pub fn ends(low: f64, high: f64) -> String {
+    interval(low, high)
+}
+
+/// A standard deviation by itself: two digits.
+pub fn spread(standard_deviation: f64) -> String {
+    significant(standard_deviation, 2)
+}
+
 /// `  (95 %: 24.0 to 25.3)` for a value with an interval, else nothing.
-pub(super) fn interval_in_words(estimate: &ParameterEntry) -> String {
+pub fn interval_in_words(estimate: &ParameterEntry) -> String {
     match (estimate.value, estimate.low_95, estimate.high_95) {
         (Some(_), Some(low), Some(high)) => format!("  (95 %: {})", interval(low, high)),
         _ => String::new(),
