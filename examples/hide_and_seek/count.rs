@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use ieap::domain::{Estimate, GroupDiagnosis, Verdict};
-use ieap::model::effects::ALL;
+use ieap::model::effects::{ALL, Applied};
+use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::case::{Plan, case, diagnose, responses, true_responses};
@@ -119,6 +120,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                 row[3] += usize::from(inset && found.set.len() == 1);
                 row[4] += usize::from(!inset && found.set.len() == 1);
                 row[5] += usize::from(found.verdict == Verdict::Unknown);
+                show_proof(id, found, inset);
                 let own = found.effects.iter().find(|own| own.effect == id);
                 for (parameter, truth) in own
                     .iter()
@@ -143,7 +145,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                 }
                 let shown = match std::env::var("SHOW").as_deref() {
                     Ok("wrong") => !inset && found.set.len() == 1,
-                    Ok("strength") => false,
+                    Ok("strength" | "proof") => false,
                     other => other.is_ok(),
                 };
                 if shown {
@@ -202,6 +204,32 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
     last
 }
 
+/// With `SHOW=proof`, what a finding's acceptance rests on, a line for each group.
+fn show_proof(id: &str, found: &GroupDiagnosis, inset: bool) {
+    if std::env::var("SHOW").as_deref() != Ok("proof") {
+        return;
+    }
+    let Some(gain) = &found.gain else {
+        println!("proof,{id},{},{inset},,,,,,,,", found.verdict.key());
+        return;
+    };
+    let accepted = found.candidates.iter().filter(|candidate| candidate.accepted);
+    let fitted: f64 = accepted.filter_map(|candidate| candidate.fitted_gain).sum();
+    let falls: Vec<String> = gain.parts.iter().map(|(_, fall)| format!("{fall:.1}")).collect();
+    let taken: Vec<&str> = found.effects.iter().map(|own| own.effect.as_str()).collect();
+    println!(
+        "proof,{id},{},{inset},{},{:.1},{:.1},{:.1},{},{fitted:.1},{:?},{}",
+        found.verdict.key(),
+        found.set.len(),
+        gain.deviance,
+        gain.standard_error,
+        gain.nameless_deviance,
+        falls.join(" "),
+        found.p_leftover,
+        taken.join(" ")
+    );
+}
+
 /// What is stated of parameters, and how often it holds the truth.
 #[derive(Default)]
 struct Held {
@@ -241,13 +269,58 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Groups with an effect that no library holds: they must come back unknown.
-pub fn outsides(count: u64, d: f64) {
+/// Groups with causes of these strengths at once: how many there are, and whose finding holds all causes.
+pub fn together(first: u64, count: u64, strengths: &[f64]) -> [usize; 2] {
+    let found: Vec<_> = (first..first + count)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let mut case = case(seed, Plan::default());
+            let mut applied: Vec<Applied> = Vec::new();
+            while applied.len() < strengths.len() {
+                let effect = ALL[case.generator.random_range(0..ALL.len())];
+                let is_there = applied.iter().any(|a| a.effect.about().id == effect.about().id);
+                // Laws without free strength fit the noise to themselves, which two of them cannot.
+                let before = case.noise;
+                let one = (!is_there)
+                    .then(|| hidden(&mut case, effect, strengths[applied.len()]))
+                    .flatten();
+                if case.noise == before {
+                    applied.extend(one.map(|(one, _)| one));
+                }
+                case.noise = before;
+            }
+            let with = true_responses(&case, &applied)?;
+            Some((diagnose(&mut case, &with), applied))
+        })
+        .collect();
+    let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+    let (mut whole, mut one, mut beside) = (0, 0, 0);
+    for (found, applied) in &found {
+        let is_given = |a: &&Applied| found.set.iter().any(|id| id == a.effect.about().id);
+        let given = applied.iter().filter(is_given).count();
+        whole += usize::from(given == applied.len());
+        one += usize::from(given > 0);
+        beside += found.set.len() - given;
+        *verdicts.entry(found.verdict.key()).or_default() += 1;
+        let ids: Vec<&str> = applied.iter().map(|a| a.effect.about().id).collect();
+        show_proof(&ids.join(" "), found, given == applied.len());
+    }
+    println!(
+        "{strengths:?}: {} groups, all given in {whole}, one at least in {one}, {beside} given that are not there; {verdicts:?}",
+        found.len()
+    );
+    [found.len(), whole]
+}
+
+/// Groups with an effect that no library holds, which must come back unknown: how many there are, are unknown, and are given
+/// one name.
+pub fn outsides(first: u64, count: u64, d: f64) -> [usize; 3] {
+    let mut total = [0; 3];
     for kind in OUTSIDE {
         let found: Vec<_> = (0..count)
             .into_par_iter()
             .filter_map(|seed| {
-                let mut case = case(5000 + seed, Plan::default());
+                let mut case = case(first + seed, Plan::default());
                 let with = outside(&case, kind, d)?;
                 Some(diagnose(&mut case, &with))
             })
@@ -255,7 +328,8 @@ pub fn outsides(count: u64, d: f64) {
         let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
         for found in &found {
             *verdicts.entry(found.verdict.key()).or_default() += 1;
-            if std::env::var_os("SHOW").is_some() {
+            show_proof(kind.0, found, false);
+            if std::env::var("SHOW").as_deref() == Ok("1") {
                 println!(
                     "    {} {:?} leftover {:?} {}",
                     found.verdict.key(),
@@ -266,5 +340,11 @@ pub fn outsides(count: u64, d: f64) {
             }
         }
         println!("{:25} d {d:>4} n {:>3} {verdicts:?}", kind.0, found.len());
+        let unknown = verdicts.get(Verdict::Unknown.key()).copied().unwrap_or(0);
+        let named = found.iter().filter(|found| found.set.len() == 1).count();
+        total = [total[0] + found.len(), total[1] + unknown, total[2] + named];
     }
+    let [groups, unknown, named] = total;
+    println!("of {groups} groups {unknown} are unknown, {named} given one name");
+    total
 }

@@ -1,6 +1,7 @@
 //! Hides effects in simulated groups of runs and counts what a diagnosis makes of them.
 //!
-//! `cargo run --release --example hide_and_seek -- null 500 [first seed]`, `-- effects 5 8,16,32 [id ...]`, `-- outside 8 16,64`, or
+//! `cargo run --release --example hide_and_seek -- null 500 [first seed]`, `-- effects 5 8,16,32 [id ...]`, `-- outside 8 16,64`,
+//! `-- together 20 32,16` (causes of these strengths at once), or
 //! `-- benchmark 2 9000000 docs/benchmark.svg`, which asks textbook criteria and a linear oracle as well, or
 //! `-- short`, which fails where a few groups of each kind come out worse than chance would have them.
 //!
@@ -8,7 +9,8 @@
 //! outside of their intervals); `DRIVES=step` or `discharge` takes one or two runs in place of five; `STRENGTHS=16,32` and
 //! `DRIVES=five` take a part of the benchmark's table of single causes; `READINGS=uneven`, `quantised` or `outliers` (1 %, ten
 //! standard deviations off) says how groups are read; `GROWING=1` lets the noise at the largest signal
-//! of a run be `sqrt(1 + GROWING^2)` times that at none. `FIRST` is the first seed of `effects` (1000 without it).
+//! of a run be `sqrt(1 + GROWING^2)` times that at none. `FIRST` is the first seed of `effects` and
+//! `together` (1000 without it) and of `outside` (5000), `SHOW=proof` prints what the acceptance of each group's causes rests on.
 
 mod benchmark;
 mod case;
@@ -20,7 +22,7 @@ mod hidden;
 mod methods;
 mod oracle;
 
-use count::{effects, nulls, outsides};
+use count::{effects, nulls, outsides, together};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -38,36 +40,36 @@ fn main() {
         }
         Some("short") => short(),
         Some("outside") => {
-            let strengths = arguments
-                .get(2)
-                .map_or("16", String::as_str)
-                .split(',')
-                .filter_map(|d| d.parse().ok());
-            strengths.for_each(|d| outsides(count, d));
+            for d in strengths(&arguments) {
+                let _ = outsides(seed_from(5000), count, d);
+            }
+        }
+        Some("together") => {
+            let _ = together(seed_from(1000), count, &strengths(&arguments));
         }
         Some("effects") => {
-            let strengths: Vec<f64> = arguments
-                .get(2)
-                .map_or("16", String::as_str)
-                .split(',')
-                .filter_map(|d| d.parse().ok())
-                .collect();
             let _ = effects(
-                seed_from(),
+                seed_from(1000),
                 count,
-                &strengths,
+                &strengths(&arguments),
                 &arguments[3.min(arguments.len())..],
             );
         }
         _ => eprintln!(
-            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | figure < TABLES | short"
+            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | figure < TABLES | short"
         ),
     }
 }
 
-fn seed_from() -> u64 {
+/// The second argument: strengths with commas between.
+fn strengths(arguments: &[String]) -> Vec<f64> {
+    let text = arguments.get(2).map_or("16", String::as_str);
+    text.split(',').filter_map(|d| d.parse().ok()).collect()
+}
+
+fn seed_from(other: u64) -> u64 {
     let named = std::env::var("FIRST").ok();
-    named.and_then(|first| first.parse().ok()).unwrap_or(1000)
+    named.and_then(|first| first.parse().ok()).unwrap_or(other)
 }
 
 fn extent(arguments: &[String], each: u64) -> benchmark::Extent {
@@ -108,6 +110,16 @@ fn short() {
         failed.push(format!(
             "of {hidden} hidden effects {seen} were seen, {in_set} in the set, {wrong} given a wrong name"
         ));
+    }
+    let [groups, unknown, named] = outsides(5000, 4, 32.0);
+    if groups < 8 || 2 * unknown < groups || named > 3 {
+        failed.push(format!(
+            "of {groups} groups with a cause outside the library {unknown} were unknown, {named} given one name"
+        ));
+    }
+    let [pairs, whole] = together(1000, 4, &[32.0, 32.0]);
+    if pairs < 4 || 2 * whole < pairs {
+        failed.push(format!("of {pairs} hidden pairs {whole} were found whole"));
     }
     failed
         .iter()

@@ -22,6 +22,7 @@ mod known_cause;
 mod leftover;
 mod lengthwise;
 mod louder;
+mod needed;
 mod next_run;
 mod null;
 mod odd_scale;
@@ -57,7 +58,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

@@ -31,8 +31,10 @@ use crate::numerics::sums::dot;
 /// The simulation is called wrong below this p, and right from the second on.
 pub(super) const WRONG: f64 = 0.01;
 const RIGHT: f64 = 0.05;
-/// Where a misfit is left, a first cause that explains less than this part of everything names nothing.
-const MOST_OF_IT: f64 = 0.8;
+/// Where a misfit is left, a first cause that explains less than this part of everything names nothing: a cause that no
+/// library holds finds a likeness in it. Of 20 plays of the charge of 16 standard deviations 2 were explained to more than
+/// this by one cause; ceramic capacitors and an electrolysis cell, whose causes are known, are to 0.97 and more.
+const MOST_OF_IT: f64 = 0.9;
 /// Spikes beyond this part of the readings make the readings themselves the problem.
 const SPIKED: f64 = 0.05;
 
@@ -127,8 +129,9 @@ impl<'g> Shown<'_, 'g> {
             () if taken.is_empty() || !passed || !self.determines(model) => Verdict::Unknown,
             () if selection.p_leftover < WRONG && explained < MOST_OF_IT => Verdict::Unknown,
             () if selection.p_leftover < WRONG => Verdict::Partial,
-            () if sets.iter().all(|set| set.len() == 1) => Verdict::Named,
-            () => Verdict::Set,
+            () if sets.iter().any(|set| set.len() > 1) => Verdict::Set,
+            () if selection.p_leftover < RIGHT => Verdict::Partial,
+            () => Verdict::Named,
         };
         if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
             let forms = self.other_forms(model);

@@ -178,10 +178,16 @@ impl<'g> Ground<'_, 'g> {
             }
         }
         let mut model = self.backward(model);
-        if p_leftover < TAKEN
-            && let Some(better) = self.exchanged(&model, &mut steps)
-        {
+        let exchanged = (p_leftover < TAKEN)
+            .then(|| self.exchanged(&model, &mut steps))
+            .flatten();
+        let is_other = exchanged.is_some();
+        if let Some(better) = exchanged {
             model = self.backward(better);
+        }
+        let taken = model.problem.effects.len();
+        let model = self.needed(model);
+        if is_other || model.problem.effects.len() < taken {
             let (null, directions) = self.null(&model, steps.len() as u64);
             leftover = null.observe(self.group, &model.residuals(), &directions);
             p_leftover = self.p_left(&model, &null, &leftover, steps.len() as u64);
@@ -340,7 +346,7 @@ impl<'g> Ground<'_, 'g> {
     }
 
     /// The model without one of its effects, refitted.
-    fn without(&self, model: &Fitted<'g>, place: usize) -> Option<Fitted<'g>> {
+    pub(super) fn without(&self, model: &Fitted<'g>, place: usize) -> Option<Fitted<'g>> {
         let mut effects = model.problem.effects.clone();
         let mut values = model.effect_values();
         effects.remove(place);

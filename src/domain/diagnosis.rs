@@ -151,6 +151,14 @@ pub struct Gain {
     pub residual_rms_sigma_after: f64,
 }
 
+impl Gain {
+    /// Held-out parts that the extended model predicts better, and all of them.
+    pub fn better_parts(&self) -> (usize, usize) {
+        let better = self.parts.iter().filter(|(_, fall)| *fall > 0.0).count();
+        (better, self.parts.len())
+    }
+}
+
 /// How alike the traces of candidates are once the base parameters are refitted.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Confusable {

@@ -1,6 +1,6 @@
 //! The finding in one plain sentence.
 
-use super::Shown;
+use super::{RIGHT, Shown, WRONG};
 use crate::diagnose::select::BEATEN;
 use crate::domain::{GroupDiagnosis, Verdict};
 use crate::model::effects::effect;
@@ -11,12 +11,7 @@ impl Shown<'_, '_> {
         let summary = |id: &str| {
             effect(id).map_or_else(|| id.to_owned(), |e| format!("{} ({})", id, e.about().summary))
         };
-        let proof = found.gain.as_ref().map_or_else(String::new, |gain| {
-            format!(
-                " It predicts held-out readings better by {:.0} +- {:.0} (deviance).",
-                gain.deviance, gain.standard_error
-            )
-        });
+        let proof = format!("{}{}", proof(found), doubt(found));
         match found.verdict {
             Verdict::Named => {
                 let names: Vec<String> = taken.iter().map(|id| summary(id)).collect();
@@ -27,8 +22,13 @@ impl Shown<'_, '_> {
                 found.set.join(", ")
             ),
             Verdict::Partial => format!(
-                "The simulation is wrong ({place}); {} explains most of it, and a misfit is left.{proof}",
-                taken.join(" with ")
+                "The simulation is wrong ({place}); {} explains most of it{}.{proof}",
+                taken.join(" with "),
+                if doubt(found).is_empty() {
+                    ", and a misfit is left"
+                } else {
+                    ""
+                }
             ),
             Verdict::DataProblem => SPIKED_WORDS.into(),
             _ if !taken.is_empty() && is_beaten(found) => format!(
@@ -45,6 +45,33 @@ impl Shown<'_, '_> {
             ),
         }
     }
+}
+
+/// What was held out, and what became of it.
+fn proof(found: &GroupDiagnosis) -> String {
+    let Some(gain) = &found.gain else {
+        return String::new();
+    };
+    let (better, all) = gain.better_parts();
+    let what = if gain.held_out == "time" {
+        "stretches of time"
+    } else {
+        "runs"
+    };
+    let sum = format!("{:.0} +- {:.0}", gain.deviance, gain.standard_error);
+    let which = match better == all {
+        true => format!("all {all}"),
+        false => format!("{better} of {all}"),
+    };
+    format!(" It predicts {which} held-out {what} better: the deviance falls by {sum}.")
+}
+
+/// What is left of a misfit that is explained may still be more than chance leaves.
+fn doubt(found: &GroupDiagnosis) -> String {
+    let open = found.p_leftover.filter(|p| (WRONG..RIGHT).contains(p));
+    open.map_or_else(String::new, |p| {
+        format!(" What it leaves may be more than chance does (p = {p:.3}).")
+    })
 }
 
 /// Whether what has no name predicts held-out readings better.

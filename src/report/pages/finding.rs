@@ -360,14 +360,14 @@ fn gain_block(gain: &Gain) -> GainBlock {
         "time" => "later times from earlier ones",
         other => other,
     };
-    let better = gain.deviance > 2.0 * gain.standard_error;
-    let verb = match (better, gain.deviance > 0.0) {
-        (true, _) => "predicts better",
-        (false, true) => "predicts no clearly better",
-        (false, false) => "predicts worse",
+    let (better, all) = gain.better_parts();
+    let which = match (better == all, gain.deviance > 0.0) {
+        (true, _) => "all better than the base model does".to_owned(),
+        (false, true) => format!("{better} of {all} better than the base model does, and better in the sum"),
+        (false, false) => format!("{better} of {all} better than the base model does, and worse in the sum"),
     };
     GainBlock {
-        sentence: format!("Asked to predict {what}, the extended model {verb} than the base model."),
+        sentence: format!("Asked to predict {what}, the extended model predicts {which}."),
         parts: gain
             .parts
             .iter()
