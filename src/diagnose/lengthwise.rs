@@ -4,7 +4,7 @@
 //! some follow later, as no cause of the strip as a whole makes them.
 
 use super::leftover::p_leftover;
-use super::outcome::WRONG;
+use super::outcome::{RIGHT, WRONG};
 use super::{DiagnoseOptions, RunInput};
 use crate::domain::{EffectFinding, GroupDiagnosis, Parameter, Verdict};
 use crate::fit::distributed::{Decision, LumpedOrDistributed};
@@ -111,9 +111,8 @@ fn proved(
         found.p_leftover = resistance.value.and_then(leftover);
     }
     found.verdict = match found.p_leftover {
-        Some(p) if p >= WRONG => Verdict::Named,
-        _ if was_left => Verdict::Partial,
-        _ => Verdict::Named,
+        None if was_left => Verdict::Partial,
+        left => of_one_name(left),
     };
     let summary = effect(ID).map_or("", |effect| effect.about().summary);
     found.sentence = format!(
@@ -122,7 +121,8 @@ fn proved(
     );
     if found.verdict == Verdict::Partial {
         found.sentence += match found.p_leftover {
-            Some(_) => " A misfit of another kind is left.",
+            Some(p) if p < WRONG => " A misfit of another kind is left.",
+            Some(_) => " A misfit of another kind may be left.",
             None => " Whether a misfit of another kind is left could not be asked.",
         };
     }
@@ -156,9 +156,17 @@ fn unseen(mut found: GroupDiagnosis, asked: &[(&PlacesOfRun, f64)]) -> GroupDiag
         finding.twins.retain(|id| id != ID);
     }
     if found.verdict == Verdict::Set && found.set.len() == 1 {
-        found.verdict = Verdict::Named;
+        found.verdict = of_one_name(found.p_leftover);
     }
     found
+}
+
+/// A cause is the one name where nothing else may be left.
+fn of_one_name(p_leftover: Option<f64>) -> Verdict {
+    match p_leftover {
+        Some(p) if p < RIGHT => Verdict::Partial,
+        _ => Verdict::Named,
+    }
 }
 
 #[cfg(test)]
@@ -203,6 +211,12 @@ mod tests {
                 Some(1e-4),
                 Verdict::Partial,
                 "of another kind is left.",
+            ),
+            (
+                Verdict::Partial,
+                Some(0.03),
+                Verdict::Partial,
+                "of another kind may be left.",
             ),
             (Verdict::Unknown, None, Verdict::Partial, "could not be asked"),
         ] {

@@ -30,7 +30,7 @@ use crate::numerics::sums::dot;
 
 /// The simulation is called wrong below this p, and right from the second on.
 pub(super) const WRONG: f64 = 0.01;
-const RIGHT: f64 = 0.05;
+pub(super) const RIGHT: f64 = 0.05;
 /// Where a misfit is left, a first cause that explains less than this part of everything names nothing: a cause that no
 /// library holds finds a likeness in it. Of 20 plays of the charge of 16 standard deviations 2 were explained to more than
 /// this by one cause; ceramic capacitors and an electrolysis cell, whose causes are known, are to 0.97 and more.
