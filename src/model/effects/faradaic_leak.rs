@@ -11,7 +11,7 @@ static ABOUT: About = About {
     code: "E8",
     class: Class::Leak,
     summary: "electrolysis current above an onset voltage; does not bend the strip",
-    equation: "i_F = i_0 (e^((|w| - E_on)/s) - 1) where |w| > E_on, else 0; w the voltage of the terminals or of branch 2's capacitor",
+    equation: "i_F = i_0 (e^((|w| - E_on)/s) - 1) where |w| > E_on, else 0, along its tangent beyond e^16; w the voltage of the terminals or of branch 2's capacitor",
     variants: &["terminal", "capacitor"],
     parameters: &[
         EffectParameter {
@@ -45,8 +45,17 @@ static ABOUT: About = About {
     sources: "Tafel's law; water's window of 1.23 V; Sci. Rep. 2020 on leakage tails of supercapacitors",
 };
 
-/// The exponent stops here: e^12 is past any current that a source gives.
-const STEEPEST: f64 = 12.0;
+/// From this exponent on the current grows along its tangent: e^16 is past any current that a source gives. A plateau would
+/// leave onset and slope without a meaning there, and a search on it without a way back.
+const STEEPEST: f64 = 16.0;
+/// Exponents at the largest voltage that a search starts from: a milliampere over a nanoampere is e^14.
+const STEEP: f64 = 12.0;
+
+/// Current over its scale, so many slopes above the onset.
+fn growth(above: f64) -> f64 {
+    let steady = above.min(STEEPEST);
+    steady.exp_m1() + (above - steady) * steady.exp()
+}
 
 struct Leak {
     variant: usize,
@@ -68,7 +77,7 @@ impl Law for Leak {
         };
         let above = (w.abs() - self.onset_v) / self.slope_v;
         if above > 0.0 {
-            c.leak_a_per_cm2 += (self.i0 * above.min(STEEPEST).exp_m1()).copysign(w) * self.i0.signum();
+            c.leak_a_per_cm2 += (self.i0 * growth(above)).copysign(w) * self.i0.signum();
         }
     }
 }
@@ -90,13 +99,16 @@ impl Effect for FaradaicLeak {
             .collect();
         let slopes = vec![0.1, 0.3];
         let limits = vec![
-            Limits::logarithmic(1e-12 * density, 100.0 * density),
+            Limits::logarithmic(1e-8 * density, 100.0 * density),
             Limits::linear(0.05 * volts, volts),
             Limits::logarithmic(volts / 40.0, volts),
         ];
         let mut search = Search::over(0.0, limits, &[onsets, slopes]);
+        search
+            .probes
+            .retain(|probe| (volts - probe[1]) / probe[2] < STEEP);
         for probe in &mut search.probes {
-            let most = ((volts - probe[1]) / probe[2]).min(STEEPEST).exp_m1();
+            let most = growth((volts - probe[1]) / probe[2]);
             probe[0] = 0.01 * density / most;
         }
         search
@@ -109,5 +121,20 @@ impl Effect for FaradaicLeak {
             onset_v: parameters[1],
             slope_v: parameters[2],
         }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beyond_what_a_source_gives_the_current_goes_on_along_its_tangent() {
+        assert_eq!(growth(4.0), 4.0_f64.exp_m1());
+        let slope = |above: f64| (growth(above + 1e-6) - growth(above - 1e-6)) / 2e-6;
+        for above in [STEEPEST - 0.001, STEEPEST + 0.001, 40.0] {
+            assert!((slope(above) / STEEPEST.exp() - 1.0).abs() < 2e-3, "{above}");
+        }
+        assert!((growth(20.0) / (5.0 * STEEPEST.exp() - 1.0) - 1.0).abs() < 1e-12);
     }
 }

@@ -293,6 +293,7 @@ impl System {
 }
 
 /// A base model with effects.
+#[derive(Clone)]
 pub struct ExtendedModel {
     /// The base.
     pub base: LumpedModel,

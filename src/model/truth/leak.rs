@@ -1,15 +1,15 @@
 //! Currents that charge nothing.
 //!
 //! - R_ss of the base model: `u/R_ss`.
-//! - `faradaic-leak`: `sign(w) i0 (exp((|w| - onset)/slope) - 1)` where |w| is above the onset, else 0; the exponent is
-//!   capped at 12. It is drawn at the terminals of a cell; w is the voltage there ("terminal") or that of branch 2's
+//! - `faradaic-leak`: `sign(w) i0 (exp((|w| - onset)/slope) - 1)` where |w| is above the onset, else 0; beyond
+//!   an exponent of 16 along the tangent there. It is drawn at the terminals of a cell; w is the voltage there ("terminal") or that of branch 2's
 //!   capacitor ("capacitor"; the mean over its shares by capacitance where it is dispersed).
 //! - `diffusion-limited-leak`: `k u / sqrt(t_edge + 0.05 s)`, u the voltage now, also while the circuit is open.
 //!   Before the first edge it has died away.
 
 use super::effects::Effects;
 
-const LARGEST_EXPONENT: f64 = 12.0;
+const STEEPEST_EXPONENT: f64 = 16.0;
 
 /// The faradaic law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,8 +28,10 @@ impl Faradaic {
             return (0.0, 0.0);
         }
         let exponent = above / self.slope_v;
-        if exponent >= LARGEST_EXPONENT {
-            return (w.signum() * self.i0 * LARGEST_EXPONENT.exp_m1(), 0.0);
+        if exponent >= STEEPEST_EXPONENT {
+            let steepest = self.i0 * STEEPEST_EXPONENT.exp();
+            let current = steepest * (1.0 + exponent - STEEPEST_EXPONENT) - self.i0;
+            return (w.signum() * current, steepest / self.slope_v);
         }
         let current = w.signum() * self.i0 * exponent.exp_m1();
         (current, self.i0 * exponent.exp() / self.slope_v)

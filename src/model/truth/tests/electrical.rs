@@ -170,7 +170,8 @@ fn a_faradaic_leak_flows_steadily_above_its_onset_and_does_not_bend() {
             (2.0, 4.0_f64.exp_m1()),
             (-2.0, -4.0_f64.exp_m1()),
             (1.0, 0.0),
-            (5.0, 12.0_f64.exp_m1()),
+            // 19 slopes above the onset: along the tangent from 16 on.
+            (5.0, 4.0 * 16.0_f64.exp() - 1.0),
         ] {
             let found = respond(&sample, &Drive::step(v), &[1e5]);
             let expected = 0.1 * (v / 5660.0 + 1e-5 * leak);
