@@ -158,16 +158,18 @@ impl Simulation {
             .iter()
             .map(|column| transposed(column.clone()))
             .collect();
-        let mut largest: f64 = 0.0;
-        for (raw, direction) in self.candidates.iter().zip(asked.directions) {
+        let gain = |(raw, direction): (&Vec<f64>, &Direction)| {
             let white = whitened(raw);
             let square = dot(&white, &white) - absorbed.iter().map(|q| dot(q, raw).powi(2)).sum::<f64>();
             let z = dot(&answer, raw);
             if square > 0.0 && (z > 0.0 || !direction.one_sided) {
-                largest = largest.max(z * z / square);
+                z * z / square
+            } else {
+                0.0
             }
-        }
-        asked.null.p_of_simulated(&means, largest, &mut generator)
+        };
+        let gains: Vec<f64> = self.candidates.iter().zip(asked.directions).map(gain).collect();
+        asked.null.p_of_simulated(&means, &gains, &mut generator)
     }
 }
 

@@ -4,7 +4,7 @@
 //! some follow later, as no cause of the strip as a whole makes them.
 
 use super::leftover::p_leftover;
-use super::outcome::{RIGHT, WRONG};
+use super::outcome::{WRONG, one_name};
 use super::{DiagnoseOptions, RunInput};
 use crate::domain::{EffectFinding, GroupDiagnosis, Parameter, Verdict};
 use crate::fit::distributed::{Decision, LumpedOrDistributed};
@@ -112,7 +112,7 @@ fn proved(
     }
     found.verdict = match found.p_leftover {
         None if was_left => Verdict::Partial,
-        left => of_one_name(left),
+        left => one_name(left),
     };
     let summary = effect(ID).map_or("", |effect| effect.about().summary);
     found.sentence = format!(
@@ -155,18 +155,14 @@ fn unseen(mut found: GroupDiagnosis, asked: &[(&PlacesOfRun, f64)]) -> GroupDiag
     for finding in &mut found.effects {
         finding.twins.retain(|id| id != ID);
     }
+    found.sentence += &match found.set.as_slice() {
+        [only] => format!(" Places along the strip do not differ: it is {only}, not {ID}."),
+        _ => format!(" Places along the strip do not differ: it is not {ID}."),
+    };
     if found.verdict == Verdict::Set && found.set.len() == 1 {
-        found.verdict = of_one_name(found.p_leftover);
+        found.verdict = one_name(found.p_leftover);
     }
     found
-}
-
-/// A cause is the one name where nothing else may be left.
-fn of_one_name(p_leftover: Option<f64>) -> Verdict {
-    match p_leftover {
-        Some(p) if p < RIGHT => Verdict::Partial,
-        _ => Verdict::Named,
-    }
 }
 
 #[cfg(test)]
@@ -264,6 +260,13 @@ mod tests {
         assert_eq!(
             (found.verdict, &found.set[..]),
             (Verdict::Named, &["dispersion".to_owned()][..])
+        );
+        assert!(
+            found
+                .sentence
+                .ends_with("it is dispersion, not lengthwise-resistance."),
+            "{}",
+            found.sentence
         );
         let other = joined(
             group(Verdict::Named, &["faradaic-leak"]),

@@ -12,6 +12,7 @@ mod calibration;
 mod candidates;
 mod discrepancy;
 mod drawn;
+mod ends;
 mod extend;
 mod fitted;
 mod from_others;
@@ -22,6 +23,8 @@ mod known_cause;
 mod leftover;
 mod lengthwise;
 mod louder;
+mod mixture;
+mod modes;
 mod needed;
 mod next_run;
 mod null;
@@ -58,7 +61,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

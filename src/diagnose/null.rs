@@ -9,6 +9,7 @@ use crate::numerics::sums::dot;
 
 use super::calibration::Calibration;
 use super::group::Group;
+use super::mixture::Mixture;
 use super::signature::Direction;
 use super::stretch::Stretch;
 use super::tangent::Tangent;
@@ -18,8 +19,8 @@ use super::tangent::Tangent;
 const KNOWN: f64 = 0.5;
 /// A direction whose part beyond those before it is smaller than this is drawn with them.
 const DEPENDENT: f64 = 1e-3;
-/// Weights of the statistics in the smallest p: candidates first, then single stretches, all of them, and lines.
-const WEIGHTS: [f64; 4] = [0.80, 0.05, 0.10, 0.05];
+/// Weights of the statistics in the smallest p: all candidates, the best of them, single stretches, all of them, and lines.
+const WEIGHTS: [f64; 5] = [0.70, 0.10, 0.05, 0.10, 0.05];
 
 /// Draws below an observed p from which their count gives its own.
 const RESOLVED: usize = 10;
@@ -27,6 +28,8 @@ const RESOLVED: usize = 10;
 /// Statistics of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Statistics {
+    /// Logarithm of the ratio of likelihoods with one of the candidates and with none.
+    pub(super) mixture: f64,
     /// Largest forecast gain of any candidate.
     pub(super) candidate: f64,
     /// Largest square of a stretch's mean, in its standard errors.
@@ -38,13 +41,14 @@ pub(super) struct Statistics {
 }
 
 impl Statistics {
-    fn all(&self) -> [f64; 3] {
-        [self.candidate, self.stretch, self.together]
+    fn all(&self) -> [f64; 4] {
+        [self.mixture, self.candidate, self.stretch, self.together]
     }
 }
 
 /// Everything that the residuals are asked, and its distribution where nothing is wrong.
 pub(super) struct Null {
+    mixture: Mixture,
     stretch_units: Vec<Option<Vec<f64>>>,
     /// Stretches in the order in which they were found independent.
     pivots: Vec<usize>,
@@ -89,7 +93,9 @@ impl Null {
             .iter()
             .map(|block| frequencies(block.end - block.first).count())
             .sum();
+        let mixture = Mixture::of(directions);
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let mut gains = vec![0.0; directions.len()];
         let draws = (0..count)
             .map(|_| {
                 let unit: Vec<f64> = pivots
@@ -113,12 +119,16 @@ impl Null {
                 for k in 0..stretched {
                     found.stretch = found.stretch.max(square(k).1);
                 }
-                for (k, direction) in directions.iter().enumerate() {
+                for (k, (direction, own)) in directions.iter().zip(&mut gains).enumerate() {
                     let (z, gain) = square(stretched + k);
-                    if z > 0.0 || !direction.one_sided {
-                        found.candidate = found.candidate.max(gain);
-                    }
+                    *own = if z > 0.0 || !direction.one_sided {
+                        gain
+                    } else {
+                        0.0
+                    };
                 }
+                found.candidate = largest(&gains);
+                found.mixture = mixture.log_ratio(&gains);
                 let of_pivot = |(&pivot, x): (&usize, &f64)| {
                     let size: f64 = shares[pivot]
                         .iter()
@@ -137,10 +147,11 @@ impl Null {
             .map(|&pivot| factor[pivot].clone())
             .collect();
         let mut null = Null {
+            mixture,
             stretch_units,
             pivots: pivots[..from_stretches].to_vec(),
             factor: rows,
-            tails: (0..3)
+            tails: (0..4)
                 .map(|k| Tail::of(draws.iter().map(|draw| draw.all()[k]).collect()))
                 .collect(),
             draws,
@@ -160,27 +171,28 @@ impl Null {
             .flatten()
             .map(|unit| dot(unit, residuals))
             .collect();
-        let candidate = directions
+        let gains: Vec<f64> = directions
             .iter()
             .map(|direction| gain(direction, residuals))
-            .fold(0.0, f64::max);
+            .collect();
         let line = group
             .blocks
             .iter()
             .map(|b| largest_line(&residuals[b.first..b.end]))
             .fold(0.0, f64::max);
-        self.statistics(&means, candidate, line)
+        self.statistics(&means, &gains, line)
     }
 
-    /// From the means of the stretches that are used, in their standard errors.
-    fn statistics(&self, means: &[f64], candidate: f64, line: f64) -> Statistics {
+    /// From the means of the stretches that are used, in their standard errors, and the gain of every direction.
+    fn statistics(&self, means: &[f64], gains: &[f64], line: f64) -> Statistics {
         let mut solved: Vec<f64> = Vec::with_capacity(self.pivots.len());
         for (&pivot, row) in self.pivots.iter().zip(&self.factor) {
             let known = dot(&row[..solved.len()], &solved);
             solved.push((means[pivot] - known) / row[solved.len()]);
         }
         Statistics {
-            candidate,
+            mixture: self.mixture.log_ratio(gains),
+            candidate: largest(gains),
             stretch: means.iter().map(|z| z * z).fold(0.0, f64::max),
             together: dot(&solved, &solved),
             line,
@@ -192,11 +204,11 @@ impl Null {
         self.stretch_units.iter().map(Option::is_some)
     }
 
-    /// The p of simulated readings: means of the used stretches, and the largest gain of a candidate. Lines of the
+    /// The p of simulated readings: means of the used stretches, and the gain of every direction. Lines of the
     /// periodogram do not depend on what is found of the noise, and are drawn.
-    pub(super) fn p_of_simulated(&self, means: &[f64], candidate: f64, generator: &mut ChaCha8Rng) -> f64 {
+    pub(super) fn p_of_simulated(&self, means: &[f64], gains: &[f64], generator: &mut ChaCha8Rng) -> f64 {
         let line = chance_line(self.lines, generator);
-        self.unbounded_p(&self.statistics(means, candidate, line))
+        self.unbounded_p(&self.statistics(means, gains, line))
     }
 
     /// Mean of every stretch in its standard errors, 0 where a refit takes it up.
@@ -285,6 +297,10 @@ impl Tail {
         let above = self.sorted.len() - self.sorted.partition_point(|x| *x < value);
         (1 + above) as f64 / (1 + self.sorted.len()) as f64
     }
+}
+
+fn largest(gains: &[f64]) -> f64 {
+    gains.iter().copied().fold(0.0, f64::max)
 }
 
 /// Forecast gain of a candidate: the fall of the sum of squares to first order; 0 for a strength of the wrong sign.

@@ -130,8 +130,7 @@ impl<'g> Shown<'_, 'g> {
             () if selection.p_leftover < WRONG && explained < MOST_OF_IT => Verdict::Unknown,
             () if selection.p_leftover < WRONG => Verdict::Partial,
             () if sets.iter().any(|set| set.len() > 1) => Verdict::Set,
-            () if selection.p_leftover < RIGHT => Verdict::Partial,
-            () => Verdict::Named,
+            () => one_name(Some(selection.p_leftover)),
         };
         if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
             let forms = self.other_forms(model);
@@ -301,6 +300,14 @@ impl<'g> Shown<'_, 'g> {
             drawn(self.group, block, fitted, &|_| true)
         };
         self.group.blocks.iter().filter_map(of_block).collect()
+    }
+}
+
+/// A cause is the one name where nothing else may be left; none where that was not asked.
+pub(super) fn one_name(p_leftover: Option<f64>) -> Verdict {
+    match p_leftover {
+        Some(p) if p < RIGHT => Verdict::Partial,
+        _ => Verdict::Named,
     }
 }
 

@@ -51,7 +51,8 @@ impl Sought {
         self.limits.iter().filter(|limits| !limits.held).count()
     }
 
-    fn coordinate(&self, k: usize, value: f64) -> f64 {
+    /// Coordinate of parameter `k` at that value.
+    pub(super) fn coordinate(&self, k: usize, value: f64) -> f64 {
         if self.limits[k].logarithmic {
             value.max(f64::MIN_POSITIVE).ln()
         } else {

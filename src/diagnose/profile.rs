@@ -2,38 +2,43 @@
 
 use rayon::prelude::*;
 
-use crate::domain::{Estimate, StrengthProfile};
+use crate::domain::StrengthProfile;
 use crate::model::extended::ExtendedModel;
+use crate::numerics::levenberg::Stop;
 
+use super::ends::{BOUNDS, together};
 use super::fitted::Fitted;
 use super::group::Group;
+use super::modes::{Mode, modes};
 use super::problem::{Problem, Sought};
+use super::signature::scale;
 
 /// Strengths that are looked at on either side, in standard errors.
 const AT: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 /// Evaluations of each search, from the place that the covariance expects.
 const SHORT: u64 = 6;
 const SETTLE: f64 = 0.02;
-/// Rise at the ends of a 95 % interval: chi-square of one degree of freedom.
-const BOUNDS: f64 = 3.84;
-/// The same where the covariance tells nothing, of so many degrees of freedom as the effect has parameters: they make up for
-/// each other along valleys that bend, and an end that a search did not reach must not pass for one.
-const TOGETHER: [f64; 3] = [3.84, 5.99, 7.81];
 /// Where three standard errors do not reach it, steps that each go so many times farther, and how many of them.
 const FARTHER: f64 = 1.6;
-const FURTHER: usize = 9;
+const FURTHER: i32 = 9;
 /// Parts of the way to a limit at which a parameter is looked at of which the covariance tells nothing.
 const WAY: [f64; 9] = [0.01, 0.03, 0.07, 0.13, 0.22, 0.35, 0.52, 0.75, 1.0];
 /// Evaluations of each search on that way: a valley that bends is followed slowly.
 const LONG: u64 = 20;
-/// Ends of an interval of a logarithmic parameter that are farther apart than this give no value, as with the covariance.
-const DECADES: f64 = 100.0;
+/// A rise so many times that of an end is a leap: the search may have lost its way, and goes half as far first.
+const LEAP: f64 = 4.0;
+/// Times that it may.
+const HALVINGS: usize = 5;
 
 /// Profiles of every parameter of the effects that is searched, effect after effect.
 pub(super) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
     let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
     let inverse = slope.normal.inverse(1e-12);
     let effects = &fitted.problem.effects;
+    let scale = scale(group, &fitted.problem, &fitted.at);
+    let modes: Vec<Vec<Mode>> = (0..effects.len())
+        .map(|number| modes(group, fitted, number, &scale))
+        .collect();
     let mut place = fitted.problem.base_len();
     let mut wanted = Vec::new();
     for (number, sought) in effects.iter().enumerate() {
@@ -52,7 +57,13 @@ pub(super) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
         let shift: Vec<f64> = (0..fitted.at.len())
             .map(|k| inverse.get(k, place) / (sd * sd))
             .collect();
-        profile(group, fitted, which, sd, &shift)
+        let along = Along {
+            group,
+            fitted,
+            which,
+            shift: &shift,
+        };
+        along.profile(sd, &modes[which.number])
     };
     wanted.into_par_iter().filter_map(of).collect()
 }
@@ -68,65 +79,6 @@ struct Which {
     place: usize,
 }
 
-/// One profile; `shift` is how the other coordinates follow the parameter's to first order.
-fn profile(group: &Group, fitted: &Fitted, which: Which, sd: f64, shift: &[f64]) -> Option<StrengthProfile> {
-    let along = Along {
-        group,
-        fitted,
-        which,
-        shift,
-    };
-    let Which {
-        number,
-        parameter,
-        place,
-    } = which;
-    let best = (fitted.effect_values()[number][parameter], 0.0);
-    let mut points = vec![best];
-    // Intervals that the limits would cut anyway are no scale to look at.
-    let (low, high) = fitted.problem.limits_of(place);
-    let is_known = sd > 0.0 && 2.0 * AT[3] * sd < high - low;
-    if !is_known {
-        for end in [low, high] {
-            points.extend(
-                along
-                    .to_the_limit(end - fitted.at[place])
-                    .iter()
-                    .map(Point::shown),
-            );
-        }
-    }
-    for side in [-1.0, 1.0].into_iter().filter(|_| is_known) {
-        let mut last: Option<Point> = None;
-        for at in AT {
-            let step = side * at * sd;
-            let is_outside = fitted.problem.is_outside(place, fitted.at[place] + step);
-            let found = (!is_outside).then(|| along.expected(step)).flatten();
-            points.extend(found.as_ref().map(Point::shown));
-            last = found.or(last);
-        }
-        // A valley that bends, or goes on along a limit of another parameter, is followed from where it was left.
-        let mut at = AT[AT.len() - 1];
-        for _ in 0..FURTHER {
-            let Some(before) = last.filter(|point| point.rise < BOUNDS) else {
-                break;
-            };
-            at *= FARTHER;
-            last = along.further(side * at * sd, &before, SHORT);
-            points.extend(last.as_ref().map(Point::shown));
-        }
-    }
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let about = fitted.problem.effects[number].effect.about();
-    let (values, rises): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-    (values.len() > 2).then(|| StrengthProfile {
-        effect: about.id.to_owned(),
-        key: about.parameters[parameter].key.to_owned(),
-        values,
-        rises,
-    })
-}
-
 /// One parameter of a fitted model, on its way.
 struct Along<'a, 'g> {
     group: &'a Group<'g>,
@@ -135,7 +87,31 @@ struct Along<'a, 'g> {
     shift: &'a [f64],
 }
 
+/// A way from the best: to the limit so far off, or by standard deviations of the covariance where they are known.
+struct Toward {
+    side: f64,
+    sd: Option<f64>,
+    limit: f64,
+    bound: f64,
+}
+
+impl Toward {
+    /// Steps of the coordinate from `first` on.
+    fn steps(&self, first: f64) -> Vec<f64> {
+        match self.sd {
+            Some(sd) => (0..FURTHER)
+                .map(|n| first + self.side * sd * FARTHER.powi(n))
+                .collect(),
+            None => WAY
+                .iter()
+                .map(|part| first + part * (self.limit - first))
+                .collect(),
+        }
+    }
+}
+
 /// Where all else is at its best.
+#[derive(Clone)]
 struct Point {
     model: ExtendedModel,
     value: f64,
@@ -149,6 +125,83 @@ impl Point {
 }
 
 impl Along<'_, '_> {
+    /// The profile of a parameter whose coordinate the covariance gives the standard deviation `sd`, by way of other places
+    /// where the effect explains the readings as well.
+    fn profile(&self, sd: f64, modes: &[Mode]) -> Option<StrengthProfile> {
+        let Which {
+            number,
+            parameter,
+            place,
+        } = self.which;
+        let (low, high) = self.fitted.problem.limits_of(place);
+        // Intervals that the limits would cut anyway are no scale to look at.
+        let is_known = sd > 0.0 && 2.0 * AT[3] * sd < high - low;
+        let mut points = vec![self.best().shown()];
+        for (side, limit) in [(-1.0, low), (1.0, high)] {
+            let toward = Toward {
+                side,
+                sd: is_known.then_some(sd),
+                limit: limit - self.fitted.at[place],
+                bound: if is_known { BOUNDS } else { self.together() },
+            };
+            points.extend(self.side(&toward, modes).iter().map(Point::shown));
+        }
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points.dedup_by(|a, b| a.0 == b.0);
+        let about = self.fitted.problem.effects[number].effect.about();
+        let (values, rises): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        (values.len() > 2).then(|| StrengthProfile {
+            effect: about.id.to_owned(),
+            key: about.parameters[parameter].key.to_owned(),
+            values,
+            rises,
+        })
+    }
+
+    /// Points on one side of the best.
+    fn side(&self, toward: &Toward, modes: &[Mode]) -> Vec<Point> {
+        let mut found = match toward.sd {
+            Some(sd) => self.by_covariance(toward, sd),
+            None => self.outward(self.best(), &toward.steps(0.0), toward.bound, LONG),
+        };
+        let out = |point: &Point| toward.side * self.step_to(point);
+        let within = found.iter().filter(|point| point.rise < toward.bound);
+        let reached = within.map(out).fold(0.0, f64::max);
+        let others = modes.iter().filter(|mode| mode.rise < toward.bound);
+        let farthest = others
+            .map(|mode| self.at_mode(mode))
+            .filter(|point| out(point) > reached)
+            .max_by(|a, b| out(a).total_cmp(&out(b)));
+        if let Some(mode) = farthest {
+            let steps = toward.steps(self.step_to(&mode));
+            found.push(mode.clone());
+            found.extend(self.outward(mode, &steps, toward.bound, LONG));
+        }
+        found
+    }
+
+    /// Points where the covariance expects them, and farther where the rise does not pass the bound there.
+    fn by_covariance(&self, toward: &Toward, sd: f64) -> Vec<Point> {
+        let Which { place, .. } = self.which;
+        let mut found: Vec<Point> = Vec::new();
+        for at in AT {
+            let step = toward.side * at * sd;
+            let is_outside = self
+                .fitted
+                .problem
+                .is_outside(place, self.fitted.at[place] + step);
+            found.extend((!is_outside).then(|| self.expected(step)).flatten());
+        }
+        // A valley that bends, or goes on along a limit of another parameter, is followed from where it was left.
+        if let Some(last) = found.last().filter(|point| point.rise < BOUNDS) {
+            let farthest = toward.side * AT[AT.len() - 1] * sd;
+            let steps: Vec<f64> = (1..=FURTHER).map(|n| farthest * FARTHER.powi(n)).collect();
+            let farther = self.outward(last.clone(), &steps, BOUNDS, SHORT);
+            found.extend(farther);
+        }
+        found
+    }
+
     /// The rise at a step of the parameter's coordinate, all else searched from where the covariance expects it.
     fn expected(&self, step: f64) -> Option<Point> {
         let at: Vec<f64> = (self.fitted.at.iter().zip(self.shift))
@@ -169,21 +222,52 @@ impl Along<'_, '_> {
         }
     }
 
-    /// Points on the way to a limit so far off, from one to the next, until the rise has passed that of an interval.
-    fn to_the_limit(&self, reach: f64) -> Vec<Point> {
+    fn at_mode(&self, mode: &Mode) -> Point {
+        let Which {
+            number, parameter, ..
+        } = self.which;
+        Point {
+            model: mode.model.clone(),
+            value: mode.model.effects[number].parameters[parameter],
+            rise: mode.rise,
+        }
+    }
+
+    /// Points at `steps` of the parameter's coordinate outward of `first`, each searched from where the one before ended,
+    /// until the rise has passed `bound`; where it leaps past it, points between are looked at first.
+    fn outward(&self, first: Point, steps: &[f64], bound: f64, evaluations: u64) -> Vec<Point> {
         let mut found: Vec<Point> = Vec::new();
-        let best = self.best();
-        for part in WAY {
-            let before = found.last().unwrap_or(&best);
-            if before.rise > self.together() {
+        let mut ahead: Vec<f64> = steps.iter().rev().copied().collect();
+        let (mut at, mut halvings) = (self.step_to(&first), HALVINGS);
+        while let Some(step) = ahead.pop() {
+            let before = found.last().unwrap_or(&first);
+            let Some(point) = self.further(step, before, evaluations) else {
                 break;
+            };
+            if point.rise > LEAP * bound && halvings > 0 {
+                halvings -= 1;
+                ahead.extend([step, 0.5 * (at + step)]);
+                continue;
             }
-            match self.further(part * reach, before, LONG) {
-                Some(point) => found.push(point),
-                None => break,
+            let is_past = point.rise > bound;
+            found.push(point);
+            at = step;
+            if is_past {
+                break;
             }
         }
         found
+    }
+
+    /// How far the parameter's coordinate is from the best there.
+    fn step_to(&self, point: &Point) -> f64 {
+        let Which {
+            number,
+            parameter,
+            place,
+        } = self.which;
+        let sought = &self.fitted.problem.effects[number];
+        sought.coordinate(parameter, point.value) - self.fitted.at[place]
     }
 
     /// The same from where the search `before` ended, no further than the limit; none where that lies behind.
@@ -197,10 +281,7 @@ impl Along<'_, '_> {
         let mut at = self.fitted.at.clone();
         at[place] = problem.within(place, at[place] + step);
         let value = problem.model(&at).effects[number].parameters[parameter];
-        let mut model = ExtendedModel {
-            base: before.model.base.clone(),
-            effects: before.model.effects.clone(),
-        };
+        let mut model = before.model.clone();
         model.effects[number].parameters[parameter] = value;
         let search = || self.searched(model, evaluations);
         (value != before.value).then(search).flatten()
@@ -215,7 +296,11 @@ impl Along<'_, '_> {
         let problem = Problem::new(self.group, &from.base, all);
         let parameters: Vec<Vec<f64>> = from.effects.iter().map(|e| e.parameters.clone()).collect();
         let start = problem.coordinates(&from.base, &parameters);
-        let bottom = problem.descend(&start, evaluations, SETTLE, &[]);
+        let mut bottom = problem.descend(&start, evaluations, SETTLE, &[]);
+        if bottom.stop == Stop::EvaluationLimit && bottom.slope.square - self.fitted.square > self.together()
+        {
+            bottom = problem.descend(&bottom.at, LONG, SETTLE, &[]);
+        }
         bottom.slope.square.is_finite().then(|| Point {
             value: from.effects[number].parameters[parameter],
             rise: (bottom.slope.square - self.fitted.square).max(0.0),
@@ -224,153 +309,9 @@ impl Along<'_, '_> {
     }
 }
 
-/// The estimate with an interval that ends no sooner than its profile does: the covariance knows nothing of a valley that
-/// bends.
-pub(super) fn held_by(estimate: &Estimate, profile: &StrengthProfile) -> Estimate {
-    let (Some(low), Some(high), Some(best)) = (estimate.low_95, estimate.high_95, estimate.value) else {
-        return estimate.clone();
-    };
-    let before = high - low;
-    let (below, above) = sides(profile, best);
-    let (low, high) = (low.min(end(&below, best)), high.max(end(&above, best)));
-    Estimate {
-        standard_error: estimate.standard_error.map(|error| error * (high - low) / before),
-        low_95: Some(low),
-        high_95: Some(high),
-        ..estimate.clone()
-    }
-}
-
-/// What a profile alone tells of a parameter whose best value is `best` and of which the covariance tells nothing: an
-/// interval where both ends are passed, a bound where one is, else `estimate` as it is.
-pub(super) fn told_by(
-    estimate: &Estimate,
-    profile: &StrengthProfile,
-    best: f64,
-    sought: &Sought,
-    logarithmic: bool,
-) -> Estimate {
-    let rise = together(sought);
-    let (below, above) = sides(profile, best);
-    match (
-        crossing(&below, rise, logarithmic),
-        crossing(&above, rise, logarithmic),
-    ) {
-        (Some(low), Some(high)) if logarithmic && high > DECADES * low => Estimate {
-            low_95: Some(low),
-            high_95: Some(high),
-            ..estimate.clone()
-        },
-        (Some(low), Some(high)) => Estimate::determined(best, 0.5 * (high - low) / HALF_95, low, high),
-        (Some(low), None) => Estimate::above(low, NO_END),
-        (None, Some(high)) => Estimate::below(high, NO_END),
-        (None, None) => estimate.clone(),
-    }
-}
-
-/// Rise at the ends of an interval of all parameters of an effect together.
-fn together(sought: &Sought) -> f64 {
-    TOGETHER[sought.free().clamp(1, TOGETHER.len()) - 1]
-}
-
-const NO_END: &str = "the readings fit as well with all values from there to the limit of what is sought";
-/// Half of a 95 % interval in standard errors.
-const HALF_95: f64 = 1.96;
-
-type Points = Vec<(f64, f64)>;
-
-/// The points on either side of the best, from it outward.
-fn sides(profile: &StrengthProfile, best: f64) -> (Points, Points) {
-    let points: Points = (profile.values.iter().copied())
-        .zip(profile.rises.iter().copied())
-        .collect();
-    let below = points.iter().rev().copied().filter(|(x, _)| *x <= best).collect();
-    let above = points.into_iter().filter(|(x, _)| *x >= best).collect();
-    (below, above)
-}
-
-/// Where the rise passes that of a 95 % interval, of points that go outward from the best; the last of them where it does
-/// not.
-fn end(points: &[(f64, f64)], best: f64) -> f64 {
-    let last = || points.last().map_or(best, |(x, _)| *x);
-    crossing(points, BOUNDS, false).unwrap_or_else(last)
-}
-
-fn crossing(points: &[(f64, f64)], bound: f64, logarithmic: bool) -> Option<f64> {
-    let pair = points.windows(2).find(|pair| pair[1].1 >= bound)?;
-    let ((x, rise), (further, higher)) = (pair[0], pair[1]);
-    // Roots of rises go along straight lines where the profile is a parabola.
-    let part = ((bound.sqrt() - rise.sqrt()) / (higher.sqrt() - rise.sqrt())).clamp(0.0, 1.0);
-    Some(match logarithmic {
-        true => x * (further / x).powf(part),
-        false => x + part * (further - x),
-    })
-}
-
 /// The effect with that parameter held.
 fn held(sought: &Sought, parameter: usize, parameters: &[f64]) -> Sought {
     let mut limits = sought.limits.clone();
     limits[parameter].held = true;
     Sought::new(sought.effect, sought.variant, limits, parameters)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn profile(points: &[(f64, f64)]) -> StrengthProfile {
-        let (values, rises) = points.iter().copied().unzip();
-        StrengthProfile {
-            effect: "e".to_owned(),
-            key: "k".to_owned(),
-            values,
-            rises,
-        }
-    }
-
-    #[test]
-    fn a_profile_tells_what_the_covariance_does_not() {
-        let nothing = Estimate::not_determined("flat");
-        let effect = crate::model::effects::effect("current-offset").unwrap();
-        let limits = vec![crate::model::effects::Limits::linear(0.0, 1.0)];
-        let one = Sought::new(effect, 0, limits, &[0.5]);
-        let told =
-            |points: &[(f64, f64)], logarithmic| told_by(&nothing, &profile(points), 1.0, &one, logarithmic);
-        let both = told(
-            &[(0.5, 5.0), (0.7, 2.0), (1.0, 0.0), (2.0, 1.0), (3.0, 9.0)],
-            false,
-        );
-        assert!(both.value == Some(1.0) && both.low_95.unwrap() > 0.5 && both.high_95.unwrap() < 3.0);
-        let open = told(&[(0.5, 5.0), (0.7, 2.0), (1.0, 0.0), (2.0, 1.0)], false);
-        assert!(open.value.is_none() && open.high_95.is_none() && open.low_95.is_some_and(|low| low > 0.5));
-        assert_eq!(told(&[(0.5, 1.0), (1.0, 0.0), (2.0, 1.0)], false), nothing);
-        // Known to three decades only: both ends, and no value.
-        let wide = told(
-            &[(0.01, 9.0), (0.1, 1.0), (1.0, 0.0), (30.0, 2.0), (300.0, 9.0)],
-            true,
-        );
-        assert!(wide.value.is_none() && wide.low_95.unwrap() > 0.01 && wide.high_95.unwrap() < 300.0);
-    }
-
-    #[test]
-    fn a_parabola_leaves_the_interval_and_a_bent_valley_widens_it() {
-        let strength = Estimate::determined(2.0, 0.5, 1.02, 2.98);
-        let parabola = [-1.5, -1.0, 0.0, 1.0, 1.5].map(|x| (2.0 + x, (x / 0.5) * (x / 0.5)));
-        let same = held_by(&strength, &profile(&parabola));
-        assert!((same.low_95.unwrap() - 1.02).abs() < 1e-3 && (same.high_95.unwrap() - 2.98).abs() < 1e-3);
-        let bent = [
-            (0.5, 9.0),
-            (1.0, 4.0),
-            (2.0, 0.0),
-            (3.0, 0.96),
-            (4.0, 2.0),
-            (8.0, 5.76),
-        ];
-        let wide = held_by(&strength, &profile(&bent));
-        assert!((wide.low_95.unwrap() - 1.02).abs() < 0.01, "{wide:?}");
-        assert!((4.0..8.0).contains(&wide.high_95.unwrap()), "{wide:?}");
-        assert!(wide.standard_error.unwrap() > 0.5);
-        let to_the_limit = [(0.5, 9.0), (1.0, 4.0), (2.0, 0.0), (3.0, 0.5), (5.0, 1.0)];
-        assert_eq!(held_by(&strength, &profile(&to_the_limit)).high_95, Some(5.0));
-    }
 }

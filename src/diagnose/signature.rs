@@ -36,6 +36,8 @@ pub(super) struct Signature {
 pub(super) struct Direction {
     /// Place of the signature in the list.
     pub(super) signature: usize,
+    /// Id of its effect.
+    pub(super) effect: &'static str,
     pub(super) unit: Vec<f64>,
     /// Length before it was made unit: sigmas that the probe leaves after the refit.
     pub(super) norm: f64,
@@ -177,6 +179,7 @@ pub(super) fn directions(signatures: &[Signature], tangent: &Tangent) -> Vec<Dir
         };
         Some(Direction {
             signature: place,
+            effect: signature.effect.about().id,
             unit,
             norm,
             left: norm / whole,

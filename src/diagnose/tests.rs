@@ -49,8 +49,13 @@ pub(super) struct Runs {
 
 impl Runs {
     pub(super) fn with(hidden: Option<Hidden>, drives: &[Levels], seed: u64) -> Runs {
+        Runs::hiding(hidden.as_slice(), drives, seed)
+    }
+
+    /// With several effects at once.
+    fn hiding(hidden: &[Hidden], drives: &[Levels], seed: u64) -> Runs {
         let base = base();
-        let effect = hidden.map(|(id, variant, parameters)| HiddenEffect {
+        let effects = hidden.iter().map(|&(id, variant, parameters)| HiddenEffect {
             id: id.to_owned(),
             variant: variant.map(str::to_owned),
             parameters: parameters.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
@@ -63,7 +68,7 @@ impl Runs {
             area_cm2: AREA_CM2,
             length_cm: Some(LENGTH_CM),
             width_cm: None,
-            effects: effect.into_iter().collect(),
+            effects: effects.collect(),
         };
         let time_s: Vec<f64> = (1..=600).map(f64::from).collect();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -363,10 +368,46 @@ fn a_strength_that_its_threshold_makes_up_for_is_no_doubt_of_the_cause() {
         .iter()
         .find(|own| own.effect == "threshold-relaxation");
     let own = own.expect("it is the cause that was fitted");
-    for (parameter, truth) in own.parameters.iter().zip([0.5, 1.3]) {
+    hold(own, &[0.5, 1.3]);
+}
+
+/// What intervals are stated hold these values.
+fn hold(finding: &crate::domain::EffectFinding, truths: &[f64]) {
+    for (parameter, &truth) in finding.parameters.iter().zip(truths) {
         let estimate = &parameter.estimate;
         assert!(estimate.low_95.is_none_or(|low| low <= truth), "{parameter:?}");
         assert!(estimate.high_95.is_none_or(|high| high >= truth), "{parameter:?}");
+    }
+}
+
+/// Two voltages tell one number of a leak's three: its valley crosses ten decades of the scale, and ends nowhere on the way.
+#[test]
+fn a_leak_of_two_voltages_has_no_scale() {
+    let hidden: Hidden = (
+        "faradaic-leak",
+        Some("terminal"),
+        &[
+            ("leak_current_a_per_cm2", 1e-5),
+            ("onset_v", 1.2),
+            ("slope_v", 0.2),
+        ],
+    );
+    let found = Runs::with(Some(hidden), FOUR, 60).diagnosed();
+    let own = found.effects.iter().find(|own| own.effect == "faradaic-leak");
+    let own = own.unwrap_or_else(|| panic!("{}", found.sentence));
+    hold(own, &[1e-5, 1.2, 0.2]);
+    assert!(own.parameters[0].estimate.value.is_none(), "{:?}", own.parameters);
+}
+
+#[test]
+fn two_hidden_causes_are_both_needed() {
+    let offset: Hidden = ("current-offset", None, &[("offset_a", 4e-5)]);
+    let curved: Hidden = ("quadratic-coupling", None, &[("quadratic_cm_per_c2", 60.0)]);
+    let found = Runs::hiding(&[offset, curved], FOUR, 51).diagnosed();
+    let ids: Vec<&str> = found.effects.iter().map(|own| own.effect.as_str()).collect();
+    assert_eq!(ids.len(), 2, "{}", found.sentence);
+    for id in ["current-offset", "quadratic-coupling"] {
+        assert!(found.set.iter().any(|own| own == id), "{:?}", found.set);
     }
 }
 

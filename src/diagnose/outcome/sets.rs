@@ -3,9 +3,9 @@
 use super::Shown;
 use super::forms::widened;
 use crate::diagnose::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
+use crate::diagnose::ends::{held_by, told_by};
 use crate::diagnose::fitted::Fitted;
 use crate::diagnose::problem::Problem;
-use crate::diagnose::profile::{held_by, told_by};
 use crate::diagnose::select::{Selection, Step};
 use crate::domain::{EffectFinding, Parameter, StrengthProfile};
 
