@@ -48,13 +48,15 @@ static ABOUT: About = About {
 /// From this exponent on the current grows along its tangent: e^16 is past any current that a source gives. A plateau would
 /// leave onset and slope without a meaning there, and a search on it without a way back.
 const STEEPEST: f64 = 16.0;
+/// And from this one on no more: no search asks for so many slopes, and steps in time must stay finite.
+const MOST: f64 = 40.0;
 /// Exponents at the largest voltage that a search starts from: a milliampere over a nanoampere is e^14.
 const STEEP: f64 = 12.0;
 
 /// Current over its scale, so many slopes above the onset.
 fn growth(above: f64) -> f64 {
-    let steady = above.min(STEEPEST);
-    steady.exp_m1() + (above - steady) * steady.exp()
+    let steep = above.min(STEEPEST);
+    steep.exp_m1() + (above.min(MOST) - steep) * steep.exp()
 }
 
 struct Leak {
@@ -132,9 +134,10 @@ mod tests {
     fn beyond_what_a_source_gives_the_current_goes_on_along_its_tangent() {
         assert_eq!(growth(4.0), 4.0_f64.exp_m1());
         let slope = |above: f64| (growth(above + 1e-6) - growth(above - 1e-6)) / 2e-6;
-        for above in [STEEPEST - 0.001, STEEPEST + 0.001, 40.0] {
+        for above in [STEEPEST - 0.001, STEEPEST + 0.001, 39.0] {
             assert!((slope(above) / STEEPEST.exp() - 1.0).abs() < 2e-3, "{above}");
         }
+        assert_eq!(growth(MOST), growth(400.0));
         assert!((growth(20.0) / (5.0 * STEEPEST.exp() - 1.0) - 1.0).abs() < 1e-12);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! - R_ss of the base model: `u/R_ss`.
 //! - `faradaic-leak`: `sign(w) i0 (exp((|w| - onset)/slope) - 1)` where |w| is above the onset, else 0; beyond
-//!   an exponent of 16 along the tangent there. It is drawn at the terminals of a cell; w is the voltage there ("terminal") or that of branch 2's
+//!   an exponent of 16 along the tangent there, to 40. It is drawn at the terminals of a cell; w is the voltage there ("terminal") or that of branch 2's
 //!   capacitor ("capacitor"; the mean over its shares by capacitance where it is dispersed).
 //! - `diffusion-limited-leak`: `k u / sqrt(t_edge + 0.05 s)`, u the voltage now, also while the circuit is open.
 //!   Before the first edge it has died away.
@@ -10,6 +10,7 @@
 use super::effects::Effects;
 
 const STEEPEST_EXPONENT: f64 = 16.0;
+const LARGEST_EXPONENT: f64 = 40.0;
 
 /// The faradaic law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,8 +31,13 @@ impl Faradaic {
         let exponent = above / self.slope_v;
         if exponent >= STEEPEST_EXPONENT {
             let steepest = self.i0 * STEEPEST_EXPONENT.exp();
-            let current = steepest * (1.0 + exponent - STEEPEST_EXPONENT) - self.i0;
-            return (w.signum() * current, steepest / self.slope_v);
+            let beyond = exponent.min(LARGEST_EXPONENT) - STEEPEST_EXPONENT;
+            let slope = if exponent < LARGEST_EXPONENT {
+                steepest / self.slope_v
+            } else {
+                0.0
+            };
+            return (w.signum() * (steepest * (1.0 + beyond) - self.i0), slope);
         }
         let current = w.signum() * self.i0 * exponent.exp_m1();
         (current, self.i0 * exponent.exp() / self.slope_v)
