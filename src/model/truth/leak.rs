@@ -1,9 +1,10 @@
 //! Currents that charge nothing.
 //!
 //! - R_ss of the base model: `u/R_ss`.
-//! - `faradaic-leak`: `sign(w) i0 (exp((|w| - onset)/slope) - 1)` where |w| is above the onset, else 0; beyond
-//!   an exponent of 16 along the tangent there, to 40. It is drawn at the terminals of a cell; w is the voltage there ("terminal") or that of branch 2's
-//!   capacitor ("capacitor"; the mean over its shares by capacitance where it is dispersed).
+//! - `faradaic-leak`: `sign(w) i0 (exp((|w| - onset)/slope) - 1)` where |w| is above the onset, else 0; beyond an
+//!   exponent of 16 along the tangent there, and beyond 40 no more. It is drawn at the terminals of a cell; w is the voltage
+//!   there ("terminal") or that of branch 2's capacitor ("capacitor"; the mean over its shares by capacitance where it is
+//!   dispersed).
 //! - `diffusion-limited-leak`: `k u / sqrt(t_edge + 0.05 s)`, u the voltage now, also while the circuit is open.
 //!   Before the first edge it has died away.
 
