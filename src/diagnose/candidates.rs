@@ -19,7 +19,8 @@ const MOST: usize = 10;
 const CONTENDS: f64 = 0.5;
 /// Starts of every candidate: its best probes.
 const STARTS: usize = 4;
-/// Evidence that every further parameter must bring, in units of the sum of squares.
+/// Evidence that a strength must bring, in units of the sum of squares; where several effects are compared with several, every
+/// parameter.
 pub(super) const PRICE: f64 = 3.0;
 
 /// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
@@ -39,17 +40,23 @@ pub(super) struct Looked<'g> {
     pub(super) gain: f64,
     /// Parameters that it adds.
     pub(super) extra: usize,
+    /// Evidence that its choice of forms must bring.
+    pub(super) forms: f64,
 }
 
 impl Looked<'_> {
-    /// Gain less the price of the parameters.
+    /// Gain less the price of the strength and of the forms.
     pub(super) fn score(&self) -> f64 {
-        self.gain - PRICE * self.extra as f64
+        self.gain - self.price()
+    }
+
+    fn price(&self) -> f64 {
+        PRICE * self.extra.min(1) as f64 + self.forms
     }
 
     /// The score, or the one that was forecast where it is more: the quick fit may not have arrived.
     fn promise(&self) -> f64 {
-        self.score().max(self.forecast - PRICE * self.extra as f64)
+        self.score().max(self.forecast - self.price())
     }
 }
 
@@ -93,10 +100,15 @@ pub(super) fn look<'g>(
                     fitted: None,
                     gain: 0.0,
                     extra: signature.sought().free(),
+                    forms: 0.0,
                 },
                 vec![place],
             )),
         }
+    }
+    for (looked, places) in &mut looked {
+        let gains = places.iter().map(|&place| gain(&directions[place], residuals));
+        looked.forms = price_of_forms(gains, looked.forecast);
     }
     looked.sort_by(|a, b| b.0.forecast.total_cmp(&a.0.forecast));
     let best = looked.first().map_or(0.0, |(looked, _)| looked.forecast);
@@ -127,6 +139,15 @@ pub(super) fn look<'g>(
     looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
     simplest_first(&mut looked[..count]);
     looked
+}
+
+/// What an effect pays for having had the choice among forms of these gains: the best one's gain less what they bring on
+/// average. Nothing where all explain the readings alike, twice the logarithm of their number where one alone does. A price
+/// for every parameter of a form is too low where the readings know the form and too high where they do not.
+fn price_of_forms(gains: impl ExactSizeIterator<Item = f64>, best: f64) -> f64 {
+    let count = gains.len() as f64;
+    let likelihood: f64 = gains.map(|gain| (0.5 * (gain - best)).exp()).sum();
+    -2.0 * (likelihood / count).ln()
 }
 
 /// Of the candidates that explain as much as the best the one with the fewest parameters comes first. What is allowed for
@@ -171,6 +192,7 @@ pub(super) fn added<'g>(
         fitted: None,
         gain: 0.0,
         extra: 0,
+        forms: 0.0,
     };
     let places: Vec<usize> = (0..directions.len()).collect();
     if !places.is_empty() {
@@ -237,5 +259,19 @@ fn fit<'g>(
         looked.extra = fitted.extra() - current.extra();
         looked.variant = variant;
         looked.fitted = Some(fitted);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_form_costs_as_much_as_the_readings_had_to_choose() {
+        let price = |gains: &[f64]| price_of_forms(gains.iter().copied(), 60.0);
+        assert!(price(&[60.0]).abs() < 1e-12);
+        assert!(price(&[60.0; 9]).abs() < 1e-12);
+        assert!((price(&[60.0, 0.0, 0.0, 0.0]) - 2.0 * 4.0_f64.ln()).abs() < 1e-9);
+        assert!((price(&[60.0, 60.0, 0.0, 0.0]) - 2.0 * 2.0_f64.ln()).abs() < 1e-9);
     }
 }
