@@ -185,10 +185,12 @@ fn coloured(group: &Group, mut series: Vec<f64>) -> Vec<f64> {
 
 /// Mean of refitted residuals over a stretch, in its standard errors.
 fn mean_of(stretch: &Stretch, residuals: &[f64], tangent: &Tangent) -> f64 {
-    let each = (stretch.rows.len() as f64).sqrt().recip();
-    let over = |series: &[f64]| stretch.rows.iter().map(|&row| series[row]).sum::<f64>() * each;
-    let absorbed: f64 = tangent.basis().iter().map(|column| over(column).powi(2)).sum();
-    over(residuals) / (1.0 - absorbed).max(1e-3).sqrt()
+    let absorbed: f64 = tangent
+        .basis()
+        .iter()
+        .map(|column| stretch.over(column).powi(2))
+        .sum();
+    stretch.over(residuals) / (1.0 - absorbed).max(1e-3).sqrt()
 }
 
 #[cfg(test)]

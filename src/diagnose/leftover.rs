@@ -52,7 +52,7 @@ pub(super) fn p_leftover(
             group,
             base: &base,
             signatures: &signatures,
-            stretches: &stretches(group),
+            stretches: &stretches(group, &base),
             draws: options.draws,
             seed: options.seed,
         };

@@ -61,7 +61,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 12;
+pub const VERSION: u32 = 13;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
@@ -144,7 +144,7 @@ fn diagnosed(
 ) -> GroupDiagnosis {
     let scale = signature::scale(group, &base.problem, &base.at);
     let signatures = signature::signatures(&base.problem, &base.at, &scale);
-    let stretches = stretch::stretches(group);
+    let stretches = stretch::stretches(group, &base);
     let ground = select::Ground {
         group,
         base: &base,

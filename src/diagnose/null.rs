@@ -11,7 +11,7 @@ use super::calibration::Calibration;
 use super::group::Group;
 use super::mixture::Mixture;
 use super::signature::Direction;
-use super::stretch::Stretch;
+use super::stretch::{Kind, Stretch};
 use super::tangent::Tangent;
 
 /// Part of the degrees of freedom of the noise's size that is believed: its memory was found from the same readings, and
@@ -19,8 +19,9 @@ use super::tangent::Tangent;
 const KNOWN: f64 = 0.5;
 /// A direction whose part beyond those before it is smaller than this is drawn with them.
 const DEPENDENT: f64 = 1e-3;
-/// Weights of the statistics in the smallest p: all candidates, the best of them, single stretches, all of them, and lines.
-const WEIGHTS: [f64; 5] = [0.70, 0.10, 0.05, 0.10, 0.05];
+/// Weights of the statistics in the smallest p: all candidates, the best of them, single stretches, all of them, answers to
+/// edges, and lines.
+const WEIGHTS: [f64; 6] = [0.70, 0.05, 0.05, 0.10, 0.05, 0.05];
 
 /// Draws below an observed p from which their count gives its own.
 const RESOLVED: usize = 10;
@@ -36,13 +37,22 @@ pub(super) struct Statistics {
     pub(super) stretch: f64,
     /// Square of all stretches together.
     pub(super) together: f64,
+    /// Sum of the squares of how much more or less than simulated each edge of a drive of many is answered, in standard
+    /// errors: what wanders from edge to edge and leaves no mean.
+    pub(super) answers: f64,
     /// Largest line in the periodogram of any channel, in units of its mean.
     pub(super) line: f64,
 }
 
 impl Statistics {
-    fn all(&self) -> [f64; 4] {
-        [self.mixture, self.candidate, self.stretch, self.together]
+    fn all(&self) -> [f64; 5] {
+        [
+            self.mixture,
+            self.candidate,
+            self.stretch,
+            self.together,
+            self.answers,
+        ]
     }
 }
 
@@ -50,6 +60,8 @@ impl Statistics {
 pub(super) struct Null {
     mixture: Mixture,
     stretch_units: Vec<Option<Vec<f64>>>,
+    /// Number of units that are of stretches; those of answers to edges follow.
+    stretched: usize,
     /// Stretches in the order in which they were found independent.
     pivots: Vec<usize>,
     /// Rows of the factor of the pivots among themselves.
@@ -75,7 +87,10 @@ impl Null {
             .map(|stretch| unit_of(stretch, group.rows(), tangent))
             .collect();
         let mut columns: Vec<&[f64]> = stretch_units.iter().flatten().map(Vec::as_slice).collect();
-        let stretched = columns.len();
+        let whole = columns.len();
+        let is_answer =
+            |(stretch, unit): &(&Stretch, &Option<Vec<f64>>)| unit.is_some() && stretch.kind == Kind::Answer;
+        let stretched = whole - stretches.iter().zip(&stretch_units).filter(is_answer).count();
         columns.extend(directions.iter().map(|direction| direction.unit.as_slice()));
         let (factor, pivots, from_stretches) = pivoted(&columns, stretched);
         let shares: Vec<Vec<f64>> = columns.iter().map(|column| shares(group, column)).collect();
@@ -119,8 +134,9 @@ impl Null {
                 for k in 0..stretched {
                     found.stretch = found.stretch.max(square(k).1);
                 }
+                found.answers = (stretched..whole).map(|k| square(k).1).sum();
                 for (k, (direction, own)) in directions.iter().zip(&mut gains).enumerate() {
-                    let (z, gain) = square(stretched + k);
+                    let (z, gain) = square(whole + k);
                     *own = if z > 0.0 || !direction.one_sided {
                         gain
                     } else {
@@ -149,9 +165,10 @@ impl Null {
         let mut null = Null {
             mixture,
             stretch_units,
+            stretched,
             pivots: pivots[..from_stretches].to_vec(),
             factor: rows,
-            tails: (0..4)
+            tails: (0..5)
                 .map(|k| Tail::of(draws.iter().map(|draw| draw.all()[k]).collect()))
                 .collect(),
             draws,
@@ -190,11 +207,13 @@ impl Null {
             let known = dot(&row[..solved.len()], &solved);
             solved.push((means[pivot] - known) / row[solved.len()]);
         }
+        let (stretches, answers) = means.split_at(self.stretched);
         Statistics {
             mixture: self.mixture.log_ratio(gains),
             candidate: largest(gains),
-            stretch: means.iter().map(|z| z * z).fold(0.0, f64::max),
+            stretch: stretches.iter().map(|z| z * z).fold(0.0, f64::max),
             together: dot(&solved, &solved),
+            answers: dot(answers, answers),
             line,
         }
     }
@@ -220,6 +239,11 @@ impl Null {
     /// Number of stretches that are independent of each other.
     pub(super) fn independent_stretches(&self) -> usize {
         self.pivots.len()
+    }
+
+    /// Number of answers to edges that are asked.
+    pub(super) fn answers(&self) -> usize {
+        self.uses_stretch().filter(|used| *used).count() - self.stretched
     }
 
     /// Probability of a gain at least as large by chance, over all candidates: never 0.
@@ -361,8 +385,9 @@ fn shares(group: &Group, column: &[f64]) -> Vec<f64> {
 
 fn unit_of(stretch: &Stretch, rows: usize, tangent: &Tangent) -> Option<Vec<f64>> {
     let mut unit = vec![0.0; rows];
-    let each = (stretch.rows.len() as f64).sqrt().recip();
-    stretch.rows.iter().for_each(|&row| unit[row] = each);
+    for (&row, weight) in stretch.rows.iter().zip(&stretch.weights) {
+        unit[row] = *weight;
+    }
     tangent.remove(&mut unit);
     let norm = dot(&unit, &unit).sqrt();
     (norm > 0.05).then(|| {

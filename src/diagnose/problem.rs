@@ -320,6 +320,26 @@ impl<'g> Problem<'g> {
         (slope, fresh)
     }
 
+    /// How whitened residuals follow all resistances of branches at once, and how the size of the bending, both in
+    /// logarithms: the shapes of a larger current and of a larger curvature.
+    pub(super) fn answers(&self, at: &[f64]) -> [Vec<f64>; 2] {
+        let mut here = Vec::new();
+        self.residuals(at, &mut here);
+        let mut by_resistance = vec![0.0; here.len()];
+        for k in 0..self.branches {
+            let column = self.column(at, k, &here);
+            by_resistance
+                .iter_mut()
+                .zip(column)
+                .for_each(|(sum, own)| *sum += own);
+        }
+        let by_size = match self.bends {
+            true => self.column(at, 2 * self.branches + 1, &here),
+            false => vec![0.0; here.len()],
+        };
+        [by_resistance, by_size]
+    }
+
     fn column(&self, at: &[f64], k: usize, here: &[f64]) -> Vec<f64> {
         let step = if at[k] + STEP > self.high[k] { -STEP } else { STEP };
         let mut there = at.to_vec();

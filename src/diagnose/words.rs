@@ -4,7 +4,7 @@ use crate::domain::{MisfitStretch, Whereabouts};
 
 use super::group::Group;
 use super::null::Null;
-use super::stretch::Stretch;
+use super::stretch::{Kind, Stretch};
 
 /// A stretch is said to be wrong where its mean is this many standard errors off.
 const WRONG: f64 = 4.0;
@@ -19,7 +19,7 @@ pub(super) fn whereabouts(
     let scores = null.stretch_scores(residuals);
     let mut segments: Vec<MisfitStretch> = Vec::new();
     for (stretch, &sigma) in stretches.iter().zip(&scores) {
-        let (Some((from_s, to_s)), true) = (stretch.clock_s, sigma.abs() >= WRONG) else {
+        let (Kind::Clock(from_s, to_s), true) = (stretch.kind, sigma.abs() >= WRONG) else {
             continue;
         };
         let block = &group.blocks[stretch.block];
@@ -32,18 +32,52 @@ pub(super) fn whereabouts(
         });
     }
     segments.sort_by(|a, b| b.sigma.abs().total_cmp(&a.sigma.abs()));
-    let text = sentence(group, &segments);
-    Whereabouts { text, segments }
+    let text = match segments.is_empty() {
+        true => unequal_answers(group, stretches, &scores),
+        false => Some(sentence(group, &segments)),
+    };
+    Whereabouts {
+        text: text.unwrap_or_else(|| "no single stretch of time stands out".to_owned()),
+        segments,
+    }
+}
+
+/// Says which channel answers the edges of a drive of many most unequally; none where none does beyond chance.
+fn unequal_answers(group: &Group, stretches: &[Stretch], scores: &[f64]) -> Option<String> {
+    let of_block = |place: usize| {
+        let is_its = |(stretch, _): &(&Stretch, &f64)| stretch.kind == Kind::Answer && stretch.block == place;
+        let own: Vec<f64> = stretches
+            .iter()
+            .zip(scores)
+            .filter(is_its)
+            .map(|(_, z)| *z)
+            .collect();
+        let count = own.len() as f64;
+        let excess = (own.iter().map(|z| z * z).sum::<f64>() - count) / (2.0 * count).sqrt();
+        (!own.is_empty()).then_some((excess, place, own))
+    };
+    let most = (0..group.blocks.len()).filter_map(of_block);
+    let (_, place, own) = most
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(excess, ..)| *excess > WRONG)?;
+    let largest = own.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
+    let block = &group.blocks[place];
+    let run = &group.runs[block.run].given;
+    Some(format!(
+        "the {} answers the {} edges of the drive of {} unequally, by up to {largest:.0} standard errors more or less than simulated",
+        channel_name(block.channel),
+        run.input.drive.segments.len(),
+        run.name,
+    ))
 }
 
 pub(super) fn channel_name(channel: usize) -> &'static str {
     ["current", "curvature"][channel]
 }
 
+/// Of stretches that are off, of which there is one at least, the worst first.
 fn sentence(group: &Group, segments: &[MisfitStretch]) -> String {
-    let Some(worst) = segments.first() else {
-        return "no single stretch of time stands out".to_owned();
-    };
+    let worst = &segments[0];
     let alike: Vec<&MisfitStretch> = segments
         .iter()
         .filter(|other| other.channel == worst.channel && overlap(other, worst))
