@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::case::{Plan, case, diagnose, responses, true_responses};
 use crate::hidden::{OUTSIDE, apart, hidden, outside};
+use crate::oracle::oracle;
 
 /// Groups with p below 0.05, and groups that were given a name, among so many clean ones from seed `first` on.
 pub fn nulls(first: u64, count: u64) -> (usize, usize) {
@@ -205,6 +206,33 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
         last = total;
     }
     last
+}
+
+/// How many hidden effects are seen at best: by who knows the noise and the base parameters and sees to first order.
+pub fn ceilings(first: u64, count: u64, strengths: &[f64]) {
+    for &d in strengths {
+        let seeds = (first..).step_by(SEEDS_OF_AN_EFFECT);
+        let all = ALL
+            .iter()
+            .zip(seeds)
+            .flat_map(|(&effect, own)| (own..own + count).map(move |seed| (effect, seed)));
+        let said: Vec<_> = all
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .filter_map(|(effect, seed)| {
+                let mut case = case(seed, Plan::default());
+                let (applied, _) = hidden(&mut case, effect, d)?;
+                let with = responses(&case, std::slice::from_ref(&applied));
+                Some(oracle(&mut case, &applied, &with))
+            })
+            .collect();
+        println!(
+            "d {d}: of {} groups the oracle sees {} by the best effect, {} by all together",
+            said.len(),
+            said.iter().filter(|said| said.seen).count(),
+            said.iter().filter(|said| said.seen_by_all).count()
+        );
+    }
 }
 
 /// With `SHOW=proof`, what a finding's acceptance rests on, a line for each group.

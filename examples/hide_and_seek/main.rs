@@ -1,7 +1,7 @@
 //! Hides effects in simulated groups of runs and counts what a diagnosis makes of them.
 //!
 //! `cargo run --release --example hide_and_seek -- null 500 [first seed]`, `-- effects 5 8,16,32 [id ...]`, `-- outside 8 16,64`,
-//! `-- together 20 32,16` (causes of these strengths at once), or
+//! `-- together 20 32,16` (causes of these strengths at once), `-- ceiling 4 4,6` (how many could be seen at best), or
 //! `-- benchmark 2 9000000 docs/benchmark.svg`, which asks textbook criteria and a linear oracle as well, or
 //! `-- short`, which fails where a few groups of each kind come out worse than chance would have them.
 //!
@@ -22,7 +22,7 @@ mod hidden;
 mod methods;
 mod oracle;
 
-use count::{effects, nulls, outsides, together};
+use count::{ceilings, effects, nulls, outsides, together};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -47,6 +47,7 @@ fn main() {
         Some("together") => {
             let _ = together(seed_from(1000), count, &strengths(&arguments));
         }
+        Some("ceiling") => ceilings(seed_from(1000), count, &strengths(&arguments)),
         Some("effects") => {
             let _ = effects(
                 seed_from(1000),
@@ -56,7 +57,7 @@ fn main() {
             );
         }
         _ => eprintln!(
-            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | figure < TABLES | short"
+            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | ceiling N 4,6 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | figure < TABLES | short"
         ),
     }
 }

@@ -19,6 +19,9 @@ const NULLS: usize = 200;
 /// What the oracle says of a group.
 pub struct Said {
     pub seen: bool,
+    /// Whether it is seen by the ratio of likelihoods over all effects and their forms: what no test sees more of on
+    /// average.
+    pub seen_by_all: bool,
     /// Effects that gain as much as the best to within the margin.
     pub set: Vec<&'static str>,
     /// By how much the best effect gains more than the best other one.
@@ -53,10 +56,16 @@ pub fn oracle(case: &mut Case, hidden: &Applied, with: &[Responses]) -> Said {
     };
     let readings = noisy(&truth);
     let nothing = vec![0.0; truth.len()];
-    let mut largest: Vec<f64> = (0..NULLS).map(|_| best(&traces, &noisy(&nothing))).collect();
-    largest.sort_by(f64::total_cmp);
-    let limit = largest[NULLS * 95 / 100];
-    let most = best(&traces, &readings);
+    let nulls: Vec<Vec<f64>> = (0..NULLS).map(|_| gains(&traces, &noisy(&nothing))).collect();
+    let limit = |of: &dyn Fn(&[f64]) -> f64| {
+        let mut each: Vec<f64> = nulls.iter().map(|gains| of(gains)).collect();
+        each.sort_by(f64::total_cmp);
+        each[NULLS * 95 / 100]
+    };
+    let shares = shares(&traces);
+    let by_all = |gains: &[f64]| log_ratio(&shares, gains);
+    let own = gains(&traces, &readings);
+    let most = largest(&own);
     let mut set: Vec<&'static str> = traces
         .iter()
         .filter(|trace| gain(trace, &readings) > most - WORSE)
@@ -64,7 +73,8 @@ pub fn oracle(case: &mut Case, hidden: &Applied, with: &[Responses]) -> Said {
         .collect();
     set.sort_unstable();
     set.dedup();
-    let seen = most > limit;
+    let seen = most > limit(&largest);
+    let seen_by_all = by_all(&own) > limit(&by_all);
     let first = traces.iter().find(|trace| gain(trace, &readings) >= most);
     let others = traces
         .iter()
@@ -73,6 +83,7 @@ pub fn oracle(case: &mut Case, hidden: &Applied, with: &[Responses]) -> Said {
     Said {
         margin: most - next,
         seen,
+        seen_by_all,
         set: if seen { set } else { Vec::new() },
     }
 }
@@ -83,7 +94,11 @@ fn traces(case: &Case, plain: &[f64], basis: &[Vec<f64>]) -> Vec<Trace> {
     for &effect in ALL {
         for variant in 0..effect.about().variants.len().max(1) {
             let search = effect.search(variant, &scale);
-            let (strength, absent) = (search.limits[0], search.absent);
+            // An effect that cannot act in these runs has neither limits nor probes.
+            let Some(&strength) = search.limits.first() else {
+                continue;
+            };
+            let absent = search.absent;
             for probe in search.probes {
                 let one_sided = strength.held
                     || match probe[0] > absent {
@@ -120,11 +135,32 @@ fn gain(trace: &Trace, readings: &[f64]) -> f64 {
     if z > 0.0 || !trace.one_sided { z * z } else { 0.0 }
 }
 
-fn best(traces: &[Trace], readings: &[f64]) -> f64 {
-    traces
+fn gains(traces: &[Trace], readings: &[f64]) -> Vec<f64> {
+    traces.iter().map(|trace| gain(trace, readings)).collect()
+}
+
+fn largest(gains: &[f64]) -> f64 {
+    gains.iter().copied().fold(0.0, f64::max)
+}
+
+/// Share of every trace where all effects are as likely, and all forms of each.
+fn shares(traces: &[Trace]) -> Vec<f64> {
+    let forms = |id: &str| traces.iter().filter(|other| other.id == id).count() as f64;
+    let mut ids: Vec<&str> = traces.iter().map(|trace| trace.id).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let share = |trace: &Trace| (forms(trace.id) * ids.len() as f64).recip();
+    traces.iter().map(share).collect()
+}
+
+/// Logarithm of the mean likelihood of the traces over that of none, each of unknown length.
+fn log_ratio(shares: &[f64], gains: &[f64]) -> f64 {
+    let most = largest(gains);
+    let parts = shares
         .iter()
-        .map(|trace| gain(trace, readings))
-        .fold(0.0, f64::max)
+        .zip(gains)
+        .map(|(share, gain)| share * (0.5 * (gain - most)).exp());
+    0.5 * most + parts.sum::<f64>().ln()
 }
 
 /// An orthonormal basis of what a refit of the base parameters takes up.

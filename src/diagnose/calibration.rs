@@ -123,12 +123,7 @@ impl Simulation {
             .collect();
         asked.tangent.remove(&mut noise);
         let rest = coloured(group, noise);
-        let found: Vec<FoundAgain> = group
-            .blocks
-            .iter()
-            .zip(&self.again)
-            .map(|(block, again)| again.find(&rest[block.first..block.end]))
-            .collect();
+        let found = self.found(group, &rest);
         let whitened = |raw: &[f64]| -> Vec<f64> {
             let mut series = raw.to_vec();
             for (block, found) in group.blocks.iter().zip(&found) {
@@ -170,6 +165,36 @@ impl Simulation {
         };
         let gains: Vec<f64> = self.candidates.iter().zip(asked.directions).map(gain).collect();
         asked.null.p_of_simulated(&means, &gains, &mut generator)
+    }
+}
+
+impl Simulation {
+    /// The noise of every channel found again in simulated residuals.
+    fn found(&self, group: &Group, rest: &[f64]) -> Vec<FoundAgain> {
+        let of = |place: usize| {
+            let block = &group.blocks[place];
+            (&self.again[place], &rest[block.first..block.end])
+        };
+        let mut found: Vec<Option<FoundAgain>> = group.blocks.iter().map(|_| None).collect();
+        for kind in 0..2 {
+            let is_sharing = |place: &usize| {
+                let block = &group.blocks[*place];
+                block.channel == kind && group.channel(block).is_some_and(|channel| channel.is_shared())
+            };
+            let sharing: Vec<usize> = (0..group.blocks.len()).filter(is_sharing).collect();
+            let all: Vec<(&NoiseAgain, &[f64])> = sharing.iter().map(|&place| of(place)).collect();
+            for (&place, own) in sharing.iter().zip(NoiseAgain::find_shared(&all)) {
+                found[place] = Some(own);
+            }
+        }
+        let each = found.into_iter().enumerate();
+        each.map(|(place, own)| {
+            own.unwrap_or_else(|| {
+                let (again, rest) = of(place);
+                again.find(rest)
+            })
+        })
+        .collect()
     }
 }
 

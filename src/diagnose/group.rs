@@ -15,6 +15,9 @@ const MOST: usize = 1500;
 /// A channel with a memory so many times as long as the middle one's kind is not believed.
 const BEYOND: f64 = 5.0;
 
+/// Steps of time within this factor are the same: a correlation of neighbouring readings is one of their distance.
+const ALIKE: f64 = 1.1;
+
 /// Readings that carry as much as one independent one, at most: what remembers longer is drift, which a model owes an
 /// answer to, and no noise.
 const LONGEST_MEMORY: f64 = 50.0;
@@ -125,8 +128,34 @@ impl<'a> Group<'a> {
                     None => channel.forgetting(&fitted[kind], per_signal, LONGEST_MEMORY),
                 });
             }
+            group.share_correlation(kind, per_signal, &fitted);
         }
         group
+    }
+
+    /// Gives the channels of that kind one correlation where all of their noises have it that have one at all: one
+    /// instrument wrote them, and of slow noise each run alone knows little.
+    fn share_correlation(&mut self, kind: usize, per_signal: f64, fitted: &[[Vec<f64>; 2]]) {
+        let channels: Vec<&WhitenedChannel> = self
+            .runs
+            .iter()
+            .filter_map(|run| run.channels[kind].as_ref())
+            .filter(|channel| channel.tells_correlation())
+            .collect();
+        let steps: Vec<f64> = channels.iter().map(|channel| usual_step_s(channel)).collect();
+        let shortest_s = steps.iter().copied().fold(f64::INFINITY, f64::min);
+        if steps.iter().any(|step_s| *step_s > ALIKE * shortest_s) {
+            return;
+        }
+        let Some(correlation) = WhitenedChannel::shared_correlation(&channels) else {
+            return;
+        };
+        let among = channels.len();
+        for (run, fitted) in self.runs.iter_mut().zip(fitted) {
+            if let Some(channel) = run.channels[kind].as_mut().filter(|c| c.tells_correlation()) {
+                *channel = channel.sharing(&fitted[kind], per_signal, correlation, among);
+            }
+        }
     }
 
     /// The same readings with even noise that remembers nothing, as large as `model` leaves it.
@@ -217,6 +246,17 @@ impl<'a> Group<'a> {
         };
         self.blocks.iter().map(of_block).sum()
     }
+}
+
+/// The middle one of the steps of time between readings, s.
+fn usual_step_s(channel: &WhitenedChannel) -> f64 {
+    let mut steps: Vec<f64> = channel
+        .time_s()
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(0.0)
 }
 
 impl<'a> GroupRun<'a> {

@@ -510,3 +510,41 @@ fn every_reading_after_an_edge_is_of_one_answer() {
         assert_eq!(rows.len(), 1200);
     });
 }
+
+/// Correlations of the noise of the current in every run, and whether they share it.
+fn correlations(runs: &Runs) -> Vec<(f64, bool)> {
+    let inputs = runs.inputs();
+    let raw = group::Group::new(&inputs);
+    let found = with_base(&raw, DiagnoseOptions::default().model, |group, _| {
+        let currents = group.runs.iter().filter_map(|run| run.channels[0].as_ref());
+        let of = |channel: &crate::fit::WhitenedChannel| {
+            let first = channel.character().autoregression.first().copied();
+            (first.unwrap_or(0.0), channel.is_shared())
+        };
+        currents.map(of).collect()
+    });
+    found.unwrap_or_default()
+}
+
+/// Noise of one instrument has one memory, which is known better from all runs; where a run's is another, each keeps its own.
+#[test]
+fn runs_share_the_memory_of_their_noise_unless_it_differs() {
+    let mut runs = Runs::with(None, &[STEP, HALF, DISCHARGED], 3);
+    let alike = correlations(&runs);
+    assert_eq!(alike.len(), 3);
+    assert!(alike.iter().all(|own| own.1 && *own == alike[0]), "{alike:?}");
+    assert!(alike[0].0.abs() < 0.08, "{alike:?}");
+
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let mut state = 0.0;
+    let slow = |value: &f64| -> f64 {
+        let fresh: f64 = StandardNormal.sample(&mut random);
+        state = 0.8 * state + fresh;
+        value + 1e-3 * state
+    };
+    let current = &mut runs.channels[1][0];
+    current.values = current.values.iter().map(slow).collect::<Vec<f64>>().into();
+    let different = correlations(&runs);
+    assert!(different.iter().all(|own| !own.1), "{different:?}");
+    assert!(different[1].0 > different[0].0 + 0.2, "{different:?}");
+}

@@ -20,6 +20,8 @@ pub struct WhitenedChannel {
     response: Response,
     memory: Continuing,
     readings_per_independent: f64,
+    /// Whether the memory is one that it shares with other channels.
+    is_shared: bool,
 }
 
 /// The whitener over stretches of readings without a gap: noise remembers across the edges of the drive.
@@ -88,6 +90,7 @@ impl WhitenedChannel {
         WhitenedChannel {
             memory: Continuing::new(&response.sampled, &response.noise.sd, &response.noise.memory),
             readings_per_independent: response.sampled.len() as f64 / response.effective_readings(),
+            is_shared: false,
             response,
         }
     }
@@ -130,6 +133,47 @@ impl WhitenedChannel {
         let mut like = self.clone();
         like.response.noise.memory = Memory::Order(vec![correlation]);
         self.renoised(fitted, per_signal, Some(&like))
+    }
+
+    /// The correlation of neighbouring readings that all these channels' noises have; none where there is one channel
+    /// only, where their memories are of another kind, or where they differ by more than chance.
+    pub fn shared_correlation(channels: &[&WhitenedChannel]) -> Option<f64> {
+        let noises: Vec<&Noise> = channels.iter().map(|channel| &channel.response.noise).collect();
+        Noise::shared_correlation(&noises)
+    }
+
+    /// As [`WhitenedChannel::renoised`], with a correlation that `among` channels share.
+    pub fn sharing(
+        &self,
+        fitted: &[f64],
+        per_signal: f64,
+        correlation: f64,
+        among: usize,
+    ) -> WhitenedChannel {
+        let left = self.left(fitted);
+        let least = self.response.noise.quantum / 12.0_f64.sqrt();
+        let least = least.max(f64::MIN_POSITIVE);
+        let scale = growing(fitted, per_signal);
+        let noise = Noise::of_rest_shared(&left, &scale, least, correlation, among);
+        let noise = Noise {
+            quantum: self.response.noise.quantum,
+            proportional: noise.floor * per_signal,
+            ..noise
+        };
+        WhitenedChannel {
+            is_shared: true,
+            ..WhitenedChannel::of(Response::with_noise(self.response.sampled.clone(), noise))
+        }
+    }
+
+    /// Whether its own readings tell a correlation of neighbours, and no other memory.
+    pub fn tells_correlation(&self) -> bool {
+        !self.response.noise.by_correlation.is_empty()
+    }
+
+    /// Whether the memory of its noise is one that it shares with other channels.
+    pub fn is_shared(&self) -> bool {
+        self.is_shared
     }
 
     /// Evidence against noise that grows as each of `per_signal` says, beside what `fitted` leaves: minus twice the log
@@ -251,8 +295,25 @@ impl NoiseAgain {
     /// The noise that `rest`, what a fit has left in canonical units, shows.
     pub fn find(&self, rest: &[f64]) -> FoundAgain {
         let (sd, memory) = self.again.find(rest);
+        self.found(&sd, &memory)
+    }
+
+    /// The noises of channels that share one correlation, each from its `rest`.
+    pub fn find_shared(all: &[(&NoiseAgain, &[f64])]) -> Vec<FoundAgain> {
+        let inner: Vec<(&Again, &[f64])> = all.iter().map(|(own, rest)| (&own.again, *rest)).collect();
+        match Again::find_shared(&inner) {
+            Some(found) => all
+                .iter()
+                .zip(found)
+                .map(|((own, _), (sd, memory))| own.found(&sd, &memory))
+                .collect(),
+            None => all.iter().map(|(own, rest)| own.find(rest)).collect(),
+        }
+    }
+
+    fn found(&self, sd: &[f64], memory: &Memory) -> FoundAgain {
         FoundAgain {
-            memory: Continuing::new(&self.sampled, &sd, &memory),
+            memory: Continuing::new(&self.sampled, sd, memory),
         }
     }
 }

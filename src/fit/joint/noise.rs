@@ -6,6 +6,7 @@
 mod again;
 mod growth;
 mod memory;
+mod shared;
 mod smooth;
 #[cfg(test)]
 mod tests;
@@ -36,6 +37,9 @@ pub(in crate::fit) struct Noise {
     pub(in crate::fit) quantum: f64,
     /// Degrees of freedom that the size of slow noise is known with.
     pub(in crate::fit) freedom: f64,
+    /// Minus twice the log likelihood of every correlation that was tried; empty where the memory is of another kind or
+    /// was given.
+    pub(in crate::fit) by_correlation: Vec<f64>,
 }
 
 impl Noise {
@@ -67,6 +71,35 @@ impl Noise {
         scales.iter().map(deviance).collect()
     }
 
+    /// The one correlation that all these noises have; none where their memories are of different kinds or sizes.
+    pub(in crate::fit) fn shared_correlation(noises: &[&Noise]) -> Option<f64> {
+        let curves: Vec<&[f64]> = noises
+            .iter()
+            .map(|noise| noise.by_correlation.as_slice())
+            .collect();
+        match curves.iter().any(|curve| curve.is_empty()) {
+            true => None,
+            false => shared::shared(&curves),
+        }
+    }
+
+    /// The same with a correlation that `among` channels share, whose memory all of them tell.
+    pub(in crate::fit) fn of_rest_shared(
+        rest: &Sampled,
+        scale: &[f64],
+        least: f64,
+        correlation: f64,
+        among: usize,
+    ) -> Noise {
+        let memory = Memory::Order(vec![correlation]);
+        let crowding = memory.readings_per_independent(1.0).max(1.0);
+        let noise = Noise::of_rest_with(rest, scale, least, &memory);
+        Noise {
+            freedom: noise.freedom * (1.0 + 2.0 * crowding) / (1.0 + 2.0 * crowding / among as f64),
+            ..noise
+        }
+    }
+
     /// The same with a memory known from elsewhere.
     pub(in crate::fit) fn of_rest_with(rest: &Sampled, scale: &[f64], least: f64, memory: &Memory) -> Noise {
         let smooth = Smooth::of(rest);
@@ -80,13 +113,15 @@ impl Noise {
             proportional: 0.0,
             memory: memory.clone(),
             quantum: 0.0,
+            by_correlation: Vec::new(),
             freedom: ((rest.len() as f64 - smooth.terms()) / (1.0 + 2.0 * crowding)).max(1.0),
         }
     }
 
     fn of_smoothed(smooth: &Smooth, sampled: &Sampled, scale: &[f64], least: f64) -> Noise {
-        let (memory, floor, terms) = smooth.memory(sampled, scale);
-        let floor = floor.max(least);
+        let found = smooth.memory(sampled, scale);
+        let (memory, terms) = (found.memory, smooth.terms());
+        let floor = found.standard_deviation.max(least);
         let n = sampled.len() as f64;
         let (shortest_s, _) = sampled.time_scales_s();
         let crowding = memory.readings_per_independent(shortest_s).max(1.0);
@@ -104,6 +139,7 @@ impl Noise {
             proportional: 0.0,
             memory,
             quantum: 0.0,
+            by_correlation: found.by_correlation,
             freedom: freedom.max(1.0),
         }
     }

@@ -7,6 +7,7 @@ use crate::fit::sampled::{Sampled, Span};
 
 use super::Noise;
 use super::memory::{CORRELATIONS, FROM, TO};
+use super::shared::{correlation_at, lowest, together};
 use super::smooth::{Smooth, inner};
 
 /// Smooth shapes and scales of a channel, and the normal matrices of every memory that is tried.
@@ -78,10 +79,10 @@ impl Again {
 
     /// Standard deviation of every reading and memory of the noise, from `rest`, what a fit has left.
     pub(in crate::fit) fn find(&self, rest: &[f64]) -> (Vec<f64>, Memory) {
-        let (variance, memory) = match &self.how {
+        match &self.how {
             How::Correlation(tried) => {
-                let (rho, variance) = self.correlation(tried, rest);
-                (variance, Memory::Order(vec![rho]))
+                let looked = self.looked(tried, rest);
+                self.at(&looked, lowest(&deviances(&looked)).0)
             }
             How::Size {
                 memory,
@@ -96,15 +97,29 @@ impl Again {
                     let right: Vec<f64> = shapes.iter().map(|shape| inner(shape, &own)).collect();
                     square += inner(&own, &own) - inverse.form(&right, &right);
                 }
-                (square / self.freedom, memory.clone())
+                (self.sized(square / self.freedom), memory.clone())
             }
-        };
-        let floor = variance.max(f64::MIN_POSITIVE).sqrt();
-        (self.scale.iter().map(|scale| floor * scale).collect(), memory)
+        }
     }
 
-    /// The correlation of the least deviance, and the variance with it.
-    fn correlation(&self, tried: &[Tried], rest: &[f64]) -> (f64, f64) {
+    /// The same for channels that share one correlation, each with its `rest`; none where one has memory of another kind.
+    pub(in crate::fit) fn find_shared(all: &[(&Again, &[f64])]) -> Option<Vec<(Vec<f64>, Memory)>> {
+        let looked: Option<Vec<Vec<(f64, f64)>>> = all
+            .iter()
+            .map(|(again, rest)| match &again.how {
+                How::Correlation(tried) => Some(again.looked(tried, rest)),
+                How::Size { .. } => None,
+            })
+            .collect();
+        let looked = looked?;
+        let curves: Vec<Vec<f64>> = looked.iter().map(|looked| deviances(looked)).collect();
+        let (index, _) = together(&curves.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let each = all.iter().zip(&looked);
+        Some(each.map(|((again, _), looked)| again.at(looked, index)).collect())
+    }
+
+    /// Deviance and variance with every correlation that is tried.
+    fn looked(&self, tried: &[Tried], rest: &[f64]) -> Vec<(f64, f64)> {
         let spans: Vec<(Vec<Products>, Products)> = self
             .spans
             .iter()
@@ -124,23 +139,26 @@ impl Again {
             let variance = (square / self.freedom).max(f64::MIN_POSITIVE);
             (self.freedom * variance.ln() + tried.determinant, variance)
         };
-        let looked: Vec<(f64, f64)> = tried.iter().map(at).collect();
-        let least = (0..looked.len())
-            .min_by(|&a, &b| looked[a].0.total_cmp(&looked[b].0))
-            .unwrap_or(0);
-        let (mut place, mut variance) = (tried[least].place, looked[least].1);
-        if least > 0 && least + 1 < looked.len() {
-            let [a, b, c] = [looked[least - 1], looked[least], looked[least + 1]];
-            let bend = a.0 - 2.0 * b.0 + c.0;
-            if bend > 0.0 {
-                let part = 0.5 * (a.0 - c.0) / bend;
-                place += part * (tried[least + 1].place - tried[least].place);
-                let towards = if part > 0.0 { c.1 } else { a.1 };
-                variance += part.abs() * (towards - variance);
-            }
-        }
-        (place.tanh(), variance)
+        tried.iter().map(at).collect()
     }
+
+    /// Standard deviation of every reading and memory at an index of what was looked at.
+    fn at(&self, looked: &[(f64, f64)], index: f64) -> (Vec<f64>, Memory) {
+        let before = (index as usize).min(looked.len() - 1);
+        let after = (before + 1).min(looked.len() - 1);
+        let part = index - before as f64;
+        let variance = looked[before].1 + part * (looked[after].1 - looked[before].1);
+        (self.sized(variance), Memory::Order(vec![correlation_at(index)]))
+    }
+
+    fn sized(&self, variance: f64) -> Vec<f64> {
+        let floor = variance.max(f64::MIN_POSITIVE).sqrt();
+        self.scale.iter().map(|scale| floor * scale).collect()
+    }
+}
+
+fn deviances(looked: &[(f64, f64)]) -> Vec<f64> {
+    looked.iter().map(|(deviance, _)| *deviance).collect()
 }
 
 fn tried(spans: &[SpanShapes]) -> Vec<Tried> {
@@ -296,5 +314,32 @@ mod tests {
                 .1;
             assert!((sd[0] / by_likelihood.sqrt() - 1.0).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn channels_that_share_a_correlation_find_one_between_their_own() {
+        let sampled = [sampled(0.7, 4), sampled(0.7, 5)];
+        let of = |sampled: &Sampled| {
+            let slow = Noise::of_rest(sampled, &vec![1.0; sampled.len()], 0.0);
+            let first = Noise {
+                memory: Memory::Order(vec![0.5]),
+                ..slow
+            };
+            Again::new(sampled, &first)
+        };
+        let again = [of(&sampled[0]), of(&sampled[1])];
+        let rests = [&sampled[0].values[..], &sampled[1].values[..]];
+        let first = |(_, memory): &(Vec<f64>, Memory)| match memory {
+            Memory::Order(coefficients) => coefficients[0],
+            Memory::Time { .. } => f64::NAN,
+        };
+        let [a, b] = [0, 1].map(|k| first(&again[k].find(rests[k])));
+        let both = Again::find_shared(&[(&again[0], rests[0]), (&again[1], rests[1])]).unwrap();
+        let shared = first(&both[0]);
+        assert_eq!(shared, first(&both[1]));
+        assert!(a.min(b) < shared && shared < a.max(b), "{a} {b} {shared}");
+        // Alone it is what it is without others.
+        let alone = Again::find_shared(&[(&again[0], rests[0])]).unwrap();
+        assert!((first(&alone[0]) - a).abs() < 1e-12);
     }
 }

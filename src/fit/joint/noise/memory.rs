@@ -6,6 +6,7 @@ use crate::fit::sampled::{Sampled, Span};
 use crate::numerics::correlation::yule_walker;
 
 use super::EVIDENCE;
+use super::shared::lowest;
 use super::smooth::{Smooth, inner};
 
 /// Correlations tried by reading order, between these inverse hyperbolic tangents; and correlation times.
@@ -50,33 +51,34 @@ impl Smooth {
         (freedom * variance.ln() + determinant, variance)
     }
 
-    /// The memory that the rest shows, the standard deviation, and the smooth terms.
-    pub(super) fn memory(&self, sampled: &Sampled, scale: &[f64]) -> (Memory, f64, f64) {
+    /// The memory that the rest shows.
+    pub(super) fn memory(&self, sampled: &Sampled, scale: &[f64]) -> Remembered {
         let white = Memory::Order(Vec::new());
         let mut best = (self.deviance(sampled, scale, &white), white);
         let unit: f64 = self.rest.iter().map(|r| r * r).sum();
         let freedom = sampled.len() as f64 - self.terms();
         if freedom < 4.0 || unit <= 0.0 {
-            return (best.1, best.0.1.sqrt(), self.terms());
+            return Remembered::of(best, Vec::new());
         }
         let by_order = |x: f64| Memory::Order(vec![x.tanh()]);
         let (shortest_s, longest_s) = sampled.time_scales_s();
         let is_even = sampled.blocks.iter().all(|(_, block)| block.step_s.is_some());
         let lagged = self.lagged(sampled, scale);
         let of_order = |x: f64| self.deviance_of(&lagged, x.tanh());
-        best = search(best, (FROM, TO, CORRELATIONS), by_order, of_order);
+        let by_correlation;
+        (best, by_correlation) = search(best, (FROM, TO, CORRELATIONS), by_order, of_order);
         if !is_even && shortest_s > 0.0 && shortest_s < longest_s {
             let span = (longest_s / shortest_s / 4.0).max(2.0).ln();
             let by_time = |x: f64| Memory::Time {
                 correlation_time_s: shortest_s * (span * x).exp() / 2.0,
             };
             let of_time = |x: f64| self.deviance(sampled, scale, &by_time(x));
-            best = search(best, (0.0, 1.0, TIMES), by_time, of_time);
+            best = search(best, (0.0, 1.0, TIMES), by_time, of_time).0;
         }
         if sampled.len() >= ENOUGH_FOR_ORDER && matches!(best.1, Memory::Order(_)) {
             best = self.higher_orders(sampled, scale, best);
         }
-        (best.1, best.0.1.sqrt(), self.terms())
+        Remembered::of(best, by_correlation)
     }
 
     /// Products of the scaled shapes and rest with each other, at the same reading and at neighbours.
@@ -197,6 +199,29 @@ impl Smooth {
     }
 }
 
+/// What was found.
+pub(super) struct Remembered {
+    pub(super) memory: Memory,
+    pub(super) standard_deviation: f64,
+    /// Minus twice the log likelihood of every correlation that was tried; empty where the memory is of another kind.
+    pub(super) by_correlation: Vec<f64>,
+}
+
+impl Remembered {
+    fn of(((_, variance), memory): Candidate, by_correlation: Vec<f64>) -> Remembered {
+        let is_correlation = matches!(&memory, Memory::Order(coefficients) if coefficients.len() <= 1);
+        Remembered {
+            memory,
+            standard_deviation: variance.sqrt(),
+            by_correlation: if is_correlation {
+                by_correlation
+            } else {
+                Vec::new()
+            },
+        }
+    }
+}
+
 /// Sums from which the likelihood of any first-order autoregression follows.
 struct Lagged {
     /// Per span the products at the first reading, at later ones, at those before them, and across; and the
@@ -209,7 +234,8 @@ struct Lagged {
 /// A deviance with the variance of the noise, and the memory they belong to.
 type Candidate = ((f64, f64), Memory);
 
-/// The best memory along a line of them: a look at evenly spaced ones, then a parabola through the best three.
+/// The best memory along a line of them, with the deviances on the line: a look at evenly spaced ones, then a parabola
+/// through the best three.
 ///
 /// Memory costs one parameter and is taken even on weak evidence: leaving it out makes intervals too short,
 /// while taking it in vain costs next to nothing.
@@ -218,24 +244,15 @@ fn search(
     (low, high, count): (f64, f64, usize),
     memory: impl Fn(f64) -> Memory,
     deviance: impl Fn(f64) -> (f64, f64),
-) -> Candidate {
+) -> (Candidate, Vec<f64>) {
     let step = (high - low) / count as f64;
     let looked: Vec<f64> = (0..=count).map(|k| deviance(low + step * k as f64).0).collect();
-    let least = (0..looked.len())
-        .min_by(|&a, &b| looked[a].total_cmp(&looked[b]))
-        .unwrap_or(0);
-    let mut x = low + step * least as f64;
-    if least > 0 && least < count {
-        let [a, b, c] = [looked[least - 1], looked[least], looked[least + 1]];
-        let bend = a - 2.0 * b + c;
-        if bend > 0.0 {
-            x += step * 0.5 * (a - c) / bend;
-        }
-    }
+    let x = low + step * lowest(&looked).0;
     let found = deviance(x);
-    if found.0 < best.0.0 {
+    let best = if found.0 < best.0.0 {
         (found, memory(x))
     } else {
         best
-    }
+    };
+    (best, looked)
 }
