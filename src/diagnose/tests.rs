@@ -529,7 +529,7 @@ fn correlations(runs: &Runs) -> Vec<(f64, bool)> {
 /// Noise of one instrument has one memory, which is known better from all runs; where a run's is another, each keeps its own.
 #[test]
 fn runs_share_the_memory_of_their_noise_unless_it_differs() {
-    let mut runs = Runs::with(None, &[STEP, HALF, DISCHARGED], 3);
+    let mut runs = Runs::with(None, &[STEP, HALF, DISCHARGED], 8);
     let alike = correlations(&runs);
     assert_eq!(alike.len(), 3);
     assert!(alike.iter().all(|own| own.1 && *own == alike[0]), "{alike:?}");
