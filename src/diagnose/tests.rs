@@ -410,6 +410,62 @@ fn a_leak_of_two_voltages_has_no_scale() {
     assert!(own.parameters[0].estimate.value.is_none(), "{:?}", own.parameters);
 }
 
+/// Searches from every probe end where the readings are explained as well, however far that is from the best: onsets of a
+/// leak lie far apart. An effect with one parameter has one place.
+#[test]
+fn searches_from_every_probe_end_in_places_that_explain_as_well() {
+    let leak: Hidden = (
+        "faradaic-leak",
+        Some("terminal"),
+        &[
+            ("leak_current_a_per_cm2", 1e-5),
+            ("onset_v", 1.2),
+            ("slope_v", 0.2),
+        ],
+    );
+    let runs = Runs::with(Some(leak), FOUR, 60);
+    let inputs = runs.inputs();
+    let raw = group::Group::new(&inputs);
+    with_base(&raw, DiagnoseOptions::default().model, |group, base| {
+        let scale = scale(group, &base.problem, &base.at);
+        let all = signatures(&base.problem, &base.at, &scale);
+        let (_, tangent) = base.tangent();
+        let directions = directions(&all, &tangent);
+        let residuals = base.residuals();
+        let fitted = |id: &str| {
+            let own = |direction: &&signature::Direction| direction.effect == id;
+            let best = directions
+                .iter()
+                .filter(own)
+                .max_by(|a, b| null::gain(a, &residuals).total_cmp(&null::gain(b, &residuals)))
+                .unwrap();
+            let signature = &all[best.signature];
+            let strength = signature.part * crate::numerics::sums::dot(&best.unit, &residuals) / best.norm;
+            Beside::of(&base).extended(signature, strength).unwrap().arrived()
+        };
+        let leaking = fitted("faradaic-leak");
+        let found = modes::modes(group, &leaking, 0, &scale);
+        assert!(found.len() > 2, "{}", found.len());
+        for mode in &found {
+            let parameters = vec![mode.model.effects[0].parameters.clone()];
+            let at = leaking.problem.coordinates(&mode.model.base, &parameters);
+            let rise = (leaking.problem.square(&at) - leaking.square).max(0.0);
+            assert!(
+                (rise - mode.rise).abs() < 1e-3 * (1.0 + rise),
+                "{rise} {}",
+                mode.rise
+            );
+        }
+        let onsets = || found.iter().map(|mode| mode.model.effects[0].parameters[1]);
+        let (low, high) = (
+            onsets().fold(f64::INFINITY, f64::min),
+            onsets().fold(0.0, f64::max),
+        );
+        assert!(high - low > 0.3, "{low} {high}");
+        assert!(modes::modes(group, &fitted("softening"), 0, &scale).is_empty());
+    });
+}
+
 #[test]
 fn two_hidden_causes_are_both_needed() {
     let offset: Hidden = ("current-offset", None, &[("offset_a", 4e-5)]);

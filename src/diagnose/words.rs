@@ -32,14 +32,16 @@ pub(super) fn whereabouts(
         });
     }
     segments.sort_by(|a, b| b.sigma.abs().total_cmp(&a.sigma.abs()));
-    let text = match segments.is_empty() {
-        true => unequal_answers(group, stretches, &scores),
-        false => Some(sentence(group, &segments)),
+    let off = (!segments.is_empty()).then(|| sentence(group, &segments));
+    let said: Vec<String> = off
+        .into_iter()
+        .chain(unequal_answers(group, stretches, &scores))
+        .collect();
+    let text = match said.is_empty() {
+        true => "no single stretch of time stands out".to_owned(),
+        false => said.join("; "),
     };
-    Whereabouts {
-        text: text.unwrap_or_else(|| "no single stretch of time stands out".to_owned()),
-        segments,
-    }
+    Whereabouts { text, segments }
 }
 
 /// Says which channel answers the edges of a drive of many most unequally; none where none does beyond chance.
