@@ -142,6 +142,25 @@ impl Runs {
     }
 }
 
+/// The base with that effect, searched from its best probe to the end, and what was forecast there.
+fn from_best_probe<'g>(
+    base: &fitted::Fitted<'g>,
+    scale: &crate::model::effects::Scale,
+    id: &str,
+) -> Option<(f64, fitted::Fitted<'g>)> {
+    let all = signatures(&base.problem, &base.at, scale);
+    let (_, tangent) = base.tangent();
+    let residuals = base.residuals();
+    let best = directions(&all, &tangent)
+        .into_iter()
+        .filter(|direction| direction.effect == id)
+        .max_by(|a, b| null::gain(a, &residuals).total_cmp(&null::gain(b, &residuals)))?;
+    let signature = &all[best.signature];
+    let strength = signature.part * crate::numerics::sums::dot(&best.unit, &residuals) / best.norm;
+    let fitted = Beside::of(base).extended(signature, strength)?.arrived();
+    Some((null::gain(&best, &residuals), fitted))
+}
+
 /// Falls of the sum of squares by a full search for each effect, from its best probe to the end: id, forecast,
 /// fall.
 fn searched(runs: &Runs, ids: &[&str]) -> Vec<(String, f64, f64)> {
@@ -149,21 +168,9 @@ fn searched(runs: &Runs, ids: &[&str]) -> Vec<(String, f64, f64)> {
     let raw = group::Group::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
-        let all = signatures(&base.problem, &base.at, &scale);
-        let (_, tangent) = base.tangent();
-        let directions = directions(&all, &tangent);
-        let residuals = base.residuals();
-        let beside = Beside::of(&base);
         let of = |id: &&str| {
-            let own = directions
-                .iter()
-                .filter(|direction| all[direction.signature].effect.about().id == *id);
-            let best = own.max_by(|a, b| null::gain(a, &residuals).total_cmp(&null::gain(b, &residuals)))?;
-            let signature = &all[best.signature];
-            let strength = signature.part * crate::numerics::sums::dot(&best.unit, &residuals) / best.norm;
-            let fitted = beside.extended(signature, strength)?.arrived();
-            let fall = base.square - fitted.square;
-            Some(((*id).to_owned(), null::gain(best, &residuals), fall))
+            let (forecast, fitted) = from_best_probe(&base, &scale, id)?;
+            Some(((*id).to_owned(), forecast, base.square - fitted.square))
         };
         ids.iter().filter_map(of).collect()
     })
@@ -391,19 +398,21 @@ fn hold(finding: &crate::domain::EffectFinding, truths: &[f64]) {
     }
 }
 
+/// A leak that sets in between the levels of the drives.
+const LEAK: Hidden = (
+    "faradaic-leak",
+    Some("terminal"),
+    &[
+        ("leak_current_a_per_cm2", 1e-5),
+        ("onset_v", 1.2),
+        ("slope_v", 0.2),
+    ],
+);
+
 /// Two voltages tell one number of a leak's three: its valley crosses ten decades of the scale, and ends nowhere on the way.
 #[test]
 fn a_leak_of_two_voltages_has_no_scale() {
-    let hidden: Hidden = (
-        "faradaic-leak",
-        Some("terminal"),
-        &[
-            ("leak_current_a_per_cm2", 1e-5),
-            ("onset_v", 1.2),
-            ("slope_v", 0.2),
-        ],
-    );
-    let found = Runs::with(Some(hidden), FOUR, 60).diagnosed();
+    let found = Runs::with(Some(LEAK), FOUR, 60).diagnosed();
     let own = found.effects.iter().find(|own| own.effect == "faradaic-leak");
     let own = own.unwrap_or_else(|| panic!("{}", found.sentence));
     hold(own, &[1e-5, 1.2, 0.2]);
@@ -414,35 +423,12 @@ fn a_leak_of_two_voltages_has_no_scale() {
 /// leak lie far apart. An effect with one parameter has one place.
 #[test]
 fn searches_from_every_probe_end_in_places_that_explain_as_well() {
-    let leak: Hidden = (
-        "faradaic-leak",
-        Some("terminal"),
-        &[
-            ("leak_current_a_per_cm2", 1e-5),
-            ("onset_v", 1.2),
-            ("slope_v", 0.2),
-        ],
-    );
-    let runs = Runs::with(Some(leak), FOUR, 60);
+    let runs = Runs::with(Some(LEAK), FOUR, 60);
     let inputs = runs.inputs();
     let raw = group::Group::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
-        let all = signatures(&base.problem, &base.at, &scale);
-        let (_, tangent) = base.tangent();
-        let directions = directions(&all, &tangent);
-        let residuals = base.residuals();
-        let fitted = |id: &str| {
-            let own = |direction: &&signature::Direction| direction.effect == id;
-            let best = directions
-                .iter()
-                .filter(own)
-                .max_by(|a, b| null::gain(a, &residuals).total_cmp(&null::gain(b, &residuals)))
-                .unwrap();
-            let signature = &all[best.signature];
-            let strength = signature.part * crate::numerics::sums::dot(&best.unit, &residuals) / best.norm;
-            Beside::of(&base).extended(signature, strength).unwrap().arrived()
-        };
+        let fitted = |id: &str| from_best_probe(&base, &scale, id).unwrap().1;
         let leaking = fitted("faradaic-leak");
         let found = modes::modes(group, &leaking, 0, &scale);
         assert!(found.len() > 2, "{}", found.len());
@@ -463,7 +449,8 @@ fn searches_from_every_probe_end_in_places_that_explain_as_well() {
         );
         assert!(high - low > 0.3, "{low} {high}");
         assert!(modes::modes(group, &fitted("softening"), 0, &scale).is_empty());
-    });
+    })
+    .expect("the base is fitted");
 }
 
 #[test]
@@ -564,7 +551,8 @@ fn every_reading_after_an_edge_is_of_one_answer() {
         rows.sort_unstable();
         assert!(rows.windows(2).all(|pair| pair[0] + 1 == pair[1]));
         assert_eq!(rows.len(), 1200);
-    });
+    })
+    .expect("the base is fitted");
 }
 
 /// Correlations of the noise of the current in every run, and whether they share it.
