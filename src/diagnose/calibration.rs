@@ -166,9 +166,7 @@ impl Simulation {
         let gains: Vec<f64> = self.candidates.iter().zip(asked.directions).map(gain).collect();
         asked.null.p_of_simulated(&means, &gains, &mut generator)
     }
-}
 
-impl Simulation {
     /// The noise of every channel found again in simulated residuals.
     fn found(&self, group: &Group, rest: &[f64]) -> Vec<FoundAgain> {
         let of = |place: usize| {

@@ -19,8 +19,8 @@ const MOST: usize = 10;
 const CONTENDS: f64 = 0.5;
 /// Starts of every candidate: its best probes.
 const STARTS: usize = 4;
-/// Evidence that a strength must bring, in units of the sum of squares; where several effects are compared with several, every
-/// parameter.
+/// Evidence that a strength must bring, in units of the sum of squares; where forms are compared, or several effects with
+/// several, every parameter.
 pub(super) const PRICE: f64 = 3.0;
 
 /// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
