@@ -19,8 +19,7 @@ const NULLS: usize = 200;
 /// What the oracle says of a group.
 pub struct Said {
     pub seen: bool,
-    /// Whether it is seen by the ratio of likelihoods over all effects and their forms: what no test sees more of on
-    /// average.
+    /// Whether it is seen by the ratio of likelihoods over all effects and their forms, each at its best strength.
     pub seen_by_all: bool,
     /// Effects that gain as much as the best to within the margin.
     pub set: Vec<&'static str>,
