@@ -235,6 +235,7 @@ fn key(drives: Drives) -> &'static str {
     match drives {
         Drives::Step => "step",
         Drives::Discharge => "discharge",
+        Drives::Repeated => "repeated",
         Drives::Five => "five",
     }
 }
@@ -305,7 +306,7 @@ fn several(extent: &Extent, count: usize) {
                     .collect::<Vec<_>>(),
                 found.set,
                 found.p_leftover,
-                found.gain.as_ref().map(|gain| gain.deviance)
+                found.gain.as_ref().map(|gain| gain.proof.deviance)
             );
             println!("    {}", found.sentence);
         }

@@ -22,6 +22,8 @@ pub enum Drives {
     Step,
     /// +2 V, and +2 V then 0 V.
     Discharge,
+    /// +2 V, -2 V, and pulses of 20 s, each twice.
+    Repeated,
     /// +2 V, +1 V, -2 V, +2 V then 0 V, and pulses of 20 s.
     Five,
 }
@@ -56,6 +58,7 @@ impl Default for Plan {
             drives: match std::env::var("DRIVES").as_deref() {
                 Ok("step") => Drives::Step,
                 Ok("discharge") => Drives::Discharge,
+                Ok("repeated") => Drives::Repeated,
                 _ => Drives::Five,
             },
             readings: match std::env::var("READINGS").as_deref() {
@@ -116,6 +119,10 @@ pub fn case(seed: u64, plan: Plan) -> Case {
     let drives = match plan.drives {
         Drives::Step => vec![vec![(0.0, 2.0)]],
         Drives::Discharge => vec![vec![(0.0, 2.0)], discharge],
+        Drives::Repeated => {
+            let each = vec![vec![(0.0, 2.0)], vec![(0.0, -2.0)], pulses];
+            [each.clone(), each].concat()
+        }
         Drives::Five => vec![
             vec![(0.0, 2.0)],
             vec![(0.0, 1.0)],

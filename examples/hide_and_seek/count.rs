@@ -107,7 +107,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                 })
                 .collect();
             let mut row = [0usize; 8];
-            let gain = |found: &GroupDiagnosis| found.gain.as_ref().map(|gain| gain.deviance);
+            let gain = |found: &GroupDiagnosis| found.gain.as_ref().map(|gain| gain.proof.deviance);
             let mut gains: Vec<f64> = found.iter().filter_map(|(found, ..)| gain(found)).collect();
             let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
             for (found, applied, _) in &found {
@@ -159,7 +159,10 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                         found.verdict.key(),
                         found.set,
                         found.sentence,
-                        found.gain.as_ref().map(|g| (g.deviance, g.parts.clone()))
+                        found
+                            .gain
+                            .as_ref()
+                            .map(|g| (g.proof.deviance, g.proof.parts.clone()))
                     );
                     for c in found.candidates.iter().take(8) {
                         println!(
@@ -246,14 +249,19 @@ fn show_proof(id: &str, found: &GroupDiagnosis, inset: bool) {
     };
     let accepted = found.candidates.iter().filter(|candidate| candidate.accepted);
     let fitted: f64 = accepted.filter_map(|candidate| candidate.fitted_gain).sum();
-    let falls: Vec<String> = gain.parts.iter().map(|(_, fall)| format!("{fall:.1}")).collect();
+    let falls: Vec<String> = gain
+        .proof
+        .parts
+        .iter()
+        .map(|(_, fall)| format!("{fall:.1}"))
+        .collect();
     let taken: Vec<&str> = found.effects.iter().map(|own| own.effect.as_str()).collect();
     println!(
         "proof,{id},{},{inset},{},{:.1},{:.1},{:.1},{},{fitted:.1},{:?},{}",
         found.verdict.key(),
         found.set.len(),
-        gain.deviance,
-        gain.standard_error,
+        gain.proof.deviance,
+        gain.proof.standard_error,
         gain.nameless_deviance,
         falls.join(" "),
         found.p_leftover,

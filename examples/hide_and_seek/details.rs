@@ -68,7 +68,7 @@ impl Detail {
         Detail {
             of_class: (!found.set.is_empty()).then_some(of_class),
             strength,
-            gain: found.gain.as_ref().map(|gain| gain.deviance),
+            gain: found.gain.as_ref().map(|gain| gain.proof.deviance),
             known: known_cause_gain(runs, &choice),
         }
     }

@@ -5,6 +5,7 @@ use clap::Args;
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
+use crate::domain::{Gain, Verdict};
 use crate::model::effects;
 use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
 use crate::pipeline::estimate_words::{in_words, interval_in_words};
@@ -119,6 +120,16 @@ pub fn say(summary: &DiagnoseSummary, output: &Output) {
     }
 }
 
+/// The gain on later times, where whole runs were held out.
+fn later_words(gain: &Gain) -> String {
+    gain.later.as_ref().map_or_else(String::new, |later| {
+        format!(
+            ", on later times by {:.1} +- {:.1}",
+            later.deviance, later.standard_error
+        )
+    })
+}
+
 fn print(group: &GroupEntry, output: &Output) {
     let count = counted(group.runs.len(), "run");
     output.result(&format!("{} ({count}): {}", group.group, group.verdict.key()));
@@ -132,10 +143,15 @@ fn print(group: &GroupEntry, output: &Output) {
     }
     if let Some(gain) = &group.gain {
         output.result(&format!(
-            "    on held-out {}s the deviance falls by {:.1} +- {:.1}; residuals {:.3} -> {:.3} sigma",
-            gain.held_out,
-            gain.deviance,
-            gain.standard_error,
+            "    {}on held-out {} the deviance falls by {:.1} +- {:.1}{}; residuals {:.3} -> {:.3} sigma",
+            match group.verdict {
+                Verdict::Unknown => "what was tried and not accepted: ",
+                _ => "",
+            },
+            gain.parts_word(group.runs.len()),
+            gain.proof.deviance,
+            gain.proof.standard_error,
+            later_words(gain),
             gain.residual_rms_sigma_before,
             gain.residual_rms_sigma_after
         ));

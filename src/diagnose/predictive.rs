@@ -39,7 +39,19 @@ impl Predictive {
 
     /// Deviance of the rows that are `out`, where the others leave the least sum of squares `others`.
     pub(super) fn deviance(&self, out: &[bool], others: f64) -> f64 {
-        self.square - others + self.information - information(&self.columns, out)
+        self.added((&[], self.square), (out, others))
+    }
+
+    /// Deviance of the rows that are out of the second fit and not of the first: each with its least sum of squares.
+    pub(super) fn added(&self, with: (&[bool], f64), without: (&[bool], f64)) -> f64 {
+        let of = |(out, square): (&[bool], f64)| {
+            let told = match out.is_empty() {
+                true => self.information,
+                false => information(&self.columns, out),
+            };
+            square + told
+        };
+        of(with) - of(without)
     }
 }
 

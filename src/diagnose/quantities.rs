@@ -6,8 +6,6 @@ use super::group::GroupRun;
 const TOGETHER: usize = 5;
 /// Part of the record that counts as its end.
 const END: f64 = 0.05;
-/// Half width of a 95 % interval in standard deviations.
-const NORMAL_95: f64 = 1.96;
 
 /// Names of the quantities, in the order of [`Predicted::relative_errors`].
 pub(super) const NAMES: [&str; 5] = [
@@ -23,8 +21,6 @@ pub(super) const NAMES: [&str; 5] = [
 pub(super) struct Predicted {
     /// Deviation of each quantity over what was measured; none where that is not measured or next to nothing.
     pub(super) relative_errors: [Option<f64>; 5],
-    /// Readings within the 95 % interval of the noise about the prediction, and all readings.
-    pub(super) covered: (usize, usize),
 }
 
 /// Compares a run's readings with the currents and curvatures of a model at their times.
@@ -37,19 +33,6 @@ pub(super) fn predicted(run: &GroupRun, fitted: [&[f64]; 2]) -> Predicted {
     let of_current = |of: fn(&[f64], &[f64]) -> Option<f64>| {
         error(of(run.times(0), measured[0]?), of(run.times(0), fitted[0]))
     };
-    let mut covered = (0, 0);
-    for (channel, fitted) in run.channels.iter().zip(fitted) {
-        let Some(channel) = channel else { continue };
-        let readings = channel
-            .values()
-            .iter()
-            .zip(fitted)
-            .zip(channel.standard_deviation());
-        covered.0 += readings
-            .filter(|((y, f), sd)| (*y - *f).abs() <= NORMAL_95 * *sd)
-            .count();
-        covered.1 += channel.len();
-    }
     Predicted {
         relative_errors: [
             of_curvature(|t, v| peak(t, v).map(|(_, value)| value)),
@@ -58,7 +41,6 @@ pub(super) fn predicted(run: &GroupRun, fitted: [&[f64]; 2]) -> Predicted {
             of_current(charge),
             of_current(|_, v| end(v)),
         ],
-        covered,
     }
 }
 
@@ -101,14 +83,6 @@ pub(super) fn percent(parts: &[Predicted], quantity: usize) -> Option<f64> {
     (!errors.is_empty()).then(|| 100.0 * (square / errors.len() as f64).sqrt())
 }
 
-/// Share of all held-out readings within their 95 % interval.
-pub(super) fn coverage(parts: &[Predicted]) -> Option<f64> {
-    let (inside, all) = parts.iter().fold((0, 0), |(inside, all), part| {
-        (inside + part.covered.0, all + part.covered.1)
-    });
-    (all > 0).then(|| inside as f64 / all as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,11 +106,9 @@ mod tests {
     fn errors_are_pooled_as_root_mean_squares() {
         let part = |error: Option<f64>| Predicted {
             relative_errors: [error, None, None, None, None],
-            covered: (19, 20),
         };
         let parts = [part(Some(0.03)), part(Some(0.04)), part(None)];
         assert!((percent(&parts, 0).unwrap() - 3.5355).abs() < 1e-3);
         assert_eq!(percent(&parts, 1), None);
-        assert_eq!(coverage(&parts), Some(0.95));
     }
 }

@@ -128,7 +128,7 @@ impl Runs {
     }
 
     pub(super) fn inputs(&self) -> Vec<RunInput<'_>> {
-        const NAMES: [&str; 4] = ["first", "second", "third", "fourth"];
+        const NAMES: [&str; 6] = ["first", "second", "third", "fourth", "fifth", "sixth"];
         let each = self.drives.iter().zip(&self.channels).zip(NAMES);
         each.map(|((drive, channels), name)| RunInput {
             name,

@@ -138,7 +138,7 @@ fn overlap(a: &MisfitStretch, b: &MisfitStretch) -> bool {
     a.from_s <= b.to_s && b.from_s <= a.to_s
 }
 
-fn seconds(time_s: f64) -> String {
+pub(super) fn seconds(time_s: f64) -> String {
     if time_s < 10.0 {
         format!("{time_s:.1}")
     } else {

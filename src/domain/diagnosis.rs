@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Parameter, number_or_null};
+use super::{Gain, Parameter, number_or_null};
 
 /// What is said of a run or a group of runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -107,58 +107,6 @@ pub struct Candidate {
     pub accepted: bool,
 }
 
-/// How much better the extended model predicts what it has not seen.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Gain {
-    /// What was held out: `run` or `time`.
-    pub held_out: String,
-    /// Fall of the deviance of the held-out readings: how far they lie from what was predicted of them, in units of the
-    /// noise and with what the prediction itself does not know.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub deviance: f64,
-    /// Its standard error over the held-out parts.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub standard_error: f64,
-    /// Fall for every held-out part, by name.
-    #[serde(deserialize_with = "number_or_null::named")]
-    pub parts: Vec<(String, f64)>,
-    /// Fall of the deviance of the held-out readings by a smooth answer to the voltage that has no name: a name is
-    /// given only where its fall is not far behind.
-    #[serde(default, deserialize_with = "number_or_null::one")]
-    pub nameless_deviance: f64,
-    /// Root mean square deviation of the held-out current over its range, by the base model.
-    pub nrmse_current_before: Option<f64>,
-    /// The same by the extended model.
-    pub nrmse_current_after: Option<f64>,
-    /// Of the held-out curvature, by the base model.
-    pub nrmse_curvature_before: Option<f64>,
-    /// The same by the extended model.
-    pub nrmse_curvature_after: Option<f64>,
-    /// What a user predicts of held-out runs, and how far off it is.
-    #[serde(default)]
-    pub predictions: Vec<Prediction>,
-    /// Share of the readings of held-out runs within the 95 % interval of the noise about the base model's prediction.
-    #[serde(default)]
-    pub coverage_before: Option<f64>,
-    /// The same about the extended model's.
-    #[serde(default)]
-    pub coverage_after: Option<f64>,
-    /// Root mean square of the whitened residuals of the fit to all readings, by the base model.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub residual_rms_sigma_before: f64,
-    /// The same by the extended model.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub residual_rms_sigma_after: f64,
-}
-
-impl Gain {
-    /// Held-out parts that the extended model predicts better, and all of them.
-    pub fn better_parts(&self) -> (usize, usize) {
-        let better = self.parts.iter().filter(|(_, fall)| *fall > 0.0).count();
-        (better, self.parts.len())
-    }
-}
-
 /// How alike the traces of candidates are once the base parameters are refitted.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Confusable {
@@ -182,19 +130,6 @@ pub struct StrengthProfile {
     /// Rise of the weighted sum of squares above its minimum at each; 3.84 bounds a 95 % interval.
     #[serde(deserialize_with = "number_or_null::many")]
     pub rises: Vec<f64>,
-}
-
-/// How far off a model predicts a number of held-out runs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Prediction {
-    /// `peak_curvature`, `time_of_peak_curvature`, `end_curvature`, `charge` or `end_current`.
-    pub quantity: String,
-    /// Root mean square over the runs of its deviation from what was measured, percent, by the base model.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub before_percent: f64,
-    /// The same by the extended model.
-    #[serde(deserialize_with = "number_or_null::one")]
-    pub after_percent: f64,
 }
 
 /// A stretch in which the simulation is wrong.

@@ -2,6 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Levels of one drive run twice differ by less than this part of its largest step: what a source is set to is met to
+/// 1 % or better, and its record adds noise.
+const LEVELS_ALIKE: f64 = 0.02;
+/// Starts of its segments differ by less than this part of the shortest one: an edge is known to a reading or two.
+const STARTS_ALIKE: f64 = 0.1;
+
 /// What the source does during a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -58,6 +64,34 @@ impl Drive {
             .chain([self.baseline_v])
             .fold(0.0, |far: f64, v| if v.abs() > far.abs() { v } else { far })
     }
+
+    /// Whether both are one drive run twice: the same levels one after the other, to within what sources and their
+    /// records differ by. How long the last level was recorded does not count.
+    pub fn repeats(&self, other: &Drive) -> bool {
+        let off_v = LEVELS_ALIKE * self.nominal_step_v().abs().max(other.nominal_step_v().abs());
+        let are_near = |a: f64, b: f64| (a - b).abs() <= off_v;
+        let shortest_s = self.shortest_segment_s().min(other.shortest_segment_s());
+        let alike = |(own, others): (&Segment, &Segment)| {
+            let levels = match (own.level, others.level) {
+                (Level::Voltage(a), Level::Voltage(b)) => are_near(a, b),
+                (a, b) => a == b,
+            };
+            let after_s = |segment: &Segment, drive: &Drive| segment.start_s - drive.segments[0].start_s;
+            let apart_s = (after_s(own, self) - after_s(others, other)).abs();
+            levels && apart_s <= STARTS_ALIKE * shortest_s
+        };
+        are_near(self.baseline_v, other.baseline_v)
+            && self.segments.len() == other.segments.len()
+            && self.segments.iter().zip(&other.segments).all(alike)
+    }
+
+    /// Length of the shortest segment that another one ends, s; without bound where there is one segment.
+    fn shortest_segment_s(&self) -> f64 {
+        let pairs = self.segments.windows(2);
+        pairs
+            .map(|pair| pair[1].start_s - pair[0].start_s)
+            .fold(f64::INFINITY, f64::min)
+    }
 }
 
 #[cfg(test)]
@@ -70,5 +104,33 @@ mod tests {
         drive.baseline_v = 5.0;
         assert_eq!(drive.nominal_step_v(), 5.0);
         assert_eq!(Drive::step(-0.7).nominal_step_v(), -0.7);
+    }
+
+    #[test]
+    fn a_repeat_has_the_same_levels_at_the_same_times() {
+        let drive = |levels: &[(f64, f64)]| {
+            let segment = |&(start_s, v): &(f64, f64)| Segment {
+                start_s,
+                level: Level::Voltage(v),
+            };
+            Drive {
+                baseline_v: 0.0,
+                segments: levels.iter().map(segment).collect(),
+            }
+        };
+        let pulses = drive(&[(0.0, 2.0), (20.0, 0.0), (40.0, 2.0)]);
+        assert!(pulses.repeats(&drive(&[(0.5, 2.02), (20.9, 0.001), (41.5, 1.99)])));
+        assert!(!pulses.repeats(&drive(&[(0.0, 2.0), (20.0, 0.0), (45.0, 2.0)])));
+        assert!(!pulses.repeats(&drive(&[(0.0, 2.0), (20.0, 0.1), (40.0, 2.0)])));
+        assert!(!pulses.repeats(&drive(&[(0.0, 2.0), (20.0, 0.0)])));
+        assert!(!Drive::step(2.0).repeats(&Drive::step(-2.0)));
+        assert!(!Drive::step(2.0).repeats(&Drive::step(1.9)));
+        assert!(Drive::step(2.0).repeats(&Drive::step(2.03)));
+        let mut charged = Drive::step(0.0);
+        charged.baseline_v = 2.0;
+        assert!(charged.repeats(&charged.clone()) && !charged.repeats(&Drive::step(0.0)));
+        let mut open = pulses.clone();
+        open.segments[1].level = Level::OpenCircuit;
+        assert!(open.repeats(&open.clone()) && !open.repeats(&pulses));
     }
 }

@@ -9,6 +9,7 @@ pub mod diagnosis;
 pub mod drive;
 pub mod estimate;
 pub mod fit;
+pub mod gain;
 pub mod issue;
 pub mod left_out;
 pub mod modulus;
@@ -30,12 +31,13 @@ pub use climate::{
     RunClimate, SensorPair, SensorStatement, SensorSummary,
 };
 pub use diagnosis::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, Gain, GroupDiagnosis, MisfitStretch,
-    NextRun, ParameterShift, Prediction, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
+    Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis, MisfitStretch, NextRun,
+    ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
 pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};
+pub use gain::{Gain, HeldOutGain, Prediction};
 pub use issue::{Issue, Severity};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
 pub use monitoring::{Alarm, Limit, MonitoringRules};

@@ -1,8 +1,8 @@
 //! Made-up findings for the tests of the report: every verdict that a page words differently.
 
 use ieap::domain::{
-    Candidate, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, MisfitStretch, NextRun, Parameter,
-    ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
+    Candidate, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, MisfitStretch,
+    NextRun, Parameter, ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
 };
 use ieap::report::{EffectParameterText, EffectText, Findings, Input};
 
@@ -108,23 +108,39 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
         ],
         gain: Some(Gain {
             held_out: "run".to_owned(),
-            deviance: 150.1,
-            standard_error: 12.0,
-            parts: runs.iter().map(|run| ((*run).to_owned(), 75.05)).collect(),
+            proof: HeldOutGain {
+                deviance: 150.1,
+                standard_error: 12.0,
+                parts: runs.iter().map(|run| ((*run).to_owned(), 75.05)).collect(),
+                nrmse_current_before: Some(0.0812),
+                nrmse_current_after: Some(0.0103),
+                nrmse_curvature_before: None,
+                nrmse_curvature_after: None,
+                coverage_before: Some(0.412),
+                coverage_after: Some(0.9514),
+            },
             nameless_deviance: 40.0,
-            nrmse_current_before: Some(0.0812),
-            nrmse_current_after: Some(0.0103),
-            nrmse_curvature_before: None,
-            nrmse_curvature_after: None,
             predictions: vec![Prediction {
                 quantity: "end_current".to_owned(),
                 before_percent: 7.31,
                 after_percent: 0.62,
             }],
-            coverage_before: Some(0.412),
-            coverage_after: Some(0.9514),
             residual_rms_sigma_before: 6.12,
             residual_rms_sigma_after: 1.021,
+            later: Some(HeldOutGain {
+                deviance: 61.3,
+                standard_error: 9.1,
+                parts: runs
+                    .iter()
+                    .map(|run| (format!("{run} after 360 s"), 30.65))
+                    .collect(),
+                nrmse_current_before: Some(0.0412),
+                nrmse_current_after: Some(0.0151),
+                nrmse_curvature_before: None,
+                nrmse_curvature_after: None,
+                coverage_before: Some(0.512),
+                coverage_after: Some(0.948),
+            }),
         }),
         whereabouts: Some(Whereabouts {
             text: "current too small after 200 s at 2.0 and 2.5 V".to_owned(),

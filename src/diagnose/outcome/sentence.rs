@@ -52,13 +52,9 @@ fn proof(found: &GroupDiagnosis) -> String {
     let Some(gain) = &found.gain else {
         return String::new();
     };
-    let (better, all) = gain.better_parts();
-    let what = if gain.held_out == "time" {
-        "stretches of time"
-    } else {
-        "runs"
-    };
-    let sum = format!("{:.0} +- {:.0}", gain.deviance, gain.standard_error);
+    let (better, all) = gain.proof.better_parts();
+    let what = gain.parts_word(found.runs.len());
+    let sum = format!("{:.0} +- {:.0}", gain.proof.deviance, gain.proof.standard_error);
     let which = match better == all {
         true => format!("all {all}"),
         false => format!("{better} of {all}"),
@@ -79,7 +75,7 @@ fn is_beaten(found: &GroupDiagnosis) -> bool {
     found
         .gain
         .as_ref()
-        .is_some_and(|gain| gain.nameless_deviance > gain.deviance + BEATEN)
+        .is_some_and(|gain| gain.nameless_deviance > gain.proof.deviance + BEATEN)
 }
 
 pub(super) const SPIKED_WORDS: &str =

@@ -4,6 +4,15 @@ use super::super::beside::Beside;
 use super::super::signature::{directions, scale, signatures};
 use super::*;
 
+#[test]
+fn a_clean_group_is_consistent_and_says_what_it_could_not_have_seen() {
+    let found = Runs::with(None, &[STEP, REVERSED], 5).diagnosed();
+    assert_eq!(found.verdict, Verdict::Consistent, "{}", found.sentence);
+    assert!(found.effects.is_empty() && found.set.is_empty());
+    assert!(found.candidates.len() > 10 && found.candidates.iter().all(|c| !c.accepted));
+    assert!(found.candidates.iter().all(|c| c.detectable_strength != 0.0));
+}
+
 /// The base with that effect, searched from its best probe to the end, and what was forecast there.
 fn from_best_probe<'g>(
     base: &fitted::Fitted<'g>,
@@ -82,15 +91,6 @@ fn from_one_step_a_strong_cause_is_a_set_that_holds_it() {
     }
 }
 
-#[test]
-fn a_clean_group_is_consistent_and_says_what_it_could_not_have_seen() {
-    let found = Runs::with(None, &[STEP, REVERSED], 5).diagnosed();
-    assert_eq!(found.verdict, Verdict::Consistent, "{}", found.sentence);
-    assert!(found.effects.is_empty() && found.set.is_empty());
-    assert!(found.candidates.len() > 10 && found.candidates.iter().all(|c| !c.accepted));
-    assert!(found.candidates.iter().all(|c| c.detectable_strength != 0.0));
-}
-
 /// A capacitance that follows the voltage is no linear memory of it: half a voltage tells nothing of the whole.
 #[test]
 fn a_cause_beats_the_nameless_answer_where_a_voltage_was_not_seen() {
@@ -105,7 +105,7 @@ fn a_cause_beats_the_nameless_answer_where_a_voltage_was_not_seen() {
         .as_ref()
         .unwrap_or_else(|| panic!("{}", found.sentence));
     assert!(
-        gain.deviance > gain.nameless_deviance + select::BEATEN,
+        gain.proof.deviance > gain.nameless_deviance + select::BEATEN,
         "{gain:?}"
     );
     assert!(

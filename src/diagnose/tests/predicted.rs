@@ -16,3 +16,103 @@ fn without_a_cause_the_nameless_answer_predicts_no_better_than_the_base() {
     assert_eq!(falls.len(), 4);
     assert!(falls.iter().sum::<f64>() < select::BEATEN, "{falls:?}");
 }
+
+/// Names of the held-out parts of clean runs with these drives, and the runs whose rows each leaves out.
+fn held_out_runs(drives: &[Levels]) -> Vec<(String, Vec<usize>)> {
+    let runs = Runs::with(None, drives, 61);
+    let inputs = runs.inputs();
+    let raw = group::Group::new(&inputs);
+    let found = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
+        let parts = held_out::parts(&base, group);
+        let all_out = |run: usize, rows: &[bool]| {
+            let mut own = group.blocks.iter().filter(|block| block.run == run);
+            own.all(|block| rows[block.first..block.end].iter().all(|out| *out))
+        };
+        let rows = held_out::rows(group);
+        let runs_out = rows.iter().map(|rows| {
+            let out: Vec<usize> = (0..drives.len()).filter(|&run| all_out(run, rows)).collect();
+            assert_eq!(rows.iter().filter(|out| **out).count(), 1200 * out.len());
+            out
+        });
+        let names = parts.iter().map(|part| part.name.clone());
+        names.zip(runs_out).collect()
+    });
+    found.unwrap()
+}
+
+/// A repeat that is left in tells what the run that is left out is like, whatever the model.
+#[test]
+fn a_drive_is_held_out_with_its_repeats() {
+    let parts = held_out_runs(&[STEP, REVERSED, STEP, DISCHARGED, STEP, REVERSED]);
+    let named = |name: &str, runs: &[usize]| (name.to_owned(), runs.to_vec());
+    assert_eq!(
+        parts,
+        [
+            named("first and its 2 repeats", &[0, 2, 4]),
+            named("second and its repeat", &[1, 5]),
+            named("fourth", &[3]),
+        ]
+    );
+}
+
+#[test]
+fn runs_of_one_drive_are_held_out_one_by_one() {
+    let parts = held_out_runs(&[STEP, STEP, STEP]);
+    let runs: Vec<Vec<usize>> = parts.into_iter().map(|(_, runs)| runs).collect();
+    assert_eq!(runs, [[0], [1], [2]]);
+}
+
+/// The last two fifths of every run, each by the first three of all; a right model holds nineteen of twenty readings.
+#[test]
+fn later_times_are_predicted_from_the_earlier_ones_of_all_runs() {
+    let later_of = |hidden: Option<Hidden>| {
+        let runs = Runs::with(hidden, FOUR, 62);
+        let inputs = runs.inputs();
+        let raw = group::Group::new(&inputs);
+        let found = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
+            later::later_parts(&base, group)
+        });
+        found.unwrap()
+    };
+    let covered = |parts: &[held_out::Part]| {
+        let all: Vec<_> = parts.iter().flat_map(|part| part.deviations).collect();
+        let readings: usize = all.iter().map(|own| own.readings).sum();
+        let covered: usize = all.iter().map(|own| own.covered).sum();
+        (readings, covered as f64 / readings as f64)
+    };
+    let right = later_of(None);
+    assert_eq!(right[1].name, "second after 360 s");
+    let (readings, share) = covered(&right);
+    assert_eq!(readings, 4 * 2 * 241);
+    // Three standard deviations of 1928 readings that are in with a chance of 0.95.
+    assert!((share - 0.95).abs() < 0.015, "{share}");
+    let slow: Hidden = (
+        "diffusion-limited-leak",
+        None,
+        &[("leak_a_sqrt_s_per_v_cm2", 0.02)],
+    );
+    let (_, share) = covered(&later_of(Some(slow)));
+    assert!(share < 0.8, "{share}");
+}
+
+/// What names the cause also carries forward: the gain on later times is told beside the proof.
+#[test]
+fn a_right_extension_predicts_later_times_better() {
+    let slow: Hidden = (
+        "diffusion-limited-leak",
+        None,
+        &[("leak_a_sqrt_s_per_v_cm2", 0.02)],
+    );
+    let found = Runs::with(Some(slow), FOUR, 63).diagnosed();
+    assert!(!found.effects.is_empty(), "{}", found.sentence);
+    let gain = found.gain.unwrap();
+    let later = gain.later.unwrap();
+    assert_eq!(later.better_parts(), (4, 4), "{later:?}");
+    assert!(later.deviance > 2.0 * later.standard_error, "{later:?}");
+    let coverage = later.coverage_after.unwrap();
+    assert!(later.coverage_before.unwrap() + 0.1 < coverage, "{later:?}");
+    assert!((0.93..0.97).contains(&coverage), "{later:?}");
+    let one = Runs::with(Some(slow), &[STEP], 63).diagnosed();
+    let of_one = one.gain.unwrap();
+    assert!(of_one.later.is_none() && of_one.proof.coverage_after.is_some());
+}

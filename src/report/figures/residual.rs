@@ -20,12 +20,14 @@ const BAND_SIGMA: f64 = 2.0;
 /// Shortest time on the logarithmic axis, as a fraction of the longest.
 const SHORTEST: f64 = 1e-5;
 
-/// Draws `curve`; over the logarithm of time alone where `whole` is false. None where there is too little to draw.
+/// Draws `curve`, its line called `extension`; over the logarithm of time alone where `whole` is false. None where there
+/// is too little to draw.
 ///
 /// # Errors
 /// The message of the drawing library, or of a curve of uneven lengths.
 pub fn residual(
     curve: &ResidualCurve,
+    extension: &str,
     whole: bool,
     title: &str,
     desc: &str,
@@ -52,6 +54,7 @@ pub fn residual(
         if !whole {
             return Half {
                 curve,
+                extension,
                 x: &logarithmic,
                 y: &y,
             }
@@ -63,12 +66,14 @@ pub fn residual(
         let all: Vec<usize> = (0..n).collect();
         Half {
             curve,
+            extension,
             x: &logarithmic,
             y: &y,
         }
         .draw(&left, &since)?;
         Half {
             curve,
+            extension,
             x: &linear,
             y: &y,
         }
@@ -88,6 +93,7 @@ fn vertical(curve: &ResidualCurve) -> Axis {
 
 struct Half<'a> {
     curve: &'a ResidualCurve,
+    extension: &'a str,
     x: &'a Axis,
     y: &'a Axis,
 }
@@ -114,7 +120,7 @@ impl Half<'_> {
             return Ok(());
         }
         let after = thin::dots(&self.points(&self.curve.after_sigma, shown), pixels(&chart));
-        series(&mut chart, "Extended model", |chart| {
+        series(&mut chart, self.extension, |chart| {
             chart
                 .draw_series(LineSeries::new(after, Ink::Blue.color().stroke_width(16)))
                 .map(|_| ())
@@ -167,18 +173,18 @@ mod tests {
 
     #[test]
     fn a_figure_of_160_points_stays_small() {
-        let drawn = residual(&curve(160), true, "t", "d").unwrap().unwrap();
+        let drawn = residual(&curve(160), "after", true, "t", "d").unwrap().unwrap();
         assert!(drawn.len() < 16_000, "{} bytes", drawn.len());
-        let half = residual(&curve(160), false, "t", "d").unwrap().unwrap();
+        let half = residual(&curve(160), "after", false, "t", "d").unwrap().unwrap();
         assert!(half.len() < drawn.len());
     }
 
     #[test]
     fn too_little_and_uneven_are_said() {
-        assert_eq!(residual(&curve(1), true, "t", "d").unwrap(), None);
+        assert_eq!(residual(&curve(1), "after", true, "t", "d").unwrap(), None);
         let mut uneven = curve(20);
         uneven.before_sigma.pop();
-        assert!(residual(&uneven, true, "t", "d").is_err_and(|reason| reason.contains("19")));
+        assert!(residual(&uneven, "after", true, "t", "d").is_err_and(|reason| reason.contains("19")));
     }
 
     #[test]
@@ -186,6 +192,6 @@ mod tests {
         let mut curve = curve(20);
         curve.before_sigma[3] = f64::NAN;
         curve.after_sigma[4] = f64::INFINITY;
-        assert!(residual(&curve, true, "t", "d").unwrap().is_some());
+        assert!(residual(&curve, "after", true, "t", "d").unwrap().is_some());
     }
 }

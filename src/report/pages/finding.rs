@@ -6,11 +6,12 @@ use serde::Serialize;
 
 use super::Content;
 use super::finding_alone::{AloneRow, alone_rows};
+use super::finding_gain::{GainSection, extension, gain_section, in_legend};
 use super::finding_words::{equation, lead, shift_words, test_words, verdict_word};
 use super::wording::{EstimateText, RunLink, listed};
 use crate::analysis::ParameterInfo;
 use crate::domain::campaign::Adopted;
-use crate::domain::{Candidate, EffectFinding, Gain, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
+use crate::domain::{Candidate, EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
 use crate::report::error::ReportError;
 use crate::report::figures::gain_bars::gain_bars;
 use crate::report::figures::profile::profile;
@@ -41,7 +42,9 @@ struct FindingPage {
     shift_words: Vec<String>,
     /// The model adopted for the group, or how to adopt the one that was found.
     adoption: Option<String>,
-    gain: Option<GainBlock>,
+    gain: Option<GainSection>,
+    /// What the line of a figure is called: `extended model`, or what was tried.
+    extension: &'static str,
     profiles: Vec<ResidualBlock>,
     held_out: Vec<ResidualBlock>,
     /// Names of the leading causes, and rows of how alike each two are.
@@ -104,14 +107,6 @@ struct ShiftRow {
     unit: String,
     before: String,
     after: String,
-}
-
-#[derive(Debug, Serialize)]
-struct GainBlock {
-    sentence: String,
-    parts: Vec<(String, String)>,
-    total: String,
-    rows: Vec<(String, String, String)>,
 }
 
 #[derive(Debug, Serialize)]
@@ -190,11 +185,8 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
             .collect(),
         shifts: shifts.map(shift_row).collect(),
         adoption: adoption(site, found),
-        gain: found
-            .gain
-            .as_ref()
-            .filter(|_| found.verdict != Verdict::DataProblem)
-            .map(gain_block),
+        gain: gain_section(found),
+        extension: extension(found),
         profiles,
         held_out,
         confusable: confusable(found),
@@ -316,80 +308,6 @@ fn shift_row(shift: &ParameterShift) -> ShiftRow {
     }
 }
 
-fn gain_block(gain: &Gain) -> GainBlock {
-    let percent = |part: Option<f64>| part.map(|part| format!("{} %", significant(100.0 * part, 2)));
-    let nrmse = [
-        (
-            "Error of predicted current, in % of its range",
-            percent(gain.nrmse_current_before),
-            percent(gain.nrmse_current_after),
-        ),
-        (
-            "Error of predicted curvature, in % of its range",
-            percent(gain.nrmse_curvature_before),
-            percent(gain.nrmse_curvature_after),
-        ),
-    ];
-    let mut rows: Vec<(String, String, String)> = nrmse
-        .into_iter()
-        .filter_map(|(name, before, after)| Some((name.to_owned(), before?, after?)))
-        .collect();
-    rows.extend(gain.predictions.iter().map(|of| {
-        let percent = |value: f64| format!("{} %", significant(value, 2));
-        (
-            format!("Error of predicted {}", in_words(&of.quantity)),
-            percent(of.before_percent),
-            percent(of.after_percent),
-        )
-    }));
-    if let (Some(before), Some(after)) = (gain.coverage_before, gain.coverage_after) {
-        let share = |value: f64| format!("{:.0} %", 100.0 * value);
-        rows.push((
-            "Held-out readings within their 95 % interval".to_owned(),
-            share(before),
-            share(after),
-        ));
-    }
-    rows.push((
-        "Residuals of the fit to all readings, in σ of the noise".to_owned(),
-        significant(gain.residual_rms_sigma_before, 3),
-        significant(gain.residual_rms_sigma_after, 3),
-    ));
-    let what = match gain.held_out.as_str() {
-        "run" => "runs that took no part in the fit",
-        "time" => "later times from earlier ones",
-        other => other,
-    };
-    let (better, all) = gain.better_parts();
-    let which = match (better == all, gain.deviance > 0.0) {
-        (true, _) => "all better than the base model does".to_owned(),
-        (false, true) => format!("{better} of {all} better than the base model does, and better in the sum"),
-        (false, false) => format!("{better} of {all} better than the base model does, and worse in the sum"),
-    };
-    GainBlock {
-        sentence: format!("Asked to predict {what}, the extended model predicts {which}."),
-        parts: gain
-            .parts
-            .iter()
-            .map(|(name, fall)| (name.clone(), significant(*fall, 3)))
-            .collect(),
-        total: measured(gain.deviance, gain.standard_error),
-        rows,
-    }
-}
-
-/// A predicted quantity in words.
-fn in_words(quantity: &str) -> &str {
-    match quantity {
-        "peak_curvature" => "largest curvature",
-        "time_of_peak_curvature" => "time of the largest curvature",
-        "end_curvature" => "curvature at the end",
-        "charge" => "charge passed",
-        "end_current" => "current at the end",
-        other => other,
-    }
-}
-
 fn bars(
     found: &GroupDiagnosis,
     figures: &mut BTreeMap<String, String>,
@@ -454,10 +372,15 @@ fn residuals(
         let id = format!("residual-{}", place + 1);
         let heading = format!("{}: {}", curve.run, curve.channel);
         let title = format!("Residual of the {} of {}", curve.channel, curve.run);
-        let desc = "Dots: measured minus base model; line: measured minus extended model; band: two standard deviations of single readings.";
-        let drawn = residual(curve, wrong, &title, desc).map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
+        let desc = format!(
+            "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
+            extension(found)
+        );
+        let drawn = residual(curve, in_legend(found), wrong, &title, &desc).map_err(|reason| {
+            ReportError::Figure {
+                figure: id.clone(),
+                reason,
+            }
         })?;
         if let Some(svg) = drawn {
             figures.insert(id.clone(), svg);
@@ -484,10 +407,15 @@ fn held_out(
     for (place, curve) in curves.into_iter().take(HELD_OUT_DRAWN).enumerate() {
         let id = format!("held-out-{}", place + 1);
         let title = format!("Held-out residual of the {} of {}", curve.channel, curve.run);
-        let desc = "Measured minus what models predict that were fitted without these readings. Dots: base model; line: extended model.";
-        let drawn = residual(curve, false, &title, desc).map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
+        let desc = format!(
+            "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
+            extension(found)
+        );
+        let drawn = residual(curve, in_legend(found), false, &title, &desc).map_err(|reason| {
+            ReportError::Figure {
+                figure: id.clone(),
+                reason,
+            }
         })?;
         if let Some(svg) = drawn {
             figures.insert(id.clone(), svg);

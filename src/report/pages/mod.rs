@@ -9,6 +9,7 @@ pub mod coverage;
 pub mod dma;
 pub mod finding;
 mod finding_alone;
+mod finding_gain;
 pub mod finding_words;
 pub mod findings;
 pub mod humidity;

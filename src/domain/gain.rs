@@ -1,0 +1,93 @@
+//! How much better an extended model predicts what took no part in its fit.
+
+use serde::{Deserialize, Serialize};
+
+use super::number_or_null;
+
+/// How much better the extended model predicts what it has not seen, and what both models leave of what they have.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Gain {
+    /// What was held out: `run` (every drive in turn, with its repeats) or `time` (stretches of a single run).
+    pub held_out: String,
+    /// The gain on that: the proof that an extension needs.
+    #[serde(flatten)]
+    pub proof: HeldOutGain,
+    /// Fall of the deviance of the held-out readings by a smooth answer to the voltage that has no name: a name is
+    /// given only where its fall is not far behind.
+    #[serde(default, deserialize_with = "number_or_null::one")]
+    pub nameless_deviance: f64,
+    /// What a user predicts of held-out runs, and how far off it is.
+    #[serde(default)]
+    pub predictions: Vec<Prediction>,
+    /// Root mean square of the whitened residuals of the fit to all readings, by the base model.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub residual_rms_sigma_before: f64,
+    /// The same by the extended model.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub residual_rms_sigma_after: f64,
+    /// The gain on the last 40 % of every run, predicted from the first 60 % of all; none for a single run, whose times
+    /// are held out already.
+    #[serde(default)]
+    pub later: Option<HeldOutGain>,
+}
+
+impl Gain {
+    /// What was held out of so many runs, in a word for several.
+    pub fn parts_word(&self, runs: usize) -> &'static str {
+        match self.held_out.as_str() {
+            "time" => "stretches of time",
+            _ if self.proof.parts.len() < runs => "drives",
+            _ => "runs",
+        }
+    }
+}
+
+/// How much better held-out parts are predicted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HeldOutGain {
+    /// Fall of the deviance of the held-out readings: how far they lie from what was predicted of them, in units of the
+    /// noise and with what the prediction itself does not know.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub deviance: f64,
+    /// Its standard error over the held-out parts.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub standard_error: f64,
+    /// Fall for every held-out part, by name.
+    #[serde(deserialize_with = "number_or_null::named")]
+    pub parts: Vec<(String, f64)>,
+    /// Root mean square deviation of the held-out current over its range, by the base model.
+    pub nrmse_current_before: Option<f64>,
+    /// The same by the extended model.
+    pub nrmse_current_after: Option<f64>,
+    /// Of the held-out curvature, by the base model.
+    pub nrmse_curvature_before: Option<f64>,
+    /// The same by the extended model.
+    pub nrmse_curvature_after: Option<f64>,
+    /// Share of the held-out readings within the 95 % interval of the noise about the base model's prediction.
+    #[serde(default)]
+    pub coverage_before: Option<f64>,
+    /// The same about the extended model's.
+    #[serde(default)]
+    pub coverage_after: Option<f64>,
+}
+
+impl HeldOutGain {
+    /// Held-out parts that the extended model predicts better, and all of them.
+    pub fn better_parts(&self) -> (usize, usize) {
+        let better = self.parts.iter().filter(|(_, fall)| *fall > 0.0).count();
+        (better, self.parts.len())
+    }
+}
+
+/// How far off a model predicts a number of held-out runs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// `peak_curvature`, `time_of_peak_curvature`, `end_curvature`, `charge` or `end_current`.
+    pub quantity: String,
+    /// Root mean square over the runs of its deviation from what was measured, percent, by the base model.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub before_percent: f64,
+    /// The same by the extended model.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub after_percent: f64,
+}
