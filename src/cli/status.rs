@@ -83,7 +83,7 @@ fn print(status: &Status, output: &Output) {
     section(output, "file", waiting, &status.pending);
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
-    section(output, "run", "that could not be fitted", &status.not_fitted);
+    section(output, "run", "without a fit", &status.not_fitted);
     let logs = &status.modulus_logs_not_analysed;
     section(output, "modulus log", "not analysed", logs);
     if status.aliases > 0 {

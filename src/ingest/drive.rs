@@ -8,8 +8,12 @@ const LEAST_STEP_V: f64 = 2e-3;
 const LEAST_STEP_SHARE: f64 = 0.02;
 /// A step must also exceed this many times the reading noise.
 const LEAST_STEP_NOISE: f64 = 8.0;
-/// More steps than this share of the readings is a sweep, not a piecewise-constant drive.
+/// More steps than this share of the readings is a sweep, not a piecewise-constant drive: between few levels ...
+const MOST_PULSES_SHARE: f64 = 0.34;
+/// ... as a pulse train has them, or between many.
 const MOST_STEPS_SHARE: f64 = 0.05;
+/// Levels that are few: pulses go between two or three, a sweep passes all it can.
+const FEW_LEVELS: usize = 10;
 
 /// What is known of a run's drive.
 #[derive(Debug, Clone, PartialEq)]
@@ -182,7 +186,9 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
         return Ok(Vec::new());
     };
     let threshold = step_threshold(values, closed);
-    let most = ((closed.len() as f64 * MOST_STEPS_SHARE) as usize).max(20);
+    let share = |part: f64| ((closed.len() as f64 * part) as usize).max(20);
+    // Two more where each edge is caught on its way.
+    let most_seen = 3 * share(MOST_PULSES_SHARE);
     let mut stretches: Vec<Stretch> = Vec::new();
     let (mut begin, mut last_before_s, mut sloping) = (0, time_s[start], 0);
     for position in 1..=closed.len() {
@@ -203,7 +209,7 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
             start_s: time_s[closed[begin]],
             level_v: median(readings),
         });
-        if stretches.len() > most {
+        if stretches.len() > most_seen {
             return Err(not_constant(stretches.len(), closed.len()));
         }
         if position < closed.len() {
@@ -211,16 +217,35 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
             begin = position;
         }
     }
-    if stretches.len() > 2 && 2 * sloping > stretches.len() {
-        return Err(not_constant(stretches.len(), closed.len()));
+    let seen = stretches.len();
+    if seen > 2 && 2 * sloping > seen {
+        return Err(not_constant(seen, closed.len()));
     }
-    Ok(without_edges(stretches, threshold))
+    let held = without_edges(stretches, threshold);
+    let most = match distinct_levels(&held, threshold) <= FEW_LEVELS {
+        true => share(MOST_PULSES_SHARE),
+        false => share(MOST_STEPS_SHARE),
+    };
+    match held.len() > most {
+        true => Err(not_constant(held.len(), closed.len())),
+        false => Ok(held),
+    }
+}
+
+/// Number of levels that differ from each other by a step.
+fn distinct_levels(stretches: &[Stretch], threshold: f64) -> usize {
+    let mut levels: Vec<f64> = stretches.iter().map(|stretch| stretch.level_v).collect();
+    levels.sort_by(f64::total_cmp);
+    let steps = levels.windows(2).filter(|pair| pair[1] - pair[0] > threshold);
+    1 + steps.count()
 }
 
 fn not_constant(changes: usize, readings: usize) -> Issue {
     let message =
         format!("the voltage changes {changes} times or more in {readings} readings: a sweep, not steps");
-    Issue::warning("not-piecewise-constant", message).at("column voltage_v")
+    Issue::warning("not-piecewise-constant", message)
+        .at("column voltage_v")
+        .mend("hold each voltage for three readings or more if these are pulses; a sweep is kept and not fitted")
 }
 
 /// A reading caught while the source was still rising is no level of its own: a stretch of one reading
@@ -401,6 +426,38 @@ mod tests {
         let before: Vec<(f64, f64)> = (-5..5).map(|k| (k as f64, 1.0)).collect();
         let none = find(&[voltage(&before)], true, None, &[]);
         assert!(none.drive.is_none() && none.issues[0].code == "no-step");
+    }
+
+    #[test]
+    fn fast_pulses_between_few_levels_are_a_drive() {
+        // 10 s at 2 V and 10 s at none, one reading a second; and three readings a level with the edges caught on the way.
+        let slow: Vec<(f64, f64)> = (0..600)
+            .map(|k| (f64::from(k), if (k / 10) % 2 == 0 { 2.0 } else { 0.0 }))
+            .collect();
+        assert_eq!(segments(&find(&[voltage(&slow)], false, None, &[])).len(), 59);
+        let caught = |k: i32| [0.0, 0.0, 0.0, 0.9, 2.0, 2.0, 2.0, 1.1][(k % 8) as usize];
+        let fast: Vec<(f64, f64)> = (0..400).map(|k| (f64::from(k), caught(k))).collect();
+        let found = find(&[voltage(&fast)], false, None, &[]);
+        let levels: Vec<f64> = segments(&found).iter().map(|s| s.1).collect();
+        assert!(levels.len() >= 99, "{levels:?}");
+        assert!(
+            levels[..98].chunks(2).all(|pair| pair == [2.0, 0.0]),
+            "{levels:?}"
+        );
+    }
+
+    #[test]
+    fn what_never_holds_a_voltage_is_no_drive() {
+        let is_none = |v: &dyn Fn(f64) -> f64| {
+            let readings: Vec<(f64, f64)> = (0..600).map(|k| (f64::from(k), v(f64::from(k)))).collect();
+            find(&[voltage(&readings)], false, None, &[]).drive.is_none()
+        };
+        assert!(is_none(&|t| (t / 7.0).sin()), "a sine");
+        assert!(is_none(&|t| 2.0 * (t % 50.0 / 50.0 - 0.5).abs()), "a triangle");
+        assert!(
+            is_none(&|t| 0.05 * (t / 10.0).floor()),
+            "a staircase of sixty steps"
+        );
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub struct Status {
     pub modulus_logs_not_analysed: Vec<Reasoned>,
     /// Runs that wait for tags, with what is missing.
     pub untagged: Vec<Reasoned>,
-    /// Runs that are tagged but could not be fitted, with the reason.
+    /// Runs that are tagged and have no fit: those that could not be fitted, with the reason, and those that wait.
     pub not_fitted: Vec<Reasoned>,
     /// Files that were refused.
     pub refused: Vec<Reasoned>,
@@ -149,7 +149,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         modulus_logs_by_state,
         modulus_logs_not_analysed,
         untagged: reasoned(&runs, |run| run.state == RunState::Untagged),
-        not_fitted: reasoned(&runs, |run| run.state != RunState::Untagged && run.fit.is_none()),
+        not_fitted: without_fit(&runs),
         refused: file_list(FileState::Refused),
         pending: file_list(FileState::Pending),
         aliases: file_list(FileState::Alias).len(),
@@ -207,6 +207,26 @@ fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reas
             issues: run.issues.clone(),
         })
         .collect()
+}
+
+/// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.
+fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let mut found = reasoned(runs, |run| run.state != RunState::Untagged && run.fit.is_none());
+    let is_ready = |path: &str| {
+        let of_path = runs.iter().find(|run| run.path == path);
+        of_path.is_some_and(|run| run.state == RunState::Ready)
+    };
+    for run in &mut found {
+        let has_failed = run
+            .issues
+            .iter()
+            .any(|issue| ["not-fitted", "fit-fault"].contains(&issue.code.as_ref()));
+        if is_ready(&run.path) && !has_failed {
+            let waits = Issue::note("not-fitted-yet", "it waits for its fit");
+            run.issues.push(waits.mend("`ieap fit` or `ieap run` makes it"));
+        }
+    }
+    found
 }
 
 fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {

@@ -377,6 +377,14 @@ fn status_says_which_findings_wait() {
     assert_eq!(lists("findings_out_of_date"), ["sample=S1,environment=air"]);
     folder.ieap(&["diagnose", "--draws", "99"]).expect(0);
     assert_eq!(lists("findings_out_of_date").len(), 0);
+    // A diagnosis needs no fit of the run by itself: it waits for it, and nothing is wrong with it.
+    let waiting = lists("not_fitted");
+    assert_eq!(waiting.len(), 1);
+    assert_eq!(waiting[0]["path"], "runs/b.csv");
+    let issues = waiting[0]["issues"].as_array().unwrap();
+    assert_eq!(issues.last().unwrap()["code"], "not-fitted-yet", "{issues:?}");
+    folder.ieap(&["fit"]).expect(0);
+    assert_eq!(lists("not_fitted").len(), 0);
 }
 
 #[test]
