@@ -7,7 +7,7 @@ use super::CampaignArg;
 use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
 use crate::domain::Issue;
-use crate::pipeline::status::{Reasoned, Status, status};
+use crate::pipeline::status::{Reasoned, Status, WAITS, status};
 
 /// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
 #[derive(Debug, Args)]
@@ -83,7 +83,18 @@ fn print(status: &Status, output: &Output) {
     section(output, "file", waiting, &status.pending);
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
-    section(output, "run", "without a fit", &status.not_fitted);
+    let waits = |run: &&Reasoned| run.issues.iter().any(|issue| issue.code == WAITS);
+    let failed = status.not_fitted.iter().filter(|run| !waits(run)).cloned();
+    section(
+        output,
+        "run",
+        "that could not be fitted",
+        &failed.collect::<Vec<_>>(),
+    );
+    let waiting = status.not_fitted.iter().filter(waits);
+    let waiting: Vec<String> = waiting.map(|run| run.path.clone()).collect();
+    let title = "waiting for a fit (`ieap fit` or `ieap run` makes it)";
+    list(output, "run", title, &waiting);
     let logs = &status.modulus_logs_not_analysed;
     section(output, "modulus log", "not analysed", logs);
     if status.aliases > 0 {

@@ -1,11 +1,14 @@
 //! What a user predicts: peak, time of the peak, plateau, charge, end current; measured and by a model.
 
 use super::group::GroupRun;
+use crate::fit::WhitenedChannel;
 
 /// Readings that are averaged where a single one would be noise.
 const TOGETHER: usize = 5;
 /// Part of the record that counts as its end.
 const END: f64 = 0.05;
+/// A value that is not so many of its standard errors is next to nothing: what a prediction is off by is no part of it.
+const KNOWN: f64 = 5.0;
 
 /// Names of the quantities, in the order of [`Predicted::relative_errors`].
 pub(super) const NAMES: [&str; 5] = [
@@ -27,27 +30,47 @@ pub(super) struct Predicted {
 pub(super) fn predicted(run: &GroupRun, fitted: [&[f64]; 2]) -> Predicted {
     let measured: [Option<&[f64]>; 2] =
         std::array::from_fn(|k| run.channels[k].as_ref().map(|channel| &**channel.values()));
-    let of_curvature = |of: fn(&[f64], &[f64]) -> Option<f64>| {
-        error(of(run.times(1), measured[1]?), of(run.times(1), fitted[1]))
+    let of = |k: usize, of: fn(&[f64], &[f64]) -> Option<f64>, least: f64| {
+        error(
+            of(run.times(k), measured[k]?)?,
+            of(run.times(k), fitted[k])?,
+            least,
+        )
     };
-    let of_current = |of: fn(&[f64], &[f64]) -> Option<f64>| {
-        error(of(run.times(0), measured[0]?), of(run.times(0), fitted[0]))
+    let least = |k: usize, count: fn(usize) -> usize| {
+        let channel = run.channels[k].as_ref();
+        channel.map_or(0.0, |channel| {
+            KNOWN * standard_error(channel, count(channel.len()))
+        })
     };
+    let peak_value = |t: &[f64], v: &[f64]| peak(t, v).map(|(_, value)| value);
     Predicted {
         relative_errors: [
-            of_curvature(|t, v| peak(t, v).map(|(_, value)| value)),
-            of_curvature(|t, v| peak(t, v).map(|(time_s, _)| time_s)),
-            of_curvature(|_, v| end(v)),
-            of_current(charge),
-            of_current(|_, v| end(v)),
+            of(1, peak_value, least(1, |_| TOGETHER)),
+            of(1, |t, v| peak(t, v).map(|(time_s, _)| time_s), 0.0),
+            of(1, |_, v| end(v), least(1, at_end)),
+            of(0, charge, 0.0),
+            of(0, |_, v| end(v), least(0, at_end)),
         ],
     }
 }
 
-fn error(measured: Option<f64>, fitted: Option<f64>) -> Option<f64> {
-    let (measured, fitted) = (measured?, fitted?);
+/// Deviation over what was measured; none where that is below `least`.
+fn error(measured: f64, fitted: f64, least: f64) -> Option<f64> {
     let relative = (fitted - measured).abs() / measured.abs();
-    relative.is_finite().then_some(relative)
+    (measured.abs() >= least && relative.is_finite()).then_some(relative)
+}
+
+/// Standard error of a mean of so many neighbouring readings.
+fn standard_error(channel: &WhitenedChannel, count: usize) -> f64 {
+    let single = channel.standard_deviation().iter().sum::<f64>() / channel.len().max(1) as f64;
+    let independent = count as f64 / channel.readings_per_independent();
+    single / independent.max(1.0).sqrt()
+}
+
+/// Readings that make up the end of so many.
+fn at_end(readings: usize) -> usize {
+    ((readings as f64 * END) as usize).max(TOGETHER)
 }
 
 /// Time and value of the largest mean of neighbouring readings, by size.
@@ -61,7 +84,7 @@ fn peak(time_s: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 
 /// Mean of the last readings.
 fn end(values: &[f64]) -> Option<f64> {
-    let count = ((values.len() as f64 * END) as usize).max(TOGETHER);
+    let count = at_end(values.len());
     let last = values.get(values.len().checked_sub(count)?..)?;
     Some(last.iter().sum::<f64>() / count as f64)
 }
@@ -100,6 +123,13 @@ mod tests {
         assert_eq!(charge(&time_s, &vec![2.0; 101]), Some(200.0));
         assert_eq!(end(&time_s), Some(98.0));
         assert_eq!(end(&[1.0, 2.0]), None);
+    }
+
+    #[test]
+    fn what_is_next_to_nothing_has_no_relative_error() {
+        assert_eq!(error(0.02, 0.05, 0.03), None);
+        assert_eq!(error(0.0, 0.05, 0.0), None);
+        assert!((error(-0.04, -0.05, 0.03).unwrap() - 0.25).abs() < 1e-12);
     }
 
     #[test]

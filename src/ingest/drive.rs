@@ -2,6 +2,9 @@
 
 use crate::domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 
+/// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
+pub const VERSION: u32 = 2;
+
 /// Changes of the voltage below this are never a step, V: potentiostats hold a potential to about 1 mV.
 const LEAST_STEP_V: f64 = 2e-3;
 /// A step must also exceed this share of the voltage's range.

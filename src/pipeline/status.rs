@@ -73,6 +73,9 @@ pub struct ClimateStatus {
     pub runs_not_covered: Vec<String>,
 }
 
+/// Code of what is said of a run that only waits for its fit.
+pub const WAITS: &str = "not-fitted-yet";
+
 /// A file or run with the reasons for its state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reasoned {
@@ -222,7 +225,7 @@ fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
             .iter()
             .any(|issue| ["not-fitted", "fit-fault"].contains(&issue.code.as_ref()));
         if is_ready(&run.path) && !has_failed {
-            let waits = Issue::note("not-fitted-yet", "it waits for its fit");
+            let waits = Issue::note(WAITS, "it waits for its fit");
             run.issues.push(waits.mend("`ieap fit` or `ieap run` makes it"));
         }
     }

@@ -177,6 +177,7 @@ pub fn digest(
 ) -> Result<String, PipelineError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(context.campaign_digest.as_bytes());
+    hasher.update(&drive::VERSION.to_le_bytes());
     hasher.update(tags::tag_sources_digest(&context.folder, files).as_bytes());
     hasher.update(shelf.digest(window).as_bytes());
     for tag in planned_tags(context, run_path, files) {
