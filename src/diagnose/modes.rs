@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::fitted::Fitted;
 use super::group::Group;
 use super::problem::Problem;
+use super::profile::SETTLE;
 use crate::model::effects::Scale;
 use crate::model::extended::ExtendedModel;
 
@@ -19,7 +20,6 @@ pub(super) struct Mode {
 
 /// Evaluations of the search from each probe.
 const SEARCH: u64 = 20;
-const SETTLE: f64 = 0.02;
 /// Rise beyond which no interval reaches.
 const BEYOND: f64 = 10.0;
 /// Strengths that each search may start from, in parts of the probe's.

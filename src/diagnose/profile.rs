@@ -17,7 +17,8 @@ use super::signature::scale;
 const AT: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 /// Evaluations of each search, from the place that the covariance expects.
 const SHORT: u64 = 6;
-const SETTLE: f64 = 0.02;
+/// A search has settled where a step lowers the sum of squares by less.
+pub(super) const SETTLE: f64 = 0.02;
 /// Where three standard errors do not reach it, steps that each go so many times farther, and how many of them.
 const FARTHER: f64 = 1.6;
 const FURTHER: i32 = 9;

@@ -106,18 +106,30 @@ impl WhitenedChannel {
         per_signal: f64,
         like: Option<&WhitenedChannel>,
     ) -> WhitenedChannel {
-        let left = self.left(fitted);
+        self.with_noise_of(fitted, per_signal, |left, scale, least| match like {
+            Some(like) => Noise::of_rest_with(left, scale, least, &like.response.noise.memory),
+            None => Noise::of_rest(left, scale, least),
+        })
+    }
+
+    /// The same readings with the noise that `of` finds in what `fitted` leaves, for a scale and a least standard
+    /// deviation.
+    fn with_noise_of(
+        &self,
+        fitted: &[f64],
+        per_signal: f64,
+        of: impl FnOnce(&Sampled, &[f64], f64) -> Noise,
+    ) -> WhitenedChannel {
         let least = self.response.noise.quantum / 12.0_f64.sqrt();
-        let least = least.max(f64::MIN_POSITIVE);
-        let scale = growing(fitted, per_signal);
-        let noise = match like {
-            Some(like) => Noise::of_rest_with(&left, &scale, least, &like.response.noise.memory),
-            None => Noise::of_rest(&left, &scale, least),
-        };
+        let found = of(
+            &self.left(fitted),
+            &growing(fitted, per_signal),
+            least.max(f64::MIN_POSITIVE),
+        );
         let noise = Noise {
             quantum: self.response.noise.quantum,
-            proportional: noise.floor * per_signal,
-            ..noise
+            proportional: found.floor * per_signal,
+            ..found
         };
         WhitenedChannel::of(Response::with_noise(self.response.sampled.clone(), noise))
     }
@@ -150,19 +162,11 @@ impl WhitenedChannel {
         correlation: f64,
         among: usize,
     ) -> WhitenedChannel {
-        let left = self.left(fitted);
-        let least = self.response.noise.quantum / 12.0_f64.sqrt();
-        let least = least.max(f64::MIN_POSITIVE);
-        let scale = growing(fitted, per_signal);
-        let noise = Noise::of_rest_shared(&left, &scale, least, correlation, among);
-        let noise = Noise {
-            quantum: self.response.noise.quantum,
-            proportional: noise.floor * per_signal,
-            ..noise
-        };
         WhitenedChannel {
             is_shared: true,
-            ..WhitenedChannel::of(Response::with_noise(self.response.sampled.clone(), noise))
+            ..self.with_noise_of(fitted, per_signal, |left, scale, least| {
+                Noise::of_rest_shared(left, scale, least, correlation, among)
+            })
         }
     }
 
