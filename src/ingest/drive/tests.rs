@@ -1,0 +1,158 @@
+//! Drives found in channels of voltage that are held, stepped, pulsed and swept.
+
+use std::sync::Arc;
+
+use super::*;
+
+fn voltage(readings: &[(f64, f64)]) -> Channel {
+    let time_s: Arc<[f64]> = readings.iter().map(|r| r.0).collect();
+    Channel::new(Quantity::Voltage, time_s, readings.iter().map(|r| r.1).collect())
+}
+
+fn segments(found: &FoundDrive) -> Vec<(f64, f64)> {
+    let level = |s: &Segment| match s.level {
+        Level::Voltage(v) => v,
+        Level::OpenCircuit => f64::NAN,
+    };
+    found
+        .drive
+        .as_ref()
+        .unwrap()
+        .segments
+        .iter()
+        .map(|s| (s.start_s, level(s)))
+        .collect()
+}
+
+#[test]
+fn a_step_at_time_zero_between_two_readings() {
+    let found = find(
+        &[voltage(&[(-2.0, 0.0), (-1.0, 0.0), (0.5, 2.5), (1.5, 2.5)])],
+        true,
+        None,
+        &[],
+    );
+    assert_eq!(found.drive.as_ref().unwrap().baseline_v, 0.0);
+    assert_eq!(segments(&found), vec![(0.0, 2.5)]);
+    assert!(found.issues.is_empty());
+}
+
+#[test]
+fn a_noisy_pulse_train_with_a_reading_on_an_edge() {
+    let mut readings = Vec::new();
+    for k in 0..400 {
+        let level = if (k / 100) % 2 == 0 { 0.0 } else { 1.2 };
+        let noise = 1e-4 * ((k * 7919 % 13) as f64 - 6.0);
+        readings.push((k as f64, if k == 100 { 0.4 } else { level + noise }));
+    }
+    let found = find(&[voltage(&readings)], false, None, &[]);
+    let starts: Vec<f64> = segments(&found).iter().map(|s| s.0).collect();
+    assert_eq!(starts, vec![100.0, 200.0, 300.0]);
+    assert!((segments(&found)[0].1 - 1.2).abs() < 1e-3);
+}
+
+#[test]
+fn a_discharge_starts_from_its_baseline() {
+    let found = find(
+        &[voltage(&[(-1.0, 5.0), (-0.5, 5.0), (0.1, 0.0), (1.0, 0.0)])],
+        true,
+        None,
+        &[],
+    );
+    assert_eq!(found.drive.as_ref().unwrap().baseline_v, 5.0);
+    assert_eq!(segments(&found), vec![(0.0, 0.0)]);
+}
+
+#[test]
+fn one_voltage_throughout_is_a_step_from_the_discharged_state() {
+    let constant: Vec<(f64, f64)> = (0..106)
+        .map(|k| (k as f64, -0.0997559 + 1e-6 * (k % 3) as f64))
+        .collect();
+    let found = find(&[voltage(&constant)], false, None, &[]);
+    assert_eq!(segments(&found).len(), 1);
+    assert_eq!(segments(&found)[0].0, 0.0);
+    assert_eq!(found.issues[0].code, "start-state-assumed");
+    let before: Vec<(f64, f64)> = (-5..5).map(|k| (k as f64, 1.0)).collect();
+    let none = find(&[voltage(&before)], true, None, &[]);
+    assert!(none.drive.is_none() && none.issues[0].code == "no-step");
+}
+
+#[test]
+fn fast_pulses_between_few_levels_are_a_drive() {
+    // 10 s at 2 V and 10 s at none, one reading a second; and three readings a level with the edges caught on the way.
+    let slow: Vec<(f64, f64)> = (0..600)
+        .map(|k| (f64::from(k), if (k / 10) % 2 == 0 { 2.0 } else { 0.0 }))
+        .collect();
+    assert_eq!(segments(&find(&[voltage(&slow)], false, None, &[])).len(), 59);
+    let caught = |k: i32| [0.0, 0.0, 0.0, 0.9, 2.0, 2.0, 2.0, 1.1][(k % 8) as usize];
+    let fast: Vec<(f64, f64)> = (0..400).map(|k| (f64::from(k), caught(k))).collect();
+    let found = find(&[voltage(&fast)], false, None, &[]);
+    let levels: Vec<f64> = segments(&found).iter().map(|s| s.1).collect();
+    assert!(levels.len() >= 99, "{levels:?}");
+    assert!(
+        levels[..98].chunks(2).all(|pair| pair == [2.0, 0.0]),
+        "{levels:?}"
+    );
+}
+
+#[test]
+fn what_never_holds_a_voltage_is_no_drive() {
+    let is_none = |v: &dyn Fn(f64) -> f64| {
+        let readings: Vec<(f64, f64)> = (0..600).map(|k| (f64::from(k), v(f64::from(k)))).collect();
+        find(&[voltage(&readings)], false, None, &[]).drive.is_none()
+    };
+    assert!(is_none(&|t| (t / 7.0).sin()), "a sine");
+    assert!(is_none(&|t| 2.0 * (t % 50.0 / 50.0 - 0.5).abs()), "a triangle");
+    assert!(
+        is_none(&|t| 0.05 * (t / 10.0).floor()),
+        "a staircase of sixty steps"
+    );
+}
+
+#[test]
+fn a_sweep_is_no_drive() {
+    let sweep: Vec<(f64, f64)> = (0..1000).map(|k| (k as f64, 0.01 * k as f64)).collect();
+    let found = find(&[voltage(&sweep)], false, None, &[]);
+    assert!(found.drive.is_none());
+    assert_eq!(found.issues[0].code, "not-piecewise-constant");
+}
+
+#[test]
+fn the_tag_serves_where_no_voltage_was_recorded_and_open_circuit_interrupts() {
+    let found = find(&[], true, Some(2.0), &[(100.0, 200.0)]);
+    let drive = found.drive.unwrap();
+    assert_eq!(drive.segments.len(), 3);
+    assert_eq!(
+        drive.segments[1],
+        Segment {
+            start_s: 100.0,
+            level: Level::OpenCircuit
+        }
+    );
+    assert_eq!(
+        drive.segments[2],
+        Segment {
+            start_s: 200.0,
+            level: Level::Voltage(2.0)
+        }
+    );
+    assert!(find(&[], true, None, &[]).drive.is_none());
+}
+
+#[test]
+fn an_open_circuit_column_hides_the_floating_voltage() {
+    let readings: Vec<(f64, f64)> = (0..60)
+        .map(|k| (k as f64, if k < 30 { 1.5 } else { 1.5 - 0.01 * k as f64 }))
+        .collect();
+    let open = Channel::new(
+        Quantity::OpenCircuit,
+        readings.iter().map(|r| r.0).collect(),
+        readings
+            .iter()
+            .map(|r| if r.0 < 30.0 { 0.0 } else { 1.0 })
+            .collect(),
+    );
+    let drive = find(&[voltage(&readings), open], true, None, &[]).drive.unwrap();
+    assert_eq!(drive.segments.len(), 2);
+    assert_eq!(drive.segments[1].level, Level::OpenCircuit);
+}
