@@ -136,7 +136,7 @@ fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcom
         _ => fit_whole(task, channels, options),
     });
     fitted.unwrap_or_else(|_| {
-        Err(Issue::error("fit-fault", "the fit stopped on an internal fault")
+        Err(Issue::error(FAULT, "the fit stopped on an internal fault")
             .mend("report it with the run's file; the other runs are not affected"))
     })
 }
@@ -155,8 +155,17 @@ fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outc
     Ok(fit)
 }
 
+/// Codes of what is said of a run whose fit failed: by its readings, and by a fault of the program.
+const NOT_FITTED: &str = "not-fitted";
+const FAULT: &str = "fit-fault";
+
 pub(super) fn not_fitted(error: FitError) -> Issue {
-    Issue::warning("not-fitted", error.to_string())
+    Issue::warning(NOT_FITTED, error.to_string())
+}
+
+/// Whether that is said of a run whose fit was tried and failed.
+pub(super) fn is_of_failed_fit(issue: &Issue) -> bool {
+    [NOT_FITTED, FAULT].iter().any(|code| issue.code == *code)
 }
 
 /// Stores outcomes, each with the hash of what it depends on.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::context::CODE_VERSION;
+use super::fit::is_of_failed_fit;
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::planned::{Planned, planned};
 use super::{Context, PipelineError};
@@ -214,22 +215,19 @@ fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reas
 
 /// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.
 fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
-    let mut found = reasoned(runs, |run| run.state != RunState::Untagged && run.fit.is_none());
-    let is_ready = |path: &str| {
-        let of_path = runs.iter().find(|run| run.path == path);
-        of_path.is_some_and(|run| run.state == RunState::Ready)
-    };
-    for run in &mut found {
-        let has_failed = run
-            .issues
-            .iter()
-            .any(|issue| ["not-fitted", "fit-fault"].contains(&issue.code.as_ref()));
-        if is_ready(&run.path) && !has_failed {
+    let of = |run: &RunRecord| {
+        let mut issues = run.issues.clone();
+        if run.state == RunState::Ready && !issues.iter().any(is_of_failed_fit) {
             let waits = Issue::note(WAITS, "it waits for its fit");
-            run.issues.push(waits.mend("`ieap fit` or `ieap run` makes it"));
+            issues.push(waits.mend("`ieap fit` or `ieap run` makes it"));
         }
-    }
-    found
+        Reasoned {
+            path: run.path.clone(),
+            issues,
+        }
+    };
+    let wanted = |run: &&RunRecord| run.state != RunState::Untagged && run.fit.is_none();
+    runs.iter().filter(wanted).map(of).collect()
 }
 
 fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {

@@ -103,4 +103,11 @@ fn a_run_without_anything_along_the_strip_says_so() {
         document["not_fitted"][0]["issues"][1]["code"], "not-fitted",
         "{document:#}"
     );
+    // A run whose fit failed does not wait for one.
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    let issues = status["status"]["not_fitted"][0]["issues"].to_string();
+    assert!(
+        issues.contains("\"not-fitted\"") && !issues.contains("not-fitted-yet"),
+        "{issues}"
+    );
 }
