@@ -234,6 +234,8 @@ fn single(extent: &Extent) -> (String, String) {
 fn key(drives: Drives) -> &'static str {
     match drives {
         Drives::Step => "step",
+        Drives::Same => "same",
+        Drives::Voltages => "voltages",
         Drives::Discharge => "discharge",
         Drives::Repeated => "repeated",
         Drives::Five => "five",

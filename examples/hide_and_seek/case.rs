@@ -20,6 +20,10 @@ pub const LENGTH: f64 = 0.5;
 pub enum Drives {
     /// +2 V.
     Step,
+    /// +2 V three times.
+    Same,
+    /// +2 V, and +1 V.
+    Voltages,
     /// +2 V, and +2 V then 0 V.
     Discharge,
     /// +2 V, -2 V, and pulses of 20 s, each twice.
@@ -57,6 +61,8 @@ impl Default for Plan {
         Plan {
             drives: match std::env::var("DRIVES").as_deref() {
                 Ok("step") => Drives::Step,
+                Ok("same") => Drives::Same,
+                Ok("voltages") => Drives::Voltages,
                 Ok("discharge") => Drives::Discharge,
                 Ok("repeated") => Drives::Repeated,
                 _ => Drives::Five,
@@ -118,6 +124,8 @@ pub fn case(seed: u64, plan: Plan) -> Case {
     let discharge = vec![(0.0, 2.0), (300.0, 0.0)];
     let drives = match plan.drives {
         Drives::Step => vec![vec![(0.0, 2.0)]],
+        Drives::Same => vec![vec![(0.0, 2.0)]; 3],
+        Drives::Voltages => vec![vec![(0.0, 2.0)], vec![(0.0, 1.0)]],
         Drives::Discharge => vec![vec![(0.0, 2.0)], discharge],
         Drives::Repeated => {
             let each = vec![vec![(0.0, 2.0)], vec![(0.0, -2.0)], pulses];

@@ -103,14 +103,14 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                     let with = true_responses(&case, std::slice::from_ref(&applied))?;
                     let library = responses(&case, std::slice::from_ref(&applied));
                     let apart = apart(&case, &with, &library);
-                    Some((diagnose(&mut case, &with), applied, apart))
+                    Some((diagnose(&mut case, &with), applied, apart, case.base))
                 })
                 .collect();
             let mut row = [0usize; 8];
             let gain = |found: &GroupDiagnosis| found.gain.as_ref().map(|gain| gain.proof.deviance);
             let mut gains: Vec<f64> = found.iter().filter_map(|(found, ..)| gain(found)).collect();
-            let worst = found.iter().map(|(_, _, apart)| *apart).fold(0.0, f64::max);
-            for (found, applied, _) in &found {
+            let worst = found.iter().map(|(_, _, apart, _)| *apart).fold(0.0, f64::max);
+            for (found, applied, _, base) in &found {
                 row[0] += 1;
                 if found.effects.first().is_some_and(|first| first.effect == id) {
                     match found.effects.len() {
@@ -164,6 +164,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                             .as_ref()
                             .map(|g| (g.proof.deviance, g.proof.parts.clone()))
                     );
+                    println!("        beside {base:?}");
                     for c in found.candidates.iter().take(8) {
                         println!(
                             "        {:30} forecast {:8.1} fitted {:?} +{} left {:.3}",

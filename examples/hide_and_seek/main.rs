@@ -6,8 +6,8 @@
 //! `-- short`, which fails where a few groups of each kind come out worse than chance would have them.
 //!
 //! Environment: `SHOW=1` and `NOISE=1` print details (`SHOW=wrong` of wrong names only, `SHOW=strength` of strengths
-//! outside of their intervals); `DRIVES=step` or `discharge` takes one or two runs in place of five, `repeated` three drives
-//! twice each; `STRENGTHS=16,32` and `DRIVES=five` take a part of the benchmark's table of single causes; `READINGS=uneven`, `quantised` or `outliers` (1 %, ten
+//! outside of their intervals); `DRIVES=step`, `same` (three of it), `voltages` or `discharge` (two runs) are taken in place of five drives,
+//! `repeated` takes three drives twice each; `STRENGTHS=16,32` and `DRIVES=five` take a part of the benchmark's table of single causes; `READINGS=uneven`, `quantised` or `outliers` (1 %, ten
 //! standard deviations off) says how groups are read; `GROWING=1` lets the noise at the largest signal
 //! of a run be `sqrt(1 + GROWING^2)` times that at none. `FIRST` is the first seed of `effects` and
 //! `together` (1000 without it) and of `outside` (5000), `SHOW=proof` prints what the acceptance of each group's causes rests on.

@@ -141,6 +141,14 @@ pub(super) fn look<'g>(
     looked
 }
 
+/// Orders candidates anew: those that were fitted by their scores, the others behind them as they were.
+pub(super) fn by_score(looked: &mut [Looked]) {
+    looked.sort_by_key(|own| own.fitted.is_none());
+    let count = looked.iter().filter(|own| own.fitted.is_some()).count();
+    looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
+    simplest_first(&mut looked[..count]);
+}
+
 /// What an effect pays for having had the choice among forms of these gains: the best one's gain less what they bring on
 /// average. Nothing where all explain the readings alike, twice the logarithm of their number where one alone does. A price
 /// for every parameter of a form is too low where the readings know the form and too high where they do not.

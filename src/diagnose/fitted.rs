@@ -61,6 +61,18 @@ impl<'g> Fitted<'g> {
         })
     }
 
+    /// A place of which nothing was searched yet; none where the model has no finite residuals there.
+    pub(super) fn unsearched(problem: Problem<'g>, at: Vec<f64>) -> Option<Fitted<'g>> {
+        let square = problem.square(&at);
+        square.is_finite().then_some(Fitted {
+            problem,
+            at,
+            square,
+            evaluations: 1,
+            stop: Stop::EvaluationLimit,
+        })
+    }
+
     /// Goes on to the end.
     pub(super) fn settled(self) -> Fitted<'g> {
         let settle = settle(&self.problem, self.square);

@@ -12,6 +12,7 @@ mod calibration;
 mod candidates;
 mod discrepancy;
 mod drawn;
+mod elsewhere;
 mod ends;
 mod extend;
 mod fitted;
@@ -62,7 +63,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 15;
+pub const VERSION: u32 = 16;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

@@ -152,6 +152,9 @@ impl<'g> Ground<'_, 'g> {
             let residuals = model.residuals();
             let mut looked = look(&model, &residuals, self.signatures, directions);
             let step = self.step(null, &model, &mut looked);
+            if step && steps.is_empty() && self.has_one_shape_of_drive() {
+                self.from_elsewhere(&mut looked);
+            }
             let taken = step.then(|| looked[0].fitted.clone()).flatten();
             let p = looked
                 .first()

@@ -70,7 +70,11 @@ impl Runs {
 
     /// With several effects at once.
     fn hiding(hidden: &[Hidden], drives: &[Levels], seed: u64) -> Runs {
-        let base = base();
+        Runs::beside(&base(), hidden, drives, seed)
+    }
+
+    /// Of a sample with those base parameters.
+    fn beside(base: &LumpedModel, hidden: &[Hidden], drives: &[Levels], seed: u64) -> Runs {
         let effects = hidden.iter().map(|&(id, variant, parameters)| HiddenEffect {
             id: id.to_owned(),
             variant: variant.map(str::to_owned),
@@ -107,8 +111,10 @@ impl Runs {
                 .collect(),
         };
         let drives: Vec<Drive> = drives.iter().map(of_drive).collect();
-        let peak_a = AREA_CM2 * 2.0 * (1.0 / 30.0 + 1.0 / 120.0);
-        let bend_per_cm = AREA_CM2 * 2.0 * 0.18 * 20.0;
+        let first_s: f64 = base.branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum();
+        let whole_f: f64 = base.branches.iter().map(|b| b.capacitance_f_per_cm2).sum();
+        let peak_a = AREA_CM2 * 2.0 * first_s;
+        let bend_per_cm = AREA_CM2 * 2.0 * whole_f * base.charge_to_curvature_per_c_cm;
         let channels = drives
             .iter()
             .enumerate()

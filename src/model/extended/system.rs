@@ -311,14 +311,20 @@ pub struct Responses {
 }
 
 impl ExtendedModel {
-    /// Current and curvature at increasing times, s.
-    pub fn responses(&self, run: &RunContext, current_time_s: &[f64], curvature_time_s: &[f64]) -> Responses {
+    /// The base with what every effect makes of it in that run.
+    pub fn system(&self, run: &RunContext) -> System {
         let mut system = System::of(&self.base);
         for applied in &self.effects {
             applied
                 .effect
                 .apply(applied.variant, &applied.parameters, run, &mut system);
         }
+        system
+    }
+
+    /// Current and curvature at increasing times, s.
+    pub fn responses(&self, run: &RunContext, current_time_s: &[f64], curvature_time_s: &[f64]) -> Responses {
+        let system = self.system(run);
         let grid = Grid::new(run, &system, current_time_s, curvature_time_s);
         Stepper::new(&system, run).responses(&grid)
     }
