@@ -53,7 +53,13 @@ impl Observation for Play {
         let mut seen = 0.0_f64;
         let mut turned = None;
         for (k, kappa) in curvature_per_cm.iter_mut().enumerate() {
-            let mut visit = |y: f64| seen = seen.clamp(y - self.width, y + self.width);
+            // A search may try parameters at which the model has no number: it is passed on, for the search to turn back.
+            let mut visit = |y: f64| {
+                seen = match y.is_nan() {
+                    true => f64::NAN,
+                    false => seen.clamp(y - self.width, y + self.width),
+                };
+            };
             if let Some(y) = turned.take() {
                 visit(y);
             }
@@ -119,6 +125,17 @@ mod tests {
         assert_eq!(kappa[..4], [0.0, 0.0, 0.8, 0.8]);
         assert!((0.6..=0.7).contains(&turned), "{turned}");
         assert!((last - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_model_without_a_number_stays_without_one() {
+        let play = Play {
+            width: 0.2,
+            edges_s: vec![0.0],
+        };
+        let mut kappa = vec![0.0, 1.0, f64::NAN, 1.0, 2.0];
+        play.observe(&[0.0, 1.0, 2.0, 3.0, 4.0], &mut kappa);
+        assert!(kappa[..2].iter().all(|k| k.is_finite()) && kappa[2..].iter().all(|k| k.is_nan()));
     }
 
     /// A parabola's top between two readings is met.
