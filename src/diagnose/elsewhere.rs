@@ -31,7 +31,7 @@ impl<'g> Ground<'_, 'g> {
     }
 
     /// Searches every cause beside the base again from other places, and keeps what explains more than before.
-    pub(super) fn from_elsewhere(&self, looked: &mut [Looked<'g>]) {
+    pub(super) fn search_elsewhere(&self, looked: &mut [Looked<'g>]) {
         let mut seen = vec![self.base.base()];
         for _ in 0..ROUNDS {
             let first = seen.len();

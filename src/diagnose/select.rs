@@ -153,7 +153,7 @@ impl<'g> Ground<'_, 'g> {
             let mut looked = look(&model, &residuals, self.signatures, directions);
             let step = self.step(null, &model, &mut looked);
             if step && steps.is_empty() && self.has_one_shape_of_drive() {
-                self.from_elsewhere(&mut looked);
+                self.search_elsewhere(&mut looked);
             }
             let taken = step.then(|| looked[0].fitted.clone()).flatten();
             let p = looked
