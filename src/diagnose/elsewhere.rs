@@ -3,7 +3,8 @@
 //! Under one shape of drive a strong cause draws the base parameters far from where they belong: another pair of branches
 //! makes up for most of it. From there the search for the cause that is there ends in a valley of its own, and one for
 //! which the base parameters lie well (mostly a third branch, which lets the other two be anything) is the only one that
-//! explains what is left. So every cause is searched again from the base parameters beside those that explain the readings.
+//! explains what is left. So where that would be given, every cause is searched again from the base parameters beside those
+//! that explain the readings.
 //! Of 107 causes of 64 standard deviations under one step, 10 had the name of another without this and 1 with it.
 
 use crate::model::{Branch, LumpedModel};

@@ -152,7 +152,7 @@ impl<'g> Ground<'_, 'g> {
             let residuals = model.residuals();
             let mut looked = look(&model, &residuals, self.signatures, directions);
             let step = self.step(null, &model, &mut looked);
-            if step && steps.is_empty() && self.has_one_shape_of_drive() {
+            if step && steps.is_empty() && self.would_explain_all(&looked) {
                 self.search_elsewhere(&mut looked);
             }
             let taken = step.then(|| looked[0].fitted.clone()).flatten();
@@ -205,6 +205,18 @@ impl<'g> Ground<'_, 'g> {
             proved: None,
         };
         self.or_single(selection)
+    }
+
+    /// Whether the best of `looked` would leave nothing, and be given, where another may be hidden behind the base
+    /// parameters. What leaves a misfit is not given as all there is, and goes on to further causes from where it is.
+    fn would_explain_all(&self, looked: &[Looked<'g>]) -> bool {
+        let best = looked.first().and_then(|best| best.fitted.as_ref());
+        let Some(best) = best.filter(|_| self.has_one_shape_of_drive()) else {
+            return false;
+        };
+        let (null, directions) = self.null(best, 1);
+        let leftover = null.observe(self.group, &best.residuals(), &directions);
+        self.p_left(best, &null, &leftover, 1) >= TAKEN
     }
 
     /// Every held-out part by the base, by `model`, and by what has no name.
