@@ -45,15 +45,20 @@ const PULSES: Levels = &{
 pub(super) type Hidden = (&'static str, Option<&'static str>, &'static [(&'static str, f64)]);
 
 fn base() -> LumpedModel {
+    sample([30.0, 0.03, 120.0, 0.15], 3000.0, 20.0, 0.01)
+}
+
+/// Resistances and capacitances of both branches in turn, the steady-state resistance, alpha and lambda.
+fn sample([r1, c1, r2, c2]: [f64; 4], rss: f64, alpha: f64, lambda: f64) -> LumpedModel {
     let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
         resistance_ohm_cm2,
         capacitance_f_per_cm2,
     };
     LumpedModel {
-        branches: vec![branch(30.0, 0.03), branch(120.0, 0.15)],
-        steady_state_resistance_ohm_cm2: 3000.0,
-        charge_to_curvature_per_c_cm: 20.0,
-        relaxation_rate_per_s: 0.01,
+        branches: vec![branch(r1, c1), branch(r2, c2)],
+        steady_state_resistance_ohm_cm2: rss,
+        charge_to_curvature_per_c_cm: alpha,
+        relaxation_rate_per_s: lambda,
     }
 }
 

@@ -95,28 +95,13 @@ fn from_one_step_a_strong_cause_is_a_set_that_holds_it() {
 /// of them with `IEAP_LONG=1`.
 #[test]
 fn a_third_branch_that_stands_in_for_the_whole_base_is_not_the_only_name() {
-    let sample = |[r1, c1, r2, c2, rss, alpha, lambda]: [f64; 7]| LumpedModel {
-        branches: vec![
-            Branch {
-                resistance_ohm_cm2: r1,
-                capacitance_f_per_cm2: c1,
-            },
-            Branch {
-                resistance_ohm_cm2: r2,
-                capacitance_f_per_cm2: c2,
-            },
-        ],
-        steady_state_resistance_ohm_cm2: rss,
-        charge_to_curvature_per_c_cm: alpha,
-        relaxation_rate_per_s: lambda,
-    };
-    let cases: [([f64; 7], Hidden); 2] = [
+    let cases: [(LumpedModel, Hidden); 2] = [
         (
-            [44.0, 0.036, 104.0, 0.13, 2250.0, 25.0, 0.013],
+            sample([44.0, 0.036, 104.0, 0.13], 2250.0, 25.0, 0.013),
             ("partial-relaxation", None, &[("fraction", 0.035)]),
         ),
         (
-            [28.0, 0.031, 78.0, 0.124, 3600.0, 16.0, 0.0142],
+            sample([28.0, 0.031, 78.0, 0.124], 3600.0, 16.0, 0.0142),
             ("quadratic-coupling", None, &[("quadratic_cm_per_c2", 25.0)]),
         ),
     ];
@@ -126,7 +111,7 @@ fn a_third_branch_that_stands_in_for_the_whole_base_is_not_the_only_name() {
     };
     for (base, hidden) in cases {
         for seed in seeds.clone() {
-            let found = Runs::beside(&sample(*base), &[*hidden], &[STEP], seed).diagnosed();
+            let found = Runs::beside(base, &[*hidden], &[STEP], seed).diagnosed();
             let holds = found.set.iter().any(|id| id == hidden.0);
             assert!(holds, "{} {:?}", found.sentence, found.set);
         }
