@@ -29,6 +29,7 @@ pub(super) const AS_GOOD: f64 = 6.0;
 pub(super) const INEXACT: f64 = 0.003;
 
 /// A candidate with its forecast and, where it was fitted, the extended model.
+#[derive(Clone)]
 pub(super) struct Looked<'g> {
     pub(super) effect: &'static str,
     pub(super) variant: usize,
@@ -213,7 +214,7 @@ pub(super) fn added<'g>(
 /// Goes on to the end with all columns of the Jacobian.
 fn settle(looked: &mut Looked, current: &Fitted) {
     if let Some(fitted) = looked.fitted.take() {
-        let fitted = fitted.arrived();
+        let fitted = fitted.arrived().in_own_limits();
         looked.gain = current.square - fitted.square;
         looked.fitted = Some(fitted);
     }

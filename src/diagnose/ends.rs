@@ -1,6 +1,7 @@
 //! Where intervals of parameters end: what their profiles tell, beside what the covariance does.
 
 use crate::domain::{Estimate, StrengthProfile};
+use crate::model::effects::Limits;
 
 use super::problem::Sought;
 
@@ -53,6 +54,19 @@ pub(super) fn told_by(
         (Some(low), None) => Estimate::above(low, NO_END),
         (None, Some(high)) => Estimate::below(high, NO_END),
         (None, None) => estimate.clone(),
+    }
+}
+
+/// A value at a limit of what is sought with an interval that goes beyond it is no value but a bound.
+pub(super) fn bounded_by(estimate: Estimate, limits: Limits) -> Estimate {
+    match (estimate.low_95, estimate.high_95) {
+        (Some(low), Some(high)) if estimate.at_bound && high > limits.high && low >= limits.low => {
+            Estimate::above(low, NO_END)
+        }
+        (Some(low), Some(high)) if estimate.at_bound && low < limits.low && high <= limits.high => {
+            Estimate::below(high, NO_END)
+        }
+        _ => estimate,
     }
 }
 
@@ -114,7 +128,7 @@ mod tests {
     fn a_profile_tells_what_the_covariance_does_not() {
         let nothing = Estimate::not_determined("flat");
         let effect = crate::model::effects::effect("current-offset").unwrap();
-        let limits = vec![crate::model::effects::Limits::linear(0.0, 1.0)];
+        let limits = vec![Limits::linear(0.0, 1.0)];
         let one = Sought::new(effect, 0, limits, &[0.5]);
         let told =
             |points: &[(f64, f64)], logarithmic| told_by(&nothing, &profile(points), 1.0, &one, logarithmic);
@@ -132,6 +146,26 @@ mod tests {
             true,
         );
         assert!(wide.value.is_none() && wide.low_95.unwrap() > 0.01 && wide.high_95.unwrap() < 300.0);
+    }
+
+    #[test]
+    fn a_value_at_a_limit_is_a_bound_where_its_interval_goes_beyond() {
+        let limits = Limits::linear(-1.0, 2.0);
+        let at = |value: f64, low: f64, high: f64, at_bound: bool| {
+            let estimate = Estimate {
+                at_bound,
+                ..Estimate::determined(value, 0.1, low, high)
+            };
+            bounded_by(estimate, limits)
+        };
+        let high = at(2.0, 1.8, 2.2, true);
+        assert_eq!((high.value, high.low_95, high.high_95), (None, Some(1.8), None));
+        let low = at(-1.0, -1.2, -0.8, true);
+        assert_eq!((low.value, low.low_95, low.high_95), (None, None, Some(-0.8)));
+        assert!(high.reason.is_some() && low.reason.is_some());
+        // Not at the limit, or nothing known on either side: as it was.
+        assert_eq!(at(1.95, 1.8, 2.1, false).value, Some(1.95));
+        assert_eq!(at(2.0, -1.5, 5.5, true).value, Some(2.0));
     }
 
     #[test]

@@ -39,7 +39,9 @@ pub(super) fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelC
         let directions = directions(&signatures, &tangent);
         let residuals = model.residuals();
         let before = model.evaluations;
-        let mut with = added(&model, &residuals, &signatures, &directions)?.exhausted();
+        let mut with = added(&model, &residuals, &signatures, &directions)?
+            .exhausted()
+            .in_own_limits();
         with.evaluations += before;
         Some(with)
     })

@@ -32,6 +32,7 @@ mod next_run;
 mod null;
 mod odd_scale;
 mod outcome;
+mod own_limits;
 mod predictive;
 mod problem;
 mod profile;
@@ -63,7 +64,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 16;
+pub const VERSION: u32 = 17;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

@@ -175,6 +175,16 @@ impl<'g> Problem<'g> {
         problem
     }
 
+    /// The same with other limits of its effects.
+    pub(super) fn within_limits_of(&self, effects: Vec<Sought>) -> Problem<'g> {
+        let mut problem = Problem {
+            effects,
+            ..self.clone()
+        };
+        problem.bound();
+        problem
+    }
+
     /// The same over other runs of the group.
     pub(super) fn over(&self, runs: Vec<usize>) -> Problem<'g> {
         Problem { runs, ..self.clone() }

@@ -152,8 +152,8 @@ impl<'g> Ground<'_, 'g> {
             let residuals = model.residuals();
             let mut looked = look(&model, &residuals, self.signatures, directions);
             let step = self.step(null, &model, &mut looked);
-            if step && steps.is_empty() && self.would_explain_all(&looked) {
-                self.search_elsewhere(&mut looked);
+            if step && steps.is_empty() && self.has_one_shape_of_drive() {
+                looked = self.or_elsewhere(looked);
             }
             let taken = step.then(|| looked[0].fitted.clone()).flatten();
             let p = looked
@@ -207,11 +207,9 @@ impl<'g> Ground<'_, 'g> {
         self.or_single(selection)
     }
 
-    /// Whether the best of `looked` would leave nothing, and be given, where another may be hidden behind the base
-    /// parameters. What leaves a misfit is not given as all there is, and goes on to further causes from where it is.
-    fn would_explain_all(&self, looked: &[Looked<'g>]) -> bool {
-        let best = looked.first().and_then(|best| best.fitted.as_ref());
-        let Some(best) = best.filter(|_| self.has_one_shape_of_drive()) else {
+    /// Whether the best of `looked` would leave nothing beside it.
+    pub(super) fn would_explain_all(&self, looked: &[Looked<'g>]) -> bool {
+        let Some(best) = looked.first().and_then(|best| best.fitted.as_ref()) else {
             return false;
         };
         let (null, directions) = self.null(best, 1);

@@ -25,7 +25,7 @@ impl Shown<'_, '_> {
             let direction = self.best_of(about.id, variant)?;
             let signature = &self.signatures[direction.signature];
             let strength = signature.part * dot(&direction.unit, self.residuals) / direction.norm;
-            let other = beside.extended(signature, strength)?.arrived();
+            let other = beside.extended(signature, strength)?.arrived().in_own_limits();
             let price = PRICE * (other.extra() as f64 - model.extra() as f64);
             let is_as_good = other.square + price < model.square + AS_GOOD;
             let parameters = other.effect_parameters(self.group).pop()?;

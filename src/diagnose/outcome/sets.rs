@@ -3,7 +3,7 @@
 use super::Shown;
 use super::forms::widened;
 use crate::diagnose::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
-use crate::diagnose::ends::{held_by, told_by};
+use crate::diagnose::ends::{bounded_by, held_by, told_by};
 use crate::diagnose::fitted::Fitted;
 use crate::diagnose::problem::Problem;
 use crate::diagnose::select::{Selection, Step};
@@ -143,6 +143,7 @@ impl<'g> Shown<'_, 'g> {
                         None => told_by(&parameter.estimate, profile, *value, sought, limits.logarithmic),
                     };
                 }
+                parameter.estimate = bounded_by(parameter.estimate.clone(), *limits);
             }
         }
         if let Some(strength) = parameters.first_mut().and_then(|own| own.first_mut()) {

@@ -63,6 +63,37 @@ fn a_strong_effect_that_a_refit_takes_up_is_found_from_where_the_others_made_roo
     }
 }
 
+/// An error that makes curvatures four fifths too large is a coupling too large to the base alone, from which the limits of
+/// the error follow. With `IEAP_LONG=1` the whole diagnosis too.
+#[test]
+fn a_strength_at_a_limit_of_the_wrong_base_is_sought_beyond_it() {
+    const TRUTH_CM: f64 = 2.0;
+    let hidden: Hidden = ("noncircular-shape", None, &[("bias_cm", TRUTH_CM)]);
+    let runs = Runs::with(Some(hidden), &[STEP, HALF], 8);
+    let inputs = runs.inputs();
+    let raw = group::Group::new(&inputs);
+    let asked = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
+        let scale = scale(group, &base.problem, &base.at);
+        let (_, narrow) = from_best_probe(&base, &scale, hidden.0).unwrap();
+        let strength_cm = |fitted: &fitted::Fitted| fitted.effect_values()[0][0];
+        let last = narrow.at.len() - 1;
+        assert!(narrow.problem.at_limit(last, narrow.at[last]) && strength_cm(&narrow) < 0.9 * TRUTH_CM);
+        let found = narrow.clone().in_own_limits();
+        let strength_cm = strength_cm(&found);
+        assert!((strength_cm - TRUTH_CM).abs() < 0.1 * TRUTH_CM, "{strength_cm}");
+        assert!(found.square < narrow.square - 10.0 && found.evaluations > narrow.evaluations);
+        // Where nothing lies at a limit nothing is searched.
+        assert_eq!(found.clone().in_own_limits().evaluations, found.evaluations);
+    });
+    assert!(asked.is_some());
+    if std::env::var_os("IEAP_LONG").is_none() {
+        return;
+    }
+    let found = runs.diagnosed();
+    let own = found.effects.iter().find(|own| own.effect == hidden.0);
+    hold(own.expect("it is the cause that is found"), &[TRUTH_CM]);
+}
+
 /// Only the free twin agrees: the law without free strength is contradicted by more than two standard errors.
 #[test]
 fn a_law_without_free_strength_does_not_win_against_readings_that_contradict_it() {
