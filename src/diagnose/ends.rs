@@ -61,10 +61,10 @@ pub(super) fn told_by(
 pub(super) fn bounded_by(estimate: Estimate, limits: Limits) -> Estimate {
     match (estimate.low_95, estimate.high_95) {
         (Some(low), Some(high)) if estimate.at_bound && high > limits.high && low >= limits.low => {
-            Estimate::above(low, NO_END)
+            Estimate::above(low, AT_LIMIT)
         }
         (Some(low), Some(high)) if estimate.at_bound && low < limits.low && high <= limits.high => {
-            Estimate::below(high, NO_END)
+            Estimate::below(high, AT_LIMIT)
         }
         _ => estimate,
     }
@@ -76,6 +76,7 @@ pub(super) fn together(sought: &Sought) -> f64 {
 }
 
 const NO_END: &str = "the readings fit as well with all values from there to the limit of what is sought";
+const AT_LIMIT: &str = "what fits best lies at the limit of what is sought";
 /// Half of a 95 % interval in standard errors.
 const HALF_95: f64 = 1.96;
 

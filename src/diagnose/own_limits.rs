@@ -1,9 +1,9 @@
 //! Limits of an effect that follow from the base parameters beside it.
 //!
-//! What a strength may be follows from sizes of the base's answers: an error of a curvature by its whole, a current that
-//! does not flow into the charge as large as the largest. A base that was fitted without the effect may have taken these
-//! sizes for others: curvatures that are read twice too large are a coupling twice too large to it. Where a strength ends at
-//! such a limit, it is sought on within those that follow from the base that was found beside it.
+//! What a strength may be follows from sizes of the base's answers: an error of a curvature may be its whole, an offset of
+//! a current a fifth of the largest current. A base that was fitted without the effect may have these sizes wrong: to it
+//! curvatures that are read twice too large are a coupling twice too large. A strength that ends at such a limit is sought
+//! on within those that follow from the base that was found beside it.
 
 use crate::model::effects::Limits;
 
