@@ -12,8 +12,12 @@ const MENTIONED: usize = 4;
 
 /// Every run diagnosed as a group of its own.
 pub(super) fn alone(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlone> {
+    let options = DiagnoseOptions {
+        of_several: true,
+        ..*options
+    };
     let of_run = |run: &RunInput| {
-        let found = diagnose_group(run.name, &[*run], options);
+        let found = diagnose_group(run.name, &[*run], &options);
         RunAlone {
             run: run.name.to_owned(),
             verdict: found.verdict,

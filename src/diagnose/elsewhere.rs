@@ -11,7 +11,7 @@ use crate::model::{Branch, LumpedModel};
 use super::candidates::{AS_GOOD, Looked, by_score, look};
 use super::fitted::Fitted;
 use super::problem::Problem;
-use super::select::Ground;
+use super::select::{Ground, rivals};
 use super::signature::{directions, scale, signatures};
 
 /// Places are those of causes that explain this part of what the best one does, ...
@@ -23,9 +23,15 @@ const MOST: usize = 5;
 const ROUNDS: usize = 2;
 
 impl<'g> Ground<'_, 'g> {
+    /// Whether causes are searched elsewhere: where drives have one shape; of one run of several only where one cause alone
+    /// would be given, since it is the group that is asked for the cause, and the search takes as long as all else.
+    pub(super) fn asks_elsewhere(&self, looked: &[Looked]) -> bool {
+        self.has_one_shape_of_drive() && (!self.of_several || rivals(looked).len() < 2)
+    }
+
     /// Whether all drives are one with its voltages times a number, which what is linear answers alike: other drives hold
     /// the base parameters where they belong.
-    pub(super) fn has_one_shape_of_drive(&self) -> bool {
+    fn has_one_shape_of_drive(&self) -> bool {
         let drives = || self.group.runs.iter().map(|run| run.given.input.drive);
         drives().all(|drive| drives().all(|other| drive.is_scaled(other)))
     }

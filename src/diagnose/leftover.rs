@@ -55,6 +55,7 @@ pub(super) fn p_leftover(
             stretches: &stretches(group, &base),
             draws: options.draws,
             seed: options.seed,
+            of_several: options.of_several,
         };
         let (null, directions) = ground.null(&with, 1);
         let left = null.observe(group, &with.residuals(), &directions);

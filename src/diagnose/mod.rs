@@ -75,6 +75,8 @@ pub struct DiagnoseOptions {
     pub draws: usize,
     /// Seed of the draws.
     pub seed: u64,
+    /// Whether this is a run of a group of several, which is diagnosed too and can say more of the cause.
+    pub of_several: bool,
 }
 
 impl Default for DiagnoseOptions {
@@ -83,6 +85,7 @@ impl Default for DiagnoseOptions {
             model: crate::fit::FitOptions::default().model,
             draws: 999,
             seed: 1,
+            of_several: false,
         }
     }
 }
@@ -155,6 +158,7 @@ fn diagnosed(
         stretches: &stretches,
         draws: options.draws,
         seed: options.seed,
+        of_several: options.of_several,
     };
     let (null, directions) = ground.null(&base, 0);
     let residuals = base.residuals();

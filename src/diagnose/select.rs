@@ -96,6 +96,8 @@ pub(super) struct Ground<'a, 'g> {
     pub(super) stretches: &'a [Stretch],
     pub(super) draws: usize,
     pub(super) seed: u64,
+    /// As in the options.
+    pub(super) of_several: bool,
 }
 
 impl<'g> Ground<'_, 'g> {
@@ -152,7 +154,7 @@ impl<'g> Ground<'_, 'g> {
             let residuals = model.residuals();
             let mut looked = look(&model, &residuals, self.signatures, directions);
             let step = self.step(null, &model, &mut looked);
-            if step && steps.is_empty() && self.has_one_shape_of_drive() {
+            if step && steps.is_empty() && self.asks_elsewhere(&looked) {
                 looked = self.or_elsewhere(looked);
             }
             let taken = step.then(|| looked[0].fitted.clone()).flatten();
@@ -390,7 +392,7 @@ impl<'g> Ground<'_, 'g> {
 }
 
 /// Candidates that explain the readings as well as the best one, the one taken first.
-fn rivals(looked: &[Looked]) -> Vec<&'static str> {
+pub(super) fn rivals(looked: &[Looked]) -> Vec<&'static str> {
     let Some(least) = least_score(looked) else {
         return Vec::new();
     };

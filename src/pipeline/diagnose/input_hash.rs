@@ -40,7 +40,7 @@ pub(in crate::pipeline) fn take_task(hasher: &mut blake3::Hasher, task: &FitTask
     }
 }
 
-/// Hash of readings, drives, dimensions, names, base model, library, seed, draws and versions.
+/// Hash of readings, drives, dimensions, names, base model, library, seed, draws, versions, and of whether a run is alone.
 pub(super) fn input_hash(
     subject: &Subject,
     tasks: &[FitTask],
@@ -55,12 +55,13 @@ pub(super) fn input_hash(
     let model = options.model;
     hasher.update(
         format!(
-            "{}/{}/{}/{}/{library}/{}/{apart}",
+            "{}/{}/{}/{}/{library}/{}/{}/{apart}",
             model.id,
             model.version,
             options.seed,
             options.draws,
-            diagnose::VERSION
+            diagnose::VERSION,
+            subject.of_several
         )
         .as_bytes(),
     );

@@ -52,6 +52,7 @@ impl DiagnoseChoice {
             },
             draws: self.draws.unwrap_or(default.draws),
             seed: self.seed.unwrap_or(default.seed),
+            ..default
         })
     }
 }
@@ -297,8 +298,9 @@ fn diagnose_one(
         });
         let places: Vec<_> = places.collect();
         with_inputs(members, tasks, channels, |inputs| {
-            let found = diagnose_group(&subject.name, inputs, options);
-            with_places(found, &places, inputs, options)
+            let options = subject.options(options);
+            let found = diagnose_group(&subject.name, inputs, &options);
+            with_places(found, &places, inputs, &options)
         })
     });
     diagnosed.unwrap_or_else(|_| {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::groups::groups;
+use crate::diagnose::DiagnoseOptions;
 use crate::domain::{Issue, RunRecord};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{DiagnosisKind, FitTask};
@@ -17,6 +18,18 @@ pub(super) struct Subject {
     pub(super) members: Vec<usize>,
     /// Why it is set apart, where it is.
     pub(super) set_apart: Option<Issue>,
+    /// Whether it is a run of a group of several.
+    pub(super) of_several: bool,
+}
+
+impl Subject {
+    /// How it is diagnosed.
+    pub(super) fn options(&self, options: &DiagnoseOptions) -> DiagnoseOptions {
+        DiagnoseOptions {
+            of_several: self.of_several,
+            ..*options
+        }
+    }
 }
 
 /// All groups, then all runs; and the keys of `group_by` that no run carries.
@@ -43,6 +56,7 @@ pub(super) fn subjects(
                 .filter_map(|&index| places.get(&runs[index].id).copied())
                 .collect(),
             set_apart: group.set_apart,
+            of_several: false,
         })
         .collect();
     let alone: Vec<Subject> = found
@@ -53,6 +67,7 @@ pub(super) fn subjects(
                 name: tasks[member].path.clone(),
                 members: vec![member],
                 set_apart: group.set_apart.clone(),
+                of_several: group.members.len() > 1,
             })
         })
         .collect();
