@@ -294,6 +294,53 @@ fn ageing_is_not_taken_for_humidity() {
 }
 
 #[test]
+fn declared_tags_are_asked_and_others_are_not() {
+    let (mut runs, mut campaign) = simulate(PLAN, &nothing, 43);
+    let mut random = ChaCha8Rng::seed_from_u64(44);
+    for made in &mut runs {
+        let charge_s = f64::from(random.random_range(0..4_u32)) * 60.0;
+        let (specimen, offset) = [("left", 0.0), ("right", 0.5)][random.random_range(0..2_usize)];
+        made.tags.push(tag("pre_charge_s", &charge_s.to_string()));
+        made.tags.push(tag("specimen", specimen));
+        let parameters = made.fit.iter_mut().flat_map(|fit| &mut fit.parameters);
+        for parameter in parameters {
+            let y = match parameter.key.as_str() {
+                "alpha_per_c_cm" => 0.003 * charge_s,
+                "rss_ohm_cm2" => offset,
+                _ => 0.0,
+            };
+            let value = parameter.estimate.value.unwrap();
+            parameter.estimate = estimate(value * y.exp());
+        }
+    }
+    let claimed = |campaign: &Campaign| -> Vec<(String, String, Law)> {
+        let laws = find(&Evidence {
+            runs: &runs,
+            campaign,
+            charge_c: &vec![None; runs.len()],
+            attempts: &[],
+            seed: 1,
+        });
+        let of_tags = laws
+            .claimed()
+            .filter(|one| one.covariate.effect() == Some("tag-dependence"));
+        let told = |one: &super::dependence::Dependence| {
+            let law = one.laws.first().map_or(Law::Jump, |law| law.law);
+            (one.parameter.clone(), one.covariate.key().to_owned(), law)
+        };
+        of_tags.map(told).collect()
+    };
+    assert!(claimed(&campaign).is_empty());
+    campaign.extra_tags = vec!["pre_charge_s".to_owned(), "specimen".to_owned()];
+    let found = claimed(&campaign);
+    for (parameter, key) in [("alpha_per_c_cm", "pre_charge_s"), ("rss_ohm_cm2", "specimen")] {
+        let is_it = |one: &&(String, String, Law)| one.0 == parameter && one.1 == key;
+        assert_eq!(found.iter().filter(is_it).count(), 1, "{found:?}");
+    }
+    assert_eq!(found.len(), 2, "{found:?}");
+}
+
+#[test]
 fn samples_at_one_humidity_each_are_compared_as_samples() {
     let law = |key: &str, humidity: f64, _: usize| match key {
         "lambda_per_s" => 2.0 * (humidity - 20.0) / 60.0,

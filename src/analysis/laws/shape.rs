@@ -59,6 +59,7 @@ impl Law {
                 Law::Approach,
                 Law::Knee,
             ],
+            Covariate::TagNumber(_) => &[Law::Linear, Law::Exponential],
             Covariate::Batch | Covariate::Sample => &[Law::Offset],
             _ => &[Law::Jump],
         }
