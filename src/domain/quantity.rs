@@ -12,6 +12,8 @@ pub enum Quantity {
     Voltage,
     /// Current into the sample, A.
     Current,
+    /// Current into the sample over its active area, A/cm2.
+    CurrentDensity,
     /// Bending curvature, 1/cm.
     Curvature,
     /// Transverse tip displacement, mm.
@@ -42,10 +44,11 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 16] = [
+    pub const ALL: [Quantity; 17] = [
         Quantity::Time,
         Quantity::Voltage,
         Quantity::Current,
+        Quantity::CurrentDensity,
         Quantity::Curvature,
         Quantity::TipDisplacement,
         Quantity::BlockingForce,
@@ -67,6 +70,7 @@ impl Quantity {
             Quantity::Time => "time",
             Quantity::Voltage => "voltage",
             Quantity::Current => "current",
+            Quantity::CurrentDensity => "current_density",
             Quantity::Curvature => "curvature",
             Quantity::TipDisplacement => "tip_displacement",
             Quantity::BlockingForce => "blocking_force",
@@ -94,6 +98,7 @@ impl Quantity {
             Quantity::Time => "s",
             Quantity::Voltage => "V",
             Quantity::Current => "A",
+            Quantity::CurrentDensity => "A/cm2",
             Quantity::Curvature => "1/cm",
             Quantity::TipDisplacement => "mm",
             Quantity::BlockingForce => "mN",
@@ -112,6 +117,7 @@ impl Quantity {
             Quantity::Time => "time_s",
             Quantity::Voltage => "voltage_v",
             Quantity::Current => "current_a",
+            Quantity::CurrentDensity => "current_density_a_per_cm2",
             Quantity::Curvature => "curvature_per_cm",
             Quantity::TipDisplacement => "tip_displacement_mm",
             Quantity::BlockingForce => "blocking_force_mn",
@@ -134,6 +140,7 @@ impl Quantity {
             Quantity::Time => "Time",
             Quantity::Voltage => "Voltage",
             Quantity::Current => "Current",
+            Quantity::CurrentDensity => "Current density",
             Quantity::Curvature => "Curvature",
             Quantity::TipDisplacement => "Tip displacement",
             Quantity::BlockingForce => "Blocking force",
@@ -154,7 +161,7 @@ impl Quantity {
     pub fn is_response(self) -> bool {
         matches!(
             self,
-            Quantity::Current | Quantity::Curvature | Quantity::TipDisplacement
+            Quantity::Current | Quantity::CurrentDensity | Quantity::Curvature | Quantity::TipDisplacement
         )
     }
 

@@ -40,6 +40,7 @@ fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
     Some(match quantity {
         Quantity::Voltage => (-50.0, 50.0),
         Quantity::Current => (-1.0, 1.0),
+        Quantity::CurrentDensity => (-1.0, 1.0),
         Quantity::Curvature => (-50.0, 50.0),
         Quantity::TipDisplacement => (-1e3, 1e3),
         Quantity::BlockingForce => (-1e5, 1e5),

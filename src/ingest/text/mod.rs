@@ -5,6 +5,7 @@ pub mod encoding;
 pub mod grid;
 pub mod header;
 pub mod layout;
+pub mod likely;
 pub mod lines;
 pub mod number;
 
