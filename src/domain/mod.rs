@@ -5,6 +5,7 @@ pub mod along;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
+pub mod date_order;
 pub mod diagnosis;
 pub mod drive;
 pub mod estimate;
@@ -30,6 +31,7 @@ pub use climate::{
     ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,
     RunClimate, SensorPair, SensorStatement, SensorSummary,
 };
+pub use date_order::DateOrder;
 pub use diagnosis::{
     Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis, MisfitStretch, NextRun,
     ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,

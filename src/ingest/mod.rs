@@ -8,6 +8,7 @@ pub mod data_hash;
 pub mod derived;
 pub mod drive;
 pub mod filesystem;
+pub mod folder_dates;
 pub mod formats;
 pub mod frames;
 pub mod name_pattern;

@@ -4,6 +4,9 @@ use thiserror::Error;
 
 use crate::domain::Issue;
 
+/// Code of the refusal of dates that fit several orders, or none.
+pub const AMBIGUOUS_DATES: &str = "ambiguous-dates";
+
 /// A refusal. Texts taken from the file are escaped and shortened: see [`quoted`].
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ReadError {
@@ -85,6 +88,8 @@ pub enum ReadError {
         column: String,
         /// The readings.
         found: String,
+        /// The first date.
+        first: String,
     },
     /// No line names columns ieap knows.
     #[error("no header row names a time column; the first line is {found}")]
@@ -185,7 +190,7 @@ impl ReadError {
             ReadError::UnknownFormat { .. } => "unknown-format",
             ReadError::AmbiguousFormat { .. } => "ambiguous-format",
             ReadError::AmbiguousNumbers { .. } => "ambiguous-numbers",
-            ReadError::AmbiguousDates { .. } => "ambiguous-dates",
+            ReadError::AmbiguousDates { .. } => AMBIGUOUS_DATES,
             ReadError::NoHeader { .. } => "no-header",
             ReadError::Column { .. } => "column-unusable",
             ReadError::NoResponse { .. } => "no-response",
@@ -247,7 +252,11 @@ impl ReadError {
             ReadError::AmbiguousNumbers { .. } => {
                 "export with a point as decimal sign, or with semicolons or tabs between the columns"
             }
-            ReadError::AmbiguousDates { .. } => "export with dates written year first, in four digits",
+            ReadError::AmbiguousDates { .. } => {
+                "state date_order = \"day-first\" (or month-first, year-first) in campaign.toml, [campaign], or `order` in a \
+                 profile (`ieap profile FILE`); or keep it beside a file whose dates show the order; or export with dates \
+                 written year first, in four digits"
+            }
             ReadError::NoHeader { .. } => {
                 "let the first line that is no # comment name the columns with their units: Time (s), Current (mA)"
             }

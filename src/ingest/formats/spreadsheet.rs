@@ -32,7 +32,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn is_generic(&self) -> bool {
@@ -99,7 +99,7 @@ impl Format for Spreadsheet {
             }
         }
         if tables.is_empty()
-            && let Some(log) = climate::sheet::log((self.id(), self.version()), &sheets)
+            && let Some(log) = climate::sheet::log((self.id(), self.version()), context.date_order, &sheets)
         {
             return log;
         }

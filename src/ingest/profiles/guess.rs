@@ -10,13 +10,6 @@ use crate::ingest::text::{Cell, Decimal, Delimiter, Line, Lines, decode, number}
 
 /// Rows that are looked at.
 const SAMPLE: usize = 400;
-/// Orders of dates with the words of a profile.
-const ORDERS: [(DateOrder, &str); 3] = [
-    (DateOrder::YearFirst, "year-first"),
-    (DateOrder::MonthFirst, "month-first"),
-    (DateOrder::DayFirst, "day-first"),
-];
-
 /// What was seen.
 pub(super) struct Guess {
     /// Separator and decimal sign; none for a workbook.
@@ -329,10 +322,10 @@ fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String
     for &index in &candidates {
         for date in std::iter::once(None).chain(candidates.iter().copied().filter(|d| *d != index).map(Some))
         {
-            let orders: Vec<&'static str> = ORDERS
-                .iter()
-                .filter(|(order, _)| reads(index, date, *order))
-                .map(|(_, word)| *word)
+            let orders: Vec<&'static str> = DateOrder::ALL
+                .into_iter()
+                .filter(|order| reads(index, date, *order))
+                .map(DateOrder::key)
                 .collect();
             if !orders.is_empty() {
                 // Dates of a workbook are numbers, which have no order.

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::prepare::{Group, Outcome, Prepared, PreparedFile, prepare};
+use super::prepare::{Group, Outcome, Prepared, PreparedFile, With, prepare};
 use crate::ingest::archive::{Archive, Incoming};
 use crate::pipeline::{Context, Observer, PipelineError};
 
@@ -29,10 +29,12 @@ pub fn in_batches(
 ) -> Result<(), PipelineError> {
     let archive = Archive::new(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
-        let mut prepared: Vec<Prepared> = batch
-            .par_iter()
-            .map(|group| prepare(&context.folder, &context.profiles, group))
-            .collect();
+        let with = With {
+            folder: &context.folder,
+            profiles: &context.profiles,
+            date_order: context.campaign.date_order,
+        };
+        let mut prepared: Vec<Prepared> = batch.par_iter().map(|group| prepare(with, group)).collect();
         archive_all(&archive, &mut prepared)?;
         let held = Held::new(observer);
         together(context, |context| {

@@ -1,15 +1,18 @@
 //! Tags runs again whose tag files, hand tags, climate logs or campaign.toml changed. The readings are not touched.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use jiff::Timestamp as Moment;
 
 use super::batch::{MOST_FILES, together};
 use super::now;
+use super::start;
 use super::tagging::{TaggingInput, digest, tag_files, tagging};
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{RunRecord, TagSource};
+use crate::ingest::formats::date::DATE_UNCERTAIN;
 use crate::ingest::{StartedAt, Timestamp};
 use crate::pipeline::climate::Shelf;
 use crate::pipeline::planned::known_sheets;
@@ -28,12 +31,21 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         .into_iter()
         .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
         .collect();
+    let open_dates: BTreeSet<String> = context
+        .store
+        .issues_of_code(DATE_UNCERTAIN)?
+        .into_iter()
+        .filter(|(_, issue)| issue.place == keys::STARTED_AT)
+        .map(|(path, _)| path)
+        .collect();
     let mut due = Vec::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
-        if digest(context, &shelf, &path, &tag_files(&path, &files), window)? != stored {
+        let files = tag_files(&path, &files);
+        let changed = digest(context, &shelf, &path, &files, window)? != stored;
+        if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
             due.push(run_id);
         }
     }
@@ -55,19 +67,36 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
     Ok(runs.into_iter().map(|run| run.path).collect())
 }
 
+/// Whether the files beside a run, whose date leaves day and month open, show their order now.
+fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Result<bool, PipelineError> {
+    let origin = context.store.origin(run_id)?;
+    let stamps = origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let Some(file) = files.first() else {
+        return Ok(false);
+    };
+    let beside = context.folder.join(file);
+    Ok(stamps
+        .filter(|stamp| start::is_open(stamp))
+        .any(|stamp| start::settled(stamp, None, &beside).1.is_none()))
+}
+
 fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
     let (starts, others): (Vec<_>, Vec<_>) = header.partition(|tag| tag.key == keys::STARTED_AT);
     // The stored start carries its offset already.
-    let started_at = starts.first().map(|tag| StartedAt {
+    let stated = starts.first().map(|tag| StartedAt {
         raw: tag.detail.clone(),
         kind: Timestamp::Start,
         local: Some(tag.value.clone()),
         offset: None,
         basis: String::new(),
     });
+    // A date that the file leaves open is read anew, for what decides it may have changed.
+    let mut stamps = run.origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let open = stamps.find(|stamp| start::is_open(stamp)).cloned();
+    let started_at = open.or(stated);
     let input = TaggingInput {
         run_path: &run.path,
         kind: run.kind,
