@@ -3,7 +3,10 @@
 use crate::domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
+
+/// Code of the issue of a voltage that does not go in steps.
+pub const NO_STEPS: &str = "not-piecewise-constant";
 
 /// Changes of the voltage below this are never a step, V: potentiostats hold a potential to about 1 mV.
 const LEAST_STEP_V: f64 = 2e-3;
@@ -241,9 +244,9 @@ fn distinct_levels(stretches: &[Stretch], threshold: f64) -> usize {
 fn not_constant(changes: usize, readings: usize) -> Issue {
     let message =
         format!("the voltage changes {changes} times or more in {readings} readings: a sweep, not steps");
-    Issue::warning("not-piecewise-constant", message)
-        .at("column voltage_v")
-        .mend("hold each voltage for three readings or more if these are pulses; a sweep is kept and not fitted")
+    Issue::warning(NO_STEPS, message).at("column voltage_v").mend(
+        "hold each voltage for three readings or more if these are pulses; a sweep is kept and not fitted",
+    )
 }
 
 /// A reading caught while the source was still rising is no level of its own: a stretch of one reading

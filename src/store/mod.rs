@@ -13,6 +13,7 @@ mod error;
 mod files;
 mod fits;
 mod history;
+mod listed;
 mod lock;
 mod migration;
 mod modulus;

@@ -122,6 +122,7 @@ fn why_unfitted(run: &RunRecord) -> &'static str {
         RunState::Ready => "the run is not fitted yet",
         RunState::Untagged => "a needed tag is missing",
         RunState::NotFitted => "the run is not a step response that the model describes",
+        RunState::NoSteps => "the voltage does not go in steps",
     }
 }
 

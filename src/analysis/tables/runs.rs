@@ -75,6 +75,7 @@ fn state(run: &RunRecord) -> &'static str {
             crate::domain::RunState::Ready => "not fitted yet",
             crate::domain::RunState::Untagged => "lacks tags",
             crate::domain::RunState::NotFitted => "cannot be fitted",
+            crate::domain::RunState::NoSteps => "no steps",
         },
     }
 }

@@ -217,6 +217,7 @@ fn counts(site: &Site) -> Vec<Count> {
         count(waiting, "waiting for a fit"),
         count(of_state(RunState::Untagged), "lacking a tag"),
         count(of_state(RunState::NotFitted), "not a step response"),
+        count(of_state(RunState::NoSteps), "no steps of the voltage"),
         count(files(site, FileState::Refused).len(), "files refused"),
         count(files(site, FileState::Pending).len(), "files waiting"),
         count(site.input.superseded.len(), "earlier revisions kept"),
@@ -367,7 +368,7 @@ fn problems(site: &Site) -> Vec<Problem> {
 /// Issues worth a place on this page: those of a run whose tags are complete, and of its fit.
 fn worrying(run: &crate::domain::RunRecord) -> Vec<Issue> {
     let mut issues = match run.state {
-        RunState::Untagged => vec![],
+        RunState::Untagged | RunState::NoSteps => vec![],
         RunState::Ready | RunState::NotFitted => run.issues.clone(),
     };
     if let Some(fit) = &run.fit {
