@@ -1,6 +1,15 @@
-//! Makes a folder a campaign.
+//! Makes a folder a campaign: an empty one, or one of files that are there.
+
+mod from;
+mod look;
+mod plan;
+mod text;
 
 use std::path::{Path, PathBuf};
+
+pub use from::{InitFrom, Proposed};
+pub use look::{Seen, Taken};
+pub use plan::PlannedFile;
 
 use super::PipelineError;
 use crate::ingest::campaign_file;
