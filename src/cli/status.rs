@@ -7,6 +7,7 @@ use super::CampaignArg;
 use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
 use crate::domain::Issue;
+use crate::pipeline::mends::together;
 use crate::pipeline::status::{Reasoned, Status, WAITS, status};
 
 /// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
@@ -83,6 +84,12 @@ fn print(status: &Status, output: &Output) {
     section(output, "file", waiting, &status.pending);
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
+    super::ingest::pattern(output, status.proposed_pattern.as_ref());
+    let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
+    section(output, "run", no_steps, &status.no_steps);
+    let lacking = "fitted without a response that the file holds";
+    section(output, "run", lacking, &status.fitted_without_response);
+    undeclared_tags(status, output);
     let waits = |run: &&Reasoned| run.issues.iter().any(|issue| issue.code == WAITS);
     let failed = status.not_fitted.iter().filter(|run| !waits(run)).cloned();
     section(
@@ -262,13 +269,39 @@ fn section(output: &Output, thing: &str, title: &str, entries: &[Reasoned]) {
         return;
     }
     output.result(&format!("{} {title}:", counted(entries.len(), thing)));
-    for entry in entries {
-        output.result(&format!("  {}", entry.path));
-        let shown = entry
-            .issues
+    let worth = |entry: &Reasoned| -> Vec<Issue> {
+        let issues = entry.issues.iter().cloned();
+        issues
+            .filter(|issue| issue.severity > crate::domain::Severity::Note)
+            .collect()
+    };
+    for told in together(entries.iter().map(|entry| (entry.path.as_str(), worth(entry)))) {
+        told.paths
             .iter()
-            .filter(|issue| issue.severity > crate::domain::Severity::Note);
-        shown.for_each(|found| issue(output, "      ", found));
+            .for_each(|path| output.result(&format!("  {path}")));
+        told.issues
+            .iter()
+            .for_each(|found| issue(output, "      ", found));
+    }
+}
+
+/// Tag keys that are neither known nor declared, with the runs that have them.
+fn undeclared_tags(status: &Status, output: &Output) {
+    let tags = &status.undeclared_tags;
+    if tags.is_empty() {
+        return;
+    }
+    output.result(&format!(
+        "{} that nothing is asked of:",
+        counted(tags.len(), "tag key")
+    ));
+    for told in tags {
+        told.paths
+            .iter()
+            .for_each(|path| output.result(&format!("  {path}")));
+        told.issues
+            .iter()
+            .for_each(|found| issue(output, "      ", found));
     }
 }
 

@@ -91,6 +91,14 @@ pub enum PipelineError {
         /// A sentence with the nearest name, or nothing.
         nearest: String,
     },
+    /// A tag is set under a key that is neither known nor declared.
+    #[error("{found}, and nothing was set; {mend}.")]
+    UnknownTagKey {
+        /// What is wrong with the key.
+        found: String,
+        /// How to mend it.
+        mend: String,
+    },
     /// A figure cannot be drawn.
     #[error("{figure}: {reason}")]
     Figure {

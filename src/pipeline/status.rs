@@ -1,16 +1,22 @@
 //! Counts: runs by state, refused files with reasons, gaps in the condition matrix, what is out of date.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use serde::Serialize;
 
 use super::context::CODE_VERSION;
 use super::fit::is_of_failed_fit;
+use super::ingest::tagging::NO_AREA;
+use super::ingest::unread::RESPONSE_MISSING;
 use super::lengthwise::LumpedOrDistributedEntry;
+use super::mends::{Together, together};
 use super::planned::{Planned, planned};
 use super::{Context, PipelineError};
 use crate::domain::tag::keys;
-use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunRecord, RunState};
+use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunKind, RunRecord, RunState, Severity};
+use crate::ingest::name_pattern::{self, ProposedPattern};
+use crate::ingest::tags::{self, MISSING, MISSPELT, UNDECLARED, UNKNOWN_SAMPLE};
 
 /// The state of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,8 +33,16 @@ pub struct Status {
     pub modulus_logs_not_analysed: Vec<Reasoned>,
     /// Runs that wait for tags, with what is missing.
     pub untagged: Vec<Reasoned>,
+    /// The name pattern that would tag the most of them; none where none would tag two.
+    pub proposed_pattern: Option<ProposedPattern>,
     /// Runs that are tagged and have no fit: those that could not be fitted, with the reason, and those that wait.
     pub not_fitted: Vec<Reasoned>,
+    /// Runs whose voltage does not go in steps, such as sweeps: kept, not fitted, waiting for nothing.
+    pub no_steps: Vec<Reasoned>,
+    /// Tag keys that are neither known nor declared, with the runs that have them and the mend.
+    pub undeclared_tags: Vec<Together>,
+    /// Fitted runs whose files hold a response that was not read, with the reason.
+    pub fitted_without_response: Vec<Reasoned>,
     /// Files that were refused.
     pub refused: Vec<Reasoned>,
     /// Files that wait: empty, header only, still growing.
@@ -146,14 +160,19 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     let missing = files
         .iter()
         .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
+    let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {
+        proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
         campaign: context.campaign.id.clone(),
         runs: runs.len(),
         runs_by_state,
         modulus_logs_by_state,
         modulus_logs_not_analysed,
-        untagged: reasoned(&runs, |run| run.state == RunState::Untagged),
+        untagged,
         not_fitted: without_fit(&runs),
+        no_steps: reasoned(&runs, |run| run.state == RunState::NoSteps),
+        undeclared_tags: undeclared_tags(context)?,
+        fitted_without_response: fitted_without_response(&runs),
         refused: file_list(FileState::Refused),
         pending: file_list(FileState::Pending),
         aliases: file_list(FileState::Alias).len(),
@@ -203,6 +222,48 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
     })
 }
 
+/// Tag keys that are neither known nor declared, each with the runs that have it.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn undeclared_tags(context: &Context) -> Result<Vec<Together>, PipelineError> {
+    let mut found = context.store.issues_of_code(MISSPELT)?;
+    found.extend(context.store.issues_of_code(UNDECLARED)?);
+    let entries = found
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    Ok(together(entries))
+}
+
+/// What runs wait for before they can be fitted, each mend with all runs that need it: tags, samples, their sizes.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn waiting_for(context: &Context) -> Result<Vec<Together>, PipelineError> {
+    let mut found = Vec::new();
+    for code in [MISSING, UNKNOWN_SAMPLE, NO_AREA] {
+        found.extend(context.store.issues_of_code(code)?);
+    }
+    found.retain(|(_, issue)| issue.severity == Severity::Error);
+    let entries = found
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    Ok(together(entries))
+}
+
+/// The name pattern that would tag the most of these runs, where it tags two or more and is not the campaign's.
+pub fn proposed_pattern<'a>(
+    context: &Context,
+    untagged: impl Iterator<Item = &'a str>,
+) -> Option<ProposedPattern> {
+    let runs = untagged.filter(|path| context.campaign.kind_of(path) == RunKind::Actuation);
+    let stems: Vec<String> = runs.map(|path| tags::stem(Path::new(path))).collect();
+    let stems: Vec<&str> = stems.iter().map(String::as_str).collect();
+    let found = name_pattern::propose(&stems)?;
+    let is_new = context.campaign.name_pattern.as_ref() != Some(&found.pattern);
+    (found.explains >= 2 && is_new).then_some(found)
+}
+
 fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reasoned> {
     runs.iter()
         .filter(|run| wanted(run))
@@ -211,6 +272,22 @@ fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reas
             issues: run.issues.clone(),
         })
         .collect()
+}
+
+/// Fitted runs that lack a response, with the issue that says which and why.
+fn fitted_without_response(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let of = |run: &RunRecord| {
+        let issues = run.issues.iter();
+        let issues: Vec<Issue> = issues
+            .filter(|issue| issue.code == RESPONSE_MISSING)
+            .cloned()
+            .collect();
+        (run.fit.is_some() && !issues.is_empty()).then(|| Reasoned {
+            path: run.path.clone(),
+            issues,
+        })
+    };
+    runs.iter().filter_map(of).collect()
 }
 
 /// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.
@@ -226,7 +303,8 @@ fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
             issues,
         }
     };
-    let wanted = |run: &&RunRecord| run.state != RunState::Untagged && run.fit.is_none();
+    let is_set_apart = |run: &RunRecord| matches!(run.state, RunState::Untagged | RunState::NoSteps);
+    let wanted = |run: &&RunRecord| !is_set_apart(run) && run.fit.is_none();
     runs.iter().filter(wanted).map(of).collect()
 }
 

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::context::now;
 use super::{Context, Observer, PipelineError, climate};
 use crate::domain::{Issue, RunState};
+use crate::ingest::tags::objection;
 use crate::pipeline::ingest::retag_runs;
 use crate::store::HandTag;
 
@@ -36,9 +37,10 @@ impl SetTags {
     /// Stores the tags and tags the run again.
     ///
     /// # Errors
-    /// No run has that name, or the database refuses.
+    /// No run has that name, a key is neither known nor declared, or the database refuses.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<TagSummary, PipelineError> {
         let run_path = self.known_run(context)?;
+        self.check_keys(&context.campaign.extra_tags)?;
         let now = now();
         let tag = |(key, value): &(String, String)| HandTag {
             run_path: run_path.clone(),
@@ -72,6 +74,18 @@ impl SetTags {
             issues: run.issues,
             run: run.path,
         })
+    }
+
+    /// Refuses keys that are neither known nor declared; one that was set before may be taken back.
+    fn check_keys(&self, extra: &[String]) -> Result<(), PipelineError> {
+        let set = self.pairs.iter().filter(|(_, value)| !value.is_empty());
+        match set.filter_map(|(key, _)| objection(key, extra)).next() {
+            Some(issue) => Err(PipelineError::UnknownTagKey {
+                found: issue.message,
+                mend: issue.mend,
+            }),
+            None => Ok(()),
+        }
     }
 
     /// The run meant: by its whole name, or by the end of it where only one run ends so.

@@ -37,6 +37,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         id: "made-up".to_owned(),
         title: "CNaf and CPvf in vacuum, nitrogen and humid air".to_owned(),
         timezone: Some("Europe/Tallinn".to_owned()),
+        date_order: None,
         notice: Some("Simulated, not measured.".to_owned()),
         samples: materials.iter().map(sample).collect(),
         materials: vec![],
@@ -52,6 +53,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        extra_tags: Vec::new(),
     }
 }
 

@@ -7,10 +7,18 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 12] = [
+const KNOWN: [(&str, &[&str]); 13] = [
     (
         "campaign",
-        &["id", "title", "timezone", "notice", "model", "group_by"],
+        &[
+            "id",
+            "title",
+            "timezone",
+            "date_order",
+            "notice",
+            "model",
+            "group_by",
+        ],
     ),
     (
         "sample",
@@ -87,6 +95,7 @@ const KNOWN: [(&str, &[&str]); 12] = [
         ],
     ),
     ("compare", &["reference"]),
+    ("tags", &["extra"]),
     (
         "monitoring",
         &[

@@ -1,6 +1,7 @@
 //! Tags of a run: what each source says, which source is chosen, and where sources disagree.
 
 mod agreement;
+mod declared;
 mod sources;
 mod value;
 
@@ -12,7 +13,14 @@ use crate::domain::{Campaign, Issue, Tag, TagSource};
 use super::campaign_file::nearest;
 use super::scan::display_path;
 
+pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
 pub use sources::{tag_files_for, tag_sources_digest};
+
+/// Code of the issue of a needed tag that no source gives.
+pub const MISSING: &str = "tag-missing";
+
+/// Code of the issue of a sample that campaign.toml does not name.
+pub const UNKNOWN_SAMPLE: &str = "unknown-sample";
 
 /// Everything that tags of one run can come from.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +45,8 @@ pub struct TagRequest<'a> {
     pub header: &'a [(String, String, String)],
     /// Nominal level of the voltage channel, V, where the file has one.
     pub channel_voltage_v: Option<f64>,
+    /// Whether the file has a voltage channel, of steps or not.
+    pub has_voltage: bool,
     /// Means of ambient logs over the run (source [`TagSource::Ambient`]); empty where there are none.
     pub ambient: &'a [Tag],
 }
@@ -89,6 +99,7 @@ pub fn resolve(request: &TagRequest) -> Resolved {
             }
         },
     );
+    issues.extend(declared::undeclared(&offered, &request.campaign.extra_tags));
     // The environment's defaults come last, because the environment itself is a tag.
     let environment = strongest(&offered, keys::ENVIRONMENT).map(|tag| tag.value.clone());
     offered.extend(sources::defaults(request.campaign, environment.as_deref()));
@@ -159,9 +170,7 @@ fn check_sample(request: &TagRequest, resolved: &mut Resolved) {
             listed(&known)
         ),
     };
-    let issue = Issue::error("unknown-sample", message)
-        .at(keys::SAMPLE)
-        .mend(mend);
+    let issue = Issue::error(UNKNOWN_SAMPLE, message).at(keys::SAMPLE).mend(mend);
     resolved.issues.push(issue);
     resolved.missing.push(keys::SAMPLE.to_owned());
 }
@@ -212,6 +221,11 @@ fn missing_tag(request: &TagRequest, key: &str) -> Issue {
     let (reason, value, quote) = match key {
         keys::SAMPLE => ("no source says which sample was measured", first_sample, "\""),
         keys::ENVIRONMENT => ("no source says in which environment it was measured", "air", "\""),
+        _ if request.has_voltage => (
+            "no source gives the step voltage, and none could be taken from the voltage channel",
+            "2.5",
+            "",
+        ),
         _ => (
             "no source gives the step voltage, and the file has no voltage channel",
             "2.5",
@@ -220,7 +234,7 @@ fn missing_tag(request: &TagRequest, key: &str) -> Issue {
     };
     let mend =
         format!("such as: ieap tag \"{run}\" {key}={value}, or {key} = {quote}{value}{quote} in {run}.toml");
-    Issue::error("tag-missing", format!("`{key}` is missing: {reason}"))
+    Issue::error(MISSING, format!("`{key}` is missing: {reason}"))
         .at(key)
         .mend(mend)
 }

@@ -5,8 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::domain::tag::keys;
-use crate::domain::{Campaign, Issue, Quantity, Tag, TagSource};
-use crate::ingest::campaign_file::{line_and_column, nearest};
+use crate::domain::{Campaign, Issue, Tag, TagSource};
+use crate::ingest::campaign_file::line_and_column;
 use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::ingest::scan::display_path;
 
@@ -161,7 +161,6 @@ fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec
     for (key, value) in table {
         match flat(&key, &value) {
             Some(text) => {
-                issues.extend(misspelt(&key, &shown));
                 pairs.push((key, text));
             }
             None => issues.push(not_flat(&shown, &key, value.type_str())),
@@ -202,21 +201,6 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
     Issue::warning("tag-not-flat", message)
         .at(format!("{shown}, {key}"))
         .mend("write one line `key = value` for each tag, without [tables]")
-}
-
-/// A note on a free tag that looks like a misspelt key with a meaning.
-fn misspelt(key: &str, shown: &str) -> Option<Issue> {
-    let known = keys::CONDITIONS.into_iter().chain(keys::RECORD);
-    let names_column = key
-        .strip_suffix(keys::COLUMN)
-        .is_some_and(|quantity| Quantity::from_key(quantity).is_some());
-    if names_column || key == keys::NOTE || known.clone().any(|with_meaning| with_meaning == key) {
-        return None;
-    }
-    let meant = nearest(key, known)?;
-    let message = format!("`{key}` has no meaning of its own and is kept as a free tag");
-    let issue = Issue::note("tag-key-misspelt", message).at(format!("{shown}, {key}"));
-    Some(issue.mend(format!("write `{meant}` if that is meant")))
 }
 
 fn in_name(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {

@@ -26,6 +26,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         id: "c".to_owned(),
         title: "c".to_owned(),
         timezone: Some("Europe/Tallinn".to_owned()),
+        date_order: None,
         notice: None,
         samples: vec![sample("CNaf-01"), sample("CNaf-02")],
         materials: Vec::new(),
@@ -41,6 +42,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        extra_tags: Vec::new(),
     }
 }
 
@@ -77,6 +79,7 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         planned: &given.planned,
         header: &given.header,
         channel_voltage_v: given.channel_voltage_v,
+        has_voltage: given.channel_voltage_v.is_some(),
         ambient: &[],
     })
 }
@@ -220,11 +223,56 @@ fn a_sidecar_that_cannot_be_read_leaves_the_other_sources() {
 }
 
 #[test]
+fn keys_that_are_neither_known_nor_declared_are_said_and_kept() {
+    let tag = |key: &str, source, detail: &str| Tag {
+        key: key.to_owned(),
+        value: "40".to_owned(),
+        source,
+        detail: detail.to_owned(),
+    };
+    let found = resolve_with(
+        &[("runs/tags.toml", "humidity = 40\nspecimen = 3\n")],
+        Given {
+            hand: vec![
+                tag("relative_humdity_percent", TagSource::Hand, "tester"),
+                tag("humidity", TagSource::Hand, "tester"),
+            ],
+            header: vec![("of_the_header".to_owned(), "x".to_owned(), "H".to_owned())],
+            ..Given::default()
+        },
+    );
+    let said: Vec<(&str, &str)> = found
+        .issues
+        .iter()
+        .filter(|issue| issue.code.starts_with("tag-key") || issue.code == UNDECLARED)
+        .map(|issue| (issue.code.as_str(), issue.place.as_str()))
+        .collect();
+    assert_eq!(
+        said,
+        [
+            (MISSPELT, "tester, relative_humdity_percent"),
+            (MISSPELT, "tester, humidity"),
+            (UNDECLARED, "runs/tags.toml, specimen"),
+        ]
+    );
+    assert!(
+        found
+            .issues
+            .iter()
+            .all(|issue| issue.severity == Severity::Warning)
+    );
+    assert_eq!(
+        (found.value("humidity"), found.value("specimen")),
+        (Some("40"), Some("3"))
+    );
+}
+
+#[test]
 fn values_of_every_flat_type_are_kept() {
     let text = "free = true\ncount = 7\nlevel = 1.50\nword = \"w\"\nstarted_at = 2026-11-20 10:00:00\n\
                 open_circuit = [[10.0, 20.0]]\nday = 2026-11-20\n";
     let found = resolve_with(&[("runs/tags.toml", text)], Given::default());
-    assert_eq!(codes(&found), [""; 0]);
+    assert!(codes(&found).iter().all(|code| *code == UNDECLARED));
     for (key, value) in [
         ("free", "true"),
         ("count", "7"),
@@ -351,6 +399,7 @@ proptest::proptest! {
             planned: &[],
             header: &[],
             channel_voltage_v: None,
+            has_voltage: false,
             ambient: &[],
         });
         proptest::prop_assert_eq!(found.value("environment"), Some("air"));

@@ -9,7 +9,9 @@ mod prepare;
 mod readers;
 mod retag;
 mod settle;
+mod start;
 pub(super) mod tagging;
+pub(super) mod unread;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -19,8 +21,11 @@ use serde::Serialize;
 use super::context::now;
 use super::{Context, Observer, PipelineError, planned};
 use crate::domain::{FileState, Issue, RunKind};
+use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
+use crate::pipeline::mends::Together;
+use crate::pipeline::status;
 use crate::store::FileRow;
 use batch::in_batches;
 use prepare::Group;
@@ -59,6 +64,14 @@ pub struct IngestSummary {
     pub retagged: Vec<String>,
     /// Runs that lack tags, now.
     pub untagged: Vec<String>,
+    /// What runs wait for before they can be fitted, now: each mend with all runs that need it.
+    pub waiting_for: Vec<Together>,
+    /// The name pattern that would tag the most of the runs that lack tags; none where none would tag two.
+    pub proposed_pattern: Option<ProposedPattern>,
+    /// Runs whose voltage does not go in steps, such as sweeps, now: kept, not fitted, waiting for nothing.
+    pub no_steps: Vec<String>,
+    /// Tag keys that are neither known nor declared, now.
+    pub undeclared_tags: Vec<Together>,
     /// Climate logs.
     pub logs: LogSummary,
 }
@@ -107,7 +120,7 @@ impl Ingest<'_> {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
-        let readers = Readers::of(&context.profiles, &stored);
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, &stored);
         // Logs first, so that runs are tagged with them at once.
         self.take_logs(context, &logs, &mut summary, observer)?;
         let shelf = Shelf::open(&context.store)?;
@@ -159,7 +172,7 @@ impl Ingest<'_> {
         };
         let changes = scan::diff(&known(stored), &seen);
         summary.logs.files = seen.files.len();
-        let readers = Readers::of(&context.profiles, stored);
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
         let group = |file: &Arc<SeenFile>| Group {
             run_name: file.display.clone(),
@@ -249,6 +262,11 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.waiting.sort();
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;
+    summary.waiting_for = status::waiting_for(context)?;
+    let untagged = summary.untagged.iter().map(String::as_str);
+    summary.proposed_pattern = status::proposed_pattern(context, untagged);
+    summary.no_steps = context.store.runs_without_steps()?;
+    summary.undeclared_tags = status::undeclared_tags(context)?;
     Ok(())
 }
 

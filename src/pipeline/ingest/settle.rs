@@ -2,6 +2,7 @@
 
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
 use super::readers::{Readers, format_of, reader_of};
+use super::start::without_open_dates;
 use super::tagging::{TaggingInput, tagging};
 use super::{IngestSummary, file_row, now};
 use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
@@ -295,7 +296,7 @@ fn new_run(
             .collect(),
         issues: readings
             .iter()
-            .flat_map(|reading| reading.issues.clone())
+            .flat_map(|reading| without_open_dates(reading))
             .chain(join_issues.to_vec())
             .collect(),
         channels: part.channels,

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use super::left_out;
 use super::places::misplaced;
 use super::retag::window;
+use super::start;
+use super::unread::missing_responses;
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Tag, TagSource};
+use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Severity, Tag, TagSource};
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, Resolved, TagRequest};
@@ -16,6 +18,9 @@ use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::climate::{Shelf, climate_of};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
+
+/// Code of the issue of a sample without dimensions.
+pub const NO_AREA: &str = "no-area";
 
 /// What the tags of a run are made from, beside campaign.toml and the tag files.
 #[derive(Debug)]
@@ -46,9 +51,17 @@ pub struct TaggingInput<'a> {
 /// The database cannot be read.
 pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
     let hand = hand_tags(context, input.run_path)?;
-    let mut header = input.header_tags.clone();
-    header.extend(input.started_at.as_ref().and_then(start_tag));
     let files = tag_files(input.run_path, &input.file_paths);
+    let mut header = input.header_tags.clone();
+    let beside = context
+        .folder
+        .join(files.first().map_or(Path::new(""), PathBuf::as_path));
+    let started = input
+        .started_at
+        .as_ref()
+        .map(|started| start::settled(started, context.campaign.date_order, &beside));
+    let (started, open_date) = started.unzip();
+    header.extend(started.as_ref().and_then(start_tag));
     // A table of a file with several has the file's name; a joined run has the name of the stem.
     let named = files.first().map_or(Path::new(input.run_path), PathBuf::as_path);
     let channel_voltage_v = match input.kind {
@@ -67,6 +80,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         planned: &planned,
         header: &header,
         channel_voltage_v,
+        has_voltage: input.channels.iter().any(|c| c.is_whole(Quantity::Voltage)),
         ambient: &[],
     };
     let without_logs = tags::resolve(&request);
@@ -88,6 +102,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         RunKind::Actuation => conclude(context, input, resolved, digest),
         RunKind::Dma => conclude_dma(input, resolved, digest),
     };
+    tagging.issues.extend(open_date.flatten());
     tagging.issues.extend(climate.issues);
     (tagging.climate, tagging.climate_curves) = (climate.climate, climate.curves);
     Ok(tagging)
@@ -255,18 +270,29 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     let marked = resolved.value(keys::LEAVE_OUT_MARKED);
     left_out::by_mark(input.channels, &input.origin.flags, marked, &mut issues);
     let found = drive::find(input.channels, input.time_zero_is_step, tag_v, &open);
-    issues.extend(found.issues);
+    let is_sweep = found.issues.iter().any(|issue| issue.code == drive::NO_STEPS);
+    let has_steps = input.is_step_response && !is_sweep;
+    // Of another technique nobody asks for steps.
+    issues.extend(
+        found
+            .issues
+            .into_iter()
+            .filter(|issue| input.is_step_response || issue.code != drive::NO_STEPS),
+    );
+    if !has_steps {
+        issues = without_waiting(issues);
+    }
     let sample = resolved
         .value(keys::SAMPLE)
         .and_then(|id| context.campaign.sample(id));
     let area_cm2 = sample.and_then(|sample| sample.active_area_cm2());
-    if let Some(sample) = sample.filter(|_| area_cm2.is_none()) {
+    if let Some(sample) = sample.filter(|_| has_steps && area_cm2.is_none()) {
         let message = format!(
             "the sample {} has no dimensions, so its area is not known",
             sample.id
         );
         let mend = "give it length_mm and width_mm, or area_cm2, in campaign.toml";
-        issues.push(Issue::error("no-area", message).at(keys::SAMPLE).mend(mend));
+        issues.push(Issue::error(NO_AREA, message).at(keys::SAMPLE).mend(mend));
     }
     issues.extend(area_cm2.and_then(|area_cm2| improbable_density(input.channels, area_cm2)));
     if !input.is_step_response {
@@ -279,6 +305,9 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         .and_then(|sample| sample.length_mm)
         .map(|length_mm| length_mm / 10.0);
     issues.extend(lengthless(input.channels, length_cm));
+    if has_steps {
+        issues.extend(missing_responses(input.channels));
+    }
     let length_mm = sample.and_then(|sample| sample.length_mm);
     issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));
     let clock_offset_s = resolved
@@ -288,6 +317,7 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     let fittable =
         input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input);
     let state = match (resolved.missing.is_empty(), fittable) {
+        _ if !has_steps => RunState::NoSteps,
         (false, _) => RunState::Untagged,
         (true, true) => RunState::Ready,
         (true, false) => RunState::NotFitted,
@@ -306,6 +336,22 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         climate: Vec::new(),
         climate_curves: Vec::new(),
     }
+}
+
+/// Without the step voltage, which a run without steps does not have; that other tags are missing is only noted, for
+/// it waits for none.
+fn without_waiting(issues: Vec<Issue>) -> Vec<Issue> {
+    let kept = issues
+        .into_iter()
+        .filter(|issue| issue.code != tags::MISSING || issue.place != keys::VOLTAGE_V);
+    let noted = |issue: Issue| match issue.code.as_str() {
+        tags::MISSING | tags::UNKNOWN_SAMPLE => Issue {
+            severity: Severity::Note,
+            ..issue
+        },
+        _ => issue,
+    };
+    kept.map(noted).collect()
 }
 
 /// Current density beyond which a unit is more likely wrong than the strip that strong, A/cm2: the thesis's
