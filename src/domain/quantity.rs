@@ -10,6 +10,8 @@ pub enum Quantity {
     Time,
     /// Voltage across the electrodes, V.
     Voltage,
+    /// Voltage that the source was told to apply, V: the drive, where a file states it beside what was measured.
+    ControlVoltage,
     /// Current into the sample, A.
     Current,
     /// Bending curvature, 1/cm.
@@ -42,9 +44,10 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 16] = [
+    pub const ALL: [Quantity; 17] = [
         Quantity::Time,
         Quantity::Voltage,
+        Quantity::ControlVoltage,
         Quantity::Current,
         Quantity::Curvature,
         Quantity::TipDisplacement,
@@ -66,6 +69,7 @@ impl Quantity {
         match self {
             Quantity::Time => "time",
             Quantity::Voltage => "voltage",
+            Quantity::ControlVoltage => "control_voltage",
             Quantity::Current => "current",
             Quantity::Curvature => "curvature",
             Quantity::TipDisplacement => "tip_displacement",
@@ -92,7 +96,7 @@ impl Quantity {
     pub fn unit(self) -> &'static str {
         match self {
             Quantity::Time => "s",
-            Quantity::Voltage => "V",
+            Quantity::Voltage | Quantity::ControlVoltage => "V",
             Quantity::Current => "A",
             Quantity::Curvature => "1/cm",
             Quantity::TipDisplacement => "mm",
@@ -111,6 +115,7 @@ impl Quantity {
         match self {
             Quantity::Time => "time_s",
             Quantity::Voltage => "voltage_v",
+            Quantity::ControlVoltage => "control_voltage_v",
             Quantity::Current => "current_a",
             Quantity::Curvature => "curvature_per_cm",
             Quantity::TipDisplacement => "tip_displacement_mm",
@@ -133,6 +138,7 @@ impl Quantity {
         match self {
             Quantity::Time => "Time",
             Quantity::Voltage => "Voltage",
+            Quantity::ControlVoltage => "Control voltage",
             Quantity::Current => "Current",
             Quantity::Curvature => "Curvature",
             Quantity::TipDisplacement => "Tip displacement",

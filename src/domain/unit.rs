@@ -114,7 +114,7 @@ pub enum UnitError {
 pub fn dimension(quantity: Quantity) -> Option<Dimension> {
     Some(match quantity {
         Quantity::Time => Dimension::Time,
-        Quantity::Voltage => Dimension::Voltage,
+        Quantity::Voltage | Quantity::ControlVoltage => Dimension::Voltage,
         Quantity::Current => Dimension::Current,
         Quantity::Curvature => Dimension::Curvature,
         Quantity::TipDisplacement => Dimension::Length,

@@ -38,7 +38,7 @@ pub fn implausible(
 /// Smallest and largest plausible reading, in canonical units.
 fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
     Some(match quantity {
-        Quantity::Voltage => (-50.0, 50.0),
+        Quantity::Voltage | Quantity::ControlVoltage => (-50.0, 50.0),
         Quantity::Current => (-1.0, 1.0),
         Quantity::Curvature => (-50.0, 50.0),
         Quantity::TipDisplacement => (-1e3, 1e3),
