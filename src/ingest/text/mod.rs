@@ -7,6 +7,7 @@ pub mod header;
 pub mod layout;
 pub mod lines;
 pub mod number;
+pub mod unit_row;
 
 pub use delimiter::Delimiter;
 pub use encoding::{Decoded, decode};
