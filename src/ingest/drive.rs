@@ -18,6 +18,7 @@ const MOST_STEPS_SHARE: f64 = 0.05;
 /// Levels that are few: pulses go between two or three, a sweep passes all it can.
 const FEW_LEVELS: usize = 10;
 
+pub mod jumps;
 mod stated;
 
 /// What is known of a run's drive.
