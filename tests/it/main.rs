@@ -34,6 +34,7 @@ mod mutations;
 mod next_runs;
 mod prints;
 mod random_strips;
+mod readouts;
 mod real_campaigns;
 mod real_findings;
 mod rendered;
