@@ -10,6 +10,8 @@ pub enum Quantity {
     Time,
     /// Voltage across the electrodes, V.
     Voltage,
+    /// Voltage that the source was told to apply, V: the drive, where a file states it beside what was measured.
+    ControlVoltage,
     /// Current into the sample, A.
     Current,
     /// Current into the sample over its active area, A/cm2.
@@ -44,9 +46,10 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 17] = [
+    pub const ALL: [Quantity; 18] = [
         Quantity::Time,
         Quantity::Voltage,
+        Quantity::ControlVoltage,
         Quantity::Current,
         Quantity::CurrentDensity,
         Quantity::Curvature,
@@ -69,6 +72,7 @@ impl Quantity {
         match self {
             Quantity::Time => "time",
             Quantity::Voltage => "voltage",
+            Quantity::ControlVoltage => "control_voltage",
             Quantity::Current => "current",
             Quantity::CurrentDensity => "current_density",
             Quantity::Curvature => "curvature",
@@ -96,7 +100,7 @@ impl Quantity {
     pub fn unit(self) -> &'static str {
         match self {
             Quantity::Time => "s",
-            Quantity::Voltage => "V",
+            Quantity::Voltage | Quantity::ControlVoltage => "V",
             Quantity::Current => "A",
             Quantity::CurrentDensity => "A/cm2",
             Quantity::Curvature => "1/cm",
@@ -116,6 +120,7 @@ impl Quantity {
         match self {
             Quantity::Time => "time_s",
             Quantity::Voltage => "voltage_v",
+            Quantity::ControlVoltage => "control_voltage_v",
             Quantity::Current => "current_a",
             Quantity::CurrentDensity => "current_density_a_per_cm2",
             Quantity::Curvature => "curvature_per_cm",
@@ -139,6 +144,7 @@ impl Quantity {
         match self {
             Quantity::Time => "Time",
             Quantity::Voltage => "Voltage",
+            Quantity::ControlVoltage => "Control voltage",
             Quantity::Current => "Current",
             Quantity::CurrentDensity => "Current density",
             Quantity::Curvature => "Curvature",

@@ -116,7 +116,7 @@ pub enum UnitError {
 pub fn dimension(quantity: Quantity) -> Option<Dimension> {
     Some(match quantity {
         Quantity::Time => Dimension::Time,
-        Quantity::Voltage => Dimension::Voltage,
+        Quantity::Voltage | Quantity::ControlVoltage => Dimension::Voltage,
         Quantity::Current => Dimension::Current,
         Quantity::CurrentDensity => Dimension::CurrentDensity,
         Quantity::Curvature => Dimension::Curvature,

@@ -36,6 +36,7 @@ mod next_runs;
 mod own_files;
 mod prints;
 mod random_strips;
+mod readouts;
 mod real_campaigns;
 mod real_findings;
 mod rendered;

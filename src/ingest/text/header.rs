@@ -133,12 +133,25 @@ fn split(cell: &str) -> (String, String) {
         }
     }
     if let Some((name, unit)) = cell.split_once('/').filter(|(name, _)| !name.trim().is_empty()) {
-        return pair(name, unit);
+        return if is_channel(unit) {
+            pair(cell, "")
+        } else {
+            pair(name, unit)
+        };
     }
     if let Some((name, unit)) = cell.rsplit_once(',').filter(|(name, _)| !name.trim().is_empty()) {
         return pair(name, unit);
     }
     suffix(cell).unwrap_or_else(|| pair(cell, ""))
+}
+
+/// Whether what stands behind a stroke is an input of a device, as in `Dev0/Ai0`: a short word with a number.
+fn is_channel(text: &str) -> bool {
+    const INPUTS: [&str; 8] = ["ai", "ao", "di", "do", "ch", "ctr", "port", "line"];
+    let path = text.trim().to_ascii_lowercase();
+    let first = path.split('/').next().unwrap_or("");
+    let word = first.trim_end_matches(|c: char| c.is_ascii_digit());
+    word.len() < first.len() && INPUTS.contains(&word)
 }
 
 /// Where the bracket opens that the last character closes.
@@ -180,9 +193,9 @@ pub(super) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
         (Quantity::Current, "ua") => "uA",
         (Quantity::Current, "na") => "nA",
         (Quantity::Current, "pa") => "pA",
-        (Quantity::Voltage, "v") => "V",
-        (Quantity::Voltage, "mv") => "mV",
-        (Quantity::Voltage, "uv") => "uV",
+        (Quantity::Voltage | Quantity::ControlVoltage, "v") => "V",
+        (Quantity::Voltage | Quantity::ControlVoltage, "mv") => "mV",
+        (Quantity::Voltage | Quantity::ControlVoltage, "uv") => "uV",
         (Quantity::BlockingForce, "n") => "N",
         (Quantity::BlockingForce, "mn") => "mN",
         (Quantity::BlockingForce, "un") => "uN",
@@ -266,7 +279,6 @@ const NAMES: [(&[&str], &[Quantity]); 20] = [
             "we(1).potential",
             "cell voltage",
             "cell potential",
-            "applied voltage",
             "ewe",
             "ecell",
             "vf",
@@ -393,8 +405,26 @@ const NAMES: [(&[&str], &[Quantity]); 20] = [
 
 /// Every known name of a column.
 pub(super) fn known_names() -> impl Iterator<Item = &'static str> {
-    NAMES.iter().flat_map(|(names, _)| names.iter().copied())
+    let measured = NAMES.iter().flat_map(|(names, _)| names.iter().copied());
+    measured.chain(CONTROL_NAMES)
 }
+
+/// Names of what a source was told to apply.
+const CONTROL_NAMES: [&str; 13] = [
+    "control voltage",
+    "control potential",
+    "applied voltage",
+    "applied potential",
+    "potential applied",
+    "e applied",
+    "set voltage",
+    "set potential",
+    "voltage setpoint",
+    "potential setpoint",
+    "setpoint voltage",
+    "command voltage",
+    "commanded voltage",
+];
 
 /// Quantities that a name may stand for, the likeliest first; none for names ieap does not know.
 pub(super) fn candidates(name: &str) -> &'static [Quantity] {
@@ -406,6 +436,17 @@ pub(super) fn candidates(name: &str) -> &'static [Quantity] {
         .map(|c| if matches!(c, '_' | '-') { ' ' } else { c })
         .flat_map(char::to_lowercase)
         .collect();
+    // Quotes for primes, doubled where the cell was quoted.
+    let plain = plain
+        .replace("\"\"", "\"")
+        .replace('\u{201d}', "\"")
+        .replace('\u{2019}', "'");
+    if CONTROL_NAMES
+        .iter()
+        .any(|known| plain.split_whitespace().eq(known.split(' ')))
+    {
+        return &[Quantity::ControlVoltage];
+    }
     let words: Vec<&str> = plain.split_whitespace().collect();
     let name = words.join(" ");
     let known = NAMES.iter().find(|(names, _)| names.contains(&name.as_str()));
@@ -430,6 +471,9 @@ mod tests {
             ("Potential (V)", Quantity::Voltage, "V"),
             ("WE(1).Potential (V)", Quantity::Voltage, "V"),
             ("Ewe/V", Quantity::Voltage, "V"),
+            ("Potential applied (V)", Quantity::ControlVoltage, "V"),
+            ("E Applied(V)", Quantity::ControlVoltage, "V"),
+            ("applied_voltage_mv", Quantity::ControlVoltage, "mV"),
             ("current_a", Quantity::Current, "A"),
             ("current_ua", Quantity::Current, "uA"),
             ("I/mA", Quantity::Current, "mA"),
@@ -454,6 +498,8 @@ mod tests {
             ("Storage modulus (GPa)", Quantity::StorageModulus, "GPa"),
             ("E'/MPa", Quantity::StorageModulus, "MPa"),
             ("E'' (MPa)", Quantity::LossModulus, "MPa"),
+            ("E\" (MPa)", Quantity::LossModulus, "MPa"),
+            ("\"E\"\"/MPa\"", Quantity::LossModulus, "MPa"),
             ("|E*| [MPa]", Quantity::ComplexModulus, "MPa"),
             ("tan delta", Quantity::LossFactor, ""),
             ("loss_factor", Quantity::LossFactor, ""),
@@ -515,8 +561,9 @@ mod tests {
     fn other_columns_keep_their_names() {
         for cell in [
             "Index",
+            "Dev0/Ai0",
+            "cDAQ1Mod2/ai3",
             "Current range",
-            "Potential applied (V)",
             "Distance1 (mm)",
             "V (m)",
             "Q+",

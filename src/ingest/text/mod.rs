@@ -8,6 +8,7 @@ pub mod layout;
 pub mod likely;
 pub mod lines;
 pub mod number;
+pub mod unit_row;
 
 pub use delimiter::Delimiter;
 pub use encoding::{Decoded, decode};

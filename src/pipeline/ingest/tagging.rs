@@ -193,6 +193,7 @@ pub fn digest(
     let mut hasher = blake3::Hasher::new();
     hasher.update(context.campaign_digest.as_bytes());
     hasher.update(&drive::VERSION.to_le_bytes());
+    hasher.update(&drive::jumps::VERSION.to_le_bytes());
     hasher.update(tags::tag_sources_digest(&context.folder, files).as_bytes());
     hasher.update(shelf.digest(window).as_bytes());
     for tag in planned_tags(context, run_path, files) {
@@ -310,6 +311,8 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     }
     let length_mm = sample.and_then(|sample| sample.length_mm);
     issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));
+    let stated = found.drive.as_ref().filter(|_| input.is_step_response);
+    issues.extend(stated.and_then(|drive| drive::jumps::unexplained(input.channels, drive)));
     let clock_offset_s = resolved
         .value(keys::CLOCK_OFFSET_S)
         .and_then(|text| text.parse().ok());
