@@ -476,6 +476,7 @@ fn the_campaigns_with_known_answers_are_tagged() {
                 planned: &[],
                 header: &[],
                 channel_voltage_v: Some(5.0),
+                other_names: &[],
                 ambient: &[],
             });
             assert_eq!(
