@@ -18,6 +18,7 @@ mod number_or_null;
 pub mod origin;
 pub mod quantity;
 pub mod run;
+pub mod standing;
 pub mod tag;
 pub mod thinning;
 pub mod unit;
@@ -31,8 +32,8 @@ pub use climate::{
     RunClimate, SensorPair, SensorStatement, SensorSummary,
 };
 pub use diagnosis::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis, MisfitStretch, NextRun,
-    ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis,
+    MisfitStretch, NextRun, ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
@@ -46,4 +47,5 @@ pub use origin::{
 };
 pub use quantity::Quantity;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
+pub use standing::{RunWord, SameReadings, Standing};
 pub use tag::{Tag, TagSource};
