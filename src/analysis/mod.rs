@@ -11,6 +11,7 @@ pub mod findings;
 pub mod groups;
 pub mod json_rows;
 pub mod laws;
+pub mod misread;
 pub mod monitoring;
 pub mod one_fit;
 pub mod online;
@@ -23,6 +24,7 @@ pub mod same_tags;
 pub mod sample_campaign;
 pub mod sequence;
 pub mod shared_effects;
+pub mod standing;
 pub mod tables;
 pub mod traces;
 

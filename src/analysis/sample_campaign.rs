@@ -84,6 +84,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
         fit: None,
         climate: vec![],
         fit_code_version: None,
+        standing: Default::default(),
     }
 }
 

@@ -134,6 +134,12 @@ fn print(group: &GroupEntry, output: &Output) {
     let count = counted(group.runs.len(), "run");
     output.result(&format!("{} ({count}): {}", group.group, group.verdict.key()));
     output.result(&format!("    {}", group.sentence));
+    for condemned in &group.condemned {
+        output.result(&format!(
+            "    {} is set aside: {}",
+            condemned.run, condemned.reason
+        ));
+    }
     group
         .effects
         .iter()

@@ -59,6 +59,12 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     list(output, "file", same, &summary.logs.aliases);
     let aliases = "with the bytes of a run's file: an alias, no run";
     list(output, "file", aliases, &summary.aliases);
+    if summary.copies > 0 {
+        let pairs = counted(summary.copies, "pair");
+        output.message(&format!(
+            "{pairs} of runs with the same readings: one of each counts, `ieap status` says which"
+        ));
+    }
     list(output, "file", "no longer there; the runs stay", &summary.gone);
     let waiting = "waiting (empty, header only, or still growing)";
     list(output, "file", waiting, &summary.waiting);

@@ -104,6 +104,9 @@ pub fn print(inspection: &Inspection, output: &Output) {
             .as_deref()
             .map_or("not fitted".to_owned(), |model| format!("fitted with {model}"));
         output.result(&format!("  stored as the run {}, {fitted}", stored.run));
+        if let Some(aside) = &stored.set_aside {
+            output.result(&format!("  set aside, in no result: {}", aside.reason));
+        }
         if let Some(told) = &stored.lumped_or_distributed {
             output.result(&format!("  lumped or distributed: {}", told.sentence));
             told.mend

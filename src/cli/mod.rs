@@ -3,6 +3,7 @@
 mod completions;
 mod diagnose;
 mod dma;
+mod drop;
 mod effects;
 mod exit;
 mod explain;
@@ -98,6 +99,8 @@ enum Verb {
     Next(next::NextArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
+    Drop(drop::DropArgs),
+    Undrop(drop::UndropArgs),
     Status(status::StatusArgs),
     Table(table::TableArgs),
     Explain(explain::ExplainArgs),
@@ -198,6 +201,8 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Next(args) => next::run(args, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
+        Verb::Drop(args) => drop::run(args, global, output),
+        Verb::Undrop(args) => drop::run_undrop(args, global, output),
         Verb::Status(args) => status::run(args, output),
         Verb::Table(args) => table::run(args, output),
         Verb::Explain(args) => explain::run(args, output),

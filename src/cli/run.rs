@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::fit_choice::FitChoiceArgs;
-use super::output::Output;
+use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest};
 use crate::pipeline::{Run, RunSummary};
 
@@ -82,6 +82,12 @@ pub fn print(summary: &RunSummary, output: &Output) {
         "diagnoses: {} new, {} up to date{left}",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
+    if !summary.set_aside.is_empty() {
+        let runs = counted(summary.set_aside.len(), "run");
+        output.result(&format!(
+            "set aside, in no result: {runs}; `ieap status` says why"
+        ));
+    }
     if summary.alarms.standing > 0 {
         output.result(&format!(
             "alarms: {} ({} new); see `ieap status --alarms`",

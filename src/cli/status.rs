@@ -64,7 +64,10 @@ fn print(status: &Status, output: &Output) {
     let states: Vec<String> = status
         .runs_by_state
         .iter()
-        .map(|(state, count)| format!("{count} {}", state.replace('_', " ")))
+        .map(|(state, count)| match (*state, *count) {
+            ("copy", 2..) => format!("{count} copies"),
+            _ => format!("{count} {}", state.replace('_', " ")),
+        })
         .collect();
     output.result(&format!(
         "{}: {} runs ({})",
@@ -79,6 +82,7 @@ fn print(status: &Status, output: &Output) {
             .collect();
         output.result(&format!("modulus logs: {}", states.join(", ")));
     }
+    set_aside(status, output);
     section(output, "file", "refused", &status.refused);
     let waiting = "waiting (empty, header only, or still growing)";
     section(output, "file", waiting, &status.pending);
@@ -102,13 +106,17 @@ fn print(status: &Status, output: &Output) {
     let waiting: Vec<String> = waiting.map(|run| run.path.clone()).collect();
     let title = "waiting for a fit (`ieap fit` or `ieap run` makes it)";
     list(output, "run", title, &waiting);
+    let contradict = "under several names that are tagged differently";
+    section(output, "run", contradict, &status.names_contradict);
     let logs = &status.modulus_logs_not_analysed;
     section(output, "modulus log", "not analysed", logs);
-    if status.aliases > 0 {
-        let aliases = counted(status.aliases, "file");
-        output.result(&format!("{aliases} with the bytes of a run's file"));
-    }
-    let missing = "no longer in the folder; the runs stay";
+    let aliases: Vec<String> = status
+        .alias_files
+        .iter()
+        .map(|alias| format!("{} (of {})", alias.path, alias.run))
+        .collect();
+    list(output, "file", "with the bytes of a run's file", &aliases);
+    let missing = "no longer in the folder; the runs stay (`ieap drop --deleted --why ...` takes them out of all results)";
     list(output, "file", missing, &status.missing_files);
     let gaps: Vec<String> = status
         .gaps
@@ -249,6 +257,20 @@ fn climate(status: &Status, output: &Output) {
             counted(problems.len(), "problem")
         ));
         problems.iter().for_each(|problem| issue(output, "  ", problem));
+    }
+}
+
+/// Runs that no result is made from, with the reason and the way back.
+fn set_aside(status: &Status, output: &Output) {
+    if status.set_aside.is_empty() {
+        return;
+    }
+    let runs = counted(status.set_aside.len(), "run");
+    output.result(&format!("{runs} set aside, in no result:"));
+    for run in &status.set_aside {
+        output.result(&format!("  {}", run.run));
+        output.result(&format!("      {}: {}", run.standing, run.reason));
+        output.result(&format!("      -> {}", run.mend));
     }
 }
 

@@ -77,7 +77,7 @@ fn is_key(key: &str) -> bool {
 }
 
 /// The campaign folder, and the run's name in it. A path to a file tells both.
-fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError> {
+pub(super) fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError> {
     let file = Path::new(run);
     if named.is_none() && file.is_file() {
         let absolute = std::fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
@@ -89,7 +89,7 @@ fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError>
     Ok((folder(named)?, run.to_owned()))
 }
 
-fn user_name() -> String {
+pub(super) fn user_name() -> String {
     let variables = ["USER", "LOGNAME", "USERNAME"];
     variables
         .iter()

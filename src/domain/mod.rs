@@ -19,6 +19,7 @@ mod number_or_null;
 pub mod origin;
 pub mod quantity;
 pub mod run;
+pub mod standing;
 pub mod tag;
 pub mod thinning;
 pub mod unit;
@@ -33,8 +34,8 @@ pub use climate::{
 };
 pub use date_order::DateOrder;
 pub use diagnosis::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis, MisfitStretch, NextRun,
-    ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis,
+    MisfitStretch, NextRun, ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
@@ -48,4 +49,5 @@ pub use origin::{
 };
 pub use quantity::Quantity;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
+pub use standing::{RunWord, SameReadings, Standing};
 pub use tag::{Tag, TagSource};

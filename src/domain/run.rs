@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
-use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Tag};
+use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag};
 
 /// What is measured, told by the folder that the file lies in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -184,6 +184,8 @@ pub struct RunRecord {
     pub fit: Option<Fit>,
     /// Version of the program that made the fit, and when (RFC 3339 UTC).
     pub fit_code_version: Option<String>,
+    /// Whether it takes part in results.
+    pub standing: Standing,
 }
 
 impl RunRecord {

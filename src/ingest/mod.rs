@@ -16,6 +16,7 @@ pub mod named_columns;
 pub mod profiles;
 pub mod reading;
 pub mod run_sheet;
+pub mod same_readings;
 pub mod scan;
 pub mod tags;
 pub mod text;

@@ -3,7 +3,7 @@
 use std::process::{Command, Stdio};
 
 use super::context::now;
-use super::{Context, Observer, PipelineError};
+use super::{Context, Observer, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Monitoring, monitor};
@@ -29,7 +29,7 @@ pub struct AlarmSummary {
 /// # Errors
 /// The database cannot be read.
 pub fn monitoring(context: &Context) -> Result<Monitoring, PipelineError> {
-    let runs = context.store.runs()?;
+    let runs = standing::speaking(context)?;
     // The charge that passed is one axis among several and no alarm depends on it.
     let laws = CampaignLaws {
         facts: facts(&runs, &context.campaign, &vec![None; runs.len()]),

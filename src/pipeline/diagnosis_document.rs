@@ -1,6 +1,6 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
@@ -11,15 +11,15 @@ use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
 use super::shared_effects_document::{SharedEffectEntry, shared_effect_entries};
-use super::{Context, DiagnoseChoice, PipelineError};
+use super::{Context, DiagnoseChoice, PipelineError, standing};
 use crate::analysis::false_discovery::judge_together;
 use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::analysis::online::{Turn, turns};
 use crate::domain::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift,
-    RunAlone, StrengthProfile, Verdict, Whereabouts,
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun,
+    ParameterShift, RunAlone, RunRecord, StrengthProfile, Verdict, Whereabouts,
 };
-use crate::store::DiagnosisKind;
+use crate::store::{DiagnosisKind, StoredDiagnosis};
 
 /// Every current finding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -84,6 +84,8 @@ pub struct GroupEntry {
     pub group: String,
     /// Runs in it.
     pub runs: Vec<String>,
+    /// Runs of it whose readings are wrong, with the reason; they take no part.
+    pub condemned: Vec<CondemnedRun>,
     /// Id of the base model.
     pub base_model: String,
     /// What is said.
@@ -166,31 +168,45 @@ pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineEr
         .diagnoses()?
         .into_iter()
         .partition(|stored| stored.kind == DiagnosisKind::Group);
+    let known = standing::all(context)?;
+    let silent: BTreeSet<&str> = (known.iter().filter(|run| !run.standing.speaks()))
+        .map(|run| run.path.as_str())
+        .collect();
+    // What was found in readings that are set aside since is no finding any more; that they allow none remains true.
+    let holds = |found: &GroupDiagnosis| {
+        found.verdict == Verdict::DataProblem || !found.runs.iter().any(|run| silent.contains(run.as_str()))
+    };
+    let found = |stored: Vec<StoredDiagnosis>| -> Vec<GroupDiagnosis> {
+        stored
+            .into_iter()
+            .map(|stored| stored.found)
+            .filter(holds)
+            .collect()
+    };
     let mut findings = CurrentFindings {
-        groups: groups.into_iter().map(|stored| stored.found).collect(),
-        runs: runs.into_iter().map(|stored| stored.found).collect(),
+        groups: found(groups),
+        runs: found(runs),
         turns: BTreeMap::new(),
     };
-    findings.turns = turns_of(context, &findings.runs)?;
+    findings.turns = turns_of(known, &findings.runs);
     judge_together(&mut findings.groups);
     judge_together(&mut findings.runs);
     Ok(findings)
 }
 
 /// Tests the runs in the order in which they were stored. Runs that were stored again count as new.
-fn turns_of(context: &Context, found: &[GroupDiagnosis]) -> Result<BTreeMap<String, Turn>, PipelineError> {
+fn turns_of(mut runs: Vec<RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, Turn> {
     let p: BTreeMap<&str, f64> = found
         .iter()
         .filter_map(|found| Some((found.group.as_str(), found.p_misfit?)))
         .collect();
-    let mut runs = context.store.runs()?;
     runs.sort_by_key(|run| run.id);
     let (paths, p): (Vec<String>, Vec<f64>) = runs
         .into_iter()
         .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path)))
         .map(|(p, path)| (path, p))
         .unzip();
-    Ok(paths.into_iter().zip(turns(&p)).collect())
+    paths.into_iter().zip(turns(&p)).collect()
 }
 
 /// The document of the current findings; of one group and its runs where one is named.
@@ -213,7 +229,7 @@ pub fn diagnosis_document(
             .collect();
         findings.runs.retain(|found| members.contains(&found.group));
     }
-    let runs = context.store.runs()?;
+    let runs = standing::speaking(context)?;
     let across = match group {
         Some(_) => CampaignLaws::default(),
         None => campaign_laws(context, &runs, choice.seed)?,
@@ -274,6 +290,7 @@ fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> Grou
         lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),
         group: found.group,
         runs: found.runs,
+        condemned: found.condemned,
         base_model: found.base_model,
         verdict: found.verdict,
         sentence: found.sentence,

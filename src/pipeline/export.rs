@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Context, PipelineError};
+use super::{Context, PipelineError, standing};
 use crate::analysis::{self, TableFormat};
+use crate::domain::RunRecord;
 
 /// What can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,15 +97,17 @@ impl Export {
     }
 
     fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {
-        let runs = context.store.runs()?;
+        // The list of runs and their tags hold every run, results only those that speak.
+        let all = standing::all(context)?;
+        let runs: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
         let campaign = &context.campaign;
         let mut table = match self.table {
-            Table::Runs => analysis::run_tables::runs_table(&runs, campaign)?,
-            Table::Tags => analysis::run_tables::tags_table(&runs)?,
+            Table::Runs => analysis::run_tables::runs_table(&all, campaign)?,
+            Table::Tags => analysis::run_tables::tags_table(&all)?,
             Table::Fits => analysis::fits_long(&runs, campaign)?,
             Table::FitsWide => analysis::fits_wide(&runs, campaign)?,
             Table::Conditions => analysis::conditions_table(&runs, campaign)?,
-            Table::Dma => analysis::dma::table::modulus_table(&context.store.modulus_logs()?, campaign)?,
+            Table::Dma => analysis::dma::table::modulus_table(&standing::modulus_logs(context)?.0, campaign)?,
             Table::Traces => {
                 let mut writer = analysis::TraceWriter::create(path, format)?;
                 for run in &runs {

@@ -74,6 +74,7 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
                     area_cm2: task.area_cm2,
                 },
                 length_cm: task.length_cm,
+                is_right: false,
             })
             .collect();
         fit_extended(&inputs, &group.choice)

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::fit::FitChoice;
 use super::grouping::{Group, groups, singles};
 use super::groups_document::{GroupEntry, LeftOut, entry};
-use super::{Context, Observer, PipelineError};
+use super::{Context, Observer, PipelineError, standing};
 use crate::domain::{Channel, Issue};
 use crate::fit::{
     Bootstrap, FitError, FitInput, GroupOptions, Intervals, can_join_group, fit_group, shareable,
@@ -107,7 +107,7 @@ impl FitGroups {
         };
         let tasks = context.store.fit_tasks()?;
         let found = match self.of {
-            FitTogether::Groups => groups(&context.store.runs()?, tasks, &context.campaign.group_by),
+            FitTogether::Groups => groups(&standing::speaking(context)?, tasks, &context.campaign.group_by),
             FitTogether::SingleRuns => singles(tasks),
         };
         observer.begin("fitting with intervals asked for", found.len() as u64);

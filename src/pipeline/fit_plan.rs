@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Context, PipelineError};
+use super::{Context, PipelineError, standing};
 use crate::analysis::groups::groups;
 use crate::domain::RunRecord;
 use crate::fit::FitError;
@@ -52,7 +52,8 @@ fn grouped(
     default: &ModelChoice,
     adopted: &BTreeMap<&str, ModelChoice>,
 ) -> Result<FitPlan, PipelineError> {
-    let runs = context.store.runs()?;
+    // A run that is set aside takes no part in the one parameter set of its group; it is fitted by itself.
+    let runs = standing::speaking(context)?;
     let mut by_id: BTreeMap<i64, FitTask> = tasks.into_iter().map(|task| (task.run_id, task)).collect();
     let ready: Vec<i64> = by_id.keys().copied().collect();
     let among = |run: &RunRecord| ready.binary_search(&run.id).is_ok();

@@ -6,8 +6,9 @@ use super::across_runs::campaign_laws;
 use super::along::PageCurves;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
+use super::standing::Runs;
 use super::swap::replace_folder;
-use super::{Context, Observer, PipelineError, next_runs};
+use super::{Context, Observer, PipelineError, next_runs, standing};
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::matrix::confounding_maps;
 use crate::analysis::shared_effects::{sentence, shared_effects};
@@ -123,11 +124,13 @@ pub(super) fn input(
     changes: u64,
     changed_at: &str,
 ) -> Result<report::Input, PipelineError> {
-    let mut runs = context.store.runs()?;
+    let Runs {
+        speaking: mut runs,
+        set_aside,
+    } = standing::runs(context)?;
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
-    let mut news: Vec<report::News> = runs
-        .iter()
+    let mut news: Vec<report::News> = (runs.iter().chain(&set_aside))
         .map(|run| report::News {
             run_path: run.path.clone(),
             at: run.ingested_at.clone(),
@@ -147,7 +150,8 @@ pub(super) fn input(
         contrasts,
         monitoring,
         campaign: context.campaign.clone(),
-        modulus_logs: context.store.modulus_logs()?,
+        modulus_logs: standing::modulus_logs(context)?.0,
+        set_aside,
         superseded: context.store.superseded_runs()?,
         files: context
             .store

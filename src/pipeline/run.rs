@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::standing::{self, SetAside};
 use super::{
     AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns,
     FitSummary, Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
@@ -31,6 +32,8 @@ pub struct RunSummary {
     pub modulus: ModulusSummary,
     /// Alarms of long-term monitoring.
     pub alarms: AlarmSummary,
+    /// Runs that no result is made from.
+    pub set_aside: Vec<SetAside>,
     /// The report.
     pub report: ReportSummary,
 }
@@ -58,17 +61,25 @@ impl Run {
         may_go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<RunSummary, PipelineError> {
         let ingest = Ingest { ready }.run(context, observer)?;
-        let fit = FitRuns {
+        let fits = FitRuns {
             choice: self.fit.clone(),
             again: false,
-        }
-        .run(context, observer)?;
+        };
+        let mut fit = fits.run(context, observer)?;
+        let condemned = context.store.condemned_by_diagnosis()?;
         let diagnose = match self.skip_diagnosis {
             true => DiagnoseSummary::default(),
             false => self.diagnosis().run_while(context, observer, may_go_on)?,
         };
+        if context.store.condemned_by_diagnosis()? != condemned {
+            // A run that shared its parameters with others does so no more.
+            let later = fits.run(context, observer)?;
+            fit.fitted += later.fitted;
+            fit.not_converged.extend(later.not_converged);
+        }
         let modulus = AnalyseModulus::default().run(context, observer)?;
         let alarms = RaiseAlarms.run(context, observer)?;
+        let set_aside = standing::runs(context)?.set_aside;
         let report = RenderReport::default().run(context, observer)?;
         Ok(RunSummary {
             ingest,
@@ -76,6 +87,7 @@ impl Run {
             modulus,
             diagnose,
             alarms,
+            set_aside: set_aside.iter().map(SetAside::of).collect(),
             report,
         })
     }

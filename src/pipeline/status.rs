@@ -12,11 +12,12 @@ use super::ingest::unread::RESPONSE_MISSING;
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::mends::{Together, together};
 use super::planned::{Planned, planned};
-use super::{Context, PipelineError};
+use super::standing::{Runs, SetAside};
+use super::{Context, PipelineError, standing};
 use crate::domain::tag::keys;
-use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunKind, RunRecord, RunState, Severity};
+use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunRecord, RunState, Severity};
 use crate::ingest::name_pattern::{self, ProposedPattern};
-use crate::ingest::tags::{self, MISSING, MISSPELT, UNDECLARED, UNKNOWN_SAMPLE};
+use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
 
 /// The state of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,10 +26,13 @@ pub struct Status {
     pub campaign: String,
     /// Number of current runs.
     pub runs: usize,
-    /// Current runs by state; fitted ones counted as `fitted`.
+    /// Current runs by state; fitted ones counted as `fitted`, those that no result is made from as `dropped`, `condemned` or
+    /// `copy`.
     pub runs_by_state: BTreeMap<&'static str, usize>,
     /// Current modulus logs by state; analysed ones counted as `analysed`.
     pub modulus_logs_by_state: BTreeMap<&'static str, usize>,
+    /// Runs and modulus logs that no result is made from, with the reason.
+    pub set_aside: Vec<SetAside>,
     /// Modulus logs that are not analysed, with the reason.
     pub modulus_logs_not_analysed: Vec<Reasoned>,
     /// Runs that wait for tags, with what is missing.
@@ -43,12 +47,16 @@ pub struct Status {
     pub undeclared_tags: Vec<Together>,
     /// Fitted runs whose files hold a response that was not read, with the reason.
     pub fitted_without_response: Vec<Reasoned>,
+    /// Runs whose readings lie under several names that are tagged differently.
+    pub names_contradict: Vec<Reasoned>,
     /// Files that were refused.
     pub refused: Vec<Reasoned>,
     /// Files that wait: empty, header only, still growing.
     pub pending: Vec<Reasoned>,
-    /// Files that hold the same bytes as a run's file.
+    /// Number of files that hold the same bytes as a run's file.
     pub aliases: usize,
+    /// These files, each with the run.
+    pub alias_files: Vec<AliasFile>,
     /// Files of runs and logs that are no longer in the folder.
     pub missing_files: Vec<String>,
     /// Conditions without a run, among all combinations of the materials, environments and voltages measured.
@@ -100,6 +108,15 @@ pub struct Reasoned {
     pub issues: Vec<Issue>,
 }
 
+/// A file that holds the bytes of a run's file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AliasFile {
+    /// Path relative to the campaign.
+    pub path: String,
+    /// The run.
+    pub run: String,
+}
+
 /// A condition that nothing was measured in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
@@ -116,7 +133,11 @@ pub struct Gap {
 /// # Errors
 /// The database cannot be read.
 pub fn status(context: &Context) -> Result<Status, PipelineError> {
-    let runs = context.store.runs()?;
+    let Runs {
+        speaking: runs,
+        set_aside,
+    } = standing::runs(context)?;
+    let (logs, logs_aside) = standing::modulus_logs(context)?;
     let files = context.store.files()?;
     let file_list = |state: FileState| {
         let of_state = files
@@ -138,7 +159,9 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         };
         *runs_by_state.entry(state).or_insert(0) += 1;
     }
-    let logs = context.store.modulus_logs()?;
+    for run in &set_aside {
+        *runs_by_state.entry(run.standing.key()).or_insert(0) += 1;
+    }
     let mut modulus_logs_by_state = BTreeMap::new();
     for log in &logs {
         let state = match (&log.analysis, log.run.state) {
@@ -164,7 +187,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     Ok(Status {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
         campaign: context.campaign.id.clone(),
-        runs: runs.len(),
+        runs: runs.len() + set_aside.len(),
         runs_by_state,
         modulus_logs_by_state,
         modulus_logs_not_analysed,
@@ -173,16 +196,22 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         no_steps: reasoned(&runs, |run| run.state == RunState::NoSteps),
         undeclared_tags: undeclared_tags(context)?,
         fitted_without_response: fitted_without_response(&runs),
+        set_aside: (set_aside.iter())
+            .chain(logs_aside.iter().map(|log| &log.run))
+            .map(SetAside::of)
+            .collect(),
+        names_contradict: contradicting(&runs),
         refused: file_list(FileState::Refused),
         pending: file_list(FileState::Pending),
         aliases: file_list(FileState::Alias).len(),
+        alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
         groups_not_diagnosed: waiting.missing,
         findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
-        planned: planned(context, &runs)?,
+        planned: planned(context, &standing::all(context)?)?,
         lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
@@ -288,6 +317,26 @@ fn fitted_without_response(runs: &[RunRecord]) -> Vec<Reasoned> {
         })
     };
     runs.iter().filter_map(of).collect()
+}
+
+fn aliases_of(run: &RunRecord) -> impl Iterator<Item = AliasFile> {
+    let aliases = run.files.iter().flat_map(|file| &file.aliases);
+    aliases.map(|path| AliasFile {
+        path: path.clone(),
+        run: run.path.clone(),
+    })
+}
+
+fn contradicting(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let issues = |run: &RunRecord| -> Vec<Issue> {
+        let found = run.issues.iter().filter(|issue| issue.code == NAMES_CONTRADICT);
+        found.cloned().collect()
+    };
+    let of = |run: &RunRecord| Reasoned {
+        path: run.path.clone(),
+        issues: issues(run),
+    };
+    runs.iter().map(of).filter(|run| !run.issues.is_empty()).collect()
 }
 
 /// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.

@@ -45,7 +45,7 @@ pub fn to_draw(site: &Site, page: usize, curves: &dyn CurveSource) -> Result<ToD
 }
 
 fn drawn_run(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<DrawnRun, ReportError> {
-    let record = &input.runs[run];
+    let record = input.record(run);
     let failed = |reason| ReportError::Curves {
         run: record.path.clone(),
         reason,

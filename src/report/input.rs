@@ -16,8 +16,10 @@ use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, Run
 pub struct Input {
     /// The campaign.
     pub campaign: Campaign,
-    /// Current revision of every run, in the order in which lists show them.
+    /// Current revision of every run that results are made from, in the order in which lists show them.
     pub runs: Vec<RunRecord>,
+    /// The runs that none are made from, each with its reason: they have a page and stand in the list of runs.
+    pub set_aside: Vec<RunRecord>,
     /// Earlier revisions of the same paths, for the history on the run pages.
     pub superseded: Vec<RunRecord>,
     /// Current modulus logs with what was found in them.
@@ -46,6 +48,21 @@ pub struct Input {
     pub climate: ClimateAssessment,
     /// Start and end of the runs whose start is known, s since 1970 UTC.
     pub run_spans_s: Vec<(f64, f64)>,
+}
+
+impl Input {
+    /// Run number `run` of all that have a page: those of `runs`, then those of `set_aside`.
+    pub fn record(&self, run: usize) -> &RunRecord {
+        match run.checked_sub(self.runs.len()) {
+            None => &self.runs[run],
+            Some(place) => &self.set_aside[place],
+        }
+    }
+
+    /// All runs that have a page, in the order of their numbers.
+    pub fn records(&self) -> impl Iterator<Item = &RunRecord> {
+        self.runs.iter().chain(&self.set_aside)
+    }
 }
 
 /// What diagnoses found, and what is known of the effects that they name.

@@ -61,7 +61,7 @@ impl<'a> Site<'a> {
     /// Sorts the runs of `input` into conditions and names their pages.
     pub fn new(input: &'a Input) -> Site<'a> {
         let run_pages = run_pages(input);
-        let mut pages_of_runs = vec![0; input.runs.len()];
+        let mut pages_of_runs = vec![0; input.records().count()];
         for (index, page) in run_pages.iter().enumerate() {
             page.runs.iter().for_each(|&run| pages_of_runs[run] = index);
         }
@@ -72,7 +72,7 @@ impl<'a> Site<'a> {
             conditions: conditions(&input.runs, &input.campaign),
             facts: facts(&input.runs, &input.campaign, &[]),
             pages: PAGES.iter().filter(|page| (page.is_shown)(input)).collect(),
-            slugs: slugs(input.runs.iter().map(|run| run.path.as_str())),
+            slugs: slugs(input.records().map(|run| run.path.as_str())),
             finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
         }
     }
@@ -113,19 +113,19 @@ impl<'a> Site<'a> {
 
     /// The current run of that path.
     pub fn run_of(&self, path: &str) -> Option<usize> {
-        self.input.runs.iter().position(|run| run.path == path)
+        self.input.records().position(|run| run.path == path)
     }
 
     /// The group that a run was diagnosed in.
     pub fn finding_of_run(&self, run: usize) -> Option<usize> {
-        let path = &self.input.runs[run].path;
+        let path = &self.input.record(run).path;
         let groups = &self.input.findings.groups;
         groups.iter().position(|found| found.runs.contains(path))
     }
 
     /// Name of a run as lists show it: its path without the folder that all runs share.
     pub fn run_name(&self, run: usize) -> &str {
-        let path = self.input.runs[run].path.as_str();
+        let path = self.input.record(run).path.as_str();
         let folder = self.input.campaign.runs_folder.trim_end_matches('/');
         path.strip_prefix(folder)
             .and_then(|rest| rest.strip_prefix('/'))

@@ -21,6 +21,7 @@ mod new_run;
 mod origin;
 mod run_climate;
 mod runs;
+mod standing;
 mod tags;
 mod transaction;
 

@@ -16,7 +16,7 @@ use crate::domain::left_out;
 use crate::domain::tag::keys;
 use crate::domain::{
     Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunOrigin, RunRecord, RunState, RunStatus,
-    Severity, Tag, TagSource,
+    Severity, Standing, Tag, TagSource,
 };
 
 impl Store {
@@ -83,6 +83,7 @@ impl Store {
             )?;
             transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
             transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
             upsert_file(transaction, file)
         })
     }
@@ -535,5 +536,6 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         fit: None,
         fit_code_version: None,
         climate: Vec::new(),
+        standing: Standing::default(),
     })
 }

@@ -121,3 +121,23 @@ fn every_file_begins_with_what_it_is() {
         assert!(text.starts_with("//!"), "{} has no //! line", file.display());
     }
 }
+
+/// Runs are read from the database as they are by those only that make no results of them: the place that decides which of
+/// them speak, and what tags and stores runs.
+#[test]
+fn results_are_made_from_runs_that_speak() {
+    let may = [
+        "standing.rs",
+        "tag.rs",
+        "ingest/retag.rs",
+        // Exposure is what a strip went through, whatever became of the run.
+        "climate/assess.rs",
+    ];
+    let pipeline = source().join("pipeline");
+    for file in rust_files(&pipeline) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let reads = text.contains("store.runs()") || text.contains("store.runs_earlier(");
+        let may = may.iter().any(|name| file == pipeline.join(name));
+        assert!(!reads || may, "{} reads runs that may not speak", file.display());
+    }
+}

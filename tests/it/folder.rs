@@ -477,6 +477,7 @@ fn the_campaigns_with_known_answers_are_tagged() {
                 header: &[],
                 channel_voltage_v: Some(5.0),
                 has_voltage: true,
+                other_names: &[],
                 ambient: &[],
             });
             assert_eq!(

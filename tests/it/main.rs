@@ -48,5 +48,6 @@ mod samples;
 mod serve;
 mod shared_effects;
 mod sidecars;
+mod standing;
 mod tables;
 mod watch;

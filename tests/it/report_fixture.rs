@@ -162,6 +162,7 @@ pub fn run(index: usize, material: &str, surroundings: usize, voltage_v: f64, re
         fit: Some(fit(truth, index as u64, material == "CNaf")),
         climate: vec![],
         fit_code_version: Some("ieap 0.1.0".to_owned()),
+        standing: Default::default(),
     }
 }
 
@@ -281,6 +282,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
             })
             .collect(),
         runs,
+        set_aside: vec![],
         modulus_logs: vec![],
         superseded: vec![],
         files: vec![],

@@ -56,6 +56,7 @@ struct Given {
     header: Vec<(String, String, String)>,
     channel_voltage_v: Option<f64>,
     stem: Option<&'static str>,
+    other_names: Vec<OtherName>,
 }
 
 /// The tags of a run with these files of tags beside it.
@@ -80,6 +81,7 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         header: &given.header,
         channel_voltage_v: given.channel_voltage_v,
         has_voltage: given.channel_voltage_v.is_some(),
+        other_names: &given.other_names,
         ambient: &[],
     })
 }
@@ -125,6 +127,7 @@ fn sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said() 
             planned: vec![tag("4.5", TagSource::RunSheet, "runs/next.run-sheet.csv, P01")],
             header,
             channel_voltage_v: Some(3.0),
+            other_names: Vec::new(),
             stem: None,
         },
     );
@@ -400,6 +403,7 @@ proptest::proptest! {
             header: &[],
             channel_voltage_v: None,
             has_voltage: false,
+            other_names: &[],
             ambient: &[],
         });
         proptest::prop_assert_eq!(found.value("environment"), Some("air"));
@@ -407,4 +411,40 @@ proptest::proptest! {
         let voltage: f64 = found.value("voltage_v").unwrap().parse().unwrap();
         proptest::prop_assert!(voltage.is_finite());
     }
+}
+
+#[test]
+fn tags_of_another_name_are_joined_and_what_contradicts_is_an_issue() {
+    let other = |file: &str| OtherName {
+        file: PathBuf::from(file),
+        ..OtherName::default()
+    };
+    let named = |stem, others: &[&str], files: &[(&str, &str)]| {
+        let given = Given {
+            stem: Some(stem),
+            other_names: others.iter().copied().map(other).collect(),
+            ..Given::default()
+        };
+        resolve_with(files, given)
+    };
+    // A name that says nothing has the tags of the one that does.
+    let joined = named("export (2)", &["runs/CNaf-01_air_2.5V.csv"], &[]);
+    assert_eq!((joined.issues.clone(), joined.missing.len()), (vec![], 0));
+    assert_eq!(joined.value("voltage_v"), Some("2.5"));
+    // A tags.toml above both names is one statement.
+    let shared = [("runs/tags.toml", "operator = \"A\"\n")];
+    assert!(
+        named("CNaf-01_air_2.5V", &["runs/set/copy.csv"], &shared)
+            .issues
+            .is_empty()
+    );
+    let found = named("CNaf-01_air_2.5V", &["runs/other/CNaf-01_vacuum_2.5V.csv"], &[]);
+    assert_eq!(codes(&found), [NAMES_CONTRADICT]);
+    let message = &found.issues[0].message;
+    assert!(
+        message.contains("air for runs/set/CNaf-01_air_2.5V.csv")
+            && message.contains("vacuum for runs/other/"),
+        "{message}"
+    );
+    assert_eq!(found.value("environment"), Some("air"));
 }

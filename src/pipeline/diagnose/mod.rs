@@ -297,10 +297,13 @@ fn diagnose_one(
             Some((tasks[index].path.as_str(), decision))
         });
         let places: Vec<_> = places.collect();
-        with_inputs(members, tasks, channels, |inputs| {
+        with_inputs(subject, tasks, channels, |inputs| {
             let options = subject.options(options);
             let found = diagnose_group(&subject.name, inputs, &options);
-            with_places(found, &places, inputs, &options)
+            let inputs = not_condemned(inputs, &found);
+            let mut places = places;
+            places.retain(|(name, _)| inputs.iter().any(|input| input.name == *name));
+            with_places(found, &places, &inputs, &options)
         })
     });
     diagnosed.unwrap_or_else(|_| {
@@ -310,11 +313,12 @@ fn diagnose_one(
 
 /// Calls `then` with the runs as a diagnosis takes them; `channels` are theirs as they are stored.
 fn with_inputs<R>(
-    members: &[usize],
+    subject: &Subject,
     tasks: &[FitTask],
     channels: &[Vec<Channel>],
     then: impl FnOnce(&[RunInput]) -> R,
 ) -> R {
+    let members = &subject.members;
     let responses: Vec<Vec<Channel>> = members
         .iter()
         .zip(channels)
@@ -331,9 +335,20 @@ fn with_inputs<R>(
                 area_cm2: tasks[index].area_cm2,
             },
             length_cm: tasks[index].length_cm,
+            is_right: subject.right.contains(&index),
         })
         .collect();
     then(&inputs)
+}
+
+/// The runs that a finding is about.
+fn not_condemned<'a>(inputs: &[RunInput<'a>], found: &GroupDiagnosis) -> Vec<RunInput<'a>> {
+    let is_condemned = |input: &&RunInput| found.condemned.iter().any(|odd| odd.run == input.name);
+    inputs
+        .iter()
+        .filter(|input| !is_condemned(input))
+        .copied()
+        .collect()
 }
 
 /// What is said of a group whose diagnosis stopped.

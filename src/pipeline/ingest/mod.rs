@@ -1,6 +1,7 @@
 //! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
 
 mod batch;
+mod copies;
 mod frame_folder;
 mod groups;
 mod left_out;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::context::now;
-use super::{Context, Observer, PipelineError, planned};
+use super::{Context, Observer, PipelineError, planned, standing};
 use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
@@ -54,6 +55,8 @@ pub struct IngestSummary {
     pub renamed: Vec<(String, String)>,
     /// Files that hold the same bytes as a run's file, found now.
     pub aliases: Vec<String>,
+    /// Pairs of runs that hold the same readings, found now.
+    pub copies: usize,
     /// Files refused, now or before, with the reason.
     pub refused: Vec<(String, Issue)>,
     /// Files that wait: empty, header only, or still growing.
@@ -136,6 +139,8 @@ impl Ingest<'_> {
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
         drop((groups, changes, seen, stored));
+        // What runs of the same readings are tagged with is known together.
+        summary.copies = copies::find_copies(context, observer)?;
         summary.retagged = retag::retag_runs(context, observer)?;
         climate::assess(context, &shelf)?;
         list_states(context, &mut summary)?;
@@ -262,6 +267,10 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.waiting.sort();
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;
+    let aside = standing::runs(context)?.set_aside;
+    summary
+        .untagged
+        .retain(|name| aside.iter().all(|run| run.path != *name));
     summary.waiting_for = status::waiting_for(context)?;
     let untagged = summary.untagged.iter().map(String::as_str);
     summary.proposed_pattern = status::proposed_pattern(context, untagged);

@@ -38,13 +38,15 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         .filter(|(_, issue)| issue.place == keys::STARTED_AT)
         .map(|(path, _)| path)
         .collect();
+    let other_names = context.store.other_names()?;
+    let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
     let mut due = Vec::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
         let files = tag_files(&path, &files);
-        let changed = digest(context, &shelf, &path, &files, window)? != stored;
+        let changed = digest(context, &shelf, (&path, &files), others_of(run_id), window)? != stored;
         if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
             due.push(run_id);
         }
@@ -58,7 +60,9 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
     let runs: Vec<RunRecord> = all.filter(|run| due.contains(&run.id) && !is_held(run)).collect();
     for batch in runs.chunks(MOST_FILES) {
         together(context, |context| {
-            batch.iter().try_for_each(|run| retag(context, &shelf, run))
+            batch
+                .iter()
+                .try_for_each(|run| retag(context, &shelf, run, others_of(run.id)))
         })?;
         batch
             .iter()
@@ -80,7 +84,12 @@ fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Resul
         .any(|stamp| start::settled(stamp, None, &beside).1.is_none()))
 }
 
-fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), PipelineError> {
+fn retag(
+    context: &mut Context,
+    shelf: &Shelf,
+    run: &RunRecord,
+    other_names: &[String],
+) -> Result<(), PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
@@ -101,6 +110,7 @@ fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), Pi
         run_path: &run.path,
         kind: run.kind,
         file_paths: run.files.iter().map(|file| file.path.as_str()).collect(),
+        other_names,
         origin: &run.origin,
         channels: &channels,
         time_zero_is_step,

@@ -268,6 +268,8 @@ fn new_run(
         run_path: &path,
         kind,
         file_paths: contents.iter().map(|content| content.path.as_str()).collect(),
+        // Which others hold these readings is known when all are in; then it is tagged again.
+        other_names: &[],
         origin: &origin,
         channels: &part.channels,
         time_zero_is_step: part.time_zero_is_step,

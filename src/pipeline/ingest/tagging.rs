@@ -13,7 +13,7 @@ use crate::domain::tag::keys;
 use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Severity, Tag, TagSource};
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
-use crate::ingest::tags::{self, Resolved, TagRequest};
+use crate::ingest::tags::{self, OtherName, Resolved, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::climate::{Shelf, climate_of};
 use crate::pipeline::{Context, PipelineError};
@@ -31,6 +31,8 @@ pub struct TaggingInput<'a> {
     pub kind: RunKind,
     /// Paths of its files, as the scan displays them.
     pub file_paths: Vec<&'a str>,
+    /// Other paths and runs that hold the same readings.
+    pub other_names: &'a [String],
     /// Clocks, flags and profiles that the readings rest on.
     pub origin: &'a RunOrigin,
     /// Readings.
@@ -69,6 +71,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         RunKind::Dma => None,
     };
     let planned = planned_tags(context, input.run_path, &files);
+    let other_names = other_names(context, input.other_names)?;
     let request = TagRequest {
         campaign: &context.campaign,
         folder: &context.folder,
@@ -81,6 +84,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         header: &header,
         channel_voltage_v,
         has_voltage: input.channels.iter().any(|c| c.is_whole(Quantity::Voltage)),
+        other_names: &other_names,
         ambient: &[],
     };
     let without_logs = tags::resolve(&request);
@@ -97,7 +101,13 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
             ..request
         }),
     };
-    let digest = digest(context, shelf, input.run_path, &files, window)?;
+    let digest = digest(
+        context,
+        shelf,
+        (input.run_path, &files),
+        input.other_names,
+        window,
+    )?;
     let mut tagging = match input.kind {
         RunKind::Actuation => conclude(context, input, resolved, digest),
         RunKind::Dma => conclude_dma(input, resolved, digest),
@@ -186,8 +196,8 @@ pub fn tag_files(run_path: &str, file_paths: &[&str]) -> Vec<PathBuf> {
 pub fn digest(
     context: &Context,
     shelf: &Shelf,
-    run_path: &str,
-    files: &[PathBuf],
+    (run_path, files): (&str, &[PathBuf]),
+    other_paths: &[String],
     window: Option<Window>,
 ) -> Result<String, PipelineError> {
     let mut hasher = blake3::Hasher::new();
@@ -202,6 +212,11 @@ pub fn digest(
     for tag in hand_tags(context, run_path)? {
         hasher.update(format!("{:?}", (tag.key, tag.value)).as_bytes());
     }
+    for other in other_names(context, other_paths)? {
+        let said = (&other.file, &other.hand, &other.planned);
+        hasher.update(format!("also {said:?}").as_bytes());
+        hasher.update(tags::tag_sources_digest(&context.folder, &[other.file]).as_bytes());
+    }
     Ok(hasher.finalize().to_hex().to_string())
 }
 
@@ -214,6 +229,19 @@ fn planned_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<Tag
         }
         RunKind::Dma => Vec::new(),
     }
+}
+
+/// What is stated of other names of the readings.
+fn other_names(context: &Context, paths: &[String]) -> Result<Vec<OtherName>, PipelineError> {
+    let named = |path: &String| {
+        let file = parse_display_path(path);
+        Ok(OtherName {
+            hand: hand_tags(context, path)?,
+            planned: planned_tags(context, path, std::slice::from_ref(&file)),
+            file,
+        })
+    };
+    paths.iter().map(named).collect()
 }
 
 fn hand_tags(context: &Context, run_path: &str) -> Result<Vec<Tag>, PipelineError> {

@@ -86,7 +86,7 @@ impl Page {
     /// Everything of the only run stands with it.
     fn say_all(&mut self, site: &Site, drawn: &[DrawnRun]) {
         for (section, drawn) in self.runs.iter_mut().zip(drawn) {
-            let record = &site.input.runs[drawn.run];
+            let record = site.input.record(drawn.run);
             if let Some(fit) = &record.fit {
                 section.fit.splice(3..3, r_squared(fit));
             }
@@ -122,7 +122,7 @@ impl Page {
             runs.iter_mut().for_each(|section| section.group = None);
         }
         self.share_channels(site, drawn);
-        let record = |drawn: &DrawnRun| &site.input.runs[drawn.run];
+        let record = |drawn: &DrawnRun| site.input.record(drawn.run);
         let mut own: Vec<Vec<TagText>> = drawn.iter().map(|drawn| tags(record(drawn))).collect();
         self.tags = grouped(take_common(&mut own));
         for (section, tags) in self.runs.iter_mut().zip(own) {
@@ -132,7 +132,7 @@ impl Page {
 
     /// Channels are named once where all runs have the same ones with as many readings.
     fn share_channels(&mut self, site: &Site, drawn: &[DrawnRun]) {
-        let of = |drawn: &DrawnRun| channels(&site.input.runs[drawn.run], &drawn.curves);
+        let of = |drawn: &DrawnRun| channels(site.input.record(drawn.run), &drawn.curves);
         let all: Vec<Vec<ChannelText>> = drawn.iter().map(of).collect();
         let named = |channels: &[ChannelText]| -> Vec<Fact> {
             let pair = |channel: &ChannelText| (channel.quantity.clone(), channel.what.clone());
@@ -227,7 +227,7 @@ fn lead(site: &Site, page: usize) -> String {
     if page.runs.len() == 1 {
         return String::new();
     }
-    let record = &site.input.runs[page.runs[0]];
+    let record = site.input.record(page.runs[0]);
     let material = material(record, &site.input.campaign).map(|material| format!("{material}: "));
     let more = match page.parts {
         1 => String::new(),

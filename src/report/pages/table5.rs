@@ -75,6 +75,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         named.table(&TableInput {
             campaign: &input.campaign,
             runs: &input.runs,
+            set_aside: &input.set_aside,
             modulus_logs: &input.modulus_logs,
             files: &input.files,
             groups: &input.findings.groups,
