@@ -43,6 +43,7 @@ pub fn campaign() -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        fit: Default::default(),
     }
 }
 

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::RunKind;
 use super::climate::{ClimateRules, SensorStatement};
 use super::monitoring::MonitoringRules;
+use super::{AskedFit, RunKind};
 
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -110,6 +110,9 @@ pub struct Campaign {
     pub dma_name_pattern: Option<String>,
     /// Model that runs are fitted with.
     pub model: String,
+    /// What the file states of how to fit; the rest is left to the program.
+    #[serde(default)]
+    pub fit: AskedFit,
     /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
     #[serde(default)]
     pub group_by: Vec<String>,

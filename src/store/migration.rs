@@ -8,7 +8,7 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 7] = [
+const HISTORY: [&str; 8] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
@@ -16,6 +16,7 @@ const HISTORY: [&str; 7] = [
     include_str!("../../migrations/0005_diagnosis.sql"),
     include_str!("../../migrations/0006_alarms.sql"),
     include_str!("../../migrations/0007_fit_along.sql"),
+    include_str!("../../migrations/0013_asked_fit.sql"),
 ];
 
 /// Schema version that this program writes.

@@ -52,6 +52,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        fit: Default::default(),
     }
 }
 

@@ -29,6 +29,15 @@ pub(super) struct File {
     pub monitoring: Monitoring,
     #[serde(default)]
     pub compare: Compare,
+    #[serde(default)]
+    pub fit: Fit,
+}
+
+/// `[fit]`.
+#[derive(Default, Deserialize)]
+pub(super) struct Fit {
+    pub method: Option<String>,
+    pub simultaneous: Option<bool>,
 }
 
 /// `[[adopted]]`.

@@ -41,6 +41,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        fit: Default::default(),
     }
 }
 
