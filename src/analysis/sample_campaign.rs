@@ -45,6 +45,7 @@ pub fn campaign() -> Campaign {
         monitoring: Default::default(),
         compare: Default::default(),
         extra_tags: Vec::new(),
+        fit: Default::default(),
     }
 }
 

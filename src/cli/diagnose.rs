@@ -14,7 +14,7 @@ use crate::pipeline::{
 };
 
 /// Say what the simulation gets wrong in each group of runs, name the cause, and measure what the extended
-/// model gains; after taking in new files
+/// model gains; after taking in new files and fitting what is due
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
     #[command(flatten)]
@@ -44,6 +44,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
         .refused
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+    fit_what_is_due(global, &mut context, output)?;
     let choice = DiagnoseChoice {
         model: args.model.clone(),
         draws: args.draws.map(|draws| draws as usize),
@@ -74,6 +75,19 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     })
 }
 
+/// Fits what has no current fit, without which nothing is asked across runs.
+fn fit_what_is_due(global: &Global, context: &mut Context, output: &Output) -> Result<(), CliError> {
+    let choice = FitChoice {
+        seed: global.seed,
+        ..FitChoice::default()
+    };
+    let fits = FitRuns { choice, again: false }.run(context, output)?;
+    if fits.fitted + fits.failed.len() > 0 {
+        super::fit::say(&fits, output);
+    }
+    Ok(())
+}
+
 /// Adopts what the findings name and fits it.
 fn adopt(
     args: &DiagnoseArgs,
@@ -97,13 +111,7 @@ fn adopt(
         };
         output.message(&format!("nothing adopted: {why}"));
     }
-    let choice = FitChoice {
-        seed: global.seed,
-        ..FitChoice::default()
-    };
-    let fits = FitRuns { choice, again: false }.run(context, output)?;
-    super::fit::say(&fits, output);
-    Ok(())
+    fit_what_is_due(global, context, output)
 }
 
 /// What went wrong on the way.
@@ -183,7 +191,10 @@ fn print(group: &GroupEntry, output: &Output) {
 
 /// What holds across runs: what the design leaves open first, then what may be claimed.
 fn print_across(document: &DiagnosisDocument, output: &Output) {
-    if document.campaign_tests.is_empty() && document.campaign_confounded.is_empty() {
+    if document.campaign_tests.is_empty()
+        && document.campaign_confounded.is_empty()
+        && document.campaign_doubted.is_empty()
+    {
         return;
     }
     output.result(&format!(
@@ -193,6 +204,9 @@ fn print_across(document: &DiagnosisDocument, output: &Output) {
     ));
     for tied in &document.campaign_confounded {
         output.result(&format!("    {}", tied.sentence));
+    }
+    for doubted in &document.campaign_doubted {
+        output.result(&format!("    {}", doubted.sentence));
     }
     for found in &document.campaign {
         output.result(&format!(

@@ -63,11 +63,20 @@ pub(super) fn say(summary: &FitSummary, output: &Output) {
         summary.up_to_date,
         summary.failed.len()
     ));
+    say_choices(summary, output);
     say_unknown_groups(summary, output);
     summary
         .failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+}
+
+/// Which choices of method, steps and model hold, and where they come from.
+pub(super) fn say_choices(summary: &FitSummary, output: &Output) {
+    summary
+        .choices
+        .iter()
+        .for_each(|choice| output.message(&choice.words()));
 }
 
 /// Groups that a model is adopted for and that are not there.

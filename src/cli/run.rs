@@ -55,6 +55,7 @@ pub fn print(summary: &RunSummary, output: &Output) {
     fit.failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+    super::fit::say_choices(fit, output);
     super::fit::say_unknown_groups(fit, output);
     for path in &fit.not_converged {
         output.message(&format!("  {path}: the search did not converge; see its page"));

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::climate::{ClimateRules, SensorStatement};
 use super::monitoring::MonitoringRules;
-use super::{DateOrder, RunKind};
+use super::{AskedFit, DateOrder, RunKind};
 
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -113,6 +113,9 @@ pub struct Campaign {
     pub dma_name_pattern: Option<String>,
     /// Model that runs are fitted with.
     pub model: String,
+    /// What the file states of how to fit; the rest is left to the program.
+    #[serde(default)]
+    pub fit: AskedFit,
     /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
     #[serde(default)]
     pub group_by: Vec<String>,

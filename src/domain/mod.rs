@@ -2,6 +2,7 @@
 //! estimates, fits and issues. Nothing here reads files, speaks SQL or fits.
 
 pub mod along;
+pub mod asked_fit;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
@@ -26,6 +27,7 @@ pub mod unit;
 mod unit_spelling;
 
 pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
+pub use asked_fit::AskedFit;
 pub use campaign::{Campaign, CompareRules, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use climate::{

@@ -2,7 +2,9 @@
 
 use super::PipelineError;
 use super::context::Context;
+use super::diagnosis_document::current_findings;
 use super::planned::{PlannedRow, planned};
+use crate::analysis::laws::doubt::Findings;
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
 use crate::domain::tag::keys;
 use crate::domain::{FileState, Quantity, RunCurve, RunRecord, RunState, RunStatus};
@@ -22,7 +24,12 @@ pub fn campaign_laws(
 ) -> Result<CampaignLaws, PipelineError> {
     let charge_c = charges(context, runs)?;
     let attempts = attempts(context, runs)?;
+    let findings = current_findings(context)?;
     Ok(find(&Evidence {
+        findings: Findings {
+            groups: &findings.groups,
+            runs: &findings.runs,
+        },
         runs,
         campaign: &context.campaign,
         charge_c: &charge_c,

@@ -7,6 +7,7 @@ use crate::analysis::false_discovery::CLAIMED_BELOW;
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
+use crate::analysis::laws::doubt::{Doubted, Treatment};
 use crate::analysis::laws::fitted::{Fitted, Interval};
 use crate::analysis::laws::offset::LengthDoubt;
 use crate::analysis::laws::selection::Selection;
@@ -117,6 +118,36 @@ pub struct ConfoundedEntry {
     pub compared: &'static str,
     /// In words.
     pub sentence: String,
+}
+
+/// Fits of a group whose misfit is claimed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DoubtedEntry {
+    /// Name of the group.
+    pub group: String,
+    /// `widened` or `left-out`.
+    pub treatment: &'static str,
+    /// Runs that this is about.
+    pub runs: Vec<String>,
+    /// Ids of the causes that its finding names.
+    pub causes: Vec<String>,
+    /// In words.
+    pub sentence: String,
+}
+
+/// Groups whose fits are in doubt.
+pub fn doubted(laws: &CampaignLaws) -> Vec<DoubtedEntry> {
+    let entry = |one: &Doubted| DoubtedEntry {
+        group: one.group.clone(),
+        treatment: match one.treatment {
+            Treatment::Widened => "widened",
+            Treatment::LeftOut => "left-out",
+        },
+        runs: one.runs.clone(),
+        causes: one.causes.clone(),
+        sentence: words::doubted(one),
+    };
+    laws.doubted.iter().map(entry).collect()
 }
 
 /// Entries of what may be claimed.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::across_runs::campaign_laws;
-use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry};
+use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry, DoubtedEntry};
 use super::diagnose::library_hash;
 use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
@@ -44,6 +44,8 @@ pub struct DiagnosisDocument {
     pub campaign: Vec<CampaignEntry>,
     /// Covariates that the design lets nobody tell apart.
     pub campaign_confounded: Vec<ConfoundedEntry>,
+    /// Groups whose fits are in doubt, and what that does to the questions across runs.
+    pub campaign_doubted: Vec<DoubtedEntry>,
     /// Every question that was asked across runs.
     pub campaign_tests: Vec<CampaignTest>,
     /// What it takes to tell the confounded covariates apart.
@@ -263,6 +265,7 @@ pub fn diagnosis_document(
         campaign_effects,
         campaign: campaign_document::entries(&across),
         campaign_confounded: campaign_document::confounded(&across),
+        campaign_doubted: campaign_document::doubted(&across),
         campaign_tests: campaign_document::tests(&across),
         campaign_untying: next_runs::untying_entries(&plan),
         campaign_next_runs: next_runs::entries(&plan),

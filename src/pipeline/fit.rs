@@ -4,47 +4,17 @@ use rayon::prelude::*;
 
 use super::context::{CODE_VERSION, now};
 use super::fit_along;
+use super::fit_choice::{FitChoice, HeldChoice, held};
 use super::fit_extended;
-use super::fit_plan::fit_plan;
+use super::fit_plan::{Planned, fit_plan};
 use super::{Context, Observer, PipelineError};
-use crate::domain::{Campaign, Channel, Fit, Issue};
+use crate::domain::{Channel, Fit, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
-use crate::model::ModelChoice;
 use crate::store::{FitStamp, FitTask};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 32;
-
-/// How runs are fitted.
-#[derive(Debug, Clone, Default)]
-pub struct FitChoice {
-    /// Model to fit with; none takes the campaign's.
-    pub model: Option<String>,
-    /// Id of the method that searches minima; none takes the default.
-    pub method: Option<String>,
-    /// Whether current and curvature are fitted together instead of one after the other.
-    pub simultaneous: bool,
-    /// Seed of a random method; none takes the default.
-    pub seed: Option<u64>,
-}
-
-impl FitChoice {
-    /// As options of a fit with the base model; what is left open is the campaign's.
-    pub(super) fn options(&self, campaign: &Campaign) -> Result<FitOptions, FitError> {
-        let choice = ModelChoice::parse(self.model.as_deref().unwrap_or(&campaign.model))?;
-        let mut options = FitOptions::for_model(choice.base.id)?;
-        if let Some(method) = &self.method {
-            options = options.with_method(method)?;
-        }
-        if self.simultaneous {
-            options.steps = Steps::Simultaneous;
-        }
-        options.describes_noise = true;
-        options.seed = self.seed.unwrap_or(options.seed);
-        Ok(options)
-    }
-}
 
 /// The verb `fit`.
 #[derive(Debug, Clone, Default)]
@@ -68,6 +38,8 @@ pub struct FitSummary {
     pub not_converged: Vec<String>,
     /// Groups that campaign.toml adopts a model for and that are not there.
     pub unknown_groups: Vec<String>,
+    /// Choices of method, steps and model that hold for runs because somebody made them.
+    pub choices: Vec<HeldChoice>,
 }
 
 impl FitRuns {
@@ -76,26 +48,26 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
-        let options = self.choice.options(&context.campaign)?;
-        let plan = fit_plan(context, self.choice.model.as_deref())?;
-        let hashed = plan.single.into_iter().map(|(task, model)| {
-            let options = FitOptions { model, ..options };
-            (input_hash(&task, &options), task, options)
-        });
+        let plan = fit_plan(context, &self.choice.asked())?;
+        let in_groups = plan.extended.iter().flat_map(|group| &group.runs);
+        let chosen = plan.single.iter().chain(in_groups).map(|run| &run.chosen);
+        let choices = held(chosen, &context.campaign);
+        let hashed = plan
+            .single
+            .into_iter()
+            .map(|run| (input_hash(&run.task, &run.chosen.options), run));
         let (done, due): (Vec<Due>, Vec<Due>) =
-            hashed.partition(|(hash, task, _)| !self.again && task.done_input_hash.as_ref() == Some(hash));
+            hashed.partition(|(hash, run)| !self.again && run.task.done_input_hash.as_ref() == Some(hash));
         let mut summary = FitSummary {
             up_to_date: done.len(),
             unknown_groups: plan.unknown_groups,
+            choices,
             ..FitSummary::default()
         };
         observer.begin("fitting", due.len() as u64);
         for batch in due.chunks(BATCH) {
             let outcomes = fit_batch(context, batch, observer)?;
-            let stamped = batch
-                .iter()
-                .map(|(hash, task, _)| (hash.as_str(), task))
-                .zip(outcomes);
+            let stamped = batch.iter().map(|(hash, run)| (hash.as_str(), run)).zip(outcomes);
             save(context, stamped.collect(), &mut summary)?;
         }
         observer.end();
@@ -105,7 +77,7 @@ impl FitRuns {
 }
 
 /// A run to fit with the hash of all that its fit depends on.
-type Due = (String, FitTask, FitOptions);
+type Due = (String, Planned);
 
 pub(super) type Outcome = Result<Fit, Issue>;
 
@@ -116,13 +88,13 @@ fn fit_batch(
 ) -> Result<Vec<Outcome>, PipelineError> {
     let loaded = batch
         .iter()
-        .map(|(_, task, _)| context.store.channels(task.run_id))
+        .map(|(_, run)| context.store.channels(run.task.run_id))
         .collect::<Result<Vec<Vec<Channel>>, _>>()?;
     Ok(batch
         .par_iter()
         .zip(loaded)
-        .map(|((_, task, options), channels)| {
-            let outcome = fit_one(task, &channels, options);
+        .map(|((_, run), channels)| {
+            let outcome = fit_one(&run.task, &channels, &run.chosen.options);
             observer.advance();
             outcome
         })
@@ -171,16 +143,17 @@ pub(super) fn is_of_failed_fit(issue: &Issue) -> bool {
 /// Stores outcomes, each with the hash of what it depends on.
 pub(super) fn save(
     context: &mut Context,
-    outcomes: Vec<((&str, &FitTask), Outcome)>,
+    outcomes: Vec<((&str, &Planned), Outcome)>,
     summary: &mut FitSummary,
 ) -> Result<(), PipelineError> {
     let now = now();
     let mut fits = Vec::new();
-    for ((input_hash, task), outcome) in outcomes {
+    for ((input_hash, Planned { task, chosen }), outcome) in outcomes {
         let stamp = FitStamp {
             run_id: task.run_id,
             input_hash: input_hash.to_owned(),
             code_version: CODE_VERSION.to_owned(),
+            asked: chosen.asked.clone(),
         };
         match outcome {
             Ok(fit) => {

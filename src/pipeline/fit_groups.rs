@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::fit::FitChoice;
+use super::fit_choice::FitChoice;
 use super::grouping::{Group, groups, singles};
 use super::groups_document::{GroupEntry, LeftOut, entry};
 use super::{Context, Observer, PipelineError, standing};

@@ -18,6 +18,7 @@ const HISTORY: [&str; 8] = [
     include_str!("../../migrations/0007_fit_along.sql"),
     include_str!("../../migrations/0012_no_steps.sql"),
     include_str!("../../migrations/0010_standing.sql"),
+    include_str!("../../migrations/0013_asked_fit.sql"),
 ];
 
 /// Schema version that this program writes.

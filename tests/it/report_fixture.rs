@@ -54,6 +54,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         monitoring: Default::default(),
         compare: Default::default(),
         extra_tags: Vec::new(),
+        fit: Default::default(),
     }
 }
 

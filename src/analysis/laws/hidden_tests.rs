@@ -124,6 +124,7 @@ fn estimate(value: f64) -> Estimate {
 fn found(plan: Plan, hidden: Hidden, seed: u64) -> CampaignLaws {
     let (runs, campaign) = simulate(plan, hidden, seed);
     find(&Evidence {
+        findings: Default::default(),
         runs: &runs,
         campaign: &campaign,
         charge_c: &vec![None; runs.len()],

@@ -9,6 +9,7 @@ pub mod contrast;
 pub mod covariate;
 pub mod dependence;
 pub mod design;
+pub mod doubt;
 pub mod facts;
 pub mod find;
 pub mod fitted;

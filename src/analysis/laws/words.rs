@@ -3,6 +3,7 @@
 use super::covariate::Covariate;
 use super::dependence::{Dependence, LEAST_RELIABILITY};
 use super::design::Level;
+use super::doubt::{Doubted, Treatment};
 use super::find::TiedSet;
 use super::fitted::{Fitted, Interval};
 use super::offset::LengthDoubt;
@@ -262,6 +263,22 @@ pub fn tied(set: &TiedSet) -> String {
         set.material,
         listed(&set.covariates)
     )
+}
+
+/// Fits in doubt in a sentence.
+pub fn doubted(found: &Doubted) -> String {
+    let runs = counted(found.runs.len(), "run");
+    let why = match found.causes.as_slice() {
+        [] => "no cause of it is known".to_owned(),
+        causes => format!("{} explains it", causes.join(" with ")),
+    };
+    let what = match found.treatment {
+        Treatment::Widened => format!(
+            "the errors of {runs} hold what the extended model moves each parameter by; `ieap diagnose --adopt` fits it instead"
+        ),
+        Treatment::LeftOut => format!("{runs} of it take part in no question across runs"),
+    };
+    format!("The model is wrong for {}, and {why}: {what}.", found.group)
 }
 
 /// A doubtful length in a sentence.

@@ -2,6 +2,7 @@
 
 mod cells;
 mod conditions_table;
+mod extended;
 mod findings;
 mod fits;
 pub mod moved;

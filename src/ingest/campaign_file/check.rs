@@ -9,7 +9,7 @@ use super::error::CampaignFileError as Error;
 use super::{DEFAULT_MODEL, line_and_column, raw, tags};
 use crate::domain::campaign::Adopted;
 use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
-use crate::domain::{Campaign, DateOrder, Environment, Issue, Material, RunKind, Sample};
+use crate::domain::{AskedFit, Campaign, DateOrder, Environment, Issue, Material, RunKind, Sample};
 use crate::ingest::name_pattern::NamePattern;
 use crate::ingest::scan::is_own_product;
 
@@ -48,6 +48,12 @@ impl Checker<'_> {
             name_pattern,
             dma_folder: self.dma_folder(file.dma.folder)?,
             dma_name_pattern,
+            fit: AskedFit {
+                model: head.model.clone(),
+                method: file.fit.method,
+                simultaneous: file.fit.simultaneous,
+                seed: None,
+            },
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,
             adopted: self.adopted(file.adopted)?,

@@ -51,6 +51,7 @@ const KNOWN: [(&str, &[&str]); 13] = [
         &["id", "relative_humidity_percent", "temperature_c", "pressure_pa"],
     ),
     ("adopted", &["group", "model"]),
+    ("fit", &["method", "simultaneous"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
     (

@@ -31,6 +31,8 @@ pub(super) struct File {
     pub compare: Compare,
     #[serde(default)]
     pub tags: Tags,
+    #[serde(default)]
+    pub fit: Fit,
 }
 
 /// `[tags]`.
@@ -38,6 +40,13 @@ pub(super) struct File {
 pub(super) struct Tags {
     #[serde(default)]
     pub extra: Vec<String>,
+}
+
+/// `[fit]`.
+#[derive(Default, Deserialize)]
+pub(super) struct Fit {
+    pub method: Option<String>,
+    pub simultaneous: Option<bool>,
 }
 
 /// `[[adopted]]`.

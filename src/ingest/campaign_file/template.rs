@@ -18,6 +18,11 @@ title = {id}                            # what stands above the report
 # Runs that `ieap diagnose` takes together, one parameter set for all: those that agree in these tags.
 # group_by = ["sample", "environment", "relative_humidity_percent"]
 
+# How all runs are fitted; without it `ieap fit --method ..` or `--simultaneous` holds for the runs that were there.
+# [fit]
+# method = "variable-projection"         # `ieap models` lists the methods
+# simultaneous = true                    # both responses at once, instead of one after the other
+
 # One entry for each strip. Runs name it by the tag `sample`.
 # [[sample]]
 # id = "CNaf-01"

@@ -43,6 +43,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         monitoring: Default::default(),
         compare: Default::default(),
         extra_tags: Vec::new(),
+        fit: Default::default(),
     }
 }
 

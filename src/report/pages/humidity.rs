@@ -30,6 +30,8 @@ struct HumidityPage {
     summary: Vec<String>,
     /// What the design leaves open.
     tied: Vec<String>,
+    /// Fits that are in doubt.
+    doubted: Vec<String>,
     matrices: Vec<MatrixTable>,
     maps: Vec<MapTable>,
     untying: Vec<String>,
@@ -114,7 +116,10 @@ struct Asked {
 
 /// Whether a report of that input has the page.
 pub fn is_shown(input: &Input) -> bool {
-    !input.laws.dependences.is_empty() || !input.contrasts.is_empty() || !input.next_runs.is_empty()
+    !input.laws.dependences.is_empty()
+        || !input.laws.doubted.is_empty()
+        || !input.contrasts.is_empty()
+        || !input.next_runs.is_empty()
 }
 
 /// Makes the page.
@@ -124,6 +129,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let page = HumidityPage {
         summary: summary(site),
         tied: laws.tied.iter().map(words::tied).collect(),
+        doubted: laws.doubted.iter().map(words::doubted).collect(),
         matrices: across::matrix_tables(site),
         maps: across::map_tables(site),
         untying: across::untying(site),
