@@ -15,6 +15,7 @@ pub mod fitted;
 pub mod jump;
 pub mod matrix;
 pub mod offset;
+pub mod rivals;
 pub mod samples;
 pub mod selection;
 pub mod shape;
@@ -24,6 +25,8 @@ pub mod words;
 
 #[cfg(test)]
 mod hidden_tests;
+#[cfg(test)]
+mod rivals_tests;
 
 pub use covariate::Covariate;
 pub use dependence::Dependence;

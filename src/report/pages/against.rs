@@ -95,7 +95,7 @@ pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
         }
     }
     let mut caution = caution(site);
-    caution.extend(input.laws.tied.iter().map(words::tied));
+    caution.extend(input.laws.tied.iter().map(|set| words::tied(set, &input.laws)));
     let page = AgainstPage {
         heading: format!("Parameters against {}", name(against)),
         lead: "One mark a run: its value with the 95 % interval by the fit and, where the covariate was measured, the standard error of its place. Runs that give a bound or nothing are left out and counted.",
