@@ -262,7 +262,7 @@ impl Section<'_> {
             .fold(f64::NEG_INFINITY, f64::max);
         let margin = 0.05 * (high - low);
         match self.against {
-            Against::Time => calendar_axis(low - margin, high + margin, 4),
+            Against::Time => calendar_axis(low - margin, high + margin, 4, &self.site.zone()),
             Against::Humidity => Axis::linear(low - margin, high + margin, "Relative humidity (%)", "", 6),
             _ => Axis::linear(low - margin, high + margin, "Step voltage (V)", "", 6),
         }
