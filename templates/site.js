@@ -41,10 +41,16 @@
     if (power >= 5 || power < -2) return fixed(value / 10 ** power, digits - 1) + "·10" + raised(power);
     return fixed(value, Math.max(0, Math.min(6, digits - 1 - power)));
   };
-  const moment = (seconds) => new Date(1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+  // A moment by the clock that the axis names; a zone that the browser does not know is shown in UTC.
+  const moment = (seconds, zone = "UTC") => {
+    const date = new Date(1000 * seconds);
+    if (zone !== "UTC") try { return date.toLocaleString("sv-SE", { timeZone: zone }).slice(0, 16); } catch { /* as below */ }
+    return date.toISOString().slice(0, 16).replace("T", " ");
+  };
+  const zoneIn = (title) => /\(([^()]+)\)/.exec(title || "")?.[1] || "UTC";
   // First number of a cell: `< 4·10⁻⁵`, `24.6 ± 0.3`, `20 Nov 2026, 15:08 UTC`.
   const numberIn = (text) => {
-    const date = /^\d{1,2} [A-Z][a-z]{2} \d{4}/.test(text) && Date.parse(text.replace(",", ""));
+    const date = /^\d{1,2} [A-Z][a-z]{2} \d{4}/.test(text) && Date.parse(text.replace(",", "").replace(/([+-]\d\d):(\d\d)$/, "$1$2"));
     if (date) return date;
     const found = /[−-]?\d+(?:\.\d+)?/.exec(text);
     if (!found) return NaN;
@@ -395,7 +401,7 @@
       this.axes.replaceChildren();
       const across = (at) => this.left + ((at - x[0]) / (x[1] - x[0])) * (this.right - this.left);
       const up = (at) => this.bottom - ((at - y[0]) / (y[1] - y[0])) * (this.bottom - this.top);
-      const [xs, ys] = [ticks(this.x, ...x, 6), ticks(this.y, ...y, 5)];
+      const [xs, ys] = [ticks(this.x, ...x, 6, zoneIn(this.xTitle)), ticks(this.y, ...y, 5)];
       const wide = this.right - this.left;
       draw("path", { class: "s k-grid", "stroke-width": 10, d: ys.map((t) => `M${this.left} ${up(t.at).toFixed(0)}h${wide}`).join("") }, this.axes);
       draw("path", { class: "s k-muted", "stroke-width": 10, d: `M${this.left} ${this.bottom}h${wide}` + xs.map((t) => `M${across(t.at).toFixed(0)} ${this.bottom}v40`).join("") }, this.axes);
@@ -409,7 +415,7 @@
     // whole axis: tenths of a pixel, or half pixels where a thinned line is read.
     number(axis, position, parts = 2000) {
       const { scale } = axis, step = Math.abs(axis.high - axis.low) / parts;
-      if (scale === 2) return moment(position);
+      if (scale === 2) return moment(position, zoneIn(this.xTitle));
       if (scale === 4) return shown(valueAt(axis, position), Math.abs(valueAt(axis, position + step) - valueAt(axis, position)));
       return scale === 1 ? shown(10 ** position, 10 ** position * 2.3 * step) : shown(position, step);
     }
@@ -418,12 +424,12 @@
   // Number at a position of an axis, and the position of a number.
   const valueAt = ({ scale, unit, before }, at) => (scale === 1 ? 10 ** at : scale === 4 ? (at < 0 ? at / (before || 1) : unit * (10 ** at - 1)) : at);
   const positionOf = ({ scale, unit, before }, value) => (scale === 1 ? Math.log10(value) : scale === 4 ? (value < 0 ? value * before : Math.log10(1 + value / unit)) : value);
-  const ticks = (axis, low, high, wanted) => {
+  const ticks = (axis, low, high, wanted, zone) => {
     const { scale } = axis, span = high - low;
     if (scale === 2) {
       const steps = [60, 300, 900, 3600, 10800, 21600, 43200, 86400, 172800, 604800, 1209600, 2629800, 7889400, 31557600];
       const step = steps.find((s) => span / s <= wanted) || steps[steps.length - 1];
-      return listed(low, high, step).map((at) => ({ at, label: step < 86400 ? moment(at).slice(5) : moment(at).slice(0, 10) }));
+      return listed(low, high, step).map((at) => ({ at, label: step < 86400 ? moment(at, zone).slice(5) : moment(at, zone).slice(0, 10) }));
     }
     if (scale === 1 && span >= 1) {
       const every = Math.ceil(span / 7);

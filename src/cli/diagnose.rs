@@ -131,11 +131,21 @@ pub fn say(summary: &DiagnoseSummary, output: &Output) {
 /// The gain on later times, where whole runs were held out.
 fn later_words(gain: &Gain) -> String {
     gain.later.as_ref().map_or_else(String::new, |later| {
-        format!(
-            ", on later times by {:.1} +- {:.1}",
-            later.deviance, later.standard_error
-        )
+        let sum = format!("{:.1} +- {:.1}", later.deviance, later.standard_error);
+        match later.is_clear() {
+            true => format!(", on later times by {sum}"),
+            false => format!(", on later times not clearly ({sum})"),
+        }
     })
+}
+
+/// Whether held-out parts are predicted better, and by how much.
+fn proof_words(gain: &Gain) -> String {
+    let sum = format!("{:.1} +- {:.1}", gain.proof.deviance, gain.proof.standard_error);
+    match gain.proof.is_clear() {
+        true => format!("the deviance falls by {sum}"),
+        false => format!("it is not clear that the deviance falls ({sum})"),
+    }
 }
 
 fn print(group: &GroupEntry, output: &Output) {
@@ -157,14 +167,13 @@ fn print(group: &GroupEntry, output: &Output) {
     }
     if let Some(gain) = &group.gain {
         output.result(&format!(
-            "    {}on held-out {} the deviance falls by {:.1} +- {:.1}{}; residuals {:.3} -> {:.3} sigma",
+            "    {}on held-out {} {}{}; residuals {:.3} -> {:.3} sigma",
             match group.verdict {
                 Verdict::Unknown => "what was tried and not accepted: ",
                 _ => "",
             },
             gain.parts_word(group.runs.len()),
-            gain.proof.deviance,
-            gain.proof.standard_error,
+            proof_words(gain),
             later_words(gain),
             gain.residual_rms_sigma_before,
             gain.residual_rms_sigma_after

@@ -83,8 +83,10 @@ pub fn print(inspection: &Inspection, output: &Output) {
         }
         for column in &table.columns {
             let canonical = column.canonical.unwrap_or("kept under its own name");
-            let ends = match (column.first, column.last) {
-                (Some(first), Some(last)) => format!("{first} ... {last}"),
+            let ends = match (column.first, column.last, column.smallest, column.largest) {
+                (Some(first), Some(last), Some(smallest), Some(largest)) => {
+                    format!("first {first}, last {last}; between {smallest} and {largest}")
+                }
                 _ => "no reading".to_owned(),
             };
             let excluded = if column.excluded > 0 {

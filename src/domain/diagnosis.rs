@@ -234,6 +234,11 @@ pub struct DiagnosisNoise {
 }
 
 impl GroupDiagnosis {
+    /// Whether nothing was held out, or what was is predicted clearly better.
+    pub fn gains_clearly(&self) -> bool {
+        self.gain.as_ref().is_none_or(|gain| gain.proof.is_clear())
+    }
+
     /// A group whose readings allow no finding, for the reason that `sentence` gives.
     pub fn data_problem(
         group: &str,

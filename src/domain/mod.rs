@@ -45,7 +45,7 @@ pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Paramete
 pub use gain::{Gain, HeldOutGain, Prediction};
 pub use issue::{Issue, Severity};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
-pub use monitoring::{Alarm, Limit, MonitoringRules};
+pub use monitoring::{Alarm, AlarmSign, Limit, MonitoringRules};
 pub use origin::{
     ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };

@@ -108,6 +108,8 @@ pub struct GroupEntry {
     pub candidates: Vec<Candidate>,
     /// Gain of the extended model.
     pub gain: Option<Gain>,
+    /// Whether that is clearly a gain: the 95 % interval of the fall of the deviance does not reach zero.
+    pub gain_is_clear: Option<bool>,
     /// Where the base model is wrong.
     #[serde(rename = "where")]
     pub whereabouts: Option<Whereabouts>,
@@ -303,6 +305,7 @@ fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> Grou
         effects: found.effects.into_iter().map(effect_entry).collect(),
         set: found.set,
         candidates: found.candidates,
+        gain_is_clear: found.gain.as_ref().map(|gain| gain.proof.is_clear()),
         gain: found.gain,
         whereabouts: found.whereabouts,
         next_run: found.next_run,

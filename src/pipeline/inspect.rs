@@ -121,6 +121,10 @@ pub struct InspectedColumn {
     pub first: Option<f64>,
     /// Last reading.
     pub last: Option<f64>,
+    /// Smallest reading.
+    pub smallest: Option<f64>,
+    /// Largest reading.
+    pub largest: Option<f64>,
 }
 
 /// Reads `file` and says what was seen; a refusal is an answer, too. The profiles of the campaign that the file lies
@@ -317,6 +321,9 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
         excluded: 0,
         first: table.time_first_last_s.map(|t| t.0),
         last: table.time_first_last_s.map(|t| t.1),
+        // A reader hands on no time that falls.
+        smallest: table.time_first_last_s.map(|t| t.0),
+        largest: table.time_first_last_s.map(|t| t.1),
     });
     let channels = table.channels.iter().map(|channel| {
         let summary = channel.summary();
@@ -331,6 +338,8 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
             excluded: summary.excluded,
             first: summary.first,
             last: summary.last,
+            smallest: channel.values.iter().copied().reduce(f64::min),
+            largest: channel.values.iter().copied().reduce(f64::max),
         }
     });
     InspectedTable {

@@ -140,7 +140,8 @@ pub struct MovedDocument {
     pub compared: usize,
     /// Cells that moved by more than one standard error of what stood there, or became something else.
     pub beyond_one_sigma: usize,
-    /// Cells that moved, the farthest first.
+    /// Cells that moved: those that became something else, then the farthest, then what has no error. A cell without an
+    /// error that is printed as before is none.
     pub cells: Vec<MovedEntry>,
     /// Rows that are gone.
     pub rows_gone: Vec<String>,
@@ -189,9 +190,13 @@ pub fn moved_since(context: &Context, name: &str, earlier: &Earlier) -> Result<M
         compared,
         beyond_one_sigma: cells
             .iter()
-            .filter(|cell| cell.sigma.is_none_or(|sigma| sigma > 1.0))
+            .filter(|cell| cell.became_other() || cell.sigma.is_some_and(|sigma| sigma > 1.0))
             .count(),
-        cells: cells.into_iter().map(entry).collect(),
+        cells: cells
+            .into_iter()
+            .map(entry)
+            .filter(|entry| entry.sigma.is_some() || entry.before != entry.after)
+            .collect(),
         rows_gone,
         rows_new,
     })

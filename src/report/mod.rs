@@ -16,6 +16,7 @@ pub mod site;
 pub mod slug;
 pub mod tables;
 pub mod visible;
+pub mod zone;
 
 pub use error::ReportError;
 pub use input::{EffectParameterText, EffectText, Findings, Input, News, Origin};

@@ -21,6 +21,7 @@ use super::run_pages::{RunPage, run_pages};
 use super::shared_axes::share;
 use super::slug::slugs;
 use super::visible::{indexed, write_escaped};
+use super::zone::Zone;
 use crate::analysis::dma::table::modulus_table;
 use crate::analysis::laws::facts::{RunFacts, facts};
 use crate::analysis::{
@@ -58,6 +59,11 @@ pub struct Site<'a> {
 }
 
 impl<'a> Site<'a> {
+    /// The clock by which moments are shown.
+    pub fn zone(&self) -> Zone {
+        Zone::of(&self.input.campaign)
+    }
+
     /// Sorts the runs of `input` into conditions and names their pages.
     pub fn new(input: &'a Input) -> Site<'a> {
         let run_pages = run_pages(input);

@@ -258,4 +258,7 @@ fn judge(laws: &mut CampaignLaws, is_shared: bool) {
         }
     }
     laws.questions = questions;
+    for found in &mut laws.dependences {
+        found.keep_rivals();
+    }
 }

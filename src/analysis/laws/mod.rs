@@ -16,6 +16,7 @@ pub mod fitted;
 pub mod jump;
 pub mod matrix;
 pub mod offset;
+pub mod rivals;
 pub mod samples;
 pub mod selection;
 pub mod shape;
@@ -25,6 +26,8 @@ pub mod words;
 
 #[cfg(test)]
 mod hidden_tests;
+#[cfg(test)]
+mod rivals_tests;
 
 pub use covariate::Covariate;
 pub use dependence::Dependence;

@@ -11,7 +11,7 @@ pub fn template(id: &str) -> String {
 [campaign]
 id = {id}                               # short name, for files and pages
 title = {id}                            # what stands above the report
-# timezone = "Europe/Tallinn"            # for times in files that state no offset
+# timezone = "Europe/Tallinn"            # for times in files that state no offset, and on pages
 # date_order = "day-first"               # of dates that may be read in several orders, such as 02/03/2026
 # notice = "simulated, not measured"     # printed on every page of the report
 # model = "lumped-2"                     # model that runs are fitted with; effects extend it: "lumped-2 + faradaic-leak"

@@ -7,9 +7,7 @@ use serde::Serialize;
 use super::Content;
 use super::across;
 use super::comparison::{caution, contrast_sentences};
-use super::wording::{
-    IssueText, RunLink, counted, has_warnings, humidity_label, listed, moment, voltage_labels,
-};
+use super::wording::{IssueText, RunLink, counted, has_warnings, humidity_label, listed, voltage_labels};
 use crate::domain::{FileState, Issue, RunState, Severity, Standing};
 use crate::report::error::ReportError;
 use crate::report::site::Site;
@@ -302,7 +300,7 @@ fn news(site: &Site) -> Vec<NewsRow> {
         NewsRow {
             link: run.map(|run| RunLink::to(site, run)),
             path: news.run_path.clone(),
-            when: moment(&news.at),
+            when: site.zone().moment(&news.at),
         }
     };
     site.input.news.iter().take(NEWS).map(row).collect()

@@ -92,7 +92,7 @@ impl Page {
             }
             section.readings = in_full(channels(record, &drawn.curves));
             section.remarks = remarks(section);
-            section.tags = grouped(tags(record));
+            section.tags = grouped(tags(record, &site.zone()));
         }
     }
 
@@ -123,7 +123,10 @@ impl Page {
         }
         self.share_channels(site, drawn);
         let record = |drawn: &DrawnRun| site.input.record(drawn.run);
-        let mut own: Vec<Vec<TagText>> = drawn.iter().map(|drawn| tags(record(drawn))).collect();
+        let mut own: Vec<Vec<TagText>> = drawn
+            .iter()
+            .map(|drawn| tags(record(drawn), &site.zone()))
+            .collect();
         self.tags = grouped(take_common(&mut own));
         for (section, tags) in self.runs.iter_mut().zip(own) {
             section.tags = grouped(tags);

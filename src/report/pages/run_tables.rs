@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::run_fit::{residual_over_noise, symbol_of};
-use super::wording::{EstimateText, moment, voltage_label};
+use super::wording::{EstimateText, voltage_label};
 use crate::analysis::ParameterInfo;
 use crate::analysis::conditions::nominal_voltage_v;
 use crate::domain::tag::keys;
@@ -71,11 +71,12 @@ type Filled = (Column, Vec<String>);
 /// The table of `runs`.
 pub fn runs_table(site: &Site, runs: &[usize]) -> RunsTable {
     let records: Vec<&RunRecord> = runs.iter().map(|&run| site.input.record(run)).collect();
+    let zone = site.zone();
     let mut filled = vec![filled("Voltage", "", true, &records, |run| {
         nominal_voltage_v(run).map(voltage_label)
     })];
     filled.push(self::filled("Start", "", false, &records, |run| {
-        run.tag(keys::STARTED_AT).map(moment)
+        run.tag(keys::STARTED_AT).map(|start| zone.moment(start))
     }));
     filled.extend(differing_tags(&records));
     for quantity in [Quantity::Current, Quantity::Curvature] {
