@@ -18,6 +18,7 @@ mod number_or_null;
 pub mod origin;
 pub mod quantity;
 pub mod run;
+pub mod seconds;
 pub mod tag;
 pub mod thinning;
 pub mod unit;

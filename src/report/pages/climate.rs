@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::Content;
 use super::wording::{IssueText, RunLink, counted};
+use crate::domain::seconds::seconds;
 use crate::domain::tag::keys;
 use crate::domain::{ClimateQuantity, Exposure, RunRecord, SensorPair, SensorSummary};
 use crate::report::error::ReportError;
@@ -245,7 +246,7 @@ fn sensor(sensor: &SensorSummary) -> SensorRow {
             true => format!("{} to {}", day(&sensor.from), day(&sensor.to)),
             false => String::new(),
         },
-        interval: format!("{} s", fixed(sensor.interval_s, 0)),
+        interval: format!("{} s", seconds(sensor.interval_s)),
         range: match is_used {
             true => format!(
                 "{} … {} … {} {unit}",
