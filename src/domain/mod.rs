@@ -8,6 +8,7 @@ pub mod climate;
 pub mod diagnosis;
 pub mod drive;
 pub mod estimate;
+pub mod fault;
 pub mod fit;
 pub mod gain;
 pub mod issue;
@@ -37,6 +38,7 @@ pub use diagnosis::{
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
+pub use fault::Fault;
 pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};
 pub use gain::{Gain, HeldOutGain, Prediction};
 pub use issue::{Issue, Severity};

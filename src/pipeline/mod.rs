@@ -14,6 +14,7 @@ mod error;
 pub mod estimate_words;
 pub mod explain;
 pub mod export;
+mod fault;
 pub mod figures;
 mod fit;
 mod fit_along;
@@ -43,6 +44,7 @@ pub mod tables;
 mod tag;
 pub mod trace;
 mod watch;
+pub mod whole_file;
 
 pub use crate::numerics::global::methods;
 pub use across_runs::campaign_laws;

@@ -2,11 +2,13 @@
 
 use serde::Serialize;
 
+use super::fault::{or_nothing, step};
 use super::{
     AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns,
     FitSummary, Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
     ReportSummary,
 };
+use crate::domain::Fault;
 use crate::ingest::scan::SeenFile;
 
 /// The verb `run`.
@@ -33,6 +35,19 @@ pub struct RunSummary {
     pub alarms: AlarmSummary,
     /// The report.
     pub report: ReportSummary,
+    /// Steps that a fault of the program stopped; the others were done.
+    pub faults: Vec<Fault>,
+}
+
+impl RunSummary {
+    /// Whether a fault of the program left something undone: a step, a fit, a diagnosis, a part of the report.
+    pub fn has_fault(&self) -> bool {
+        !self.faults.is_empty()
+            || !self.report.faults.is_empty()
+            || self.fit.has_fault()
+            || self.diagnose.has_fault()
+            || self.modulus.has_fault()
+    }
 }
 
 impl Run {
@@ -68,8 +83,10 @@ impl Run {
             false => self.diagnosis().run_while(context, observer, may_go_on)?,
         };
         let modulus = AnalyseModulus::default().run(context, observer)?;
-        let alarms = RaiseAlarms.run(context, observer)?;
-        let report = RenderReport::default().run(context, observer)?;
+        let mut faults = Vec::new();
+        let alarms = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
+        let report = step("report", || RenderReport::default().run(context, observer));
+        let report = or_nothing(report, &mut faults)?;
         Ok(RunSummary {
             ingest,
             fit,
@@ -77,6 +94,7 @@ impl Run {
             diagnose,
             alarms,
             report,
+            faults,
         })
     }
 
