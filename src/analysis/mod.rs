@@ -4,6 +4,7 @@ pub mod climate;
 pub mod comparison;
 pub mod conditions;
 pub mod design;
+mod disk_file;
 pub mod dma;
 pub mod export;
 pub mod false_discovery;

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{self, CliError};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::{Gain, Verdict};
@@ -67,12 +67,12 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     if args.adopt {
         adopt(args, global, &mut context, output)?;
     }
+    super::run::say_faults(&document.faults, output);
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(exit::after(
+        summary.has_fault() || !document.faults.is_empty(),
+        ingest.refused.is_empty(),
+    ))
 }
 
 /// Fits what has no current fit, without which nothing is asked across runs.

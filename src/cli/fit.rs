@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::Output;
@@ -48,11 +48,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         }
     }
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(exit::after(summary.has_fault(), ingest.refused.is_empty()))
 }
 
 /// What was fitted, and what went wrong on the way.

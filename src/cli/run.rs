@@ -3,10 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest};
+use crate::domain::Fault;
 use crate::pipeline::{Run, RunSummary};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
@@ -33,13 +34,9 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     Ok(status(&summary))
 }
 
-/// Done, or done with refusals.
+/// Done, done with refusals, or done but for what a fault of the program left out.
 pub fn status(summary: &RunSummary) -> u8 {
-    if summary.ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    }
+    exit::after(summary.has_fault(), summary.ingest.refused.is_empty())
 }
 
 /// What was done, and where the report is.
@@ -96,10 +93,25 @@ pub fn print(summary: &RunSummary, output: &Output) {
             summary.alarms.new.len()
         ));
     }
+    say_faults(&summary.faults, output);
+    say_faults(&summary.report.faults, output);
     let state = if summary.report.rendered {
         ""
     } else {
         " (unchanged)"
     };
-    output.result(&format!("Report: {}{state}", summary.report.index.display()));
+    // A report that could not be made has no page to open.
+    if !summary.report.index.as_os_str().is_empty() {
+        output.result(&format!("Report: {}{state}", summary.report.index.display()));
+    }
+}
+
+/// What a fault of the program left out.
+pub fn say_faults(faults: &[Fault], output: &Output) {
+    for fault in faults {
+        output.message(&format!(
+            "fault of the program, this is missing: {}",
+            fault.sentence()
+        ));
+    }
 }

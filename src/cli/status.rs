@@ -6,7 +6,7 @@ use serde_json::json;
 use super::CampaignArg;
 use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
-use crate::domain::Issue;
+use crate::domain::{Fault, Issue};
 use crate::pipeline::mends::together;
 use crate::pipeline::status::{Reasoned, Status, WAITS, status};
 
@@ -61,6 +61,9 @@ fn alarms(status: &Status, output: &Output) {
 }
 
 fn print(status: &Status, output: &Output) {
+    let faults: Vec<String> = status.faults.iter().map(Fault::sentence).collect();
+    let title = "of the report that a fault of the program left out; report it with the files of the runs";
+    list(output, "part", title, &faults);
     let states: Vec<String> = status
         .runs_by_state
         .iter()

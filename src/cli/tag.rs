@@ -23,10 +23,14 @@ pub struct TagArgs {
     /// Who sets them [default: the user's name]
     #[arg(long, value_name = "NAME")]
     by: Option<String>,
+    /// Campaign folder [default: that of the run's file, this folder, or the nearest one above it with a campaign.toml]
+    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
 }
 
 pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let (pairs, named) = split(&args.pairs)?;
+    let named = named.or_else(|| args.campaign.clone());
     let (folder, run) = place(&args.run, named.as_deref())?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
     let set = SetTags {

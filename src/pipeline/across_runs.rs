@@ -3,6 +3,7 @@
 use super::PipelineError;
 use super::context::Context;
 use super::diagnosis_document::current_findings;
+use super::fault::step;
 use super::planned::{PlannedRow, planned};
 use crate::analysis::laws::doubt::Findings;
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
@@ -16,7 +17,7 @@ const SEED: u64 = 1;
 /// Seeks laws, offsets and selection over the current runs.
 ///
 /// # Errors
-/// The database cannot be read.
+/// The database cannot be read, or a fault of the program stops the search.
 pub fn campaign_laws(
     context: &Context,
     runs: &[RunRecord],
@@ -25,17 +26,19 @@ pub fn campaign_laws(
     let charge_c = charges(context, runs)?;
     let attempts = attempts(context, runs)?;
     let findings = current_findings(context)?;
-    Ok(find(&Evidence {
-        findings: Findings {
-            groups: &findings.groups,
-            runs: &findings.runs,
-        },
-        runs,
-        campaign: &context.campaign,
-        charge_c: &charge_c,
-        attempts: &attempts,
-        seed: seed.unwrap_or(SEED),
-    }))
+    step("what holds across runs", || {
+        Ok(find(&Evidence {
+            findings: Findings {
+                groups: &findings.groups,
+                runs: &findings.runs,
+            },
+            runs,
+            campaign: &context.campaign,
+            charge_c: &charge_c,
+            attempts: &attempts,
+            seed: seed.unwrap_or(SEED),
+        }))
+    })
 }
 
 /// Charge that passed in each run, C: the magnitude of the current integrated over its stored curve, which keeps the

@@ -3,6 +3,7 @@
 use std::process::{Command, Stdio};
 
 use super::context::now;
+use super::fault::step;
 use super::{Context, Observer, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
@@ -27,15 +28,15 @@ pub struct AlarmSummary {
 /// Monitoring of a campaign as it is now, without what only questions across all runs can say.
 ///
 /// # Errors
-/// The database cannot be read.
+/// The database cannot be read, or a fault of the program stops it.
 pub fn monitoring(context: &Context) -> Result<Monitoring, PipelineError> {
     let runs = standing::speaking(context)?;
     // The charge that passed is one axis among several and no alarm depends on it.
-    let laws = CampaignLaws {
+    let laws = || CampaignLaws {
         facts: facts(&runs, &context.campaign, &vec![None; runs.len()]),
         ..CampaignLaws::default()
     };
-    Ok(monitor(&runs, &context.campaign, &laws))
+    step("monitoring", || Ok(monitor(&runs, &context.campaign, &laws())))
 }
 
 impl RaiseAlarms {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::across_runs::campaign_laws;
 use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry, DoubtedEntry};
 use super::diagnose::library_hash;
+use super::fault::{or_nothing, step};
 use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
@@ -16,7 +17,7 @@ use crate::analysis::false_discovery::judge_together;
 use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::analysis::online::{Turn, turns};
 use crate::domain::{
-    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun,
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis, NextRun,
     ParameterShift, RunAlone, RunRecord, StrengthProfile, Verdict, Whereabouts,
 };
 use crate::store::{DiagnosisKind, StoredDiagnosis};
@@ -54,6 +55,8 @@ pub struct DiagnosisDocument {
     pub campaign_next_runs: Vec<NextRunEntry>,
     /// Environments and voltages compared, in words.
     pub campaign_contrasts: Vec<String>,
+    /// Steps that a fault of the program stopped: what they would have given is missing.
+    pub faults: Vec<Fault>,
 }
 
 /// One run alone.
@@ -234,15 +237,18 @@ pub fn diagnosis_document(
         findings.runs.retain(|found| members.contains(&found.group));
     }
     let runs = standing::speaking(context)?;
+    let mut faults = Vec::new();
     let across = match group {
         Some(_) => CampaignLaws::default(),
-        None => campaign_laws(context, &runs, choice.seed)?,
+        None => or_nothing(campaign_laws(context, &runs, choice.seed), &mut faults)?,
     };
-    let plan = match group {
-        Some(_) => Plan::default(),
-        None => next_runs::plan_from(context, &runs, &across, &findings.groups)?,
+    let plan = || match group {
+        Some(_) => Ok(Plan::default()),
+        None => next_runs::plan_from(context, &runs, &across, &findings.groups),
     };
-    let compared = contrast::contrasts(&runs, &context.campaign, &across.facts);
+    let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
+    let compared = || Ok(contrast::contrasts(&runs, &context.campaign, &across.facts));
+    let compared = or_nothing(step("environments and voltages compared", compared), &mut faults)?;
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
     Ok(DiagnosisDocument {
@@ -251,6 +257,7 @@ pub fn diagnosis_document(
         seed: options.seed,
         draws: options.draws,
         base_model: options.model.id,
+        faults,
         runs: findings
             .runs
             .into_iter()

@@ -107,6 +107,14 @@ pub enum PipelineError {
         /// What the campaign lacks, or what the drawing library says.
         reason: String,
     },
+    /// A fault of the program stopped a step.
+    #[error("{step}: a fault of the program stopped it: {reason}. Report it with the files of the campaign.")]
+    Fault {
+        /// Which step.
+        step: String,
+        /// What the panic says.
+        reason: String,
+    },
     /// A table has no such row or column.
     #[error("{0}")]
     NotInTable(String),
@@ -126,6 +134,20 @@ impl PipelineError {
     /// Whether the disk or the database refused, rather than the user's input being wrong.
     pub fn is_storage(&self) -> bool {
         use PipelineError as E;
-        matches!(self, E::Store(_) | E::Archive(_) | E::Report(_) | E::File { .. })
+        match self {
+            E::Store(_) | E::Archive(_) | E::File { .. } | E::Export(ExportError::Write { .. }) => true,
+            E::Report(error) => error.is_of_disk(),
+            _ => false,
+        }
+    }
+
+    /// Whether the program is at fault, and neither the user nor the disk.
+    pub fn is_fault(&self) -> bool {
+        use PipelineError as E;
+        match self {
+            E::Export(ExportError::Table { .. }) | E::Fault { .. } => true,
+            E::Report(error) => !error.is_of_disk(),
+            _ => false,
+        }
     }
 }

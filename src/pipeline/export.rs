@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::whole_file::put_file;
 use super::{Context, PipelineError, standing};
-use crate::analysis::{self, TableFormat};
+use crate::analysis::{self, ExportError, TableFormat};
 use crate::domain::RunRecord;
 
 /// What can be written.
@@ -81,19 +82,22 @@ impl Export {
                 needed: "a file that ends in .parquet or .csv: readings are too many for JSON".to_owned(),
             });
         }
-        let part = self.path.with_file_name(format!(
-            ".{}.part",
-            self.path.file_name().unwrap_or_default().to_string_lossy()
-        ));
-        let rows = self.write(context, format, &part).inspect_err(|_| {
-            let _ = std::fs::remove_file(&part);
-        })?;
-        std::fs::rename(&part, &self.path).map_err(|source| PipelineError::File {
-            path: self.path.clone(),
-            doing: "putting the table in place",
-            source,
-        })?;
-        Ok(rows)
+        put_file(&self.path, self.overwrite, |part| {
+            self.write(context, format, part)
+                .map_err(|error| self.of_target(error))
+        })
+    }
+
+    /// The file that a user knows in place of the temporary.
+    fn of_target(&self, error: PipelineError) -> PipelineError {
+        match error {
+            PipelineError::Export(ExportError::Write { source, .. }) => PipelineError::File {
+                path: self.path.clone(),
+                doing: "writing",
+                source,
+            },
+            error => error,
+        }
     }
 
     fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {

@@ -8,7 +8,8 @@ use super::fit_choice::{FitChoice, HeldChoice, held};
 use super::fit_extended;
 use super::fit_plan::{Planned, fit_plan};
 use super::{Context, Observer, PipelineError};
-use crate::domain::{Channel, Fit, Issue};
+use crate::domain::fault::caught;
+use crate::domain::{Campaign, Channel, Fit, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
 use crate::store::{FitStamp, FitTask};
@@ -40,6 +41,13 @@ pub struct FitSummary {
     pub unknown_groups: Vec<String>,
     /// Choices of method, steps and model that hold for runs because somebody made them.
     pub choices: Vec<HeldChoice>,
+}
+
+impl FitSummary {
+    /// Whether a fault of the program stopped a fit.
+    pub fn has_fault(&self) -> bool {
+        self.failed.iter().any(|(_, issue)| issue.code == FAULT)
+    }
 }
 
 impl FitRuns {
@@ -103,14 +111,17 @@ fn fit_batch(
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.
 fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
-    let fitted = std::panic::catch_unwind(|| match options.model.id {
+    let fitted = caught(|| match options.model.id {
         distributed::MODEL_ID => fit_along::fit(task, channels, options),
         _ => fit_whole(task, channels, options),
     });
-    fitted.unwrap_or_else(|_| {
-        Err(Issue::error(FAULT, "the fit stopped on an internal fault")
-            .mend("report it with the run's file; the other runs are not affected"))
-    })
+    fitted.unwrap_or_else(|reason| Err(fit_fault("the fit", &reason)))
+}
+
+/// What is said of a run whose fit a fault of the program stopped.
+pub(super) fn fit_fault(what: &str, reason: &str) -> Issue {
+    Issue::error(FAULT, format!("{what} stopped on an internal fault: {reason}"))
+        .mend("report it with the runs' files; all others are not affected")
 }
 
 /// The strip as a whole, with a lumped model.
@@ -129,7 +140,7 @@ fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outc
 
 /// Codes of what is said of a run whose fit failed: by its readings, and by a fault of the program.
 const NOT_FITTED: &str = "not-fitted";
-const FAULT: &str = "fit-fault";
+pub(super) const FAULT: &str = "fit-fault";
 
 pub(super) fn not_fitted(error: FitError) -> Issue {
     Issue::warning(NOT_FITTED, error.to_string())
@@ -149,9 +160,15 @@ pub(super) fn save(
     let now = now();
     let mut fits = Vec::new();
     for ((input_hash, Planned { task, chosen }), outcome) in outcomes {
+        // A fault says nothing of the run: it is tried again, and said again, every time.
+        let is_fault = matches!(&outcome, Err(issue) if issue.code == FAULT);
         let stamp = FitStamp {
             run_id: task.run_id,
-            input_hash: input_hash.to_owned(),
+            input_hash: if is_fault {
+                String::new()
+            } else {
+                input_hash.to_owned()
+            },
             code_version: CODE_VERSION.to_owned(),
             asked: chosen.asked.clone(),
         };

@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::diagnose::{library_hash, take_task};
-use super::fit::{FitSummary, Outcome, save};
+use super::fit::{FitSummary, Outcome, fit_fault, save};
 use super::fit_plan::{ExtendedGroup, Planned};
 use super::{Context, Observer, PipelineError};
 use crate::diagnose::{RunInput, fit_extended, model_version};
+use crate::domain::fault::caught;
 use crate::domain::{Channel, Issue};
 use crate::fit::FitInput;
 use crate::ingest::derived;
@@ -57,7 +58,7 @@ pub(super) fn fit_groups(
 
 /// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
 fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
-    let work = std::panic::AssertUnwindSafe(|| {
+    let work = || {
         let tasks = group.runs.iter().map(|run| &run.task);
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
@@ -78,12 +79,13 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
             })
             .collect();
         fit_extended(&inputs, &group.choice)
-    });
-    // Effects are constants without a state that a panic could leave broken.
-    let Ok(found) = std::panic::catch_unwind(work) else {
-        let fault = Issue::error("fit-fault", "the fit of its group stopped on an internal fault")
-            .mend("report it with the runs' files; the other groups are not affected");
-        return group.runs.iter().map(|_| Err(fault.clone())).collect();
+    };
+    let found = match caught(work) {
+        Ok(found) => found,
+        Err(reason) => {
+            let fault = fit_fault("the fit of its group", &reason);
+            return group.runs.iter().map(|_| Err(fault.clone())).collect();
+        }
     };
     let missing = || {
         Err(Issue::warning(

@@ -15,6 +15,7 @@ mod error;
 pub mod estimate_words;
 pub mod explain;
 pub mod export;
+mod fault;
 pub mod figures;
 mod fit;
 mod fit_along;
@@ -47,6 +48,7 @@ pub mod tables;
 mod tag;
 pub mod trace;
 mod watch;
+pub mod whole_file;
 
 pub use crate::numerics::global::methods;
 pub use across_runs::campaign_laws;

@@ -1,7 +1,6 @@
 //! The runs to make next, as a list and as a run sheet.
 
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -9,6 +8,7 @@ use serde::Serialize;
 use super::across_runs::campaign_laws;
 use super::diagnosis_document::current_findings;
 use super::planned::{PlannedRow, planned};
+use super::whole_file::put_bytes;
 use super::{Context, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::covariate::Covariate;
@@ -395,30 +395,8 @@ fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineErro
     let bytes = writer
         .into_inner()
         .map_err(|error| failed(std::io::Error::other(error.to_string())))?;
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(failed)?;
-    // A name that no scan takes for data until it is whole.
-    let mut fresh = tempfile::Builder::new()
-        .prefix(".run-sheet-")
-        .suffix(".tmp")
-        .tempfile_in(folder)
-        .map_err(failed)?;
-    fresh.write_all(&bytes).map_err(failed)?;
-    fresh.as_file().sync_all().map_err(failed)?;
-    readable_by_all(fresh.as_file()).map_err(failed)?;
-    fresh.persist(file).map_err(|kept| failed(kept.error))?;
-    Ok(())
-}
-
-/// Temporary files are their owner's alone; a sheet is for everyone at the bench.
-fn readable_by_all(file: &std::fs::File) -> std::io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        file.set_permissions(std::fs::Permissions::from_mode(0o644))?;
+    if let Some(folder) = file.parent() {
+        std::fs::create_dir_all(folder).map_err(failed)?;
     }
-    #[cfg(not(unix))]
-    let _ = file;
-    Ok(())
+    put_bytes(file, true, &bytes)
 }

@@ -2,12 +2,14 @@
 
 use serde::Serialize;
 
+use super::fault::{or_nothing, step};
 use super::standing::{self, SetAside};
 use super::{
     AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns,
     FitSummary, Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
     ReportSummary,
 };
+use crate::domain::Fault;
 use crate::ingest::scan::SeenFile;
 
 /// The verb `run`.
@@ -36,6 +38,19 @@ pub struct RunSummary {
     pub set_aside: Vec<SetAside>,
     /// The report.
     pub report: ReportSummary,
+    /// Steps that a fault of the program stopped; the others were done.
+    pub faults: Vec<Fault>,
+}
+
+impl RunSummary {
+    /// Whether a fault of the program left something undone: a step, a fit, a diagnosis, a part of the report.
+    pub fn has_fault(&self) -> bool {
+        !self.faults.is_empty()
+            || !self.report.faults.is_empty()
+            || self.fit.has_fault()
+            || self.diagnose.has_fault()
+            || self.modulus.has_fault()
+    }
 }
 
 impl Run {
@@ -78,9 +93,11 @@ impl Run {
             fit.not_converged.extend(later.not_converged);
         }
         let modulus = AnalyseModulus::default().run(context, observer)?;
-        let alarms = RaiseAlarms.run(context, observer)?;
+        let mut faults = Vec::new();
+        let alarms = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
         let set_aside = standing::runs(context)?.set_aside;
-        let report = RenderReport::default().run(context, observer)?;
+        let report = step("report", || RenderReport::default().run(context, observer));
+        let report = or_nothing(report, &mut faults)?;
         Ok(RunSummary {
             ingest,
             fit,
@@ -89,6 +106,7 @@ impl Run {
             alarms,
             set_aside: set_aside.iter().map(SetAside::of).collect(),
             report,
+            faults,
         })
     }
 

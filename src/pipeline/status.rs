@@ -6,16 +6,18 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::context::CODE_VERSION;
+use super::fault::or_nothing;
 use super::fit::is_of_failed_fit;
 use super::ingest::tagging::NO_AREA;
 use super::ingest::unread::RESPONSE_MISSING;
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::mends::{Together, together};
 use super::planned::{Planned, planned};
+use super::report::report_faults;
 use super::standing::{Runs, SetAside};
 use super::{Context, PipelineError, standing};
 use crate::domain::tag::keys;
-use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunRecord, RunState, Severity};
+use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState, Severity};
 use crate::ingest::name_pattern::{self, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
 
@@ -77,6 +79,8 @@ pub struct Status {
     pub alarms: Vec<Alarm>,
     /// Why nothing is watched; none where something is.
     pub monitoring: Option<String>,
+    /// What a fault of the program left out: of the report that stands, and of what is said here.
+    pub faults: Vec<Fault>,
 }
 
 /// Climate logs and what they come to.
@@ -179,7 +183,8 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         })
         .collect();
     let waiting = super::diagnose::waiting(context)?;
-    let watched = super::alarms::monitoring(context)?;
+    let mut faults = report_faults(&context.folder);
+    let watched = or_nothing(super::alarms::monitoring(context), &mut faults)?;
     let missing = files
         .iter()
         .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
@@ -211,6 +216,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
+        faults,
         planned: planned(context, &standing::all(context)?)?,
         lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
         gaps: gaps(context, &runs),

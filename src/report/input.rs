@@ -9,7 +9,7 @@ use crate::analysis::monitoring::Monitoring;
 use crate::analysis::online::Turn;
 use crate::analysis::plan::{PlannedRun, Untying};
 use crate::analysis::shared_effects::SharedEffect;
-use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+use crate::domain::{Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +46,8 @@ pub struct Input {
     pub monitoring: Monitoring,
     /// Climate logs: sensors, comparisons, exposure.
     pub climate: ClimateAssessment,
+    /// Steps before the report that a fault of the program stopped: what they would have given is missing.
+    pub faults: Vec<Fault>,
     /// Start and end of the runs whose start is known, s since 1970 UTC.
     pub run_spans_s: Vec<(f64, f64)>,
 }

@@ -275,6 +275,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         laws: Default::default(),
         contrasts: vec![],
         monitoring: Default::default(),
+        faults: vec![],
         run_spans_s: vec![],
         news: latest
             .map(|run| News {

@@ -6,6 +6,7 @@ use super::subject::Subject;
 use super::{BATCH, not_condemned, now, with_inputs};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
+use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis};
 use crate::pipeline::{Context, Observer, PipelineError, standing};
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};
@@ -130,9 +131,7 @@ fn held(
             let values: Vec<f64> = wanted.parameters.iter().map(|(_, value)| *value).collect();
             let variant = wanted.variant.as_deref();
             // A fault in a kernel is that effect's failure, not the program's.
-            let fall = std::panic::catch_unwind(|| {
-                fall_from_others(inputs, options, &wanted.effect, variant, &values)
-            });
+            let fall = caught(|| fall_from_others(inputs, options, &wanted.effect, variant, &values));
             let fall = fall.unwrap_or_default();
             FromOthers {
                 fall: fall.map_or(f64::NAN, |found| found.fall),

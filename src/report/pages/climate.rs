@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::Content;
 use super::wording::{IssueText, RunLink, counted};
+use crate::domain::seconds::seconds;
 use crate::domain::tag::keys;
 use crate::domain::{ClimateQuantity, Exposure, RunRecord, SensorPair, SensorSummary};
 use crate::report::error::ReportError;
@@ -255,7 +256,7 @@ fn sensor(sensor: &SensorSummary, zone: &Zone) -> SensorRow {
             true => format!("{} to {}", zone.short(&sensor.from), zone.short(&sensor.to)),
             false => String::new(),
         },
-        interval: format!("{} s", fixed(sensor.interval_s, 0)),
+        interval: format!("{} s", seconds(sensor.interval_s)),
         range: match is_used {
             true => format!(
                 "{} … {} … {} {unit}",

@@ -14,6 +14,7 @@ use crate::analysis::conditions::{material, nominal_voltage_v};
 use crate::domain::tag::keys;
 use crate::domain::{ClimateCurve, Issue, RunCurve, RunRecord};
 use crate::report::error::ReportError;
+use crate::report::fault::REPORT_IT;
 use crate::report::number::significant;
 use crate::report::site::Site;
 
@@ -26,6 +27,8 @@ pub struct DrawnRun {
     pub curves: Vec<RunCurve>,
     /// The climate around it.
     pub climate: Vec<ClimateCurve>,
+    /// Why there are none of these; none where they could be had.
+    pub failed: Option<String>,
 }
 
 /// A run as its page shows it. What the page says of all its runs is taken out of it before it is printed.
@@ -64,6 +67,35 @@ pub struct RunSection {
     pub tags: Vec<TagGroup>,
 }
 
+impl RunSection {
+    /// The box that stands for a run whose section could not be made.
+    pub fn failed(site: &Site, run: usize, reason: &str) -> RunSection {
+        let fault = Issue::error(
+            "section-fault",
+            format!("this section could not be made: {reason}"),
+        );
+        RunSection {
+            slug: site.run_slug(run).to_owned(),
+            name: site.run_name(run).to_owned(),
+            condition: String::new(),
+            summary: Vec::new(),
+            responses: Vec::new(),
+            drawn: String::new(),
+            along: None,
+            parameters: Vec::new(),
+            remarks: Vec::new(),
+            fit: Vec::new(),
+            alone: String::new(),
+            group: None,
+            issues: vec![IssueText::from(&fault.mend(REPORT_IT))],
+            climate: None,
+            evidence: Evidence::default(),
+            readings: Vec::new(),
+            tags: Vec::new(),
+        }
+    }
+}
+
 /// What was measured along the strip, and where it is shown.
 #[derive(Debug, Serialize)]
 struct AlongLine {
@@ -85,6 +117,12 @@ pub fn section(
 ) -> Result<RunSection, ReportError> {
     let run = drawn.run;
     let record = site.input.record(run);
+    if let Some(reason) = &drawn.failed {
+        return Err(ReportError::Curves {
+            run: record.path.clone(),
+            reason: reason.clone(),
+        });
+    }
     let name = site.run_name(run);
     let id = format!("{place}-");
     let subject = Subject {

@@ -15,7 +15,7 @@ const SEGMENTS: usize = 6;
 const HASH_DIGITS: usize = 16;
 
 /// What a run rests on, apart from its tags and channels.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Evidence {
     /// Each with what it is a fact of.
     pub facts: Vec<Fact>,

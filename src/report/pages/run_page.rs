@@ -13,8 +13,9 @@ use super::run_tables::{ParametersTable, RunsTable, parameters_table, runs_table
 use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
 use super::wording::{IssueText, RunLink, counted};
 use crate::analysis::conditions::material;
-use crate::domain::Severity;
+use crate::domain::{Fault, Severity};
 use crate::report::error::ReportError;
+use crate::report::fault::{guarded, reason_of};
 use crate::report::site::Site;
 
 /// Links to other samples in the same condition: of more, the first stand there.
@@ -51,11 +52,21 @@ struct Page {
 /// [`ReportError`]: a fault of the program.
 pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
-    let sections: Result<Vec<RunSection>, ReportError> = drawn
-        .iter()
-        .enumerate()
-        .map(|(place, run)| section(site, place, run, &mut figures))
-        .collect();
+    let mut faults = Vec::new();
+    let mut one = |(place, drawn): (usize, &DrawnRun)| {
+        let made = guarded(|| section(site, place, drawn, &mut figures));
+        made.or_else(|error| {
+            let fault = Fault {
+                place: site.run_href(drawn.run),
+                runs: vec![site.input.runs[drawn.run].path.clone()],
+                reason: reason_of(error)?,
+            };
+            let box_of_it = RunSection::failed(site, drawn.run, &fault.reason);
+            faults.push(fault);
+            Ok(box_of_it)
+        })
+    };
+    let sections: Result<Vec<RunSection>, ReportError> = drawn.iter().enumerate().map(&mut one).collect();
     let runs: Vec<usize> = drawn.iter().map(|drawn| drawn.run).collect();
     let several = runs.len() > 1;
     let mut page = Page {
@@ -79,7 +90,10 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         true => page.say_once(site, drawn),
         false => page.say_all(site, drawn),
     }
-    Content::new("run.html", &page, figures)
+    Ok(Content {
+        faults,
+        ..Content::new("run.html", &page, figures)?
+    })
 }
 
 impl Page {
