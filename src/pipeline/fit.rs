@@ -9,7 +9,7 @@ use super::fit_extended;
 use super::fit_plan::{Planned, fit_plan};
 use super::{Context, Observer, PipelineError};
 use crate::domain::fault::caught;
-use crate::domain::{Campaign, Channel, Fit, Issue};
+use crate::domain::{Channel, Fit, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
 use crate::store::{FitStamp, FitTask};
