@@ -28,6 +28,8 @@ fn value(cell: AnyValue) -> PolarsResult<Value> {
         AnyValue::Null => Value::Null,
         AnyValue::Boolean(flag) => flag.into(),
         AnyValue::String(text) => text.into(),
+        // A column of one text in every row comes so.
+        AnyValue::StringOwned(text) => text.as_str().into(),
         AnyValue::UInt32(count) => count.into(),
         AnyValue::UInt64(count) => count.into(),
         AnyValue::Int64(count) => count.into(),

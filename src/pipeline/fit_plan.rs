@@ -35,6 +35,8 @@ pub(super) struct FitPlan {
 /// The plan for all runs that can be fitted; `asked` goes before everything that campaign.toml says.
 pub(super) fn fit_plan(context: &Context, asked: &AskedFit) -> Result<FitPlan, PipelineError> {
     let campaign = &context.campaign;
+    // A choice that is wrong is refused though there is no run yet that it holds for.
+    choose(asked, campaign, &AskedFit::default())?;
     // The last entry of a group holds: adopting again adds one.
     let mut adopted: BTreeMap<&str, ModelChoice> = BTreeMap::new();
     for entry in campaign.adopted.iter().filter(|_| asked.model.is_none()) {

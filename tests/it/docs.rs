@@ -226,8 +226,9 @@ fn read_toml(folder: &CampaignFolder, page: &str, text: &str) {
         return fine(folder.ieap(&["status"]));
     }
     let known = std::fs::read_to_string(folder.join("my-campaign/campaign.toml")).unwrap();
-    let added = match text.strip_prefix("[campaign]\n") {
-        Some(keys) => known.replacen("[campaign]\n", &format!("[campaign]\n{keys}"), 1),
+    let (first, others) = text.split_at(text.find("\n[").map_or(text.len(), |at| at + 1));
+    let added = match first.strip_prefix("[campaign]\n") {
+        Some(keys) => known.replacen("[campaign]\n", &format!("[campaign]\n{keys}"), 1) + "\n" + others,
         None => format!("{known}\n{text}"),
     };
     assert_ne!(added, known);

@@ -461,7 +461,14 @@ fn the_campaigns_with_known_answers_are_tagged() {
         .filter(|path| path.is_dir())
     {
         let loaded = campaign_file::read(&folder).unwrap();
-        assert_eq!(loaded.warnings, [], "{}", folder.display());
+        // Tags of their own were not declared when these campaigns were made.
+        let mut warnings = loaded.warnings.iter();
+        assert!(
+            warnings.all(|issue| issue.code == "tag-undeclared"),
+            "{}: {:?}",
+            folder.display(),
+            loaded.warnings
+        );
         let found = scan(&folder, &loaded.campaign.runs_folder, &[], ScanLimits::default()).unwrap();
         assert_eq!(found.issues, []);
         for file in &found.files {

@@ -2,8 +2,8 @@
 //!
 //! A design ties two covariates where they mostly changed together. A parameter may still follow one of them so closely,
 //! and the other so badly, that no doubt is left. Each rival is fitted alone, by the law that suits it best and with the
-//! error of its measurement allowed for; it is ruled out where it describes the readings worse by far, and adds nothing
-//! beside the better covariate.
+//! error of its measurement allowed for; it is ruled out where it describes the readings worse by far, adds nothing beside
+//! the better covariate, and the readings would have shown half as large an effect of it.
 
 use super::chance_of::ask;
 use super::covariate::Covariate;
@@ -19,6 +19,11 @@ use crate::numerics::grouped::{Grouped, dot};
 const RULED_OUT: f64 = 10.0;
 /// A rival that adds to the better covariate what chance adds more rarely than this has a part of its own.
 const ADDS_BELOW: f64 = 0.05;
+/// A rival is ruled out only where the readings leave it less than this part of what the better covariate does: that nothing
+/// was seen of it is not enough where little could have been seen. Half, as effects of that size still matter to a reader.
+const LARGEST_PART: f64 = 0.5;
+/// Half the width of a 95 % interval, standard errors.
+const HALF_WIDTH: f64 = 1.959_963_984_540_054;
 /// Standard error of a humidity that states none, percent points: sensors are good to about 2 % (an even distribution).
 const HUMIDITY_ERROR_PERCENT: f64 = 1.2;
 /// The same of a temperature, °C: good to about 0.5 °C.
@@ -86,7 +91,7 @@ impl Asking<'_> {
             .iter()
             .filter_map(|&rival| {
                 let (left, evidence) = ground.against(&own, rival)?;
-                let is_out = evidence > RULED_OUT && !ground.adds(&own, found.covariate, rival);
+                let is_out = evidence > RULED_OUT && !ground.may_add(&own, found.covariate, rival);
                 is_out.then_some(RuledOut {
                     covariate: rival,
                     left: left / whole,
@@ -167,8 +172,8 @@ impl Ground<'_> {
         Some((plain.square, evidence))
     }
 
-    /// Whether a rival describes a part of what the better covariate, in any form, leaves.
-    fn adds(&self, own: &Alone, better: Covariate, rival: Covariate) -> bool {
+    /// Whether a rival describes a part of what the better covariate, in any form, leaves; or may do so unseen.
+    fn may_add(&self, own: &Alone, better: Covariate, rival: Covariate) -> bool {
         let mut beside = self.null.clone();
         beside.take_out_all(&own.columns);
         for (_, columns) in self.asking.shapes(self.table, better) {
@@ -180,6 +185,12 @@ impl Ground<'_> {
             model
         };
         let shapes = self.asking.shapes(self.table, rival);
+        let explained = square_left(self.null, &self.table.y) - own.square;
+        let hidden = |column: &Vec<f64>| self.largest_part(&beside, column);
+        let mut columns = shapes.iter().flat_map(|(_, columns)| columns);
+        if columns.any(|column| hidden(column) > LARGEST_PART.powi(2) * explained) {
+            return true;
+        }
         let alternatives: Vec<Grouped> = shapes.iter().map(|(_, columns)| more(columns)).collect();
         let group = &self.table.group;
         ask(
@@ -190,6 +201,19 @@ impl Ground<'_> {
             self.asking.seed.wrapping_add(1),
         )
         .is_some_and(|answer| answer.p <= ADDS_BELOW)
+    }
+
+    /// The largest square that a column may add to the readings beside what is taken out, by its 95 % interval.
+    fn largest_part(&self, beside: &Grouped, column: &[f64]) -> f64 {
+        let (left, y) = (beside.residual(column), beside.residual(&self.table.y));
+        let (whole, square) = (square_left(self.null, column), dot(&left, &left));
+        let freedom = beside.freedom();
+        if freedom == 0 || square <= f64::EPSILON * whole {
+            return f64::INFINITY;
+        }
+        let size = dot(&left, &y).abs() / square;
+        let error = (dot(&y, &y) / freedom as f64 / square).sqrt();
+        (size + HALF_WIDTH * error).powi(2) * whole
     }
 
     /// Whether the better covariate describes the readings better by far than all rivals together do, each number

@@ -15,6 +15,7 @@ use crate::ingest::campaign_file;
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::profiles;
 use crate::pipeline::PipelineError;
+use crate::pipeline::whole_file::put_bytes;
 
 /// The verb `init --from`.
 #[derive(Debug, Clone)]
@@ -210,10 +211,10 @@ fn write(campaign: &Path, proposed: &Proposed) -> Result<(), PipelineError> {
     }
     for (path, text) in &texts {
         make_parent(path)?;
-        fs::write(path, text).map_err(failed(path, "making the campaign"))?;
+        put_bytes(path, false, text.as_bytes())?;
     }
     let file = campaign.join(campaign_file::FILE_NAME);
-    fs::write(&file, &proposed.campaign_toml).map_err(failed(&file, "making the campaign"))
+    put_bytes(&file, false, proposed.campaign_toml.as_bytes())
 }
 
 fn make_parent(path: &Path) -> Result<(), PipelineError> {
