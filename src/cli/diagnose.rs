@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::CliError;
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::{Gain, Verdict};
@@ -41,8 +41,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     ingest
-        .refused
-        .iter()
+        .not_taken()
         .for_each(|(path, issue)| output.issue(path, issue));
     let choice = DiagnoseChoice {
         model: args.model.clone(),
@@ -67,11 +66,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
         adopt(args, global, &mut context, output)?;
     }
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(super::ingest::status(&ingest))
 }
 
 /// Adopts what the findings name and fits it.

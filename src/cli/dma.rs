@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::CliError;
 use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::dma_document::{LogEntry, dma_document};
@@ -23,8 +23,7 @@ pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     ingest
-        .refused
-        .iter()
+        .not_taken()
         .for_each(|(path, issue)| output.issue(path, issue));
     let summary = AnalyseModulus { again: args.again }.run(&mut context, output)?;
     output.message(&format!(
@@ -40,11 +39,7 @@ pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let document = dma_document(&context)?;
     document.logs.iter().for_each(|log| print(log, output));
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(super::ingest::status(&ingest))
 }
 
 fn print(log: &LogEntry, output: &Output) {

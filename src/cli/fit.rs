@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::CliError;
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::Output;
@@ -29,8 +29,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     ingest
-        .refused
-        .iter()
+        .not_taken()
         .for_each(|(path, issue)| output.issue(path, issue));
     let summary = FitRuns {
         choice: args.fit.choice(global),
@@ -48,11 +47,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         }
     }
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(super::ingest::status(&ingest))
 }
 
 /// What was fitted, and what went wrong on the way.

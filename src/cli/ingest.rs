@@ -23,11 +23,15 @@ pub fn run(args: &IngestArgs, global: &Global, output: &Output) -> Result<u8, Cl
     let summary = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/ingest/1", "ingest": summary }))?;
-    Ok(if summary.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(status(&summary))
+}
+
+/// Done, or done without some of the files.
+pub fn status(summary: &IngestSummary) -> u8 {
+    match summary.not_taken().next() {
+        None => DONE,
+        Some(_) => SOME_REFUSED,
+    }
 }
 
 /// How many entries of a kind are listed; `ieap status` lists all.
@@ -62,15 +66,19 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     list(output, "file", waiting, &summary.waiting);
     let untagged = "without the tags to be fitted; `ieap status` says which";
     list(output, "run", untagged, &summary.untagged);
-    refused(output, &summary.refused);
+    refused(output, "refused", &summary.refused);
+    refused(output, NOT_READ, &summary.unread);
 }
 
+/// What is said of files that the system could not give.
+pub const NOT_READ: &str = "that could not be read now, tried again at every look";
+
 /// Refused files; of many with the same kind of reason only the first are listed.
-fn refused(output: &Output, refused: &[(String, Issue)]) {
+fn refused(output: &Output, title: &str, refused: &[(String, Issue)]) {
     if refused.is_empty() {
         return;
     }
-    output.message(&format!("{} refused:", counted(refused.len(), "file")));
+    output.message(&format!("{} {title}:", counted(refused.len(), "file")));
     let mut listed: BTreeMap<&str, usize> = BTreeMap::new();
     for (path, issue) in refused {
         let of_kind = listed.entry(&issue.code).or_insert(0);

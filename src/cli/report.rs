@@ -3,10 +3,10 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, DONE};
+use super::exit::{CliError, DONE, STORAGE};
 use super::output::Output;
 use super::{CampaignArg, Global};
-use crate::pipeline::RenderReport;
+use crate::pipeline::{RenderReport, ReportSummary};
 
 /// Render the report from the database, without looking for new files
 #[derive(Debug, Args)]
@@ -21,7 +21,19 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let context = args.campaign.open(global, output)?;
     let summary = RenderReport { again: args.again }.run(&context, output)?;
-    output.result(&format!("Report: {}", summary.index.display()));
+    print(&summary, output);
     output.document(&json!({ "schema": "ieap/report/1", "report": summary }))?;
-    Ok(DONE)
+    Ok(match summary.refused {
+        None => DONE,
+        Some(_) => STORAGE,
+    })
+}
+
+/// Where the report is, or why it was not made.
+pub fn print(summary: &ReportSummary, output: &Output) {
+    match (&summary.refused, summary.rendered) {
+        (Some(refused), _) => output.error(&format!("the report was not written. {refused}")),
+        (None, true) => output.result(&format!("Report: {}", summary.index.display())),
+        (None, false) => output.result(&format!("Report: {} (unchanged)", summary.index.display())),
+    }
 }

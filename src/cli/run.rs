@@ -3,10 +3,10 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{CliError, STORAGE};
 use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
-use super::{CampaignArg, Global, diagnose, ingest};
+use super::{CampaignArg, Global, diagnose, ingest, report};
 use crate::pipeline::{Run, RunSummary};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
@@ -33,12 +33,11 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     Ok(status(&summary))
 }
 
-/// Done, or done with refusals.
+/// Done, or done without some of the files; a report that could not be written comes first.
 pub fn status(summary: &RunSummary) -> u8 {
-    if summary.ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
+    match summary.report.refused {
+        Some(_) => STORAGE,
+        None => ingest::status(&summary.ingest),
     }
 }
 
@@ -89,10 +88,5 @@ pub fn print(summary: &RunSummary, output: &Output) {
             summary.alarms.new.len()
         ));
     }
-    let state = if summary.report.rendered {
-        ""
-    } else {
-        " (unchanged)"
-    };
-    output.result(&format!("Report: {}{state}", summary.report.index.display()));
+    report::print(&summary.report, output);
 }

@@ -3,9 +3,9 @@
 use clap::Args;
 use serde_json::json;
 
-use super::CampaignArg;
 use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
+use super::{CampaignArg, ingest};
 use crate::domain::Issue;
 use crate::pipeline::status::{Reasoned, Status, WAITS, status};
 
@@ -79,6 +79,7 @@ fn print(status: &Status, output: &Output) {
         output.result(&format!("modulus logs: {}", states.join(", ")));
     }
     section(output, "file", "refused", &status.refused);
+    section(output, "file", ingest::NOT_READ, &status.unread);
     let waiting = "waiting (empty, header only, or still growing)";
     section(output, "file", waiting, &status.pending);
     let untagged = "without the tags to be fitted";
@@ -118,6 +119,9 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", "not diagnosed yet", &status.groups_not_diagnosed);
     let outdated = "with a finding that is out of date (`ieap diagnose` makes it anew)";
     list(output, "group", outdated, &status.findings_out_of_date);
+    if let Some(refused) = &status.report_refused {
+        output.result(&format!("report that cannot be written anew:\n  {refused}"));
+    }
 }
 
 /// How many runs need the distributed model; those that do not are counted only.

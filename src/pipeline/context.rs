@@ -6,10 +6,11 @@ use crate::domain::{Campaign, Issue};
 use crate::ingest::archive::Archive;
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet::RunSheets;
-use crate::ingest::{campaign_file, filesystem};
+use crate::ingest::{campaign_file, filesystem, scan};
 use crate::store::{InstanceLock, Store, StoreError};
 
 use super::PipelineError;
+use super::ingest::ReadFile;
 
 /// Version of this program, as fits and reports record it.
 pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -31,6 +32,8 @@ pub struct Context {
     pub campaign_digest: String,
     /// The database.
     pub store: Store,
+    /// How data files are read.
+    pub read_file: ReadFile,
     _lock: Option<InstanceLock>,
 }
 
@@ -100,6 +103,7 @@ impl Context {
             campaign: loaded.campaign,
             warnings: loaded.warnings,
             store,
+            read_file: scan::read_stable,
             _lock: lock,
         })
     }

@@ -70,6 +70,16 @@ pub enum PipelineError {
         /// The file.
         path: PathBuf,
     },
+    /// A folder that would be replaced holds what the program did not write.
+    #[error(
+        "{folder}: not replaced, and nothing in it was touched: {found} was not written by ieap. Move it out of the folder, or give the folder another name, then run again."
+    )]
+    NotOurs {
+        /// The folder.
+        folder: PathBuf,
+        /// What is not ours in it; the folder itself where it is no folder.
+        found: PathBuf,
+    },
     /// A file cannot be read or written.
     #[error("{path}: {doing} failed: {source}")]
     File {
@@ -115,9 +125,18 @@ pub enum PipelineError {
 }
 
 impl PipelineError {
+    /// Whether the system could not give a file, which says nothing of the file itself.
+    pub fn is_of_system(&self) -> bool {
+        use PipelineError as E;
+        matches!(self, E::File { .. } | E::Frames(FramesError::Unreadable { .. }))
+    }
+
     /// Whether the disk or the database refused, rather than the user's input being wrong.
     pub fn is_storage(&self) -> bool {
         use PipelineError as E;
-        matches!(self, E::Store(_) | E::Archive(_) | E::Report(_) | E::File { .. })
+        matches!(
+            self,
+            E::Store(_) | E::Archive(_) | E::Report(_) | E::File { .. } | E::NotOurs { .. }
+        )
     }
 }

@@ -31,6 +31,8 @@ pub struct Status {
     pub not_fitted: Vec<Reasoned>,
     /// Files that were refused.
     pub refused: Vec<Reasoned>,
+    /// Files that the system could not give when they were last tried.
+    pub unread: Vec<Reasoned>,
     /// Files that wait: empty, header only, still growing.
     pub pending: Vec<Reasoned>,
     /// Files that hold the same bytes as a run's file.
@@ -55,6 +57,8 @@ pub struct Status {
     pub alarms: Vec<Alarm>,
     /// Why nothing is watched; none where something is.
     pub monitoring: Option<String>,
+    /// Why the report cannot be written anew: its folder holds what the program did not write.
+    pub report_refused: Option<String>,
 }
 
 /// Climate logs and what they come to.
@@ -155,6 +159,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         untagged: reasoned(&runs, |run| run.state == RunState::Untagged),
         not_fitted: without_fit(&runs),
         refused: file_list(FileState::Refused),
+        unread: unread(context)?,
         pending: file_list(FileState::Pending),
         aliases: file_list(FileState::Alias).len(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
@@ -163,6 +168,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
+        report_refused: super::report::not_ours(&context.folder)?,
         planned: planned(context, &runs)?,
         lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
         gaps: gaps(context, &runs),
@@ -201,6 +207,15 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
             ["climate-not-covered", "climate-no-start"].contains(&issue.code.as_str())
         }),
     })
+}
+
+fn unread(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
+    let files = context.store.unread_files()?.into_iter();
+    let reasoned = files.map(|(path, issue)| Reasoned {
+        path,
+        issues: vec![issue],
+    });
+    Ok(reasoned.collect())
 }
 
 fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reasoned> {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::context::now;
 use super::{Context, Observer, PipelineError, climate};
 use crate::domain::{Issue, RunState};
-use crate::pipeline::ingest::retag_runs;
+use crate::pipeline::ingest::{IngestSummary, retag_runs};
 use crate::store::HandTag;
 
 /// The verb `tag`.
@@ -50,7 +50,14 @@ impl SetTags {
         context
             .store
             .add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
-        retag_runs(context, observer)?;
+        let mut retagged = IngestSummary::default();
+        retag_runs(context, &mut retagged, observer)?;
+        for (path, issue) in &retagged.unread {
+            observer.warn(&format!(
+                "{path}: {}; runs that it tags are tagged again later",
+                issue.message
+            ));
+        }
         let shelf = climate::Shelf::open(&context.store)?;
         climate::assess(context, &shelf)?;
         let mut runs = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);

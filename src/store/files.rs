@@ -18,6 +18,8 @@ pub struct FileRow {
     pub modified_ns: i64,
     /// Inode, or 0 where the system has none.
     pub inode: u64,
+    /// Time of the last change of anything of the file, ns since 1970; 0 where it is not known.
+    pub changed_ns: i64,
     /// BLAKE3 of the bytes, hexadecimal; none where they were not read.
     pub hash: Option<String>,
     /// What became of it.
@@ -64,7 +66,7 @@ impl Store {
     fn files_where(&self, condition: &str) -> Result<Vec<FileRow>, StoreError> {
         let doing = "listing files";
         let sql = format!(
-            "SELECT path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since
+            "SELECT path, size_bytes, modified_ns, inode, changed_ns, hash, state, reader, issue, missing_since
              FROM source_file WHERE {condition} ORDER BY path"
         );
         let mut statement = self
@@ -89,6 +91,66 @@ impl Store {
         }
         self.write("recording files", now, |transaction| {
             files.iter().try_for_each(|file| upsert_file(transaction, file))
+        })
+    }
+
+    /// Notes when files that are otherwise as they are stored changed last, ns since 1970: they were stored before such
+    /// times were.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn note_change_times(&mut self, now: &str, files: &[(&str, i64)]) -> Result<(), StoreError> {
+        if files.is_empty() {
+            return Ok(());
+        }
+        self.write("noting change times", now, |transaction| {
+            let sql = "UPDATE source_file SET changed_ns = ?2 WHERE path = ?1";
+            for file in files {
+                transaction
+                    .prepare_cached(sql)?
+                    .execute(params![file.0, file.1])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Files that the system could not give when they were to be read, with what it said, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn unread_files(&self) -> Result<Vec<(String, Issue)>, StoreError> {
+        let doing = "listing files that were not read";
+        let mut statement = self
+            .connection
+            .prepare_cached("SELECT path, issue FROM unread_file ORDER BY path")
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get::<_, String>(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.map(|row| {
+            let (path, issue) = row.map_err(|e| self.failed(doing, e))?;
+            Ok((path, from_json("why a file was not read", &issue)?))
+        })
+        .collect()
+    }
+
+    /// Records these as all files that the system could not give; no change where they are known as such.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_unread_files(&mut self, now: &str, files: &[(String, Issue)]) -> Result<(), StoreError> {
+        if self.unread_files()? == files {
+            return Ok(());
+        }
+        self.write("recording files that were not read", now, |transaction| {
+            transaction.execute("DELETE FROM unread_file", [])?;
+            for (path, issue) in files {
+                let issue = to_json("why a file was not read", issue)?;
+                transaction
+                    .prepare_cached("INSERT INTO unread_file VALUES (?1, ?2)")?
+                    .execute([path, &issue])?;
+            }
+            Ok(())
         })
     }
 
@@ -156,8 +218,8 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         .map(|issue| to_json("a file's issue", issue))
         .transpose()?;
     let sql = "INSERT OR REPLACE INTO source_file
-        (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
+        (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since, changed_ns)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
     transaction.prepare_cached(sql)?.execute(params![
         file.path,
         file.size_bytes.cast_signed(),
@@ -168,6 +230,7 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         file.reader,
         issue,
         file.missing_since,
+        file.changed_ns,
     ])?;
     Ok(())
 }
@@ -179,6 +242,7 @@ fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {
         size_bytes: row.get::<_, i64>("size_bytes")?.cast_unsigned(),
         modified_ns: row.get("modified_ns")?,
         inode: row.get::<_, i64>("inode")?.cast_unsigned(),
+        changed_ns: row.get("changed_ns")?,
         hash: row.get("hash")?,
         state: from_key(
             "a file's state",

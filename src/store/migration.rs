@@ -8,7 +8,7 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 7] = [
+const HISTORY: [&str; 8] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
@@ -16,6 +16,7 @@ const HISTORY: [&str; 7] = [
     include_str!("../../migrations/0005_diagnosis.sql"),
     include_str!("../../migrations/0006_alarms.sql"),
     include_str!("../../migrations/0007_fit_along.sql"),
+    include_str!("../../migrations/0008_unread_files.sql"),
 ];
 
 /// Schema version that this program writes.
@@ -123,6 +124,34 @@ mod tests {
                 .execute_batch("UPDATE source_file SET state = 'x'")
                 .is_err()
         );
+    }
+
+    #[test]
+    fn errors_of_the_system_that_were_stored_as_refusals_are_forgotten_and_other_refusals_stay() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        let steps = |count: usize| {
+            HISTORY
+                .iter()
+                .take(count)
+                .map(|sql| M::up(sql))
+                .collect::<Vec<_>>()
+        };
+        Migrations::new(steps(7)).to_latest(&mut connection).unwrap();
+        for (path, code) in [("runs/a", "not-read"), ("runs/b", "no-reader")] {
+            let sql = "INSERT INTO source_file VALUES (?1, 1, 2, 3, NULL, 'refused', 'x/1', ?2, NULL)";
+            let issue =
+                format!(r#"{{"severity":"error","code":"{code}","place":"","message":"","mend":""}}"#);
+            connection.execute(sql, [path, &issue]).unwrap();
+        }
+        Migrations::new(steps(8)).to_latest(&mut connection).unwrap();
+        let left: String = connection
+            .query_row(
+                "SELECT group_concat(path || changed_ns) FROM source_file",
+                [],
+                |row| row.get(0),
+            )
+            .unwrap();
+        assert_eq!(left, "runs/b0");
     }
 
     #[test]

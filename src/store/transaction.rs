@@ -100,6 +100,7 @@ mod tests {
             size_bytes: 1,
             modified_ns: 1,
             inode: 0,
+            changed_ns: 0,
             hash: None,
             state: FileState::Pending,
             reader: String::new(),

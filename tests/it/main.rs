@@ -32,6 +32,8 @@ mod methods;
 mod models_reference;
 mod mutations;
 mod next_runs;
+mod not_read;
+mod own_files;
 mod prints;
 mod random_strips;
 mod real_campaigns;

@@ -12,7 +12,7 @@ use crate::domain::{Campaign, Issue, Tag, TagSource};
 use super::campaign_file::nearest;
 use super::scan::display_path;
 
-pub use sources::{tag_files_for, tag_sources_digest};
+pub use sources::{tag_file_not_read, tag_files_for, tag_sources_digest};
 
 /// Everything that tags of one run can come from.
 #[derive(Debug, Clone, Copy)]

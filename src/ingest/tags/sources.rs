@@ -28,6 +28,20 @@ pub fn tag_files_for(campaign: &Path, data_file: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
+/// The first of those files that is there and that the system cannot give now, relative to the campaign, with what it
+/// says. What such a file stated before is not known to have changed.
+pub fn tag_file_not_read(campaign: &Path, data_files: &[PathBuf]) -> Option<(PathBuf, io::Error)> {
+    let mut files = data_files.iter().flat_map(|file| relative_tag_files(file));
+    files.find_map(|(file, _)| {
+        let error = read_limited(&campaign.join(&file)).err()?;
+        let is_own_fault = matches!(
+            error.kind(),
+            io::ErrorKind::InvalidInput | io::ErrorKind::FileTooLarge
+        );
+        (!is_own_fault).then_some((file, error))
+    })
+}
+
 /// A digest of what those files hold: another digest means that the run is to be tagged again.
 pub fn tag_sources_digest(campaign: &Path, data_files: &[PathBuf]) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();

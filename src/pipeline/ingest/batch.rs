@@ -29,9 +29,10 @@ pub fn in_batches(
 ) -> Result<(), PipelineError> {
     let archive = Archive::new(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
+        let (folder, profiles, read_file) = (&context.folder, &context.profiles, context.read_file);
         let mut prepared: Vec<Prepared> = batch
             .par_iter()
-            .map(|group| prepare(&context.folder, &context.profiles, group))
+            .map(|group| prepare(folder, (profiles, read_file), group))
             .collect();
         archive_all(&archive, &mut prepared)?;
         let held = Held::new(observer);
@@ -156,6 +157,7 @@ mod tests {
             size_bytes,
             modified_ns: 0,
             inode: 0,
+            changed_ns: 0,
             age: None,
             link_target: None,
         };

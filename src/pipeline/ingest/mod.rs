@@ -26,6 +26,7 @@ use batch::in_batches;
 use prepare::Group;
 pub(super) use readers::Readers;
 
+pub use prepare::ReadFile;
 pub(super) use prepare::{Outcome, PreparedFile};
 pub use retag::{retag_runs, run_window};
 pub(super) use settle::{content_of, set_aside};
@@ -51,6 +52,8 @@ pub struct IngestSummary {
     pub aliases: Vec<String>,
     /// Files refused, now or before, with the reason.
     pub refused: Vec<(String, Issue)>,
+    /// Files that the system could not give, with what it said: nothing is decided about them, and every scan tries again.
+    pub unread: Vec<(String, Issue)>,
     /// Files that wait: empty, header only, or still growing.
     pub waiting: Vec<String>,
     /// Files that are no longer there, found now.
@@ -64,6 +67,11 @@ pub struct IngestSummary {
 }
 
 impl IngestSummary {
+    /// Files that were not taken in, with the reason: refused, or not to be had from the system.
+    pub fn not_taken(&self) -> impl Iterator<Item = &(String, Issue)> {
+        self.refused.iter().chain(&self.unread)
+    }
+
     /// Whether the database changed.
     pub fn changed(&self) -> bool {
         let lists = [
@@ -103,6 +111,7 @@ impl Ingest<'_> {
             .into_iter()
             .partition(|file| of_logs(&file.path));
         let changes = scan::diff(&known(&stored), &seen);
+        note_change_times(context, &stored, &changes)?;
         let mut summary = IngestSummary {
             files: seen.files.len(),
             ..IngestSummary::default()
@@ -123,8 +132,9 @@ impl Ingest<'_> {
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
         drop((groups, changes, seen, stored));
-        summary.retagged = retag::retag_runs(context, observer)?;
+        retag::retag_runs(context, &mut summary, observer)?;
         climate::assess(context, &shelf)?;
+        keep_unread(context, &mut summary)?;
         list_states(context, &mut summary)?;
         Ok(summary)
     }
@@ -158,6 +168,7 @@ impl Ingest<'_> {
             }
         };
         let changes = scan::diff(&known(stored), &seen);
+        note_change_times(context, stored, &changes)?;
         summary.logs.files = seen.files.len();
         let readers = Readers::of(&context.profiles, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
@@ -231,10 +242,42 @@ fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
             size_bytes: file.size_bytes,
             modified_ns: file.modified_ns,
             inode: file.inode,
+            changed_ns: file.changed_ns,
             missing: file.missing_since.is_some(),
         }
     }
     stored.iter().map(known).collect()
+}
+
+/// Completes what was stored before times of last changes were, without reading the files.
+fn note_change_times(
+    context: &mut Context,
+    stored: &[FileRow],
+    changes: &Changes,
+) -> Result<(), PipelineError> {
+    let unknown: BTreeSet<&str> = stored
+        .iter()
+        .filter(|file| file.changed_ns == 0)
+        .map(|file| file.path.as_str())
+        .collect();
+    let unchanged = changes.unchanged.iter().filter(|file| file.changed_ns != 0);
+    let times: Vec<(&str, i64)> = unchanged
+        .filter(|file| unknown.contains(file.display.as_str()))
+        .map(|file| (file.display.as_str(), file.changed_ns))
+        .collect();
+    Ok(context.store.note_change_times(&now(), &times)?)
+}
+
+/// Records what the system could not give: what failed now, and what failed before and was not tried again yet.
+fn keep_unread(context: &mut Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
+    summary.unread.append(&mut summary.logs.unread);
+    let mut before = context.store.unread_files()?;
+    before.retain(|(path, _)| summary.waiting.contains(path));
+    summary.unread.extend(before);
+    summary.unread.sort_by(|a, b| a.0.cmp(&b.0));
+    let is_unread = |path: &String| summary.unread.iter().any(|(unread, _)| unread == path);
+    summary.waiting.retain(|path| !is_unread(path));
+    Ok(context.store.save_unread_files(&now(), &summary.unread)?)
 }
 
 /// Lists what stands refused, waits or lacks tags after this round.
@@ -265,6 +308,7 @@ pub(super) fn file_row(
         size_bytes: file.size_bytes,
         modified_ns: file.modified_ns,
         inode: file.inode,
+        changed_ns: file.changed_ns,
         hash,
         state,
         reader,

@@ -10,7 +10,7 @@ use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::formats::ReadContext;
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet;
-use crate::ingest::scan::{self, ReadFileError, SeenFile};
+use crate::ingest::scan::{ReadFileError, SeenFile};
 use crate::ingest::{Reading, RunTable};
 
 /// Largest file that is read, bytes.
@@ -32,7 +32,7 @@ pub struct Group {
 pub struct PreparedFile {
     /// The file.
     pub file: SeenFile,
-    /// BLAKE3 of its bytes; none where it could not be opened or still grows.
+    /// BLAKE3 of its bytes; none where it could not be read or still grows.
     pub hash: Option<String>,
     /// Its bytes, until they are archived.
     pub bytes: Vec<u8>,
@@ -44,6 +44,16 @@ pub struct PreparedFile {
     pub profile: Option<Profile>,
 }
 
+impl PreparedFile {
+    /// Its path and what the system said, where it could not give the file.
+    pub fn unread(&self) -> Option<(String, Issue)> {
+        match &self.outcome {
+            Outcome::Unread(issue) => Some((self.file.display.clone(), issue.clone())),
+            _ => None,
+        }
+    }
+}
+
 /// What a reader made of a file.
 #[derive(Debug)]
 pub enum Outcome {
@@ -51,6 +61,8 @@ pub enum Outcome {
     Read(Box<Reading>),
     /// It cannot be read.
     Refused(Issue),
+    /// The system could not give it: nothing is known of it, and it is tried again.
+    Unread(Issue),
     /// It has nothing to read yet.
     Pending(Issue),
     /// It belongs to a run and holds none.
@@ -58,10 +70,11 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// How a file that holds nothing to store is recorded, and why; none for one that was read.
+    /// How a file that holds nothing to store is recorded, and why; none for one that was read, and for one of which
+    /// nothing is known.
     pub fn aside(&self) -> Option<(FileState, &Issue)> {
         match self {
-            Outcome::Read(_) => None,
+            Outcome::Read(_) | Outcome::Unread(_) => None,
             Outcome::Refused(issue) => Some((FileState::Refused, issue)),
             Outcome::Pending(issue) => Some((FileState::Pending, issue)),
             Outcome::Sidecar(issue) => Some((FileState::Sidecar, issue)),
@@ -80,35 +93,49 @@ pub struct Prepared {
     pub files: Vec<PreparedFile>,
 }
 
+/// Gives the bytes of a file that is not larger than the limit, bytes: `read_stable` of the scan, or what stands in for a disk.
+pub type ReadFile = fn(&Path, u64) -> Result<Vec<u8>, ReadFileError>;
+
+/// An error of the system about a file, which says nothing of the file itself.
+pub fn not_read_now(message: &str) -> Issue {
+    Issue::error("not-read-now", message)
+        .mend("nothing is decided about the file: it is tried again whenever the folder is looked through")
+}
+
 /// Reads every file of a group. Refusals are part of the outcome; a fault of a reader refuses its file only.
-pub fn prepare(campaign: &Path, profiles: &[Profile], group: &Group) -> Prepared {
+pub fn prepare(campaign: &Path, (profiles, read_file): (&[Profile], ReadFile), group: &Group) -> Prepared {
     Prepared {
         run_name: group.run_name.clone(),
         kind: group.kind,
         files: group
             .files
             .iter()
-            .map(|file| prepare_file(campaign, group.kind, profiles, file))
+            .map(|file| prepare_file(campaign, group.kind, (profiles, read_file), file))
             .collect(),
     }
 }
 
-fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &SeenFile) -> PreparedFile {
+fn prepare_file(
+    campaign: &Path,
+    kind: RunKind,
+    (profiles, read_file): (&[Profile], ReadFile),
+    file: &SeenFile,
+) -> PreparedFile {
     let location = file.location(campaign);
     if location.is_dir() {
         return frame_folder::prepare(campaign, file, &location);
     }
-    let bytes = match scan::read_stable(&location, LARGEST_FILE_BYTES) {
+    let bytes = match read_file(&location, LARGEST_FILE_BYTES) {
         Ok(bytes) => bytes,
         Err(error) => {
             // Reports name files relative to the campaign, so that they are the same on every machine.
             let message = error
                 .to_string()
                 .replace(&format!("{}: ", location.display()), "");
-            let still_growing = matches!(error, ReadFileError::StillGrowing { .. });
-            let outcome = match still_growing {
-                true => Outcome::Pending(Issue::note("still-growing", message)),
-                false => Outcome::Refused(Issue::error("not-read", message)),
+            let outcome = match error {
+                ReadFileError::StillGrowing { .. } => Outcome::Pending(Issue::note("still-growing", message)),
+                error if error.may_pass() => Outcome::Unread(not_read_now(&message)),
+                _ => Outcome::Refused(Issue::error("not-read", message)),
             };
             return PreparedFile {
                 file: file.clone(),

@@ -5,21 +5,29 @@ use std::collections::BTreeMap;
 use jiff::Timestamp as Moment;
 
 use super::batch::{MOST_FILES, together};
-use super::now;
+use super::prepare::not_read_now;
 use super::tagging::{TaggingInput, digest, tag_files, tagging};
+use super::{IngestSummary, now};
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{RunRecord, TagSource};
+use crate::ingest::scan::display_path;
+use crate::ingest::tags::tag_file_not_read;
 use crate::ingest::{StartedAt, Timestamp};
 use crate::pipeline::climate::Shelf;
 use crate::pipeline::planned::known_sheets;
 use crate::pipeline::{Context, Observer, PipelineError};
 
-/// Tags again every current run whose tag sources changed; gives their names.
+/// Tags again every current run whose tag sources changed, and lists their names. A run keeps its tags while the system
+/// cannot give a file that states some of them.
 ///
 /// # Errors
 /// The database refuses.
-pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<String>, PipelineError> {
+pub fn retag_runs(
+    context: &mut Context,
+    summary: &mut IngestSummary,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
     let shelf = Shelf::open(&context.store)?;
     context.sheets = known_sheets(context)?;
     let windows: BTreeMap<i64, Option<Window>> = context
@@ -28,17 +36,26 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         .into_iter()
         .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
         .collect();
-    let mut due = Vec::new();
+    let (mut due, mut not_read) = (Vec::new(), BTreeMap::new());
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
-        if digest(context, &shelf, &path, &tag_files(&path, &files), window)? != stored {
-            due.push(run_id);
+        let files = tag_files(&path, &files);
+        if digest(context, &shelf, &path, &files, window)? == stored {
+            continue;
+        }
+        match tag_file_not_read(&context.folder, &files) {
+            None => due.push(run_id),
+            Some((file, error)) => {
+                let message = format!("reading failed ({error}); the tags that it stated before stay");
+                not_read.insert(display_path(&file), not_read_now(&message));
+            }
         }
     }
+    summary.unread.extend(not_read);
     if due.is_empty() {
-        return Ok(Vec::new());
+        return Ok(());
     }
     let all = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
     // What a sheet stated before it was damaged stays until it is mended.
@@ -52,7 +69,8 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
             .iter()
             .for_each(|run| observer.say(&format!("tagged {} again", run.path)));
     }
-    Ok(runs.into_iter().map(|run| run.path).collect())
+    summary.retagged = runs.into_iter().map(|run| run.path).collect();
+    Ok(())
 }
 
 fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), PipelineError> {

@@ -21,6 +21,12 @@ pub fn settle(
     summary: &mut IngestSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
+    let unread: Vec<(String, Issue)> = prepared.files.iter().filter_map(PreparedFile::unread).collect();
+    if !unread.is_empty() {
+        // Without one of its files a run would be half a run: all of it waits.
+        summary.unread.extend(unread);
+        return Ok(());
+    }
     let (mut readable, kind) = (Vec::new(), prepared.kind);
     for file in prepared.files {
         match file.outcome.aside() {
@@ -384,6 +390,7 @@ fn refused_entry(readers: &Readers, issue: &Issue) -> FileRow {
         size_bytes: 0,
         modified_ns: 0,
         inode: 0,
+        changed_ns: 0,
         hash: None,
         state: FileState::Refused,
         reader: readers.all(),

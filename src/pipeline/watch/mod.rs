@@ -1,13 +1,14 @@
 //! The main job for every file that arrives, until stopped.
 
-use std::collections::BTreeMap;
+mod sightings;
+
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::{Context, Observer, PipelineError, Run, RunSummary};
-use crate::ingest::scan::{Readiness, SeenFile, Sighting, readiness};
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
+use sightings::Sightings;
 
 /// Waits between two looks at files that are not quiet yet, at least.
 const SHORTEST_WAIT: Duration = Duration::from_millis(100);
@@ -71,6 +72,7 @@ impl Watch {
             let wait = match self.round(context, observer, &mut sightings, stop) {
                 Ok(summary) => {
                     refusals = 0;
+                    sightings.note_unread(&summary.ingest.unread, Instant::now());
                     if first || summary.ingest.changed() || summary.fit.fitted > 0 || summary.report.rendered
                     {
                         after(&summary);
@@ -118,7 +120,7 @@ impl Watch {
         self.job.run_ready(
             context,
             observer,
-            &mut |file| sightings.is_ready(file),
+            &mut |file| sightings.is_ready(file, Instant::now()),
             &may_go_on,
         )
     }
@@ -140,47 +142,4 @@ fn waited(watcher: &Watcher, wait: Duration, stop: &AtomicBool, observer: &dyn O
 /// Whether an error may pass by itself: space may be freed, a share may come back, a lock may be released.
 fn may_pass(error: &PipelineError) -> bool {
     error.is_storage() || matches!(error, PipelineError::Scan(_))
-}
-
-/// Since when each file has not changed.
-struct Sightings {
-    quiet: Duration,
-    seen: BTreeMap<String, Sighting>,
-    next: Option<Instant>,
-}
-
-impl Sightings {
-    fn new(quiet: Duration) -> Sightings {
-        Sightings {
-            quiet,
-            seen: BTreeMap::new(),
-            next: None,
-        }
-    }
-
-    fn begin(&mut self) {
-        self.next = None;
-    }
-
-    fn is_ready(&mut self, file: &SeenFile) -> bool {
-        let now = Instant::now();
-        let sighting = match self.seen.remove(&file.display) {
-            Some(earlier) => earlier.next(file, now),
-            None => Sighting::first(file, now),
-        };
-        match readiness(&sighting, now, self.quiet) {
-            Readiness::Ready => true,
-            Readiness::Wait { until } => {
-                self.seen.insert(file.display.clone(), sighting);
-                self.next = Some(self.next.map_or(until, |next| next.min(until)));
-                false
-            }
-        }
-    }
-
-    /// Time until the first file that waits may be ready.
-    fn next_look(&self) -> Option<Duration> {
-        self.next
-            .map(|next| next.saturating_duration_since(Instant::now()))
-    }
 }
