@@ -17,11 +17,15 @@ pub const STORAGE: u8 = 4;
 /// Done, and an alarm stands (`ieap status --alarms`).
 pub const ALARM: u8 = 5;
 
+/// Interrupted by a signal, as shells count it.
+pub const INTERRUPTED: u8 = 130;
+
 /// An error that ends a verb.
 #[derive(Debug)]
 pub struct CliError {
     status: u8,
     message: String,
+    is_second_instance: bool,
 }
 
 impl CliError {
@@ -30,6 +34,7 @@ impl CliError {
         CliError {
             status: USAGE,
             message: message.to_owned(),
+            is_second_instance: false,
         }
     }
 
@@ -38,7 +43,19 @@ impl CliError {
         CliError {
             status: INTERNAL,
             message: message.to_owned(),
+            is_second_instance: false,
         }
+    }
+
+    /// Whether another program works on the campaign.
+    pub fn is_second_instance(&self) -> bool {
+        self.is_second_instance
+    }
+
+    /// The same with a sentence more.
+    pub fn with(mut self, sentence: &str) -> CliError {
+        self.message.push_str(sentence);
+        self
     }
 
     /// The exit status it ends with.
@@ -59,6 +76,7 @@ impl From<PipelineError> for CliError {
         CliError {
             status,
             message: error.to_string(),
+            is_second_instance: error.is_second_instance(),
         }
     }
 }

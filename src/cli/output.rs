@@ -98,7 +98,7 @@ impl Output {
         let text = printable(text);
         let bar = self.bar.lock().ok().and_then(|bar| bar.clone());
         match bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
+            Some(bar) => bar.suspend(|| drop(writeln!(std::io::stderr(), "{text}"))),
             None => drop(writeln!(std::io::stderr(), "{text}")),
         }
     }

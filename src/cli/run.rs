@@ -3,11 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, STORAGE};
+use super::exit::{CliError, INTERRUPTED, STORAGE};
 use super::fit_choice::FitChoiceArgs;
-use super::output::Output;
-use super::{CampaignArg, Global, diagnose, ingest, report};
-use crate::pipeline::{Run, RunSummary};
+use super::output::{Output, counted};
+use super::{CampaignArg, Global, diagnose, ingest, report, signals};
+use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary, left};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]
@@ -22,15 +22,46 @@ pub struct RunArgs {
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
-    let summary = Run {
+    let job = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,
-    }
-    .run(&mut context, output)?;
+    };
+    let Some(done) = interrupt.run(|| job.run(&mut context, output)) else {
+        return interrupted(&context, args.no_diagnose, output);
+    };
+    let summary = done?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
     Ok(status(&summary))
+}
+
+/// Said where the work under way did not end by itself in time.
+const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap run` goes on from there.";
+
+/// Says what is left of a run that was interrupted.
+fn interrupted(context: &Context, no_diagnose: bool, output: &Output) -> Result<u8, CliError> {
+    output.end();
+    let left = left(context)?;
+    let mut parts = Vec::new();
+    if left.fits > 0 {
+        parts.push(format!("{} to fit", counted(left.fits, "run")));
+    }
+    if left.diagnoses > 0 && !no_diagnose {
+        parts.push(format!("{} to diagnose", counted(left.diagnoses, "group")));
+    }
+    if left.report {
+        parts.push("the report to be written anew".to_owned());
+    }
+    let left = match parts.is_empty() {
+        true => "new files, if there are any".to_owned(),
+        false => parts.join(", "),
+    };
+    output.message(&format!(
+        "Interrupted. What was made so far is kept. Left: {left}. `ieap run` goes on from there."
+    ));
+    Ok(INTERRUPTED)
 }
 
 /// Done, or done without some of the files; a report that could not be written comes first.
@@ -42,9 +73,21 @@ pub fn status(summary: &RunSummary) -> u8 {
 }
 
 /// What was done, and where the report is.
-pub fn print(summary: &RunSummary, output: &Output) {
+fn print(summary: &RunSummary, output: &Output) {
     ingest::print(&summary.ingest, output);
-    let fit = &summary.fit;
+    let made = Made {
+        fit: summary.fit.clone(),
+        modulus: summary.modulus.clone(),
+        alarms: summary.alarms.clone(),
+    };
+    print_made(&made, output);
+    print_diagnosed(&summary.diagnose, output);
+    report::print(&summary.report, output);
+}
+
+/// Fits, modulus logs and alarms.
+pub fn print_made(made: &Made, output: &Output) {
+    let fit = &made.fit;
     output.result(&format!(
         "fits: {} new, {} up to date, {} could not be made",
         fit.fitted,
@@ -58,7 +101,7 @@ pub fn print(summary: &RunSummary, output: &Output) {
     for path in &fit.not_converged {
         output.message(&format!("  {path}: the search did not converge; see its page"));
     }
-    let modulus = &summary.modulus;
+    let modulus = &made.modulus;
     if modulus.analysed + modulus.up_to_date + modulus.failed.len() > 0 {
         output.result(&format!(
             "modulus logs: {} analysed, {} up to date, {} could not be analysed",
@@ -71,7 +114,17 @@ pub fn print(summary: &RunSummary, output: &Output) {
             .iter()
             .for_each(|(path, issue)| output.issue(path, issue));
     }
-    let diagnosed = &summary.diagnose;
+    if made.alarms.standing > 0 {
+        output.result(&format!(
+            "alarms: {} ({} new); see `ieap status --alarms`",
+            made.alarms.standing,
+            made.alarms.new.len()
+        ));
+    }
+}
+
+/// What was diagnosed, and what is to come.
+pub fn print_diagnosed(diagnosed: &DiagnoseSummary, output: &Output) {
     diagnose::say(diagnosed, output);
     let left = match diagnosed.left {
         0 => String::new(),
@@ -81,12 +134,4 @@ pub fn print(summary: &RunSummary, output: &Output) {
         "diagnoses: {} new, {} up to date{left}",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
-    if summary.alarms.standing > 0 {
-        output.result(&format!(
-            "alarms: {} ({} new); see `ieap status --alarms`",
-            summary.alarms.standing,
-            summary.alarms.new.len()
-        ));
-    }
-    report::print(&summary.report, output);
 }

@@ -55,10 +55,15 @@ impl Context {
     /// Opens a campaign beside a working instance, for changes that do not read files or fit.
     ///
     /// # Errors
-    /// As [`Context::open`], but for the lock.
+    /// As [`Context::open`]; the lock is needed only where the database is to be brought up to date.
     pub fn open_beside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
+        if let Err(StoreError::Older { .. }) = Store::open_read_only(folder) {
+            // Only who holds the lock brings a database up to date.
+            let _lock = InstanceLock::take(folder)?;
+            Store::open(folder)?;
+        }
         let store = Store::open(folder)?;
         Context::with(folder, loaded, store, None)
     }
@@ -74,6 +79,15 @@ impl Context {
             None => Store::in_memory()?,
         };
         Context::with(folder, loaded, store, None)
+    }
+
+    /// The same campaign with a connection of its own, for another thread of this program.
+    ///
+    /// # Errors
+    /// As [`Context::open`], but for the lock.
+    pub fn beside(&self) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(&self.folder)?;
+        Context::with(&self.folder, loaded, Store::open(&self.folder)?, None)
     }
 
     /// Reads campaign.toml and the profiles again, after they changed.

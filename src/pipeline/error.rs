@@ -131,6 +131,11 @@ impl PipelineError {
         matches!(self, E::File { .. } | E::Frames(FramesError::Unreadable { .. }))
     }
 
+    /// Whether another program works on the campaign.
+    pub fn is_second_instance(&self) -> bool {
+        matches!(self, PipelineError::Store(StoreError::SecondInstance { .. }))
+    }
+
     /// Whether the disk or the database refused, rather than the user's input being wrong.
     pub fn is_storage(&self) -> bool {
         use PipelineError as E;

@@ -10,7 +10,8 @@ use super::{Context, Observer, PipelineError};
 use crate::domain::{Campaign, Channel, Fit, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
-use crate::model::ModelChoice;
+use crate::model::{FitModel, ModelChoice};
+use crate::numerics::interrupt;
 use crate::store::{FitStamp, FitTask};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
@@ -76,14 +77,8 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
-        let options = self.choice.options(&context.campaign)?;
         let plan = fit_plan(context, self.choice.model.as_deref())?;
-        let hashed = plan.single.into_iter().map(|(task, model)| {
-            let options = FitOptions { model, ..options };
-            (input_hash(&task, &options), task, options)
-        });
-        let (done, due): (Vec<Due>, Vec<Due>) =
-            hashed.partition(|(hash, task, _)| !self.again && task.done_input_hash.as_ref() == Some(hash));
+        let (done, due) = self.sorted(context, plan.single)?;
         let mut summary = FitSummary {
             up_to_date: done.len(),
             unknown_groups: plan.unknown_groups,
@@ -96,11 +91,40 @@ impl FitRuns {
                 .iter()
                 .map(|(hash, task, _)| (hash.as_str(), task))
                 .zip(outcomes);
-            save(context, stamped.collect(), &mut summary)?;
+            // What was fitted before an interruption is kept.
+            let made = stamped.filter_map(|(task, outcome)| Some((task, outcome?)));
+            save(context, made.collect(), &mut summary)?;
+            interrupt::check();
         }
         observer.end();
         fit_extended::fit_groups(context, &plan.extended, self.again, observer, &mut summary)?;
         Ok(summary)
+    }
+}
+
+impl FitRuns {
+    /// Number of runs that would be fitted.
+    ///
+    /// # Errors
+    /// The model is not known, or the database fails.
+    pub fn due(&self, context: &Context) -> Result<usize, PipelineError> {
+        let plan = fit_plan(context, self.choice.model.as_deref())?;
+        let (_, due) = self.sorted(context, plan.single)?;
+        Ok(due.len() + fit_extended::due(&plan.extended, self.again))
+    }
+
+    /// The runs of a plan whose fit is up to date, and the others.
+    fn sorted(
+        &self,
+        context: &Context,
+        single: Vec<(FitTask, &'static FitModel)>,
+    ) -> Result<(Vec<Due>, Vec<Due>), PipelineError> {
+        let options = self.choice.options(&context.campaign)?;
+        let hashed = single.into_iter().map(|(task, model)| {
+            let options = FitOptions { model, ..options };
+            (input_hash(&task, &options), task, options)
+        });
+        Ok(hashed.partition(|(hash, task, _)| !self.again && task.done_input_hash.as_ref() == Some(hash)))
     }
 }
 
@@ -109,11 +133,12 @@ type Due = (String, FitTask, FitOptions);
 
 pub(super) type Outcome = Result<Fit, Issue>;
 
+/// The fits of a batch in its order; none for those that an interruption met.
 fn fit_batch(
     context: &Context,
     batch: &[Due],
     observer: &dyn Observer,
-) -> Result<Vec<Outcome>, PipelineError> {
+) -> Result<Vec<Option<Outcome>>, PipelineError> {
     let loaded = batch
         .iter()
         .map(|(_, task, _)| context.store.channels(task.run_id))
@@ -122,7 +147,7 @@ fn fit_batch(
         .par_iter()
         .zip(loaded)
         .map(|((_, task, options), channels)| {
-            let outcome = fit_one(task, &channels, options);
+            let outcome = interrupt::attempt(|| fit_one(task, &channels, options));
             observer.advance();
             outcome
         })
@@ -131,7 +156,7 @@ fn fit_batch(
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.
 fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
-    let fitted = std::panic::catch_unwind(|| match options.model.id {
+    let fitted = interrupt::caught(|| match options.model.id {
         distributed::MODEL_ID => fit_along::fit(task, channels, options),
         _ => fit_whole(task, channels, options),
     });

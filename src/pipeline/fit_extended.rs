@@ -10,6 +10,7 @@ use crate::diagnose::{RunInput, fit_extended, model_version};
 use crate::domain::{Channel, Issue};
 use crate::fit::FitInput;
 use crate::ingest::derived;
+use crate::numerics::interrupt;
 
 /// Groups fitted between two commits.
 const BATCH: usize = 8;
@@ -22,13 +23,7 @@ pub(super) fn fit_groups(
     observer: &dyn Observer,
     summary: &mut FitSummary,
 ) -> Result<(), PipelineError> {
-    let library = library_hash();
-    let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
-    let is_done = |(hash, group): &(String, &ExtendedGroup)| {
-        let mut done = group.tasks.iter().map(|task| task.done_input_hash.as_ref());
-        !again && done.all(|done| done == Some(hash))
-    };
-    let (done, due): (Vec<_>, Vec<_>) = hashed.partition(is_done);
+    let (done, due) = sorted(groups, again);
     summary.up_to_date += done.iter().map(|(_, group)| group.tasks.len()).sum::<usize>();
     if due.is_empty() {
         return Ok(());
@@ -55,9 +50,29 @@ pub(super) fn fit_groups(
     Ok(())
 }
 
+/// Number of runs in groups that would be fitted.
+pub(super) fn due(groups: &[ExtendedGroup], again: bool) -> usize {
+    let (_, due) = sorted(groups, again);
+    due.iter().map(|(_, group)| group.tasks.len()).sum()
+}
+
+/// A group with the hash of all that its fits depend on.
+type Hashed<'g> = (String, &'g ExtendedGroup);
+
+/// The groups whose fits are up to date, and the others.
+fn sorted(groups: &[ExtendedGroup], again: bool) -> (Vec<Hashed<'_>>, Vec<Hashed<'_>>) {
+    let library = library_hash();
+    let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
+    let is_done = |(hash, group): &Hashed<'_>| {
+        let mut done = group.tasks.iter().map(|task| task.done_input_hash.as_ref());
+        !again && done.all(|done| done == Some(hash))
+    };
+    hashed.partition(is_done)
+}
+
 /// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
 fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
-    let work = std::panic::AssertUnwindSafe(|| {
+    let work = || {
         let tasks = group.tasks.iter();
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
@@ -77,9 +92,9 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
             })
             .collect();
         fit_extended(&inputs, &group.choice)
-    });
+    };
     // Effects are constants without a state that a panic could leave broken.
-    let Ok(found) = std::panic::catch_unwind(work) else {
+    let Ok(found) = interrupt::caught(work) else {
         let fault = Issue::error("fit-fault", "the fit of its group stopped on an internal fault")
             .mend("report it with the runs' files; the other groups are not affected");
         return group.tasks.iter().map(|_| Err(fault.clone())).collect();

@@ -15,6 +15,7 @@ use crate::fit::{
 };
 use crate::ingest::derived;
 use crate::model::FitModel;
+use crate::numerics::interrupt;
 use crate::store::FitTask;
 
 /// Groups whose readings are held at once.
@@ -158,7 +159,7 @@ fn fit_one(group: &Group, channels: &[Vec<Channel>], options: &GroupOptions) -> 
             }),
         }
     }
-    let fitted = std::panic::catch_unwind(|| fit_group(&inputs, options));
+    let fitted = interrupt::caught(|| fit_group(&inputs, options));
     let outcome = match fitted {
         Ok(Ok(fit)) => Ok(fit),
         Ok(Err(FitError::EmptyGroup)) => Err(Issue::warning(

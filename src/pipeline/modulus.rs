@@ -8,6 +8,7 @@ use crate::analysis::dma;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
+use crate::numerics::interrupt;
 use crate::store::ModulusStamp;
 
 /// Logs whose readings are in memory at once.
@@ -63,6 +64,7 @@ impl AnalyseModulus {
         observer.begin("analysing modulus logs", due.len() as u64);
         let mut due = due.into_iter().peekable();
         while due.peek().is_some() {
+            interrupt::check();
             let tasks: Vec<Task> = due
                 .by_ref()
                 .take(BATCH)
@@ -104,7 +106,7 @@ fn input_hash(log: &RunRecord) -> String {
 fn analyse(task: &Task) -> Result<ModulusAnalysis, Issue> {
     let chosen = chosen_tags(&task.log);
     let (channels, _) = named_columns(&task.channels, &chosen);
-    std::panic::catch_unwind(|| dma::analyse(&channels)).unwrap_or_else(|_| {
+    interrupt::caught(|| dma::analyse(&channels)).unwrap_or_else(|_| {
         let issue = Issue::error("analysis-fault", "the analysis stopped on an internal fault");
         Err(issue.mend("report it with this log; the other logs are not affected"))
     })

@@ -16,6 +16,7 @@ use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::{monitoring, same_tags, sequence};
 use crate::domain::{RunRecord, SourceFile};
 use crate::model::effects::{self, Effect};
+use crate::numerics::interrupt;
 use crate::pipeline::ingest::run_window;
 use crate::report;
 
@@ -53,19 +54,18 @@ impl RenderReport {
     pub fn run(&self, context: &Context, observer: &dyn Observer) -> Result<ReportSummary, PipelineError> {
         let target = context.folder.join(REPORT_FOLDER);
         let index = target.join("index.html");
+        // What others write meanwhile is shown the next time, whole.
+        let _snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
-        let stamp = format!(
-            "{CODE_VERSION} {changes} {changed_at} {}\n",
-            context.campaign_digest
-        );
-        let current = std::fs::read_to_string(target.join(STAMP)).is_ok_and(|found| found == stamp);
+        let stamp = stamp(context, changes, &changed_at);
+        let current = stands(context, &stamp);
         let unchanged = |refused| ReportSummary {
             index: index.clone(),
             rendered: false,
             pages: 0,
             refused,
         };
-        if current && !self.again && index.exists() {
+        if current && !self.again {
             return Ok(unchanged(None));
         }
         if let Some(refused) = not_ours(&context.folder)? {
@@ -94,6 +94,30 @@ impl RenderReport {
             refused: None,
         })
     }
+}
+
+/// What a report of the campaign as it is would say that it was made from.
+fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
+    format!(
+        "{CODE_VERSION} {changes} {changed_at} {}\n",
+        context.campaign_digest
+    )
+}
+
+/// Whether a report with that stamp is there.
+fn stands(context: &Context, stamp: &str) -> bool {
+    let folder = context.folder.join(REPORT_FOLDER);
+    folder.join("index.html").exists()
+        && std::fs::read_to_string(folder.join(STAMP)).is_ok_and(|found| found == stamp)
+}
+
+/// Whether the report shows the campaign as it is.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn is_current(context: &Context) -> Result<bool, PipelineError> {
+    let (changes, changed_at) = context.store.changes()?;
+    Ok(stands(context, &stamp(context, changes, &changed_at)))
 }
 
 /// How the name of a report in the making begins.
@@ -164,7 +188,10 @@ fn write_fresh(
     observer.begin("rendering", input.runs.len() as u64);
     let curves = PageCurves::new(&context.store, &input.runs, &context.campaign);
     // Several runs share a page; progress is told in runs.
-    let reach = |done: usize, pages: usize| observer.reach((done * input.runs.len() / pages.max(1)) as u64);
+    let reach = |done: usize, pages: usize| {
+        interrupt::check();
+        observer.reach((done * input.runs.len() / pages.max(1)) as u64);
+    };
     let folder = fresh.path();
     let rendered = report::render(input, &curves, folder, &reach);
     observer.end();

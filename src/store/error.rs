@@ -48,6 +48,40 @@ pub enum StoreError {
         /// What SQLite says.
         detail: String,
     },
+    /// An older program made the database, and whoever only reads does not change it.
+    #[error(
+        "{path}: the database has schema {found}, this program needs schema {needed}. `ieap run` or `ieap report` brings it up to date, after a backup; end any other ieap that works on the campaign before."
+    )]
+    Older {
+        /// The database file.
+        path: PathBuf,
+        /// Schema version found.
+        found: i64,
+        /// Schema version needed.
+        needed: i64,
+    },
+    /// The database says that it is empty, and holds tables.
+    #[error(
+        "{path}: the database holds tables and no version of their schema (user_version is 0): another program wrote to it. Restore a backup, or move it away (with its -wal and -shm files); `ieap run` makes a new one from the files in the runs folder, but tags set by hand are lost."
+    )]
+    NoVersion {
+        /// The database file.
+        path: PathBuf,
+    },
+    /// The schema could not be brought up to date.
+    #[error(
+        "{path}: the database could not be brought from schema {found} to {needed} ({detail}). It is as it was, and a copy lies beside it; restore a backup if it was changed by another program."
+    )]
+    Migration {
+        /// The database file.
+        path: PathBuf,
+        /// Schema version found.
+        found: i64,
+        /// Schema version needed.
+        needed: i64,
+        /// What SQLite says.
+        detail: String,
+    },
     /// A newer program made the database.
     #[error(
         "{path}: the database has schema {found}, this program knows schemas up to {known}. Use the newer program that wrote it."
@@ -96,6 +130,16 @@ pub enum StoreError {
         /// What the lock file says of its holder.
         holder: String,
     },
+    /// Something else lies where the lock file belongs.
+    #[error(
+        "{path}: this is not the lock file of a campaign ({found}), and it was left alone. Move it away, then run again."
+    )]
+    NotALock {
+        /// The lock file.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
     /// The lock file or a backup could not be written.
     #[error("{path}: {doing} failed: {source}")]
     File {
@@ -117,14 +161,14 @@ pub enum StoreError {
         detail: String,
     },
     /// Any other failure of SQLite.
-    #[error("{path}: {doing} failed: {source}")]
+    #[error("{path}: {doing} failed: {detail}")]
     Sql {
         /// The database file.
         path: PathBuf,
         /// What was being done.
         doing: &'static str,
         /// What SQLite says.
-        source: rusqlite::Error,
+        detail: String,
     },
 }
 
@@ -136,11 +180,13 @@ impl StoreError {
         source: rusqlite::Error,
     ) -> StoreError {
         let path = path.to_owned();
-        let detail = || source.to_string();
+        let detail = || plain(&source);
         match source.sqlite_error_code() {
             Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => StoreError::Locked { path, doing },
             Some(ErrorCode::ReadOnly | ErrorCode::PermissionDenied) => StoreError::ReadOnly { path, doing },
             Some(ErrorCode::DiskFull) => StoreError::DiskFull { path, doing },
+            // Where SQLite's shared memory cannot grow, it says no more than that the disk failed.
+            Some(ErrorCode::SystemIoFailure) if is_full(&path) => StoreError::DiskFull { path, doing },
             Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => StoreError::NotADatabase {
                 path,
                 detail: detail(),
@@ -149,7 +195,54 @@ impl StoreError {
                 path,
                 detail: detail(),
             },
-            _ => StoreError::Sql { path, doing, source },
+            _ => StoreError::Sql {
+                path,
+                doing,
+                detail: detail(),
+            },
         }
+    }
+}
+
+/// What SQLite says, without the statement that it says it of: a page of SQL helps no user.
+pub(super) fn plain(error: &rusqlite::Error) -> String {
+    match error {
+        rusqlite::Error::SqlInputError { msg, .. } => msg.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// Room below which a disk counts as full, bytes: a step of SQLite's log with its index takes less.
+#[cfg(unix)]
+const FULL_BELOW_BYTES: u64 = 256 * 1024;
+
+/// Whether the disk that a file lies on has no room left.
+#[cfg(unix)]
+fn is_full(file: &std::path::Path) -> bool {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let found = rustix::fs::statvfs(folder.unwrap_or(std::path::Path::new(".")));
+    found.is_ok_and(|disk| disk.f_bavail.saturating_mul(disk.f_frsize) < FULL_BELOW_BYTES)
+}
+
+#[cfg(not(unix))]
+fn is_full(_file: &std::path::Path) -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_statement_that_fails_is_not_printed() {
+        let connection = rusqlite::Connection::open_in_memory().unwrap();
+        let error = connection
+            .execute("INSERT INTO missing SELECT 1", [])
+            .unwrap_err();
+        let told = StoreError::from_sql(std::path::Path::new("c/campaign.db"), "storing", error);
+        assert_eq!(
+            told.to_string(),
+            "c/campaign.db: storing failed: no such table: missing"
+        );
     }
 }

@@ -9,6 +9,17 @@ use super::{StepError, Store, StoreError};
 /// The transaction that a change is made in.
 pub(super) struct Transaction<'c>(&'c Connection);
 
+/// One state of the database to read from. Nothing may be written through the same connection meanwhile.
+#[derive(Debug)]
+pub struct Snapshot<'c>(&'c Connection);
+
+impl Drop for Snapshot<'_> {
+    fn drop(&mut self) {
+        // Nothing was changed: what cannot be ended is ended with the connection.
+        let _ = self.0.execute_batch("COMMIT");
+    }
+}
+
 impl Deref for Transaction<'_> {
     type Target = Connection;
 
@@ -37,6 +48,16 @@ impl Store {
             false => alone(&mut self.connection, whole),
         };
         outcome.map_err(self.named(doing))
+    }
+
+    /// From here to its end this connection reads one state of the database, whatever others write meanwhile.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn snapshot(&self) -> Result<Snapshot<'_>, StoreError> {
+        let begun = self.connection.execute_batch("BEGIN");
+        begun.map_err(|e| self.failed("beginning to read", e))?;
+        Ok(Snapshot(&self.connection))
     }
 
     /// Begins a batch: changes from here on are on the disk, and visible to others, when [`Store::commit_batch`]
@@ -127,6 +148,19 @@ mod tests {
         assert_eq!(other.changes().unwrap().0, 2);
         store.record_files("2026-01-01T00:00:02Z", &[row("c")]).unwrap();
         assert_eq!(paths(&other).len(), 3);
+    }
+
+    #[test]
+    fn a_snapshot_does_not_see_what_others_write() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path()).unwrap();
+        let other = Store::open(folder.path()).unwrap();
+        let snapshot = other.snapshot().unwrap();
+        assert_eq!(paths(&other).len(), 0);
+        store.record_files("now", &[row("a")]).unwrap();
+        assert_eq!(paths(&other).len(), 0);
+        drop(snapshot);
+        assert_eq!(paths(&other), ["a"]);
     }
 
     #[test]

@@ -47,5 +47,7 @@ mod samples;
 mod serve;
 mod shared_effects;
 mod sidecars;
+#[cfg(unix)]
+mod stops;
 mod tables;
 mod watch;

@@ -37,7 +37,7 @@ impl Watching {
 
     /// Asks it to stop; gives exit status and what it said.
     #[cfg(unix)]
-    fn stop(mut self) -> (i32, String) {
+    pub fn stop(mut self) -> (i32, String) {
         let pid = self.child.id().to_string();
         assert!(
             std::process::Command::new("kill")

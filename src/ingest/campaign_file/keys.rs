@@ -94,6 +94,7 @@ const KNOWN: [(&str, &[&str]); 12] = [
             "false_alarm_runs",
             "limit",
             "command",
+            "command_time_limit_s",
             "acknowledged",
         ],
     ),

@@ -7,6 +7,7 @@ use super::{BATCH, now, with_inputs};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
 use crate::domain::{Channel, FromOthers, GroupDiagnosis};
+use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};
 
@@ -129,9 +130,8 @@ fn held(
             let values: Vec<f64> = wanted.parameters.iter().map(|(_, value)| *value).collect();
             let variant = wanted.variant.as_deref();
             // A fault in a kernel is that effect's failure, not the program's.
-            let fall = std::panic::catch_unwind(|| {
-                fall_from_others(inputs, options, &wanted.effect, variant, &values)
-            });
+            let fall =
+                interrupt::caught(|| fall_from_others(inputs, options, &wanted.effect, variant, &values));
             let fall = fall.unwrap_or_default();
             FromOthers {
                 fall: fall.map_or(f64::NAN, |found| found.fall),

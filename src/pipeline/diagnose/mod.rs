@@ -17,6 +17,7 @@ use crate::domain::{Campaign, Channel, GroupDiagnosis};
 use crate::fit::{FitError, FitInput, distributed};
 use crate::ingest::derived;
 use crate::model::ModelChoice;
+use crate::numerics::interrupt;
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
 use input_hash::input_hash;
 pub(super) use input_hash::{library_hash, take_task};
@@ -109,11 +110,12 @@ impl DiagnoseRuns {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<DiagnoseSummary, PipelineError> {
-        self.run_while(context, observer, &|| true)
+        self.run_while(context, observer, &|| true, &mut |_| Ok(()))
     }
 
     /// The same until `may_go_on` says no, which is asked before each group: what was begun until then is made and saved,
-    /// and the rest is counted in [`DiagnoseSummary::left`].
+    /// and the rest is counted in [`DiagnoseSummary::left`]. `begins` is called once before the first of them, where there
+    /// are any.
     ///
     /// # Errors
     /// As of [`DiagnoseRuns::run`].
@@ -122,6 +124,7 @@ impl DiagnoseRuns {
         context: &mut Context,
         observer: &dyn Observer,
         may_go_on: &(dyn Fn() -> bool + Sync),
+        begins: &mut dyn FnMut(&Context) -> Result<(), PipelineError>,
     ) -> Result<DiagnoseSummary, PipelineError> {
         let options = self.choice.options(&context.campaign)?;
         let tasks = context.store.fit_tasks()?;
@@ -158,6 +161,9 @@ impl DiagnoseRuns {
                 }
             }
         }
+        if !due.is_empty() {
+            begins(context)?;
+        }
         observer.begin("diagnosing", due.len() as u64);
         let mut made: Vec<Due> = Vec::new();
         for batch in due.chunks(BATCH) {
@@ -170,6 +176,7 @@ impl DiagnoseRuns {
                 pairs.filter_map(|(due, found)| Some((due, found?))).unzip();
             save_batch(context, &done, found, (&tasks, &options, &library), &mut summary)?;
             made.extend(done);
+            interrupt::check();
         }
         observer.end();
         let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
@@ -247,7 +254,8 @@ fn retire_gone(context: &mut Context, all: &[Subject]) -> Result<(), PipelineErr
     Ok(context.store.retire_diagnoses(&now(), &gone)?)
 }
 
-/// The diagnoses of a batch in its order; none for those before which `may_go_on` said no.
+/// The diagnoses of a batch in its order; none for those before which `may_go_on` said no, and those that an interruption
+/// met.
 fn diagnose_batch(
     context: &Context,
     batch: &[Due],
@@ -267,7 +275,8 @@ fn diagnose_batch(
         .par_iter()
         .zip(loaded)
         .map(|((_, members, subjects), channels)| {
-            let found = may_go_on().then(|| diagnose_one(subjects[0], members, tasks, &channels, options));
+            let diagnose = || diagnose_one(subjects[0], members, tasks, &channels, options);
+            let found = may_go_on().then(|| interrupt::attempt(diagnose)).flatten();
             observer.advance();
             found
         })
@@ -291,7 +300,7 @@ fn diagnose_one(
             .extend((!issue.mend.is_empty()).then(|| issue.mend.clone()));
         return found;
     }
-    let diagnosed = std::panic::catch_unwind(|| {
+    let diagnosed = interrupt::caught(|| {
         let places = members.iter().zip(channels).filter_map(|(&index, channels)| {
             let decision = fit_along::decision(&tasks[index], channels)?;
             Some((tasks[index].path.as_str(), decision))

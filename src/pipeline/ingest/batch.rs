@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::prepare::{Group, Outcome, Prepared, PreparedFile, prepare};
 use crate::ingest::archive::{Archive, Incoming};
+use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Most files of a batch, but for one group that has more.
@@ -29,6 +30,7 @@ pub fn in_batches(
 ) -> Result<(), PipelineError> {
     let archive = Archive::new(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
+        interrupt::check();
         let (folder, profiles, read_file) = (&context.folder, &context.profiles, context.read_file);
         let mut prepared: Vec<Prepared> = batch
             .par_iter()

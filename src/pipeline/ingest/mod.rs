@@ -235,6 +235,36 @@ impl Ingest<'_> {
     }
 }
 
+/// Number of files that would be read, or that have gone, without a change of anything.
+///
+/// # Errors
+/// The folder cannot be listed, or the database cannot be read.
+pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
+    let logs = crate::analysis::climate::sensors::FOLDER;
+    let runs_folder = &context.campaign.runs_folder;
+    let mut optional = context.campaign.optional_folders().to_vec();
+    if holds_logs(logs, runs_folder) {
+        optional.push(logs);
+    }
+    let seen = scan::scan(
+        &context.folder,
+        runs_folder,
+        &optional,
+        scan::ScanLimits::default(),
+    )?;
+    let stored = context.store.files()?;
+    let changes = scan::diff(&known(&stored), &seen);
+    let listed = |path: &String| seen.issues.iter().any(|issue| issue.place == *path);
+    let gone = changes.gone.iter().filter(|path| !listed(path)).count();
+    let outdated = Readers::of(&context.profiles, &stored);
+    let outdated = outdated.outdated(&stored);
+    let unchanged = changes.unchanged.iter();
+    let again = unchanged
+        .filter(|file| outdated.contains(file.display.as_str()))
+        .count();
+    Ok(changes.new.len() + changes.changed.len() + gone + again)
+}
+
 fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
     fn known(file: &FileRow) -> Known<'_> {
         Known {
@@ -271,12 +301,15 @@ fn note_change_times(
 /// Records what the system could not give: what failed now, and what failed before and was not tried again yet.
 fn keep_unread(context: &mut Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
     summary.unread.append(&mut summary.logs.unread);
-    let mut before = context.store.unread_files()?;
-    before.retain(|(path, _)| summary.waiting.contains(path));
-    summary.unread.extend(before);
-    summary.unread.sort_by(|a, b| a.0.cmp(&b.0));
-    let is_unread = |path: &String| summary.unread.iter().any(|(unread, _)| unread == path);
-    summary.waiting.retain(|path| !is_unread(path));
+    let waiting: BTreeSet<String> = summary.waiting.drain(..).collect();
+    let mut unread: BTreeMap<String, Issue> = summary.unread.drain(..).collect();
+    let before = context.store.unread_files()?;
+    unread.extend(before.into_iter().filter(|(path, _)| waiting.contains(path)));
+    summary.waiting = waiting
+        .into_iter()
+        .filter(|path| !unread.contains_key(path))
+        .collect();
+    summary.unread = unread.into_iter().collect();
     Ok(context.store.save_unread_files(&now(), &summary.unread)?)
 }
 

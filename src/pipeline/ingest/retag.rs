@@ -14,6 +14,7 @@ use crate::domain::{RunRecord, TagSource};
 use crate::ingest::scan::display_path;
 use crate::ingest::tags::tag_file_not_read;
 use crate::ingest::{StartedAt, Timestamp};
+use crate::numerics::interrupt;
 use crate::pipeline::climate::Shelf;
 use crate::pipeline::planned::known_sheets;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -62,6 +63,7 @@ pub fn retag_runs(
     let is_held = |run: &RunRecord| run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
     let runs: Vec<RunRecord> = all.filter(|run| due.contains(&run.id) && !is_held(run)).collect();
     for batch in runs.chunks(MOST_FILES) {
+        interrupt::check();
         together(context, |context| {
             batch.iter().try_for_each(|run| retag(context, &shelf, run))
         })?;

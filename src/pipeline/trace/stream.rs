@@ -9,6 +9,7 @@ use super::table::{Row, Tables};
 use super::{RefusedFrame, ViewSummary};
 use crate::ingest::frames::{FrameFile, FrameSettings, InitialShape};
 use crate::ingest::scan::{ReadFileError, read_stable};
+use crate::numerics::interrupt;
 use crate::pipeline::{Observer, PipelineError};
 use crate::strip::{Gray, Initial, Positive, Scale, Trace, View, decode, overlay, trace};
 
@@ -62,6 +63,7 @@ pub fn trace_frames(source: &Source, observer: &dyn Observer) -> Result<Traced, 
     let indices: Vec<usize> = (0..source.files.len()).collect();
     observer.begin("tracing", source.files.len() as u64);
     for chunk in indices.chunks(few) {
+        interrupt::check();
         let traced: Vec<Result<Row, Failed>> = chunk
             .par_iter()
             .map(|&index| {
