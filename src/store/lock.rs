@@ -28,13 +28,15 @@ impl InstanceLock {
             let path = path.clone();
             move |source| StoreError::File { path, doing, source }
         };
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&path)
-            .map_err(failed("opening the lock file"))?;
+        let is_link = || std::fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink());
+        let mut file = match options().open(&path) {
+            Ok(file) => file,
+            Err(_) if is_link() => {
+                let found = "a link to another file";
+                return Err(StoreError::NotALock { path, found });
+            }
+            Err(source) => return Err(failed("opening the lock file")(source)),
+        };
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -47,13 +49,47 @@ impl InstanceLock {
             }
             Err(TryLockError::Error(source)) => return Err(failed("locking")(source)),
         }
-        let holder = format!("process {} on {}\n", std::process::id(), host_name());
+        refuse_other_content(&mut file, &path)?;
+        let holder = format!("{MARK}{} on {}\n", std::process::id(), host_name());
         file.set_len(0)
             .and_then(|()| file.rewind())
             .map_err(failed("writing the lock file"))?;
         file.write_all(holder.as_bytes())
             .map_err(failed("writing the lock file"))?;
         Ok(InstanceLock { _file: file })
+    }
+}
+
+/// What a lock file that was held begins with.
+const MARK: &str = "process ";
+
+/// Without following a link, and without a change before the lock is had.
+fn options() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
+    }
+    options
+}
+
+/// Refuses a file that no lock wrote: one that was copied or linked there.
+fn refuse_other_content(file: &mut File, path: &Path) -> Result<(), StoreError> {
+    let mut head = Vec::new();
+    let read = file.take(MARK.len() as u64).read_to_end(&mut head);
+    read.map_err(|source| StoreError::File {
+        path: path.to_owned(),
+        doing: "reading the lock file",
+        source,
+    })?;
+    match head.is_empty() || head == MARK.as_bytes() {
+        true => Ok(()),
+        false => Err(StoreError::NotALock {
+            path: path.to_owned(),
+            found: "it holds something else",
+        }),
     }
 }
 
@@ -82,5 +118,27 @@ mod tests {
         assert!(holder.contains(&std::process::id().to_string()));
         drop(first);
         InstanceLock::take(folder.path()).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_lock_file_is_refused_and_keeps_its_content() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, thesis) = (
+            folder.path().join(InstanceLock::FILE_NAME),
+            folder.path().join("thesis.tex"),
+        );
+        std::fs::write(&thesis, "mine").unwrap();
+        std::os::unix::fs::symlink(&thesis, &path).unwrap();
+        let by_link = InstanceLock::take(folder.path()).unwrap_err();
+        assert!(
+            by_link.to_string().contains("a link to another file"),
+            "{by_link}"
+        );
+        std::fs::remove_file(&path).unwrap();
+        std::fs::hard_link(&thesis, &path).unwrap();
+        let by_name = InstanceLock::take(folder.path()).unwrap_err();
+        assert!(matches!(by_name, StoreError::NotALock { .. }), "{by_name}");
+        assert_eq!(std::fs::read_to_string(&thesis).unwrap(), "mine");
     }
 }

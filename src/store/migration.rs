@@ -6,6 +6,7 @@ use rusqlite::Connection;
 use rusqlite_migration::{M, Migrations};
 
 use super::StoreError;
+use super::error::plain;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
 const HISTORY: [&str; 8] = [
@@ -42,6 +43,7 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
     if found == NEWEST {
         return Ok(());
     }
+    refuse_unversioned(connection, path, found)?;
     if found > 0 {
         back_up(connection, path, found)?;
     }
@@ -49,14 +51,45 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
     Migrations::new(steps)
         .to_latest(connection)
         .map_err(|error| match error {
-            rusqlite_migration::Error::RusqliteError { err, .. } => {
+            rusqlite_migration::Error::RusqliteError { err, .. } if !is_of_schema(&err) => {
                 StoreError::from_sql(path, "bringing the schema up to date", err)
             }
-            other => StoreError::NotADatabase {
+            other => StoreError::Migration {
                 path: path.to_owned(),
-                detail: other.to_string(),
+                found,
+                needed: NEWEST,
+                detail: match other {
+                    rusqlite_migration::Error::RusqliteError { err, .. } => plain(&err),
+                    other => other.to_string(),
+                },
             },
         })
+}
+
+/// Whether an error says that the database is not what its version says, rather than that it cannot be written.
+fn is_of_schema(error: &rusqlite::Error) -> bool {
+    use rusqlite::ErrorCode::{ConstraintViolation, Unknown};
+    matches!(
+        error.sqlite_error_code(),
+        None | Some(Unknown | ConstraintViolation)
+    )
+}
+
+/// Refuses a database that holds tables and says that it holds none.
+pub(super) fn refuse_unversioned(connection: &Connection, path: &Path, found: i64) -> Result<(), StoreError> {
+    let holds_tables = || {
+        let sql = "SELECT count(*) FROM sqlite_schema WHERE type = 'table'";
+        connection
+            .query_row(sql, [], |row| row.get::<_, i64>(0))
+            .map(|count| count > 0)
+    };
+    let failed = |e| StoreError::from_sql(path, "reading the schema", e);
+    match found == 0 && holds_tables().map_err(failed)? {
+        true => Err(StoreError::NoVersion {
+            path: path.to_owned(),
+        }),
+        false => Ok(()),
+    }
 }
 
 /// Copies the database to `campaign.db.schema-<version>.backup` beside it.
@@ -152,6 +185,31 @@ mod tests {
             )
             .unwrap();
         assert_eq!(left, "runs/b0");
+    }
+
+    #[test]
+    fn a_database_that_forgot_its_version_is_named_as_such_and_left_alone() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        migrate(&mut connection, Path::new("memory")).unwrap();
+        connection.pragma_update(None, "user_version", 0).unwrap();
+        let refused = migrate(&mut connection, Path::new("memory")).unwrap_err();
+        assert!(matches!(refused, StoreError::NoVersion { .. }), "{refused}");
+    }
+
+    #[test]
+    fn a_migration_that_fails_says_why_without_its_statements() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        let first = vec![M::up(HISTORY[0])];
+        Migrations::new(first).to_latest(&mut connection).unwrap();
+        connection.execute_batch("DROP TABLE source_file").unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let refused = migrate(&mut connection, &folder.path().join("campaign.db")).unwrap_err();
+        let told = refused.to_string();
+        assert!(told.contains("from schema 1 to"), "{told}");
+        assert!(
+            told.contains("no such table: source_file") && !told.contains("CREATE"),
+            "{told}"
+        );
     }
 
     #[test]

@@ -38,6 +38,7 @@ pub use lock::InstanceLock;
 pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
 pub use tags::HandTag;
+pub use transaction::Snapshot;
 use transaction::Transaction;
 
 /// Name of the database inside a campaign.
@@ -46,8 +47,9 @@ pub const FILE_NAME: &str = "campaign.db";
 /// First SQLite without the WAL-reset corruption bug.
 const OLDEST_SQLITE: i32 = 3_051_003;
 
-/// How long a connection waits for another one's lock.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long a connection waits for another one's lock: several times what the largest batch of files takes to store on a
+/// slow disk.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A campaign's database.
 #[derive(Debug)]
@@ -80,7 +82,8 @@ impl Store {
     /// Opens the database for reading beside a working instance. `None` where there is none yet.
     ///
     /// # Errors
-    /// See [`StoreError`]; a schema that this program does not write is refused.
+    /// See [`StoreError`]; a schema that this program does not write is refused, and never changed: whoever reads holds
+    /// no lock.
     pub fn open_read_only(folder: &Path) -> Result<Option<Store>, StoreError> {
         check_sqlite()?;
         let path = folder.join(FILE_NAME);
@@ -103,13 +106,17 @@ impl Store {
         let (connection, found) = opened?;
         match found {
             migration::NEWEST => Ok(Some(Store { connection, path })),
-            0 => Ok(None),
+            0 => migration::refuse_unversioned(&connection, &path, found).map(|()| None),
             found if found > migration::NEWEST => Err(StoreError::Newer {
                 path,
                 found,
                 known: migration::NEWEST,
             }),
-            _ => Store::open(folder).map(Some),
+            found => Err(StoreError::Older {
+                path,
+                found,
+                needed: migration::NEWEST,
+            }),
         }
     }
 

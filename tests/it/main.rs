@@ -5,6 +5,7 @@ mod ageing_data;
 mod along;
 mod architecture;
 mod bad_input;
+mod beside;
 mod campaign;
 mod climate;
 mod climate_fixture;
