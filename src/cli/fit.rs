@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::{Output, counted};
@@ -42,7 +42,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let summary = fits.run(&mut context, output)?;
     say(&summary, output);
     tell(args, global, &context, output)?;
-    Ok(super::ingest::status(&ingest))
+    Ok(exit::after(summary.has_fault(), ingest.all_taken()))
 }
 
 /// Beside a program that works on the campaign: what is fitted is told where nothing is to be done, since that only reads.
@@ -66,8 +66,8 @@ fn beside(
     let unsettled = context.store.unsettled_files().map_err(PipelineError::from)?;
     Ok(
         match unsettled.iter().any(|file| file.state == FileState::Refused) {
-            true => SOME_REFUSED,
-            false => DONE,
+            true => exit::SOME_REFUSED,
+            false => exit::DONE,
         },
     )
 }
@@ -94,11 +94,20 @@ pub(super) fn say(summary: &FitSummary, output: &Output) {
         summary.up_to_date,
         summary.failed.len()
     ));
+    say_choices(summary, output);
     say_unknown_groups(summary, output);
     summary
         .failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+}
+
+/// Which choices of method, steps and model hold, and where they come from.
+pub(super) fn say_choices(summary: &FitSummary, output: &Output) {
+    summary
+        .choices
+        .iter()
+        .for_each(|choice| output.message(&choice.words()));
 }
 
 /// Groups that a model is adopted for and that are not there.

@@ -3,10 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, INTERRUPTED, STORAGE};
+use super::exit::{self, CliError, INTERRUPTED, STORAGE};
 use super::fit_choice::FitChoiceArgs;
 use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest, report, signals};
+use crate::domain::Fault;
 use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary, left};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
@@ -64,11 +65,12 @@ fn interrupted(context: &Context, no_diagnose: bool, output: &Output) -> Result<
     Ok(INTERRUPTED)
 }
 
-/// Done, or done without some of the files; a report that could not be written comes first.
+/// Done, done without some of the files, or done but for what a fault of the program left out, which comes first; then comes
+/// a report that could not be written.
 pub fn status(summary: &RunSummary) -> u8 {
     match summary.report.refused {
-        Some(_) => STORAGE,
-        None => ingest::status(&summary.ingest),
+        Some(_) if !summary.has_fault() => STORAGE,
+        _ => exit::after(summary.has_fault(), summary.ingest.all_taken()),
     }
 }
 
@@ -79,9 +81,17 @@ fn print(summary: &RunSummary, output: &Output) {
         fit: summary.fit.clone(),
         modulus: summary.modulus.clone(),
         alarms: summary.alarms.clone(),
+        faults: Vec::new(),
     };
     print_made(&made, output);
     print_diagnosed(&summary.diagnose, output);
+    if !summary.set_aside.is_empty() {
+        let runs = counted(summary.set_aside.len(), "run");
+        output.result(&format!(
+            "set aside, in no result: {runs}; `ieap status` says why"
+        ));
+    }
+    say_faults(&summary.faults, output);
     report::print(&summary.report, output);
 }
 
@@ -97,6 +107,7 @@ pub fn print_made(made: &Made, output: &Output) {
     fit.failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+    super::fit::say_choices(fit, output);
     super::fit::say_unknown_groups(fit, output);
     for path in &fit.not_converged {
         output.message(&format!("  {path}: the search did not converge; see its page"));
@@ -121,6 +132,7 @@ pub fn print_made(made: &Made, output: &Output) {
             made.alarms.new.len()
         ));
     }
+    say_faults(&made.faults, output);
 }
 
 /// What was diagnosed, and what is to come.
@@ -134,4 +146,14 @@ pub fn print_diagnosed(diagnosed: &DiagnoseSummary, output: &Output) {
         "diagnoses: {} new, {} up to date{left}",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
+}
+
+/// What a fault of the program left out.
+pub fn say_faults(faults: &[Fault], output: &Output) {
+    for fault in faults {
+        output.message(&format!(
+            "fault of the program, this is missing: {}",
+            fault.sentence()
+        ));
+    }
 }

@@ -1,9 +1,9 @@
 //! Ctrl-C, a lost terminal, or a request to end: heard at any time, and followed within two seconds.
 
-use std::io::Write;
 use std::time::Duration;
 
 use super::exit::CliError;
+use super::output::to_stderr;
 use crate::pipeline::Interrupt;
 
 /// How long the work under way may take to end by itself. Long loops ask many times a second; what does not, the reading
@@ -24,7 +24,7 @@ pub fn listen(quiet: bool, status: u8, words: &'static str) -> Result<Interrupt,
         std::thread::sleep(GRACE);
         if !quiet {
             // The terminal may be gone.
-            let _ = writeln!(std::io::stderr(), "{words}");
+            to_stderr(words);
         }
         std::process::exit(i32::from(status));
     })

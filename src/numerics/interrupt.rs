@@ -1,15 +1,16 @@
 //! Long work that can be given up: threads whose long loops ask whether to go on.
 //!
 //! Searches lie many calls deep, and most of what calls them can do nothing with an interruption but pass it on. So it
-//! unwinds, as a fault would, to where the work was begun; nothing is printed, and no result is half-made.
+//! unwinds, as a fault would, to where the work was begun (`domain::fault::caught` lets it pass); nothing is printed, and no result is half-made.
 
-use std::any::Any;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::ThreadPoolBuilder;
+
+use crate::domain::fault::Interrupted;
 
 thread_local! {
     /// What may interrupt the work of this thread.
@@ -22,9 +23,6 @@ pub struct Interrupt(Arc<AtomicBool>);
 
 /// Stack of each thread, bytes: that of a main thread on Linux, whose work is done here. It takes memory only as it is used.
 const STACK_BYTES: usize = 8 << 20;
-
-/// What unwinds.
-struct Interrupted;
 
 impl Interrupt {
     /// Asks the work to end.
@@ -86,17 +84,6 @@ pub fn attempt<R>(work: impl FnOnce() -> R) -> Option<R> {
     }
 }
 
-/// What `work` gives, or the fault in it. An interruption goes on.
-///
-/// # Errors
-/// The payload of the panic.
-pub fn caught<R>(work: impl FnOnce() -> R) -> Result<R, Box<dyn Any + Send>> {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Err(payload) if payload.is::<Interrupted>() => resume_unwind(payload),
-        outcome => outcome,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::time::{Duration, Instant};
@@ -104,6 +91,7 @@ mod tests {
     use rayon::prelude::*;
 
     use super::*;
+    use crate::domain::fault::caught;
 
     #[test]
     fn work_that_never_ends_is_given_up_on_every_thread() {

@@ -5,11 +5,12 @@ use std::time::Duration;
 
 use super::command::{self, Ended};
 use super::context::now;
-use super::{Context, Observer, PipelineError};
+use super::fault::step;
+use super::{Context, Observer, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Monitoring, monitor};
-use crate::domain::{Alarm, Campaign};
+use crate::domain::{Alarm, AlarmSign, Campaign};
 use crate::numerics::interrupt;
 
 /// The verb that `run` and `watch` end with.
@@ -30,15 +31,15 @@ pub struct AlarmSummary {
 /// Monitoring of a campaign as it is now, without what only questions across all runs can say.
 ///
 /// # Errors
-/// The database cannot be read.
+/// The database cannot be read, or a fault of the program stops it.
 pub fn monitoring(context: &Context) -> Result<Monitoring, PipelineError> {
-    let runs = context.store.runs()?;
+    let runs = standing::speaking(context)?;
     // The charge that passed is one axis among several and no alarm depends on it.
-    let laws = CampaignLaws {
+    let laws = || CampaignLaws {
         facts: facts(&runs, &context.campaign, &vec![None; runs.len()]),
         ..CampaignLaws::default()
     };
-    Ok(monitor(&runs, &context.campaign, &laws))
+    step("monitoring", || Ok(monitor(&runs, &context.campaign, &laws())))
 }
 
 impl RaiseAlarms {
@@ -55,7 +56,9 @@ impl RaiseAlarms {
             standing: standing.len(),
             ..AlarmSummary::default()
         };
-        for alarm in standing.iter().filter(|alarm| !told.contains(&alarm.id)) {
+        // A change is told once, whichever of its signs came first then.
+        let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
+        for alarm in standing.iter().filter(is_new) {
             context.store.save_alarm(&now(), alarm)?;
             observer.warn(&format!("alarm: {}", alarm.message));
             summary.new.push(alarm.message.clone());
@@ -77,12 +80,24 @@ impl RaiseAlarms {
 /// Runs the campaign's command in its folder, and says how it ended; none where there is no command.
 fn tell(campaign: &Campaign, folder: &Path, alarm: &Alarm) -> Option<Ended> {
     let rules = &campaign.monitoring;
+    let listed = |of: fn(&AlarmSign) -> &String| {
+        let mut names: Vec<&str> = Vec::new();
+        for sign in &alarm.shown_by {
+            if !names.contains(&of(sign).as_str()) {
+                names.push(of(sign));
+            }
+        }
+        names.join(" ")
+    };
+    let (parameters, charts) = (listed(|sign| &sign.parameter), listed(|sign| &sign.chart));
     let variables = [
         ("IEAP_CAMPAIGN", campaign.id.as_str()),
         ("IEAP_ALARM_ID", alarm.id.as_str()),
         ("IEAP_ALARM_SAMPLE", alarm.sample.as_str()),
         ("IEAP_ALARM_PARAMETER", alarm.parameter.as_str()),
         ("IEAP_ALARM_CHART", alarm.chart.as_str()),
+        ("IEAP_ALARM_PARAMETERS", parameters.as_str()),
+        ("IEAP_ALARM_CHARTS", charts.as_str()),
         ("IEAP_ALARM_RUN", alarm.run.as_str()),
         ("IEAP_ALARM_MESSAGE", alarm.message.as_str()),
     ];

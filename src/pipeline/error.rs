@@ -101,12 +101,28 @@ pub enum PipelineError {
         /// A sentence with the nearest name, or nothing.
         nearest: String,
     },
+    /// A tag is set under a key that is neither known nor declared.
+    #[error("{found}, and nothing was set; {mend}.")]
+    UnknownTagKey {
+        /// What is wrong with the key.
+        found: String,
+        /// How to mend it.
+        mend: String,
+    },
     /// A figure cannot be drawn.
     #[error("{figure}: {reason}")]
     Figure {
         /// Which.
         figure: &'static str,
         /// What the campaign lacks, or what the drawing library says.
+        reason: String,
+    },
+    /// A fault of the program stopped a step.
+    #[error("{step}: a fault of the program stopped it: {reason}. Report it with the files of the campaign.")]
+    Fault {
+        /// Which step.
+        step: String,
+        /// What the panic says.
         reason: String,
     },
     /// A table has no such row or column.
@@ -139,9 +155,24 @@ impl PipelineError {
     /// Whether the disk or the database refused, rather than the user's input being wrong.
     pub fn is_storage(&self) -> bool {
         use PipelineError as E;
-        matches!(
-            self,
-            E::Store(_) | E::Archive(_) | E::Report(_) | E::File { .. } | E::NotOurs { .. }
-        )
+        match self {
+            E::Store(_)
+            | E::Archive(_)
+            | E::File { .. }
+            | E::NotOurs { .. }
+            | E::Export(ExportError::Write { .. }) => true,
+            E::Report(error) => error.is_of_disk(),
+            _ => false,
+        }
+    }
+
+    /// Whether the program is at fault, and neither the user nor the disk.
+    pub fn is_fault(&self) -> bool {
+        use PipelineError as E;
+        match self {
+            E::Export(ExportError::Table { .. }) | E::Fault { .. } => true,
+            E::Report(error) => !error.is_of_disk(),
+            _ => false,
+        }
     }
 }

@@ -3,14 +3,14 @@
 use rayon::prelude::*;
 
 use super::diagnose::{library_hash, take_task};
-use super::fit::{FitSummary, Outcome, save};
-use super::fit_plan::ExtendedGroup;
+use super::fit::{FitSummary, Outcome, fit_fault, save};
+use super::fit_plan::{ExtendedGroup, Planned};
 use super::{Context, Observer, PipelineError};
 use crate::diagnose::{RunInput, fit_extended, model_version};
+use crate::domain::fault::caught;
 use crate::domain::{Channel, Issue};
 use crate::fit::FitInput;
 use crate::ingest::derived;
-use crate::numerics::interrupt;
 
 /// Groups fitted between two commits.
 const BATCH: usize = 8;
@@ -24,15 +24,15 @@ pub(super) fn fit_groups(
     summary: &mut FitSummary,
 ) -> Result<(), PipelineError> {
     let (done, due) = sorted(groups, again);
-    summary.up_to_date += done.iter().map(|(_, group)| group.tasks.len()).sum::<usize>();
+    summary.up_to_date += done.iter().map(|(_, group)| group.runs.len()).sum::<usize>();
     if due.is_empty() {
         return Ok(());
     }
     observer.begin("fitting extended models", due.len() as u64);
     for batch in due.chunks(BATCH) {
         let load = |(_, group): &(String, &ExtendedGroup)| -> Result<Vec<Vec<Channel>>, PipelineError> {
-            let channels = |task: &crate::store::FitTask| Ok(context.store.channels(task.run_id)?);
-            group.tasks.iter().map(channels).collect()
+            let channels = |run: &Planned| Ok(context.store.channels(run.task.run_id)?);
+            group.runs.iter().map(channels).collect()
         };
         let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
         let fitted = batch.par_iter().zip(loaded).map(|((_, group), channels)| {
@@ -42,7 +42,7 @@ pub(super) fn fit_groups(
         });
         let fitted: Vec<Vec<Outcome>> = fitted.collect();
         for ((hash, group), outcomes) in batch.iter().zip(fitted) {
-            let stamped = group.tasks.iter().map(|task| (hash.as_str(), task)).zip(outcomes);
+            let stamped = group.runs.iter().map(|run| (hash.as_str(), run)).zip(outcomes);
             save(context, stamped.collect(), summary)?;
         }
     }
@@ -53,7 +53,7 @@ pub(super) fn fit_groups(
 /// Number of runs in groups that would be fitted.
 pub(super) fn due(groups: &[ExtendedGroup], again: bool) -> usize {
     let (_, due) = sorted(groups, again);
-    due.iter().map(|(_, group)| group.tasks.len()).sum()
+    due.iter().map(|(_, group)| group.runs.len()).sum()
 }
 
 /// A group with the hash of all that its fits depend on.
@@ -64,7 +64,7 @@ fn sorted(groups: &[ExtendedGroup], again: bool) -> (Vec<Hashed<'_>>, Vec<Hashed
     let library = library_hash();
     let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
     let is_done = |(hash, group): &Hashed<'_>| {
-        let mut done = group.tasks.iter().map(|task| task.done_input_hash.as_ref());
+        let mut done = group.runs.iter().map(|run| run.task.done_input_hash.as_ref());
         !again && done.all(|done| done == Some(hash))
     };
     hashed.partition(is_done)
@@ -73,7 +73,7 @@ fn sorted(groups: &[ExtendedGroup], again: bool) -> (Vec<Hashed<'_>>, Vec<Hashed
 /// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
 fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
     let work = || {
-        let tasks = group.tasks.iter();
+        let tasks = group.runs.iter().map(|run| &run.task);
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
             .zip(channels)
@@ -89,15 +89,17 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
                     area_cm2: task.area_cm2,
                 },
                 length_cm: task.length_cm,
+                is_right: false,
             })
             .collect();
         fit_extended(&inputs, &group.choice)
     };
-    // Effects are constants without a state that a panic could leave broken.
-    let Ok(found) = interrupt::caught(work) else {
-        let fault = Issue::error("fit-fault", "the fit of its group stopped on an internal fault")
-            .mend("report it with the runs' files; the other groups are not affected");
-        return group.tasks.iter().map(|_| Err(fault.clone())).collect();
+    let found = match caught(work) {
+        Ok(found) => found,
+        Err(reason) => {
+            let fault = fit_fault("the fit of its group", &reason);
+            return group.runs.iter().map(|_| Err(fault.clone())).collect();
+        }
     };
     let missing = || {
         Err(Issue::warning(
@@ -110,7 +112,7 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
         )
         .mend("`ieap effects ID` says what an effect needs; take it out of the model, or fit with the base alone"))
     };
-    let mut outcomes: Vec<Outcome> = group.tasks.iter().map(|_| missing()).collect();
+    let mut outcomes: Vec<Outcome> = group.runs.iter().map(|_| missing()).collect();
     for (place, fit) in found {
         outcomes[place] = Ok(fit);
     }
@@ -120,7 +122,10 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
 /// Hash of everything that the fits of a group depend on.
 fn input_hash(group: &ExtendedGroup, library: &str) -> String {
     let mut hasher = blake3::Hasher::new();
-    group.tasks.iter().for_each(|task| take_task(&mut hasher, task));
+    group
+        .runs
+        .iter()
+        .for_each(|run| take_task(&mut hasher, &run.task));
     let version = model_version(group.choice.base);
     hasher.update(format!("{}/{version}/{library}", group.choice).as_bytes());
     hasher.finalize().to_hex().to_string()

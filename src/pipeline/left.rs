@@ -2,7 +2,7 @@
 
 use super::fit::is_of_failed_fit;
 use super::report::is_current;
-use super::{Context, PipelineError, diagnose};
+use super::{Context, PipelineError, diagnose, standing};
 use crate::domain::RunState;
 
 /// What is left to be made. New files are not looked for.
@@ -21,7 +21,7 @@ pub struct Left {
 /// # Errors
 /// The database cannot be read.
 pub fn left(context: &Context) -> Result<Left, PipelineError> {
-    let runs = context.store.runs()?;
+    let runs = standing::all(context)?;
     let waits = |issues: &[_]| !issues.iter().any(is_of_failed_fit);
     let waiting = diagnose::waiting(context)?;
     Ok(Left {

@@ -2,11 +2,14 @@
 
 use serde::Serialize;
 
+use super::fault::{or_nothing, step};
+use super::standing::{self, SetAside};
 use super::{
     AlarmSummary, AnalyseModulus, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns,
     FitSummary, Ingest, IngestSummary, ModulusSummary, Observer, PipelineError, RaiseAlarms, RenderReport,
     ReportSummary,
 };
+use crate::domain::Fault;
 
 /// The verb `run`.
 #[derive(Debug, Clone, Default)]
@@ -30,8 +33,23 @@ pub struct RunSummary {
     pub modulus: ModulusSummary,
     /// Alarms of long-term monitoring.
     pub alarms: AlarmSummary,
+    /// Runs that no result is made from.
+    pub set_aside: Vec<SetAside>,
     /// The report.
     pub report: ReportSummary,
+    /// Steps that a fault of the program stopped; the others were done.
+    pub faults: Vec<Fault>,
+}
+
+impl RunSummary {
+    /// Whether a fault of the program left something undone: a step, a fit, a diagnosis, a part of the report.
+    pub fn has_fault(&self) -> bool {
+        !self.faults.is_empty()
+            || !self.report.faults.is_empty()
+            || self.fit.has_fault()
+            || self.diagnose.has_fault()
+            || self.modulus.has_fault()
+    }
 }
 
 /// What is made of the runs before they are diagnosed.
@@ -43,6 +61,23 @@ pub struct Made {
     pub modulus: ModulusSummary,
     /// Alarms of long-term monitoring.
     pub alarms: AlarmSummary,
+    /// Steps that a fault of the program stopped; the others were done.
+    pub faults: Vec<Fault>,
+}
+
+/// Renders the report; a fault of the program costs the report and is noted.
+///
+/// # Errors
+/// As of [`RenderReport::run`].
+pub(super) fn render(
+    context: &Context,
+    observer: &dyn Observer,
+    faults: &mut Vec<Fault>,
+) -> Result<ReportSummary, PipelineError> {
+    or_nothing(
+        step("report", || RenderReport::default().run(context, observer)),
+        faults,
+    )
 }
 
 impl Run {
@@ -56,23 +91,45 @@ impl Run {
     /// See the single steps.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<RunSummary, PipelineError> {
         let ingest = Ingest { ready: &mut |_| true }.run(context, observer)?;
-        let Made { fit, modulus, alarms } = self.make(context, observer)?;
+        let Made {
+            mut fit,
+            modulus,
+            mut alarms,
+            mut faults,
+        } = self.make(context, observer)?;
+        let condemned = context.store.condemned_by_diagnosis()?;
         let mut first = None;
         let diagnose = match self.skip_diagnosis {
             true => DiagnoseSummary::default(),
             false => self
                 .diagnosis()
                 .run_while(context, observer, &|| true, &mut |context| {
-                    let rendered = RenderReport::default().run(context, observer)?;
-                    observer.say(&format!("a first report stands: {}", rendered.index.display()));
+                    // What a fault stops here is tried again at the end, and told then.
+                    let rendered = render(context, observer, &mut Vec::new())?;
+                    if rendered.rendered {
+                        observer.say(&format!("a first report stands: {}", rendered.index.display()));
+                    }
                     first = Some(rendered);
                     Ok(())
                 })?,
         };
-        let last = RenderReport::default().run(context, observer)?;
+        if context.store.condemned_by_diagnosis()? != condemned {
+            // A run that shared its parameters with others does so no more, and what was watched with it is watched without.
+            let later = self.fits().run(context, observer)?;
+            fit.fitted += later.fitted;
+            fit.not_converged.extend(later.not_converged);
+            let later = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
+            alarms.standing = later.standing;
+            alarms.new.extend(later.new);
+            alarms.failed_commands.extend(later.failed_commands);
+            faults.dedup();
+        }
+        let set_aside = standing::runs(context)?.set_aside;
+        let last = render(context, observer, &mut faults)?;
         // What the diagnosis left as it was need not be rendered twice.
+        let is_made = !last.index.as_os_str().is_empty();
         let report = match first {
-            Some(first) if !last.rendered && last.refused.is_none() => first,
+            Some(first) if is_made && !last.rendered && last.refused.is_none() => first,
             _ => last,
         };
         Ok(RunSummary {
@@ -81,7 +138,9 @@ impl Run {
             modulus,
             diagnose,
             alarms,
+            set_aside: set_aside.iter().map(SetAside::of).collect(),
             report,
+            faults,
         })
     }
 
@@ -90,13 +149,22 @@ impl Run {
     /// # Errors
     /// See the single steps.
     pub fn make(&self, context: &mut Context, observer: &dyn Observer) -> Result<Made, PipelineError> {
-        let choice = self.fit.clone();
-        let fit = FitRuns { choice, again: false }.run(context, observer)?;
+        let fit = self.fits().run(context, observer)?;
+        let modulus = AnalyseModulus::default().run(context, observer)?;
+        let mut faults = Vec::new();
+        let alarms = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
         Ok(Made {
             fit,
-            modulus: AnalyseModulus::default().run(context, observer)?,
-            alarms: RaiseAlarms.run(context, observer)?,
+            modulus,
+            alarms,
+            faults,
         })
+    }
+
+    /// The fits that belong to it.
+    fn fits(&self) -> FitRuns {
+        let choice = self.fit.clone();
+        FitRuns { choice, again: false }
     }
 
     /// The diagnosis that belongs to it.

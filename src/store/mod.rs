@@ -13,6 +13,7 @@ mod error;
 mod files;
 mod fits;
 mod history;
+mod listed;
 mod lock;
 mod migration;
 mod modulus;
@@ -20,6 +21,7 @@ mod new_run;
 mod origin;
 mod run_climate;
 mod runs;
+mod standing;
 mod tags;
 mod transaction;
 

@@ -11,7 +11,10 @@ use crate::domain::{
 
 impl Store {
     /// Clocks, offsets, flags and profiles of a run.
-    pub(super) fn origin(&self, run_id: i64) -> Result<RunOrigin, StoreError> {
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn origin(&self, run_id: i64) -> Result<RunOrigin, StoreError> {
         let clocks =
             "SELECT file, is_reference, first_channel, channels, time_column, time_unit, printed_column,
                              stamp_raw, stamp_kind, stamp_local, stamp_offset, stamp_basis

@@ -9,14 +9,14 @@ use super::blob::{unpack_f64, unpack_u32};
 use super::files::upsert_file;
 use super::fits::retire_fit;
 use super::modulus::retire_analysis;
-use super::new_run::{NewRun, Tagging, insert_run, insert_tagging};
+use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
 use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
 use crate::domain::left_out;
 use crate::domain::tag::keys;
 use crate::domain::{
     Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunOrigin, RunRecord, RunState, RunStatus,
-    Severity, Tag, TagSource,
+    Severity, Standing, Tag, TagSource,
 };
 
 impl Store {
@@ -46,7 +46,7 @@ impl Store {
                 [run_id],
             )?;
             let sql = "UPDATE run SET state = ?2, drive = ?3, area_cm2 = ?4, length_cm = ?5, tag_digest = ?6,
-                       electrode_resistance_ohm_per_sq = ?7 WHERE id = ?1";
+                       electrode_resistance_ohm_per_sq = ?7, no_steps = ?8 WHERE id = ?1";
             delete_stated_offset(transaction, run_id)?;
             let drive = tagging
                 .drive
@@ -55,12 +55,13 @@ impl Store {
                 .transpose()?;
             transaction.prepare_cached(sql)?.execute(params![
                 run_id,
-                tagging.state.key(),
+                stored_state(tagging.state).key(),
                 drive,
                 tagging.area_cm2,
                 tagging.length_cm,
                 tagging.digest,
-                tagging.electrode_resistance_ohm_per_sq
+                tagging.electrode_resistance_ohm_per_sq,
+                tagging.state == RunState::NoSteps
             ])?;
             if tagging.state != RunState::Ready {
                 retire_fit(transaction, now, run_id)?;
@@ -82,6 +83,7 @@ impl Store {
             )?;
             transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
             transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
             upsert_file(transaction, file)
         })
     }
@@ -119,24 +121,6 @@ impl Store {
             .map_err(|e| self.failed(doing, e))?;
         let rows = statement
             .query_map([path], |row| Ok((row.get(0)?, row.get(1)?)))
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
-    }
-
-    /// Names of current runs and modulus logs that lack tags.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn untagged_runs(&self) -> Result<Vec<String>, StoreError> {
-        let doing = "listing untagged runs";
-        let sql = "SELECT path FROM run WHERE superseded_at IS NULL AND state = 'untagged' ORDER BY path";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([], |row| row.get(0))
             .map_err(|e| self.failed(doing, e))?;
         rows.collect::<rusqlite::Result<_>>()
             .map_err(|e| self.failed(doing, e))
@@ -239,6 +223,11 @@ impl Store {
     /// See [`StoreError`].
     pub fn channels(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
         let mut channels = self.channels_as_read(run_id)?;
+        if let Some((index, area_cm2)) =
+            self.density_as_current(run_id, channels.iter().map(|c| c.quantity))?
+        {
+            channels[index] = channels[index].as_current(area_cm2);
+        }
         if let Some(tag) = self.chosen_tag(run_id, keys::LEAVE_OUT_MARKED)? {
             left_out::leave_out_marked(&mut channels, &tag, &self.origin(run_id)?.flags);
         }
@@ -251,6 +240,26 @@ impl Store {
         let stretches = stretches.and_then(|text| left_out::stretches(&text));
         left_out::leave_out(&mut channels, &stretches.unwrap_or_default());
         Ok(channels)
+    }
+
+    /// Which channel is a current density that stands for the current, and the active area, cm2, that makes it one: the
+    /// first, where no current was measured and the area is known.
+    fn density_as_current(
+        &self,
+        run_id: i64,
+        mut quantities: impl Iterator<Item = Quantity> + Clone,
+    ) -> Result<Option<(usize, f64)>, StoreError> {
+        let has_current = quantities.clone().any(|quantity| quantity == Quantity::Current);
+        let density = quantities.position(|quantity| quantity == Quantity::CurrentDensity);
+        let Some(index) = density.filter(|_| !has_current) else {
+            return Ok(None);
+        };
+        let sql = "SELECT area_cm2 FROM run WHERE id = ?1";
+        let area_cm2: Option<f64> = self
+            .connection
+            .query_row(sql, [run_id], |row| row.get(0))
+            .map_err(|e| self.failed("reading an area", e))?;
+        Ok(area_cm2.map(|area_cm2| (index, area_cm2)))
     }
 
     fn chosen_tag(&self, run_id: i64, key: &str) -> Result<Option<String>, StoreError> {
@@ -314,7 +323,7 @@ impl Store {
         let doing = "reading runs";
         let sql = format!(
             "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
-                    area_cm2, data_hash, ingested_at, kind FROM run WHERE {condition} ORDER BY path, revision"
+                    area_cm2, data_hash, ingested_at, kind, no_steps FROM run WHERE {condition} ORDER BY path, revision"
         );
         let mut statement = self
             .connection
@@ -389,7 +398,7 @@ impl Store {
         let sql =
             "SELECT quantity, raw_name, raw_unit, readings, excluded, first_time_s, last_time_s, first_value,
                           last_value, position_mm FROM channel WHERE run_id = ?1 ORDER BY ordinal";
-        self.rows_of(run_id, sql, |row| {
+        let mut channels = self.rows_of(run_id, sql, |row| {
             Ok(ChannelSummary {
                 quantity: from_key("a quantity", &row.get::<_, String>(0)?, Quantity::from_key)?,
                 raw_name: row.get(1)?,
@@ -402,21 +411,21 @@ impl Store {
                 last: row.get(8)?,
                 position_mm: row.get(9)?,
             })
-        })
+        })?;
+        let quantities = channels.iter().map(|channel| channel.quantity);
+        if let Some((index, area_cm2)) = self.density_as_current(run_id, quantities)? {
+            let channel = &mut channels[index];
+            channel.quantity = Quantity::Current;
+            let scaled = |density: Option<f64>| density.map(|density| density * area_cm2);
+            (channel.first, channel.last) = (scaled(channel.first), scaled(channel.last));
+        }
+        Ok(channels)
     }
 
     fn run_issues(&self, run_id: i64) -> Result<Vec<Issue>, StoreError> {
         let sql =
             "SELECT severity, code, place, message, mend FROM run_issue WHERE run_id = ?1 ORDER BY ordinal";
-        self.rows_of(run_id, sql, |row| {
-            Ok(Issue {
-                severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
-                code: row.get(1)?,
-                place: row.get(2)?,
-                message: row.get(3)?,
-                mend: row.get(4)?,
-            })
-        })
+        self.rows_of(run_id, sql, read_issue)
     }
 
     /// Rows of `sql` (one parameter: the run's id), read one by one.
@@ -480,6 +489,17 @@ fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError
     })
 }
 
+/// Severity, code, place, message and mend, in this order.
+pub(super) fn read_issue(row: &Row<'_>) -> Result<Issue, StepError> {
+    Ok(Issue {
+        severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
+        code: row.get(1)?,
+        place: row.get(2)?,
+        message: row.get(3)?,
+        mend: row.get(4)?,
+    })
+}
+
 fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
     let drive: Option<String> = row.get("drive")?;
     Ok(RunRecord {
@@ -487,11 +507,14 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         kind: from_key("a run's kind", &row.get::<_, String>("kind")?, RunKind::from_key)?,
         path: row.get("path")?,
         revision: row.get("revision")?,
-        state: from_key(
-            "a run's state",
-            &row.get::<_, String>("state")?,
-            RunState::from_key,
-        )?,
+        state: match row.get("no_steps")? {
+            true => RunState::NoSteps,
+            false => from_key(
+                "a run's state",
+                &row.get::<_, String>("state")?,
+                RunState::from_key,
+            )?,
+        },
         status: from_key(
             "a run's status",
             &row.get::<_, String>("status")?,
@@ -513,5 +536,6 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         fit: None,
         fit_code_version: None,
         climate: Vec::new(),
+        standing: Standing::default(),
     })
 }

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::prepare::{Group, Outcome, Prepared, PreparedFile, prepare};
+use super::prepare::{Group, Outcome, Prepared, PreparedFile, With, prepare};
 use crate::ingest::archive::{Archive, Incoming};
 use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -31,11 +31,13 @@ pub fn in_batches(
     let archive = Archive::new(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
         interrupt::check();
-        let (folder, profiles, read_file) = (&context.folder, &context.profiles, context.read_file);
-        let mut prepared: Vec<Prepared> = batch
-            .par_iter()
-            .map(|group| prepare(folder, (profiles, read_file), group))
-            .collect();
+        let with = With {
+            folder: &context.folder,
+            profiles: &context.profiles,
+            date_order: context.campaign.date_order,
+            read_file: context.read_file,
+        };
+        let mut prepared: Vec<Prepared> = batch.par_iter().map(|group| prepare(with, group)).collect();
         archive_all(&archive, &mut prepared)?;
         let held = Held::new(observer);
         together(context, |context| {

@@ -1,6 +1,7 @@
 //! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
 
 mod batch;
+mod copies;
 mod frame_folder;
 mod groups;
 mod left_out;
@@ -9,7 +10,9 @@ mod prepare;
 mod readers;
 mod retag;
 mod settle;
+mod start;
 pub(super) mod tagging;
+pub(super) mod unread;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -17,10 +20,13 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::context::now;
-use super::{Context, Observer, PipelineError, planned};
+use super::{Context, Observer, PipelineError, planned, standing};
 use crate::domain::{FileState, Issue, RunKind};
+use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
+use crate::pipeline::mends::Together;
+use crate::pipeline::status;
 use crate::store::FileRow;
 use batch::in_batches;
 use prepare::Group;
@@ -50,6 +56,8 @@ pub struct IngestSummary {
     pub renamed: Vec<(String, String)>,
     /// Files that hold the same bytes as a run's file, found now.
     pub aliases: Vec<String>,
+    /// Pairs of runs that hold the same readings, found now.
+    pub copies: usize,
     /// Files refused, now or before, with the reason.
     pub refused: Vec<(String, Issue)>,
     /// Files that the system could not give, with what it said: nothing is decided about them, and every scan tries again.
@@ -62,6 +70,14 @@ pub struct IngestSummary {
     pub retagged: Vec<String>,
     /// Runs that lack tags, now.
     pub untagged: Vec<String>,
+    /// What runs wait for before they can be fitted, now: each mend with all runs that need it.
+    pub waiting_for: Vec<Together>,
+    /// The name pattern that would tag the most of the runs that lack tags; none where none would tag two.
+    pub proposed_pattern: Option<ProposedPattern>,
+    /// Runs whose voltage does not go in steps, such as sweeps, now: kept, not fitted, waiting for nothing.
+    pub no_steps: Vec<String>,
+    /// Tag keys that are neither known nor declared, now.
+    pub undeclared_tags: Vec<Together>,
     /// Climate logs.
     pub logs: LogSummary,
 }
@@ -70,6 +86,11 @@ impl IngestSummary {
     /// Files that were not taken in, with the reason: refused, or not to be had from the system.
     pub fn not_taken(&self) -> impl Iterator<Item = &(String, Issue)> {
         self.refused.iter().chain(&self.unread)
+    }
+
+    /// Whether every file was taken in.
+    pub fn all_taken(&self) -> bool {
+        self.not_taken().next().is_none()
     }
 
     /// Whether the database changed.
@@ -116,7 +137,7 @@ impl Ingest<'_> {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
-        let readers = Readers::of(&context.profiles, &stored);
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, &stored);
         // Logs first, so that runs are tagged with them at once.
         self.take_logs(context, &logs, &mut summary, observer)?;
         let shelf = Shelf::open(&context.store)?;
@@ -132,6 +153,8 @@ impl Ingest<'_> {
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
         drop((groups, changes, seen, stored));
+        // What runs of the same readings are tagged with is known together.
+        summary.copies = copies::find_copies(context, observer)?;
         retag::retag_runs(context, &mut summary, observer)?;
         climate::assess(context, &shelf)?;
         keep_unread(context, &mut summary)?;
@@ -170,7 +193,7 @@ impl Ingest<'_> {
         let changes = scan::diff(&known(stored), &seen);
         note_change_times(context, stored, &changes)?;
         summary.logs.files = seen.files.len();
-        let readers = Readers::of(&context.profiles, stored);
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
         let group = |file: &Arc<SeenFile>| Group {
             run_name: file.display.clone(),
@@ -256,7 +279,7 @@ pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
     let changes = scan::diff(&known(&stored), &seen);
     let listed = |path: &String| seen.issues.iter().any(|issue| issue.place == *path);
     let gone = changes.gone.iter().filter(|path| !listed(path)).count();
-    let outdated = Readers::of(&context.profiles, &stored);
+    let outdated = Readers::of(&context.profiles, context.campaign.date_order, &stored);
     let outdated = outdated.outdated(&stored);
     let unchanged = changes.unchanged.iter();
     let again = unchanged
@@ -325,6 +348,15 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.waiting.sort();
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;
+    let aside = standing::runs(context)?.set_aside;
+    summary
+        .untagged
+        .retain(|name| aside.iter().all(|run| run.path != *name));
+    summary.waiting_for = status::waiting_for(context)?;
+    let untagged = summary.untagged.iter().map(String::as_str);
+    summary.proposed_pattern = status::proposed_pattern(context, untagged);
+    summary.no_steps = context.store.runs_without_steps()?;
+    summary.undeclared_tags = status::undeclared_tags(context)?;
     Ok(())
 }
 

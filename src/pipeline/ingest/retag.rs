@@ -1,17 +1,20 @@
 //! Tags runs again whose tag files, hand tags, climate logs or campaign.toml changed. The readings are not touched.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use jiff::Timestamp as Moment;
 
 use super::batch::{MOST_FILES, together};
 use super::prepare::not_read_now;
+use super::start;
 use super::tagging::{TaggingInput, digest, tag_files, tagging};
 use super::{IngestSummary, now};
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{RunRecord, TagSource};
-use crate::ingest::scan::display_path;
+use crate::ingest::formats::date::DATE_UNCERTAIN;
+use crate::ingest::scan::{display_path, parse_display_path};
 use crate::ingest::tags::tag_file_not_read;
 use crate::ingest::{StartedAt, Timestamp};
 use crate::numerics::interrupt;
@@ -37,16 +40,29 @@ pub fn retag_runs(
         .into_iter()
         .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
         .collect();
+    let open_dates: BTreeSet<String> = context
+        .store
+        .issues_of_code(DATE_UNCERTAIN)?
+        .into_iter()
+        .filter(|(_, issue)| issue.place == keys::STARTED_AT)
+        .map(|(path, _)| path)
+        .collect();
+    let other_names = context.store.other_names()?;
+    let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
     let (mut due, mut not_read) = (Vec::new(), BTreeMap::new());
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
         let files = tag_files(&path, &files);
-        if digest(context, &shelf, &path, &files, window)? == stored {
+        let changed = digest(context, &shelf, (&path, &files), others_of(run_id), window)? != stored;
+        if !changed && !(open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
             continue;
         }
-        match tag_file_not_read(&context.folder, &files) {
+        // What is stated of another name of the readings is stated of the run.
+        let others = others_of(run_id).iter().map(|name| parse_display_path(name));
+        let stating: Vec<PathBuf> = files.into_iter().chain(others).collect();
+        match tag_file_not_read(&context.folder, &stating) {
             None => due.push(run_id),
             Some((file, error)) => {
                 let message = format!("reading failed ({error}); the tags that it stated before stay");
@@ -65,7 +81,9 @@ pub fn retag_runs(
     for batch in runs.chunks(MOST_FILES) {
         interrupt::check();
         together(context, |context| {
-            batch.iter().try_for_each(|run| retag(context, &shelf, run))
+            batch
+                .iter()
+                .try_for_each(|run| retag(context, &shelf, run, others_of(run.id)))
         })?;
         batch
             .iter()
@@ -75,23 +93,46 @@ pub fn retag_runs(
     Ok(())
 }
 
-fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), PipelineError> {
+/// Whether the files beside a run, whose date leaves day and month open, show their order now.
+fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Result<bool, PipelineError> {
+    let origin = context.store.origin(run_id)?;
+    let stamps = origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let Some(file) = files.first() else {
+        return Ok(false);
+    };
+    let beside = context.folder.join(file);
+    Ok(stamps
+        .filter(|stamp| start::is_open(stamp))
+        .any(|stamp| start::settled(stamp, None, &beside).1.is_none()))
+}
+
+fn retag(
+    context: &mut Context,
+    shelf: &Shelf,
+    run: &RunRecord,
+    other_names: &[String],
+) -> Result<(), PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
     let (starts, others): (Vec<_>, Vec<_>) = header.partition(|tag| tag.key == keys::STARTED_AT);
     // The stored start carries its offset already.
-    let started_at = starts.first().map(|tag| StartedAt {
+    let stated = starts.first().map(|tag| StartedAt {
         raw: tag.detail.clone(),
         kind: Timestamp::Start,
         local: Some(tag.value.clone()),
         offset: None,
         basis: String::new(),
     });
+    // A date that the file leaves open is read anew, for what decides it may have changed.
+    let mut stamps = run.origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let open = stamps.find(|stamp| start::is_open(stamp)).cloned();
+    let started_at = open.or(stated);
     let input = TaggingInput {
         run_path: &run.path,
         kind: run.kind,
         file_paths: run.files.iter().map(|file| file.path.as_str()).collect(),
+        other_names,
         origin: &run.origin,
         channels: &channels,
         time_zero_is_step,

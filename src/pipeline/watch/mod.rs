@@ -11,9 +11,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use super::{
-    Context, DiagnoseSummary, Ingest, IngestSummary, Interrupt, Made, Observer, PipelineError, RenderReport,
-    ReportSummary, Run,
+    Context, DiagnoseSummary, Ingest, IngestSummary, Interrupt, Made, Observer, PipelineError, ReportSummary, Run,
 };
+use super::run::render;
 use crate::ingest::scan::SeenFile;
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
 use bell::Bell;
@@ -181,8 +181,10 @@ impl Shared<'_> {
         let mut first = true;
         while self.work.wait(self.stop) {
             self.reload(context);
-            let made = self.job.make(context, self.observer);
-            let made = made.and_then(|made| Ok((made, RenderReport::default().run(context, self.observer)?)));
+            let made = self.job.make(context, self.observer).and_then(|mut made| {
+                let report = render(context, self.observer, &mut made.faults)?;
+                Ok((made, report))
+            });
             match refusals.passed(made, self.observer)? {
                 Some((made, report)) => {
                     let new = made.fit.fitted + made.modulus.analysed + made.alarms.new.len();
