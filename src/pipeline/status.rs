@@ -17,7 +17,9 @@ use super::report::report_faults;
 use super::standing::{Runs, SetAside};
 use super::{Context, PipelineError, standing};
 use crate::domain::tag::keys;
-use crate::domain::{Alarm, ClimateAssessment, Fault, FileState, Issue, RunRecord, RunState, Severity};
+use crate::domain::{
+    Alarm, ClimateAssessment, Fault, FileState, Issue, RunKind, RunRecord, RunState, Severity,
+};
 use crate::ingest::name_pattern::{self, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
 

@@ -181,7 +181,9 @@ mod tests {
                 format!(r#"{{"severity":"error","code":"{code}","place":"","message":"","mend":""}}"#);
             connection.execute(sql, [path, &issue]).unwrap();
         }
-        Migrations::new(steps(before + 1)).to_latest(&mut connection).unwrap();
+        Migrations::new(steps(before + 1))
+            .to_latest(&mut connection)
+            .unwrap();
         let left: String = connection
             .query_row(
                 "SELECT group_concat(path || changed_ns) FROM source_file",

@@ -316,6 +316,7 @@ fn declared_tags_are_asked_and_others_are_not() {
     }
     let claimed = |campaign: &Campaign| -> Vec<(String, String, Law)> {
         let laws = find(&Evidence {
+            findings: Default::default(),
             runs: &runs,
             campaign,
             charge_c: &vec![None; runs.len()],

@@ -103,6 +103,7 @@ mod tests {
         let input = TableInput {
             campaign: &campaign,
             runs: &runs,
+            set_aside: &[],
             modulus_logs: &[],
             files: &[],
             groups: &[],

@@ -7,7 +7,7 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 13] = [
+const KNOWN: [(&str, &[&str]); 14] = [
     (
         "campaign",
         &[

@@ -107,10 +107,10 @@ pub fn objection(key: &str, extra: &[String]) -> Option<Issue> {
 }
 
 /// One issue for each key that a person stated and that is neither known nor declared. The tag itself is kept.
-pub(super) fn undeclared(offered: &[Tag], extra: &[String]) -> Vec<Issue> {
+pub(super) fn undeclared<'a>(offered: impl Iterator<Item = &'a Tag>, extra: &[String]) -> Vec<Issue> {
     use TagSource as From;
     let mut seen = BTreeSet::new();
-    let stated = offered.iter().filter(|tag| {
+    let stated = offered.filter(|tag| {
         let by_a_person = [
             From::Hand,
             From::Sidecar,

@@ -120,7 +120,8 @@ pub fn resolve(request: &TagRequest) -> Resolved {
             }
         },
     );
-    issues.extend(declared::undeclared(&offered, &request.campaign.extra_tags));
+    let all = offered.iter().map(|offered| &offered.tag);
+    issues.extend(declared::undeclared(all, &request.campaign.extra_tags));
     // The environment's defaults come last, because the environment itself is a tag.
     let environment = strongest(&offered, keys::ENVIRONMENT).map(|tag| tag.value.clone());
     let defaults = sources::defaults(request.campaign, environment.as_deref());

@@ -10,10 +10,11 @@ mod sightings;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use super::{
-    Context, DiagnoseSummary, Ingest, IngestSummary, Interrupt, Made, Observer, PipelineError, ReportSummary, Run,
-};
 use super::run::render;
+use super::{
+    Context, DiagnoseSummary, Ingest, IngestSummary, Interrupt, Made, Observer, PipelineError, ReportSummary,
+    Run,
+};
 use crate::ingest::scan::SeenFile;
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
 use bell::Bell;
