@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::CliError;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global};
+use super::{CampaignArg, Global, ingest};
 use crate::domain::{Gain, Verdict};
 use crate::model::effects;
 use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
@@ -40,10 +40,7 @@ pub struct DiagnoseArgs {
 pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest
-        .refused
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
+    ingest::left_out(&ingest, output);
     let choice = DiagnoseChoice {
         model: args.model.clone(),
         draws: args.draws.map(|draws| draws as usize),
@@ -67,11 +64,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
         adopt(args, global, &mut context, output)?;
     }
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(ingest::status(&ingest))
 }
 
 /// Adopts what the findings name and fits it.

@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::CliError;
 use super::output::Output;
-use super::{CampaignArg, Global};
+use super::{CampaignArg, Global, ingest};
 use crate::pipeline::dma_document::{LogEntry, dma_document};
 use crate::pipeline::estimate_words::in_words;
 use crate::pipeline::{AnalyseModulus, Ingest};
@@ -22,10 +22,7 @@ pub struct DmaArgs {
 pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest
-        .refused
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
+    ingest::left_out(&ingest, output);
     let summary = AnalyseModulus { again: args.again }.run(&mut context, output)?;
     output.message(&format!(
         "{} analysed, {} up to date, {} could not be analysed",
@@ -40,11 +37,7 @@ pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let document = dma_document(&context)?;
     document.logs.iter().for_each(|log| print(log, output));
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(ingest::status(&ingest))
 }
 
 fn print(log: &LogEntry, output: &Output) {

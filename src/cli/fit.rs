@@ -2,11 +2,11 @@
 
 use clap::Args;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::CliError;
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::Output;
-use super::{CampaignArg, Global};
+use super::{CampaignArg, Global, ingest};
 use crate::pipeline::estimate_words::in_words;
 use crate::pipeline::fits_document::{FitEntry, fits_document};
 use crate::pipeline::{FitRuns, FitSummary, Ingest};
@@ -28,10 +28,7 @@ pub struct FitArgs {
 pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest
-        .refused
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
+    ingest::left_out(&ingest, output);
     let summary = FitRuns {
         choice: args.fit.choice(global),
         again: args.again,
@@ -48,11 +45,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         }
     }
     output.document(&document)?;
-    Ok(if ingest.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(ingest::status(&ingest))
 }
 
 /// What was fitted, and what went wrong on the way.

@@ -23,11 +23,7 @@ pub fn run(args: &IngestArgs, global: &Global, output: &Output) -> Result<u8, Cl
     let summary = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/ingest/1", "ingest": summary }))?;
-    Ok(if summary.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(status(&summary))
 }
 
 /// How many entries of a kind are listed; `ieap status` lists all.
@@ -62,7 +58,38 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     list(output, "file", waiting, &summary.waiting);
     let untagged = "without the tags to be fitted; `ieap status` says which";
     list(output, "run", untagged, &summary.untagged);
+    left_out(summary, output);
+}
+
+/// The exit status after taking in: done, or done with inputs left out.
+pub(super) fn status(summary: &IngestSummary) -> u8 {
+    match summary.left_out_inputs() {
+        false => DONE,
+        true => SOME_REFUSED,
+    }
+}
+
+/// What could not be used: files that were refused, tag files that cannot be read.
+pub(super) fn left_out(summary: &IngestSummary, output: &Output) {
     refused(output, &summary.refused);
+    if summary.unreadable_tags.is_empty() {
+        return;
+    }
+    output.message(&format!(
+        "{} of tags cannot be read; the runs that they speak for keep the tags that they had, or wait:",
+        counted(summary.unreadable_tags.len(), "statement")
+    ));
+    for tags in summary.unreadable_tags.iter().take(SHOWN) {
+        let place = format!("{} ({})", tags.issue.place, counted(tags.runs, "run"));
+        let issue = Issue {
+            place: String::new(),
+            ..tags.issue.clone()
+        };
+        output.issue(&place, &issue);
+    }
+    if summary.unreadable_tags.len() > SHOWN {
+        output.message("  ... `ieap status` lists all");
+    }
 }
 
 /// Refused files; of many with the same kind of reason only the first are listed.

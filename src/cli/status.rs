@@ -79,6 +79,7 @@ fn print(status: &Status, output: &Output) {
         output.result(&format!("modulus logs: {}", states.join(", ")));
     }
     section(output, "file", "refused", &status.refused);
+    unreadable_tags(status, output);
     let waiting = "waiting (empty, header only, or still growing)";
     section(output, "file", waiting, &status.pending);
     let untagged = "without the tags to be fitted";
@@ -126,6 +127,22 @@ fn lumped_or_distributed(status: &Status, output: &Output) {
     let counts = ["distributed", "lumped", "open", "cannot be told"].map(|verdict| {
         let count = told.iter().filter(|entry| entry.verdict == verdict).count();
         (count > 0).then(|| format!("{count} {verdict}"))
+/// Tag files that cannot be read, and for how many runs each speaks.
+fn unreadable_tags(status: &Status, output: &Output) {
+    let found = &status.unreadable_tags;
+    if found.is_empty() {
+        return;
+    }
+    output.result(&format!(
+        "{} of tags cannot be read; the runs that they speak for keep the tags that they had, or wait:",
+        counted(found.len(), "statement")
+    ));
+    for tags in found {
+        issue(output, "  ", &tags.issue);
+        output.result(&format!("      it speaks for {}", counted(tags.runs, "run")));
+    }
+}
+
     });
     let counts: Vec<String> = counts.into_iter().flatten().collect();
     if counts.is_empty() {

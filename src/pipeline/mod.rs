@@ -54,7 +54,7 @@ pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};
 pub use error::PipelineError;
 pub use fit::{FitChoice, FitRuns, FitSummary};
 pub use fit_groups::{FitGroups, FitTogether, Sharing};
-pub use ingest::{Ingest, IngestSummary};
+pub use ingest::{Ingest, IngestSummary, UnreadableTags};
 pub use init::init;
 pub use modulus::{AnalyseModulus, ModulusSummary};
 pub use observer::{Observer, Silent};

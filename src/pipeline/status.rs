@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::context::CODE_VERSION;
 use super::fit::is_of_failed_fit;
+use super::ingest::{UnreadableTags, unreadable_tags};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::planned::{Planned, planned};
 use super::{Context, PipelineError};
@@ -33,6 +34,8 @@ pub struct Status {
     pub refused: Vec<Reasoned>,
     /// Files that wait: empty, header only, still growing.
     pub pending: Vec<Reasoned>,
+    /// What cannot be read of tag files: the runs that they speak for wait.
+    pub unreadable_tags: Vec<UnreadableTags>,
     /// Files that hold the same bytes as a run's file.
     pub aliases: usize,
     /// Files of runs and logs that are no longer in the folder.
@@ -159,6 +162,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         aliases: file_list(FileState::Alias).len(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
         groups_not_diagnosed: waiting.missing,
+        unreadable_tags: unreadable_tags(context)?,
         findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),

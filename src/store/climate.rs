@@ -206,17 +206,7 @@ impl Store {
         parameters: impl rusqlite::Params,
         read: impl Fn(&Row<'_>) -> Result<T, StepError>,
     ) -> Result<Vec<T>, StoreError> {
-        let doing = "reading climate logs";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query(parameters).map_err(|e| self.failed(doing, e))?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            found.push(read(row).map_err(self.named(doing))?);
-        }
-        Ok(found)
+        self.rows("reading climate logs", sql, parameters, read)
     }
 }
 

@@ -24,6 +24,7 @@ mod tags;
 mod transaction;
 
 use std::path::{Path, PathBuf};
+mod unreadable_tags;
 use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags};
@@ -174,6 +175,26 @@ fn as_uri(path: &Path) -> Option<String> {
             '%' | '?' | '#' | '\\' => format!("%{:02X}", u32::from(c)),
             c => c.to_string(),
         })
+    /// Rows of `sql`, read one by one.
+    fn rows<T>(
+        &self,
+        doing: &'static str,
+        sql: &str,
+        parameters: impl rusqlite::Params,
+        read: impl Fn(&rusqlite::Row<'_>) -> Result<T, StepError>,
+    ) -> Result<Vec<T>, StoreError> {
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query(parameters).map_err(|e| self.failed(doing, e))?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            found.push(read(row).map_err(self.named(doing))?);
+        }
+        Ok(found)
+    }
+
         .collect();
     Some(format!("file:{escaped}?immutable=1"))
 }

@@ -235,7 +235,7 @@ pub(super) fn insert_tagging(
     insert_issues(transaction, run_id, "tag", first, &tagging.issues)
 }
 
-fn insert_issues(
+pub(super) fn insert_issues(
     transaction: &Transaction<'_>,
     run_id: i64,
     stage: &str,

@@ -426,17 +426,7 @@ impl Store {
         sql: &str,
         read: impl Fn(&Row<'_>) -> Result<T, StepError>,
     ) -> Result<Vec<T>, StoreError> {
-        let doing = "reading a run";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([run_id]).map_err(|e| self.failed(doing, e))?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            found.push(read(row).map_err(self.named(doing))?);
-        }
-        Ok(found)
+        self.rows("reading a run", sql, [run_id], read)
     }
 }
 

@@ -47,3 +47,4 @@ mod shared_effects;
 mod sidecars;
 mod tables;
 mod watch;
+mod unreadable_tags;

@@ -6,13 +6,13 @@ mod value;
 
 use std::path::{Path, PathBuf};
 
-use crate::domain::tag::keys;
+use crate::domain::tag::{UNREADABLE, keys};
 use crate::domain::{Campaign, Issue, Tag, TagSource};
 
 use super::campaign_file::nearest;
 use super::scan::display_path;
 
-pub use sources::{tag_files_for, tag_sources_digest};
+pub use sources::{tag_files_for, tag_sources_digest, unreadable};
 
 /// Everything that tags of one run can come from.
 #[derive(Debug, Clone, Copy)]
@@ -62,6 +62,16 @@ impl Resolved {
             .find(|tag| tag.key == key)
             .map(|tag| tag.value.as_str())
     }
+
+    /// Whether the run waits: a needed tag is missing, or something that states its tags cannot be read.
+    pub fn waits(&self) -> bool {
+        !self.missing.is_empty() || self.issues.iter().any(is_unreadable)
+    }
+}
+
+/// Whether an issue says that something which states tags cannot be read.
+pub fn is_unreadable(issue: &Issue) -> bool {
+    UNREADABLE.contains(&issue.code.as_str())
 }
 
 /// The name of a file without its last extension, as `name_pattern` wants it; bytes that are no UTF-8 match
@@ -73,7 +83,8 @@ pub fn stem(data_file: &Path) -> String {
 
 /// Gathers the tags of a run from every source and chooses, for each key, that of the strongest source.
 ///
-/// A source that cannot be read, or a value that cannot be used, is an issue, and the next source serves.
+/// A value that cannot be used is an issue, and the next source serves. So is a tag file that cannot be read, but the run
+/// then waits ([`Resolved::waits`]).
 pub fn resolve(request: &TagRequest) -> Resolved {
     let mut issues = Vec::new();
     let mut offered = sources::stated(request, &mut issues);

@@ -51,6 +51,8 @@ pub struct IngestSummary {
     pub aliases: Vec<String>,
     /// Files refused, now or before, with the reason.
     pub refused: Vec<(String, Issue)>,
+    /// What cannot be read of tag files, now: the runs that they speak for wait.
+    pub unreadable_tags: Vec<UnreadableTags>,
     /// Files that wait: empty, header only, or still growing.
     pub waiting: Vec<String>,
     /// Files that are no longer there, found now.
@@ -65,7 +67,32 @@ pub struct IngestSummary {
 
 impl IngestSummary {
     /// Whether the database changed.
+/// A tag file, or a statement in it, that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct UnreadableTags {
+    /// Where, why, and how to mend it.
+    pub issue: Issue,
+    /// Runs that it speaks for: those that had tags keep them, the others wait.
+    pub runs: usize,
+}
+
+/// What cannot be read of the tag files of a campaign.
+///
+/// # Errors
+/// The database cannot be read.
+pub(super) fn unreadable_tags(context: &Context) -> Result<Vec<UnreadableTags>, PipelineError> {
+    let found = context.store.unreadable_tag_files()?.into_iter();
+    Ok(found
+        .map(|(issue, runs)| UnreadableTags { issue, runs })
+        .collect())
+}
+
     pub fn changed(&self) -> bool {
+    /// Whether some inputs could not be used.
+    pub fn left_out_inputs(&self) -> bool {
+        !self.refused.is_empty() || !self.unreadable_tags.is_empty()
+    }
+
         let lists = [
             &self.new,
             &self.revised,
@@ -253,6 +280,7 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
 }
 
 /// A row for a file that holds no new run.
+    summary.unreadable_tags = unreadable_tags(context)?;
 pub(super) fn file_row(
     file: &SeenFile,
     hash: Option<String>,

@@ -6,10 +6,11 @@ use jiff::Timestamp as Moment;
 
 use super::batch::{MOST_FILES, together};
 use super::now;
-use super::tagging::{TaggingInput, digest, tag_files, tagging};
+use super::tagging::{TaggingInput, digest, tag_files, tagging, unreadable};
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
-use crate::domain::{RunRecord, TagSource};
+use crate::domain::{Issue, RunRecord, RunState, TagSource};
+use crate::ingest::tags::is_unreadable;
 use crate::ingest::{StartedAt, Timestamp};
 use crate::pipeline::climate::Shelf;
 use crate::pipeline::planned::known_sheets;
@@ -28,34 +29,58 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         .into_iter()
         .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
         .collect();
-    let mut due = Vec::new();
+    let mut due = BTreeMap::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
-        if digest(context, &shelf, &path, &tag_files(&path, &files), window)? != stored {
-            due.push(run_id);
+        let digest = digest(context, &shelf, &path, &tag_files(&path, &files), window)?;
+        if digest != stored {
+            due.insert(run_id, digest);
         }
     }
     if due.is_empty() {
         return Ok(Vec::new());
     }
     let all = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
-    // What a sheet stated before it was damaged stays until it is mended.
-    let is_held = |run: &RunRecord| run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
-    let runs: Vec<RunRecord> = all.filter(|run| due.contains(&run.id) && !is_held(run)).collect();
+    let runs: Vec<RunRecord> = all.filter(|run| due.contains_key(&run.id)).collect();
+    let mut retagged = Vec::new();
     for batch in runs.chunks(MOST_FILES) {
+        let before = retagged.len();
         together(context, |context| {
-            batch.iter().try_for_each(|run| retag(context, &shelf, run))
+            for run in batch {
+                match held_by(context, run) {
+                    Some(issues) => context.store.hold_tags(&now(), run.id, &due[&run.id], &issues)?,
+                    None if retag(context, &shelf, run)? => retagged.push(run.path.clone()),
+                    None => {}
+                }
+            }
+            Ok(())
         })?;
-        batch
+        retagged[before..]
             .iter()
-            .for_each(|run| observer.say(&format!("tagged {} again", run.path)));
+            .for_each(|path| observer.say(&format!("tagged {path} again")));
     }
-    Ok(runs.into_iter().map(|run| run.path).collect())
+    Ok(retagged)
 }
 
-fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), PipelineError> {
+/// Why a run keeps the tags that it has until something is mended: what they came from cannot be read now, and the next
+/// source would give other tags. One that waits for tags is not held.
+fn held_by(context: &Context, run: &RunRecord) -> Option<Vec<Issue>> {
+    let files: Vec<&str> = run.files.iter().map(|file| file.path.as_str()).collect();
+    let mut issues = unreadable(context, &run.path, &tag_files(&run.path, &files));
+    let is_lost = run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
+    if run.state == RunState::Untagged || issues.is_empty() && !is_lost {
+        return None;
+    }
+    for issue in &mut issues {
+        issue.message += "; the run keeps the tags that it had";
+    }
+    Some(issues)
+}
+
+/// Tags a run anew; says whether that is news: a file that was mended to what it said before is none.
+fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<bool, PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
@@ -83,7 +108,10 @@ fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<(), Pi
         started_at,
     };
     let tagging = tagging(context, shelf, &input)?;
-    Ok(context.store.retag(&now(), run.id, &tagging)?)
+    let was_held = run.state != RunState::Untagged && run.issues.iter().any(is_unreadable);
+    let is_news = !was_held || tagging.tags != run.tags;
+    context.store.retag(&now(), run.id, &tagging)?;
+    Ok(is_news)
 }
 
 /// A run on UTC: from its start, for as long as its readings last; none without a start.
