@@ -8,7 +8,7 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 7] = [
+const HISTORY: [&str; 8] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
@@ -17,6 +17,7 @@ const HISTORY: [&str; 7] = [
     include_str!("../../migrations/0006_alarms.sql"),
     include_str!("../../migrations/0007_fit_along.sql"),
 ];
+    include_str!("../../migrations/0009_integrity.sql"),
 
 /// Schema version that this program writes.
 pub(super) const NEWEST: i64 = HISTORY.len() as i64;

@@ -43,6 +43,7 @@ mod report_site;
 mod report_thesis;
 mod samples;
 mod serve;
+mod run_names;
 mod shared_effects;
 mod sidecars;
 mod tables;

@@ -1,0 +1,12 @@
+-- Runs that share a name by accident are read again, so that each is in the list.
+
+-- Two tables of one name in one file: the later was stored as a revision of the earlier, in the same moment.
+UPDATE run SET reader_version = 0 WHERE superseded_at IS NULL AND path IN (
+    SELECT run.path FROM run JOIN run_file ON run_file.run_id = run.id
+    GROUP BY run.path, run.ingested_at, run_file.path, run_file.hash HAVING count(DISTINCT run.id) > 1);
+UPDATE source_file SET reader = '' WHERE path IN (
+    SELECT run_file.path FROM run_file JOIN run ON run.id = run_file.run_id
+    WHERE run.reader_version = 0 AND run.superseded_at IS NULL);
+-- A file whose run was superseded by the run of another file.
+UPDATE source_file SET reader = '' WHERE state = 'run' AND missing_since IS NULL AND path NOT IN (
+    SELECT run_file.path FROM run_file JOIN run ON run.id = run_file.run_id WHERE run.superseded_at IS NULL);
