@@ -1,3 +1,10 @@
+-- What tells this database from every other; the archive beside it holds the same (archive/database-id).
+CREATE TABLE identity (
+    only_row INTEGER NOT NULL PRIMARY KEY CHECK (only_row = 1),
+    id       TEXT    NOT NULL
+) STRICT;
+INSERT INTO identity VALUES (1, lower(hex(randomblob(16))));
+
 -- Runs that share a name by accident are read again, so that each is in the list.
 
 -- Two tables of one name in one file: the later was stored as a revision of the earlier, in the same moment.

@@ -3,11 +3,12 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{CliError, SOME_REFUSED};
 use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
 use super::{CampaignArg, Global, diagnose, ingest};
-use crate::pipeline::{Run, RunSummary};
+use crate::pipeline::status::raw_files_lost;
+use crate::pipeline::{Context, Run, RunSummary};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]
@@ -19,10 +20,16 @@ pub struct RunArgs {
     /// Leave the diagnosis for later (`ieap diagnose`)
     #[arg(long)]
     no_diagnose: bool,
+    /// Make a new database from the files in the campaign, where the old one is lost or damaged; it is moved aside
+    #[arg(long, conflicts_with = "new_archive")]
+    new_database: bool,
+    /// Make a new archive from the files in the campaign, where the old one is lost
+    #[arg(long)]
+    new_archive: bool,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = args.campaign.open(global, output)?;
+    let mut context = open(args, global, output)?;
     let summary = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,
@@ -30,16 +37,44 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     .run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
-    Ok(status(&summary))
+    if args.new_archive {
+        let lost = raw_files_lost(&context)?;
+        for file in &lost {
+            file.issues
+                .iter()
+                .for_each(|issue| output.issue(&file.path, issue));
+        }
+        if !lost.is_empty() {
+            return Ok(SOME_REFUSED);
+        }
+    }
+    Ok(ingest::status(&summary.ingest))
 }
 
-/// Done, or done with refusals.
-pub fn status(summary: &RunSummary) -> u8 {
-    if summary.ingest.refused.is_empty() {
-        DONE
+/// Opens the campaign, with a new database or a new archive where that is asked for, and says what that means.
+fn open(args: &RunArgs, global: &Global, output: &Output) -> Result<Context, CliError> {
+    let folder = args.campaign.folder()?;
+    let context = if args.new_database {
+        let (context, aside) = Context::open_with_new_database(&folder, global.i_know)?;
+        if let Some(aside) = aside {
+            output.message(&format!("The old database was moved aside: {}", aside.display()));
+        }
+        output.message(
+            "A new database is made. What only the old one held is not in it: tags set by hand, earlier revisions and \
+             fits, which alarms were told, and runs whose files are gone.",
+        );
+        context
+    } else if args.new_archive {
+        let context = Context::open_with_new_archive(&folder, global.i_know)?;
+        output.message(
+            "A new archive is made from the files in the campaign; `ieap status` lists what it lacks.",
+        );
+        context
     } else {
-        SOME_REFUSED
-    }
+        return args.campaign.open(global, output);
+    };
+    super::say_what_is_not_understood(&context, output);
+    Ok(context)
 }
 
 /// What was done, and where the report is.

@@ -82,6 +82,12 @@ fn print(status: &Status, output: &Output) {
     unreadable_tags(status, output);
     let waiting = "waiting (empty, header only, or still growing)";
     section(output, "file", waiting, &status.pending);
+    section(
+        output,
+        "raw file",
+        "lost from the archive",
+        &status.raw_files_lost,
+    );
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
     let waits = |run: &&Reasoned| run.issues.iter().any(|issue| issue.code == WAITS);
@@ -121,12 +127,6 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", outdated, &status.findings_out_of_date);
 }
 
-/// How many runs need the distributed model; those that do not are counted only.
-fn lumped_or_distributed(status: &Status, output: &Output) {
-    let told = &status.lumped_or_distributed;
-    let counts = ["distributed", "lumped", "open", "cannot be told"].map(|verdict| {
-        let count = told.iter().filter(|entry| entry.verdict == verdict).count();
-        (count > 0).then(|| format!("{count} {verdict}"))
 /// Tag files that cannot be read, and for how many runs each speaks.
 fn unreadable_tags(status: &Status, output: &Output) {
     let found = &status.unreadable_tags;
@@ -143,6 +143,12 @@ fn unreadable_tags(status: &Status, output: &Output) {
     }
 }
 
+/// How many runs need the distributed model; those that do not are counted only.
+fn lumped_or_distributed(status: &Status, output: &Output) {
+    let told = &status.lumped_or_distributed;
+    let counts = ["distributed", "lumped", "open", "cannot be told"].map(|verdict| {
+        let count = told.iter().filter(|entry| entry.verdict == verdict).count();
+        (count > 0).then(|| format!("{count} {verdict}"))
     });
     let counts: Vec<String> = counts.into_iter().flatten().collect();
     if counts.is_empty() {

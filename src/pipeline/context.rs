@@ -7,9 +7,9 @@ use crate::ingest::archive::Archive;
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet::RunSheets;
 use crate::ingest::{campaign_file, filesystem};
-use crate::store::{InstanceLock, Store, StoreError};
+use crate::store::{self, InstanceLock, Store, StoreError};
 
-use super::PipelineError;
+use super::{PipelineError, holdings};
 
 /// Version of this program, as fits and reports record it.
 pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -45,7 +45,44 @@ impl Context {
         let lock = InstanceLock::take(folder)?;
         // Whoever was killed while it archived left these; with the lock held nobody writes them now.
         Archive::new(folder).remove_partial()?;
+        holdings::refuse_lost_database(folder)?;
         let store = Store::open(folder)?;
+        holdings::check_and_mark(folder, &store)?;
+        Context::with(folder, loaded, store, Some(lock))
+    }
+
+    /// The same with a new database; what lies in its place is moved aside, and its new name given.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub fn open_with_new_database(
+        folder: &Path,
+        allow_network: bool,
+    ) -> Result<(Context, Option<PathBuf>), PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let lock = InstanceLock::take(folder)?;
+        let archive = Archive::new(folder);
+        archive.remove_partial()?;
+        let aside = store::set_aside(folder, &now().replace([':', '-'], ""))?;
+        let store = Store::open(folder)?;
+        archive.set_owner(&store.identity()?)?;
+        Ok((Context::with(folder, loaded, store, Some(lock))?, aside))
+    }
+
+    /// The same with a new archive, or what is left of the old one; every file is read again, so that its bytes are
+    /// archived.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub fn open_with_new_archive(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let lock = InstanceLock::take(folder)?;
+        holdings::refuse_lost_database(folder)?;
+        let mut store = Store::open(folder)?;
+        store.read_again(&now())?;
+        Archive::new(folder).set_owner(&store.identity()?)?;
         Context::with(folder, loaded, store, Some(lock))
     }
 
@@ -56,16 +93,19 @@ impl Context {
     pub fn open_beside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
+        holdings::refuse_lost_database(folder)?;
         let store = Store::open(folder)?;
+        holdings::check(folder, &store)?;
         Context::with(folder, loaded, store, None)
     }
 
     /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in.
     ///
     /// # Errors
-    /// campaign.toml or a profile is wrong or missing; the database cannot be read.
+    /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read.
     pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
+        holdings::refuse_lost_database(folder)?;
         let store = match Store::open_read_only(folder)? {
             Some(store) => store,
             None => Store::in_memory()?,

@@ -20,7 +20,7 @@ use crate::report;
 /// Folder of the report inside a campaign.
 pub const REPORT_FOLDER: &str = "report";
 /// Says what a report was made from, so that an unchanged one is not made again.
-const STAMP: &str = ".made-from";
+pub(super) const STAMP: &str = ".made-from";
 
 /// The verb `report`.
 #[derive(Debug, Clone, Copy, Default)]

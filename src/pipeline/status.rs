@@ -12,6 +12,8 @@ use super::planned::{Planned, planned};
 use super::{Context, PipelineError};
 use crate::domain::tag::keys;
 use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunRecord, RunState};
+use crate::ingest::archive::{Archive, Archived, BlobFinding};
+use crate::store::RunContent;
 
 /// The state of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,10 +34,12 @@ pub struct Status {
     pub not_fitted: Vec<Reasoned>,
     /// Files that were refused.
     pub refused: Vec<Reasoned>,
-    /// Files that wait: empty, header only, still growing.
-    pub pending: Vec<Reasoned>,
     /// What cannot be read of tag files: the runs that they speak for wait.
     pub unreadable_tags: Vec<UnreadableTags>,
+    /// Files that wait: empty, header only, still growing.
+    pub pending: Vec<Reasoned>,
+    /// Raw files that the archive lacks or holds with another size, by a file of the run or log that they are of.
+    pub raw_files_lost: Vec<Reasoned>,
     /// Files that hold the same bytes as a run's file.
     pub aliases: usize,
     /// Files of runs and logs that are no longer in the folder.
@@ -158,11 +162,12 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         untagged: reasoned(&runs, |run| run.state == RunState::Untagged),
         not_fitted: without_fit(&runs),
         refused: file_list(FileState::Refused),
+        unreadable_tags: unreadable_tags(context)?,
         pending: file_list(FileState::Pending),
+        raw_files_lost: raw_files_lost(context)?,
         aliases: file_list(FileState::Alias).len(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
         groups_not_diagnosed: waiting.missing,
-        unreadable_tags: unreadable_tags(context)?,
         findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
@@ -180,6 +185,30 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             .map(|run| run.path.clone())
             .collect(),
     })
+}
+
+/// Raw files that the archive lacks, by names and sizes.
+///
+/// # Errors
+/// The database or the archive cannot be read.
+pub fn raw_files_lost(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
+    let contents = context.store.contents()?;
+    let of = |content: &RunContent| Archived {
+        hash: content.hash.clone(),
+        path: content.archive_path.clone(),
+        size_bytes: content.size_bytes,
+    };
+    let wanted: Vec<Archived> = contents.iter().map(of).collect();
+    let path_of = |hash: &str| {
+        let of_hash = contents.iter().find(|content| content.hash == hash);
+        of_hash.map_or_else(String::new, |content| content.path.clone())
+    };
+    let lost = Archive::new(&context.folder).missing(&wanted)?;
+    let reasoned = |finding: BlobFinding| Reasoned {
+        path: path_of(&finding.wanted.hash),
+        issues: vec![finding.issue()],
+    };
+    Ok(lost.into_iter().map(reasoned).collect())
 }
 
 fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, PipelineError> {

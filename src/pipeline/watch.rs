@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::{Context, Observer, PipelineError, Run, RunSummary};
+use super::{Context, Observer, PipelineError, Run, RunSummary, holdings};
 use crate::ingest::scan::{Readiness, SeenFile, Sighting, readiness};
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
 
@@ -44,8 +44,8 @@ impl Watch {
     /// something. A disk that is full or a share that went offline is waited for.
     ///
     /// # Errors
-    /// The folder cannot be watched, campaign.toml is wrong at the start, or the disk or the database refused
-    /// for an hour.
+    /// The folder cannot be watched, campaign.toml is wrong at the start, the database or the archive is gone, replaced or
+    /// damaged, or the disk or the database refused for an hour.
     pub fn run(
         &self,
         context: &mut Context,
@@ -83,7 +83,7 @@ impl Watch {
                         _ => SHORTEST_WAIT,
                     }
                 }
-                Err(error) if may_pass(&error) && refusals < MOST_REFUSALS => {
+                Err(error) if error.may_pass() && refusals < MOST_REFUSALS => {
                     refusals += 1;
                     observer.warn(&format!(
                         "{error}; the watch tries again in {} s",
@@ -111,6 +111,8 @@ impl Watch {
                 "{error}; what campaign.toml and the profiles said before goes on to hold"
             ));
         }
+        context.store.check_in_place()?;
+        holdings::check(&context.folder, &context.store)?;
         sightings.begin();
         // The turn begins when the diagnosis first asks.
         let begun: OnceLock<Instant> = OnceLock::new();
@@ -135,11 +137,6 @@ fn waited(watcher: &Watcher, wait: Duration, stop: &AtomicBool, observer: &dyn O
             Wake::Hint | Wake::Rescan | Wake::Timeout => return false,
         }
     }
-}
-
-/// Whether an error may pass by itself: space may be freed, a share may come back, a lock may be released.
-fn may_pass(error: &PipelineError) -> bool {
-    error.is_storage() || matches!(error, PipelineError::Scan(_))
 }
 
 /// Since when each file has not changed.

@@ -40,7 +40,7 @@ pub enum StoreError {
     },
     /// The file is no database, or is damaged.
     #[error(
-        "{path}: this is not a readable SQLite database ({detail}). Move it away (with its -wal and -shm files); `ieap run` makes a new one from the files in the campaign."
+        "{path}: this is not a readable SQLite database ({detail}). Put a backup of it back. If there is none, `ieap run --new-database` moves it aside and makes a new one from the files in the campaign; what only the database held is lost then."
     )]
     NotADatabase {
         /// The database file.
@@ -78,6 +78,14 @@ pub enum StoreError {
         /// Version found.
         found: &'static str,
     },
+    /// The file that is open is no longer the database of the campaign.
+    #[error(
+        "{path}: the file was deleted or replaced while this program had it open. What was stored until then is in the file that is gone. Put that file or a backup back, with no other ieap running, then start again."
+    )]
+    Replaced {
+        /// The database file, or its write-ahead log.
+        path: PathBuf,
+    },
     /// The database lies on a network share.
     #[error(
         "{path}: the campaign lies on a network file system ({kind}), where SQLite's write-ahead log is not safe. Copy the campaign to a local disk, or pass --i-know to go on at your own risk."
@@ -108,7 +116,7 @@ pub enum StoreError {
     },
     /// A stored value does not read back.
     #[error(
-        "the database holds a value that does not read back: {what} ({detail}). Restore a backup, or move campaign.db away and run `ieap run`."
+        "the database holds a value that does not read back: {what} ({detail}). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
     )]
     BadValue {
         /// Which value.
@@ -129,6 +137,18 @@ pub enum StoreError {
 }
 
 impl StoreError {
+    /// Whether trying again cannot help: the database is gone, damaged, or of another program.
+    pub fn is_for_good(&self) -> bool {
+        use StoreError as E;
+        matches!(
+            self,
+            E::NotADatabase { .. }
+                | E::Newer { .. }
+                | E::Replaced { .. }
+                | E::BadValue { .. }
+        )
+    }
+
     /// Names what was being done with the database at `path` when SQLite failed.
     pub(super) fn from_sql(
         path: &std::path::Path,

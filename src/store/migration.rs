@@ -6,6 +6,7 @@ use rusqlite::Connection;
 use rusqlite_migration::{M, Migrations};
 
 use super::StoreError;
+use super::in_place::has_no_tables;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
 const HISTORY: [&str; 8] = [
@@ -16,8 +17,8 @@ const HISTORY: [&str; 8] = [
     include_str!("../../migrations/0005_diagnosis.sql"),
     include_str!("../../migrations/0006_alarms.sql"),
     include_str!("../../migrations/0007_fit_along.sql"),
-];
     include_str!("../../migrations/0009_integrity.sql"),
+];
 
 /// Schema version that this program writes.
 pub(super) const NEWEST: i64 = HISTORY.len() as i64;
@@ -39,6 +40,7 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
             known: NEWEST,
         });
     }
+    refuse_unversioned(connection, path, found)?;
     if found == NEWEST {
         return Ok(());
     }
@@ -57,6 +59,19 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
                 detail: other.to_string(),
             },
         })
+}
+
+/// Refuses a database that holds tables and says that it has no schema: it is not ours, or it was damaged.
+pub(super) fn refuse_unversioned(connection: &Connection, path: &Path, found: i64) -> Result<(), StoreError> {
+    let is_new =
+        found != 0 || has_no_tables(connection).map_err(|e| StoreError::from_sql(path, "opening", e))?;
+    match is_new {
+        true => Ok(()),
+        false => Err(StoreError::NotADatabase {
+            path: path.to_owned(),
+            detail: "it holds tables, but its schema has the version 0".to_owned(),
+        }),
+    }
 }
 
 /// Copies the database to `campaign.db.schema-<version>.backup` beside it.

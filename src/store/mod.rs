@@ -13,6 +13,7 @@ mod error;
 mod files;
 mod fits;
 mod history;
+mod in_place;
 mod lock;
 mod migration;
 mod modulus;
@@ -22,9 +23,9 @@ mod run_climate;
 mod runs;
 mod tags;
 mod transaction;
+mod unreadable_tags;
 
 use std::path::{Path, PathBuf};
-mod unreadable_tags;
 use std::time::Duration;
 
 use rusqlite::{Connection, OpenFlags};
@@ -35,6 +36,7 @@ pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};
 pub use history::{Earlier, ResultOrigin};
+pub use in_place::{Found, found, set_aside};
 pub use lock::InstanceLock;
 pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
@@ -47,6 +49,9 @@ pub const FILE_NAME: &str = "campaign.db";
 /// First SQLite without the WAL-reset corruption bug.
 const OLDEST_SQLITE: i32 = 3_051_003;
 
+/// Prepared statements that a connection keeps: more than there are queries.
+const STATEMENTS: usize = 256;
+
 /// How long a connection waits for another one's lock.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
 
@@ -55,6 +60,7 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
 pub struct Store {
     connection: Connection,
     path: PathBuf,
+    place: in_place::Place,
 }
 
 impl Store {
@@ -75,7 +81,11 @@ impl Store {
         .map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
-        Ok(Store { connection, path })
+        Ok(Store {
+            connection,
+            place: in_place::Place::of(&path),
+            path,
+        })
     }
 
     /// Opens the database for reading beside a working instance. `None` where there is none yet.
@@ -102,8 +112,13 @@ impl Store {
             }
         });
         let (connection, found) = opened?;
+        migration::refuse_unversioned(&connection, &path, found)?;
         match found {
-            migration::NEWEST => Ok(Some(Store { connection, path })),
+            migration::NEWEST => Ok(Some(Store {
+                connection,
+                path,
+                place: in_place::Place::default(),
+            })),
             0 => Ok(None),
             found if found > migration::NEWEST => Err(StoreError::Newer {
                 path,
@@ -124,7 +139,11 @@ impl Store {
             Connection::open_in_memory().map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
-        Ok(Store { connection, path })
+        Ok(Store {
+            connection,
+            path,
+            place: in_place::Place::default(),
+        })
     }
 
     /// The database file.
@@ -144,37 +163,6 @@ impl Store {
             .map_err(|e| self.failed("counting changes", e))
     }
 
-    fn failed(&self, doing: &'static str, error: rusqlite::Error) -> StoreError {
-        StoreError::from_sql(&self.path, doing, error)
-    }
-
-    fn named(&self, doing: &'static str) -> impl Fn(StepError) -> StoreError + '_ {
-        move |error| match error {
-            StepError::Sql(error) => self.failed(doing, error),
-            StepError::Store(error) => error,
-        }
-    }
-}
-
-/// Opens a database to read, and reads its schema version.
-fn open_to_read(path: &Path, name: &str, flags: OpenFlags) -> Result<(Connection, i64), StoreError> {
-    let failed = |e| StoreError::from_sql(path, "opening to read", e);
-    let connection = Connection::open_with_flags(name, flags).map_err(failed)?;
-    connection.busy_timeout(BUSY_TIMEOUT).map_err(failed)?;
-    let version = migration::version(&connection).map_err(failed)?;
-    Ok((connection, version))
-}
-
-/// The database as a file that nothing changes; none where the path is no UTF-8.
-fn as_uri(path: &Path) -> Option<String> {
-    let path = std::path::absolute(path).ok()?;
-    let escaped: String = path
-        .to_str()?
-        .chars()
-        .map(|c| match c {
-            '%' | '?' | '#' | '\\' => format!("%{:02X}", u32::from(c)),
-            c => c.to_string(),
-        })
     /// Rows of `sql`, read one by one.
     fn rows<T>(
         &self,
@@ -195,6 +183,38 @@ fn as_uri(path: &Path) -> Option<String> {
         Ok(found)
     }
 
+    fn failed(&self, doing: &'static str, error: rusqlite::Error) -> StoreError {
+        StoreError::from_sql(&self.path, doing, error)
+    }
+
+    fn named(&self, doing: &'static str) -> impl Fn(StepError) -> StoreError + '_ {
+        move |error| match error {
+            StepError::Sql(error) => self.failed(doing, error),
+            StepError::Store(error) => error,
+        }
+    }
+}
+
+/// Opens a database to read, and reads its schema version.
+fn open_to_read(path: &Path, name: &str, flags: OpenFlags) -> Result<(Connection, i64), StoreError> {
+    let failed = |e| StoreError::from_sql(path, "opening to read", e);
+    let connection = Connection::open_with_flags(name, flags).map_err(failed)?;
+    connection.busy_timeout(BUSY_TIMEOUT).map_err(failed)?;
+    connection.set_prepared_statement_cache_capacity(STATEMENTS);
+    let version = migration::version(&connection).map_err(failed)?;
+    Ok((connection, version))
+}
+
+/// The database as a file that nothing changes; none where the path is no UTF-8.
+fn as_uri(path: &Path) -> Option<String> {
+    let path = std::path::absolute(path).ok()?;
+    let escaped: String = path
+        .to_str()?
+        .chars()
+        .map(|c| match c {
+            '%' | '?' | '#' | '\\' => format!("%{:02X}", u32::from(c)),
+            c => c.to_string(),
+        })
         .collect();
     Some(format!("file:{escaped}?immutable=1"))
 }
@@ -234,7 +254,7 @@ fn configure(connection: &Connection) -> rusqlite::Result<()> {
     connection.pragma_update(None, "journal_mode", "WAL")?;
     connection.pragma_update(None, "synchronous", "FULL")?;
     connection.pragma_update(None, "foreign_keys", "ON")?;
-    connection.set_prepared_statement_cache_capacity(64);
+    connection.set_prepared_statement_cache_capacity(STATEMENTS);
     Ok(())
 }
 

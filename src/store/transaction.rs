@@ -78,6 +78,8 @@ fn alone<T>(
 }
 
 /// A step of a batch; one that fails takes nothing back but itself.
+        self.check_in_place()?;
+        let (in_batch, seals) = (self.in_batch(), &self.seals);
 fn step<T>(
     connection: &mut Connection,
     work: impl FnOnce(&Connection) -> Result<T, StepError>,
@@ -104,6 +106,7 @@ mod tests {
             state: FileState::Pending,
             reader: String::new(),
             issue: None,
+        self.check_in_place()?;
             missing_since: None,
         }
     }

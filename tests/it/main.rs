@@ -24,6 +24,7 @@ mod frames;
 mod hidden_across;
 mod hidden_effects;
 mod kill_loop;
+mod holdings;
 mod lab_origin;
 mod lumped_or_distributed;
 mod lumped_reference;

@@ -55,6 +55,8 @@ pub struct IngestSummary {
     pub unreadable_tags: Vec<UnreadableTags>,
     /// Files that wait: empty, header only, or still growing.
     pub waiting: Vec<String>,
+    /// Raw files that the archive had lost, or held with other bytes, and that are whole again.
+    pub mended: Vec<String>,
     /// Files that are no longer there, found now.
     pub gone: Vec<String>,
     /// Runs whose tags changed.
@@ -65,8 +67,6 @@ pub struct IngestSummary {
     pub logs: LogSummary,
 }
 
-impl IngestSummary {
-    /// Whether the database changed.
 /// A tag file, or a statement in it, that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct UnreadableTags {
@@ -87,12 +87,14 @@ pub(super) fn unreadable_tags(context: &Context) -> Result<Vec<UnreadableTags>, 
         .collect())
 }
 
-    pub fn changed(&self) -> bool {
+impl IngestSummary {
     /// Whether some inputs could not be used.
     pub fn left_out_inputs(&self) -> bool {
         !self.refused.is_empty() || !self.unreadable_tags.is_empty()
     }
 
+    /// Whether the database changed.
+    pub fn changed(&self) -> bool {
         let lists = [
             &self.new,
             &self.revised,
@@ -142,10 +144,11 @@ impl Ingest<'_> {
         context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
         let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
-        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
             let with = (&readers, &shelf);
             settle::settle(context, with, prepared, &changes, &mut summary, observer)
         })?;
+        summary.mended.extend(mended);
         observer.end();
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
@@ -195,11 +198,12 @@ impl Ingest<'_> {
         };
         let groups: Vec<Group> = ready.into_iter().map(group).collect();
         observer.begin("reading climate logs", groups.len() as u64);
-        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
             prepared.files.iter().try_for_each(|file| {
                 climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
             })
         })?;
+        summary.mended.extend(mended);
         observer.end();
         settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
@@ -276,11 +280,11 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.waiting.sort();
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;
+    summary.unreadable_tags = unreadable_tags(context)?;
     Ok(())
 }
 
 /// A row for a file that holds no new run.
-    summary.unreadable_tags = unreadable_tags(context)?;
 pub(super) fn file_row(
     file: &SeenFile,
     hash: Option<String>,
