@@ -17,3 +17,11 @@ UPDATE source_file SET reader = '' WHERE path IN (
 -- A file whose run was superseded by the run of another file.
 UPDATE source_file SET reader = '' WHERE state = 'run' AND missing_since IS NULL AND path NOT IN (
     SELECT run_file.path FROM run_file JOIN run ON run.id = run_file.run_id WHERE run.superseded_at IS NULL);
+
+-- Checksums of rows that are read together (see store/seal/mod.rs).
+CREATE TABLE seal (
+    subject TEXT NOT NULL,                       -- what the rows are of: 'run', 'fit', ...
+    id      ANY  NOT NULL,                       -- which one: row id, path, or 0 where there is one only
+    sum     BLOB NOT NULL,                       -- first 16 bytes of BLAKE3
+    PRIMARY KEY (subject, id)
+) STRICT, WITHOUT ROWID;

@@ -5,6 +5,7 @@ pub mod along;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
+pub mod data_hash;
 pub mod diagnosis;
 pub mod drive;
 pub mod estimate;

@@ -47,6 +47,9 @@ impl Context {
         Archive::new(folder).remove_partial()?;
         holdings::refuse_lost_database(folder)?;
         let store = Store::open(folder)?;
+        if !lock.last_ended_in_order() {
+            store.check_structure()?;
+        }
         holdings::check_and_mark(folder, &store)?;
         Context::with(folder, loaded, store, Some(lock))
     }

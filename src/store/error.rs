@@ -124,6 +124,14 @@ pub enum StoreError {
         /// What was found.
         detail: String,
     },
+    /// Stored rows are not those that were stored.
+    #[error(
+        "campaign.db is damaged: {what} is not as it was stored (its checksum does not match). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
+    )]
+    Damaged {
+        /// Which rows.
+        what: String,
+    },
     /// Any other failure of SQLite.
     #[error("{path}: {doing} failed: {source}")]
     Sql {
@@ -145,6 +153,7 @@ impl StoreError {
             E::NotADatabase { .. }
                 | E::Newer { .. }
                 | E::Replaced { .. }
+                | E::Damaged { .. }
                 | E::BadValue { .. }
         )
     }

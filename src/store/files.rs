@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rusqlite::{Row, params};
 
-use super::{RunContent, StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
+use super::{RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
 use crate::domain::{FileState, Issue, SourceFile};
 
 /// A file as the last scan saw it and what became of it.
@@ -63,11 +63,12 @@ impl Store {
 
     fn files_where(&self, condition: &str) -> Result<Vec<FileRow>, StoreError> {
         let sql = format!(
-            "SELECT * FROM source_file
+            "SELECT source_file.*, seal.sum FROM source_file LEFT JOIN seal ON subject = 'file' AND seal.id = path
              WHERE {condition} ORDER BY path"
         );
         self.rows("listing files", &sql, [], |row| {
             let file = read_file(row)?;
+            self.check_sealed_row(&Subject::File(file.path.clone()), row)?;
             Ok(file)
         })
     }
@@ -96,6 +97,7 @@ impl Store {
         self.write("marking missing files", now, |transaction| {
             let sql = "UPDATE source_file SET missing_since = ?2 WHERE path = ?1 AND missing_since IS NULL";
             for path in paths {
+                transaction.changes(Subject::File(path.clone()))?;
                 transaction.prepare_cached(sql)?.execute(params![path, now])?;
             }
             Ok(())
@@ -112,6 +114,7 @@ impl Store {
         }
         self.write("forgetting files", now, |transaction| {
             for path in paths {
+                transaction.changes(Subject::File(path.clone()))?;
                 transaction
                     .prepare_cached("DELETE FROM source_file WHERE path = ?1")?
                     .execute([path])?;
@@ -157,7 +160,11 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn read_again(&mut self, now: &str) -> Result<(), StoreError> {
+        let paths: Vec<String> = self.files()?.into_iter().map(|file| file.path).collect();
         self.write("marking files to be read again", now, |transaction| {
+            for path in paths {
+                transaction.changes(Subject::File(path))?;
+            }
             transaction.execute("UPDATE source_file SET reader = ''", [])?;
             Ok(())
         })
@@ -182,6 +189,7 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         .as_ref()
         .map(|issue| to_json("a file's issue", issue))
         .transpose()?;
+    transaction.changes(Subject::File(file.path.clone()))?;
     let sql = "INSERT OR REPLACE INTO source_file
         (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since)
         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";

@@ -21,6 +21,7 @@ mod new_run;
 mod origin;
 mod run_climate;
 mod runs;
+mod seal;
 mod tags;
 mod transaction;
 mod unreadable_tags;
@@ -40,6 +41,7 @@ pub use in_place::{Found, found, set_aside};
 pub use lock::InstanceLock;
 pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
+use seal::{Seals, Subject};
 pub use tags::HandTag;
 use transaction::Transaction;
 
@@ -61,6 +63,7 @@ pub struct Store {
     connection: Connection,
     path: PathBuf,
     place: in_place::Place,
+    seals: Seals,
 }
 
 impl Store {
@@ -81,10 +84,13 @@ impl Store {
         .map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
+        let seals = Seals::made(&mut connection)
+            .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
         Ok(Store {
             connection,
             place: in_place::Place::of(&path),
             path,
+            seals,
         })
     }
 
@@ -115,6 +121,8 @@ impl Store {
         migration::refuse_unversioned(&connection, &path, found)?;
         match found {
             migration::NEWEST => Ok(Some(Store {
+                seals: Seals::of(&connection)
+                    .map_err(|e| StoreError::from_sql(&path, "opening to read", e))?,
                 connection,
                 path,
                 place: in_place::Place::default(),
@@ -139,10 +147,13 @@ impl Store {
             Connection::open_in_memory().map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
+        let seals = Seals::made(&mut connection)
+            .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
         Ok(Store {
             connection,
             path,
             place: in_place::Place::default(),
+            seals,
         })
     }
 
@@ -156,6 +167,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn changes(&self) -> Result<(u64, String), StoreError> {
+        self.check_seal(&Subject::Changes)?;
         self.connection
             .query_row("SELECT changes, changed_at FROM change_count", [], |row| {
                 Ok((row.get::<_, i64>(0)?.unsigned_abs(), row.get(1)?))

@@ -11,7 +11,8 @@ use super::fits::retire_fit;
 use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging};
 use super::origin::{delete_stated_offset, shift};
-use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
+use super::{FileRow, StepError, Store, StoreError, Subject, from_json, from_key, to_json};
+use crate::domain::data_hash::data_hash;
 use crate::domain::left_out;
 use crate::domain::tag::keys;
 use crate::domain::{
@@ -40,6 +41,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn retag(&mut self, now: &str, run_id: i64, tagging: &Tagging) -> Result<(), StoreError> {
         self.write("storing tags", now, |transaction| {
+            transaction.changes(Subject::Run(run_id))?;
             transaction.execute("DELETE FROM tag WHERE run_id = ?1", [run_id])?;
             transaction.execute(
                 "DELETE FROM run_issue WHERE run_id = ?1 AND stage = 'tag'",
@@ -76,6 +78,13 @@ impl Store {
     /// See [`StoreError`].
     pub fn rename_run(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
         self.write("renaming a run", now, |transaction| {
+            transaction.changes(Subject::Runs)?;
+            for id in transaction.ids("SELECT id FROM run WHERE path = ?1", old)? {
+                transaction.changes(Subject::Run(id))?;
+            }
+            for name in [old, new] {
+                transaction.changes(Subject::HandTags(name.to_owned()))?;
+            }
             transaction.execute(
                 "UPDATE run_file SET path = ?2 WHERE path = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
                 [old, new],
@@ -255,7 +264,7 @@ impl Store {
 
     fn chosen_tag(&self, run_id: i64, key: &str) -> Result<Option<String>, StoreError> {
         self.connection
-            .prepare_cached("SELECT value FROM tag WHERE run_id = ?1 AND key = ?2 AND chosen = 1")
+            .prepare_cached("SELECT value FROM tag WHERE run_id = ?1 AND +key = ?2 AND chosen = 1")
             .and_then(|mut statement| {
                 statement
                     .query_row(params![run_id, key], |row| row.get(0))
@@ -270,6 +279,9 @@ impl Store {
     /// See [`StoreError`].
     pub fn channels_as_read(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
         let doing = "reading channels";
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Run(run_id))?;
+        self.check_seal(&Subject::Readings(run_id))?;
         let sql =
             "SELECT quantity, raw_name, raw_unit, position_mm, time_of, time_blob, value_blob, excluded_blob
                    FROM channel WHERE run_id = ?1 ORDER BY ordinal";
@@ -283,7 +295,17 @@ impl Store {
             let channel = read_channel(row, &channels).map_err(self.named(doing))?;
             channels.push(channel);
         }
-        Ok(channels)
+        let stored: String = self
+            .connection
+            .prepare_cached("SELECT data_hash FROM run WHERE id = ?1")
+            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)))
+            .map_err(|e| self.failed(doing, e))?;
+        match stored == data_hash(&channels) {
+            true => Ok(channels),
+            false => Err(StoreError::Damaged {
+                what: format!("readings of run {run_id}"),
+            }),
+        }
     }
 
     /// Every current actuation run with tags, issues, channels (without readings) and its current fit, by path.
@@ -291,7 +313,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NULL AND kind = 'actuation'")
+        self.current(RunKind::Actuation)
     }
 
     /// Every current modulus log with tags, issues and channels (without readings), by path.
@@ -299,7 +321,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn dma_logs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NULL AND kind = 'dma'")
+        self.current(RunKind::Dma)
     }
 
     /// Every superseded revision of an actuation run, by path and revision.
@@ -307,26 +329,35 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NOT NULL AND kind = 'actuation'")
+        let sql = "SELECT id FROM run WHERE superseded_at IS NOT NULL ORDER BY path, revision";
+        self.records(sql, RunKind::Actuation)
     }
 
-    fn records(&self, condition: &str) -> Result<Vec<RunRecord>, StoreError> {
+    fn current(&self, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Runs)?;
+        self.records(
+            "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path",
+            kind,
+        )
+    }
+
+    /// The runs of a kind among those whose ids a query gives.
+    fn records(&self, ids: &str, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
         let doing = "reading runs";
-        let sql = format!(
-            "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
-                    area_cm2, data_hash, ingested_at, kind FROM run WHERE {condition} ORDER BY path, revision"
-        );
-        let mut statement = self
-            .connection
-            .prepare_cached(&sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
+        let ids: Vec<i64> = self.rows(doing, ids, [], |row| Ok(row.get(0)?))?;
+        let sql = "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
+                          area_cm2, data_hash, ingested_at, kind FROM run WHERE id = ?1";
         let aliases = self.aliases()?;
         let mut records = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            let mut record = read_record(row).map_err(self.named(doing))?;
-            self.complete(&mut record, &aliases)?;
-            records.push(record);
+        for id in ids {
+            self.check_seal(&Subject::Run(id))?;
+            for mut record in self.rows(doing, sql, [id], read_record)? {
+                if record.kind == kind {
+                    self.complete(&mut record, &aliases)?;
+                    records.push(record);
+                }
+            }
         }
         Ok(records)
     }

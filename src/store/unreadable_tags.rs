@@ -3,7 +3,7 @@
 use rusqlite::params;
 
 use super::new_run::insert_issues;
-use super::{Store, StoreError, from_key};
+use super::{Store, StoreError, Subject, from_key};
 use crate::domain::tag::UNREADABLE;
 use crate::domain::{Issue, Severity};
 
@@ -21,6 +21,7 @@ impl Store {
         issues: &[Issue],
     ) -> Result<(), StoreError> {
         self.write("holding tags", now, |transaction| {
+            transaction.changes(Subject::Run(run_id))?;
             let sql = "DELETE FROM run_issue WHERE run_id = ?1 AND stage = 'tag' AND code = ?2";
             for code in UNREADABLE {
                 transaction.prepare_cached(sql)?.execute(params![run_id, code])?;

@@ -4,7 +4,7 @@ use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts
 use super::readers::{Readers, format_of, reader_of};
 use super::tagging::{TaggingInput, tagging};
 use super::{IngestSummary, file_row, now};
-use crate::ingest::data_hash::data_hash;
+use crate::domain::data_hash::data_hash;
 use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::scan::{Changes, Scan};
