@@ -45,7 +45,8 @@ fn a_run_whose_sidecar_is_broken_waits_and_is_fitted_when_it_is_mended() {
     assert_eq!(sample_of(&document, "runs/a.csv"), None, "{document:#}");
     assert_eq!(sample_of(&document, "runs/b.csv"), Some("S1"));
     let told = unreadable_in_status(&folder);
-    assert_eq!(told[0]["issue"]["place"], "runs/a.csv.toml, line 1, column 13");
+    let place = told[0]["issue"]["place"].as_str().unwrap();
+    assert!(place.starts_with("runs/a.csv.toml, line 1, column "), "{place}");
     assert_eq!(told[0]["runs"], 1);
     let text = folder.ieap(&["status"]).expect(0).stdout;
     assert!(text.contains("1 statement of tags cannot be read"), "{text}");
