@@ -200,8 +200,8 @@ pub fn raw_files_lost(context: &Context) -> Result<Vec<Reasoned>, PipelineError>
     };
     let wanted: Vec<Archived> = contents.iter().map(of).collect();
     let path_of = |hash: &str| {
-        let of_hash = contents.iter().find(|content| content.hash == hash);
-        of_hash.map_or_else(String::new, |content| content.path.clone())
+        let at = contents.binary_search_by(|content| content.hash.as_str().cmp(hash));
+        at.map_or_else(|_| String::new(), |at| contents[at].path.clone())
     };
     let lost = Archive::new(&context.folder).missing(&wanted)?;
     let reasoned = |finding: BlobFinding| Reasoned {
