@@ -41,10 +41,16 @@
     if (power >= 5 || power < -2) return fixed(value / 10 ** power, digits - 1) + "·10" + raised(power);
     return fixed(value, Math.max(0, Math.min(6, digits - 1 - power)));
   };
-  const moment = (seconds) => new Date(1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+  // A moment by the clock that the axis names; a zone that the browser does not know is shown in UTC.
+  const moment = (seconds, zone = "UTC") => {
+    const date = new Date(1000 * seconds);
+    if (zone !== "UTC") try { return date.toLocaleString("sv-SE", { timeZone: zone }).slice(0, 16); } catch { /* as below */ }
+    return date.toISOString().slice(0, 16).replace("T", " ");
+  };
+  const zoneIn = (title) => /\(([^()]+)\)/.exec(title || "")?.[1] || "UTC";
   // First number of a cell: `< 4·10⁻⁵`, `24.6 ± 0.3`, `20 Nov 2026, 15:08 UTC`.
   const numberIn = (text) => {
-    const date = /^\d{1,2} [A-Z][a-z]{2} \d{4}/.test(text) && Date.parse(text.replace(",", ""));
+    const date = /^\d{1,2} [A-Z][a-z]{2} \d{4}/.test(text) && Date.parse(text.replace(",", "").replace(/([+-]\d\d):(\d\d)$/, "$1$2"));
     if (date) return date;
     const found = /[−-]?\d+(?:\.\d+)?/.exec(text);
     if (!found) return NaN;
@@ -250,6 +256,19 @@
     }
     return stretches;
   };
+  // Height at a place across of lines whose vertices go from left to right: straight between them, as they are drawn, on the
+  // scales of the axes. Of an upright part its end counts; null where no line is.
+  const heightAt = (lines, px) => {
+    let found = null;
+    for (const points of lines) {
+      if (points.length === 1 && points[0][0] === px) found = points[0][1];
+      for (let k = 1; k < points.length; k++) {
+        const [[x0, y0], [x1, y1]] = [points[k - 1], points[k]];
+        if (px >= x0 && px <= x1) found = x1 > x0 ? y0 + ((px - x0) / (x1 - x0)) * (y1 - y0) : y1;
+      }
+    }
+    return found;
+  };
   const written = (stretches) => stretches.map((points) =>
     "M" + points.map(([x, y]) => x.toFixed(1) + " " + y.toFixed(1)).join("L") + (points.closed ? "z" : points.length === 1 ? "h0" : "")).join("");
   const SMALL = 150; // a closed shape not larger than this, in tenths of a pixel, is a mark
@@ -287,6 +306,8 @@
       });
       const marks = this.shapes.flatMap((s) => (s.dots ? s.stretches.flat() : s.ring ? s.marks : s.small.filter(Boolean)));
       const lines = this.shapes.filter((s) => s.shape.classList.contains("s") && !s.ring).flatMap((s) => s.stretches);
+      // What has no marks is a line, which is read anywhere along it; its vertices are where arrow keys stop.
+      this.lines = marks.length ? null : lines.filter((points) => !points.closed);
       this.points = (marks.length ? marks : lines.flat()).map(([px, py]) => ({ px, py }));
       const owners = listOf(element.dataset.r);
       this.points.forEach((point, k) => { if (owners.length) point.run = owners[k]; });
@@ -352,6 +373,8 @@
       return [this.left + ((this.xAt(px) - x[0]) / (x[1] - x[0])) * (this.right - this.left),
         this.bottom - ((this.yAt(py) - y[0]) / (y[1] - y[0])) * (this.bottom - this.top)];
     }
+    // Where a place across the present drawing stood in the first one.
+    from(px) { return this.left + ((this.position(px) - this.x.low) / (this.x.high - this.x.low)) * (this.right - this.left); }
     position(px) { const { x } = this.range; return x[0] + ((px - this.left) / (this.right - this.left)) * (x[1] - x[0]); }
     show(x) {
       if (!x) { this.view = null; } else {
@@ -378,7 +401,7 @@
       this.axes.replaceChildren();
       const across = (at) => this.left + ((at - x[0]) / (x[1] - x[0])) * (this.right - this.left);
       const up = (at) => this.bottom - ((at - y[0]) / (y[1] - y[0])) * (this.bottom - this.top);
-      const [xs, ys] = [ticks(this.x, ...x, 6), ticks(this.y, ...y, 5)];
+      const [xs, ys] = [ticks(this.x, ...x, 6, zoneIn(this.xTitle)), ticks(this.y, ...y, 5)];
       const wide = this.right - this.left;
       draw("path", { class: "s k-grid", "stroke-width": 10, d: ys.map((t) => `M${this.left} ${up(t.at).toFixed(0)}h${wide}`).join("") }, this.axes);
       draw("path", { class: "s k-muted", "stroke-width": 10, d: `M${this.left} ${this.bottom}h${wide}` + xs.map((t) => `M${across(t.at).toFixed(0)} ${this.bottom}v40`).join("") }, this.axes);
@@ -388,11 +411,12 @@
       const below = draw("g", { class: "f k-muted", "font-size": 110, "text-anchor": "middle" }, this.axes);
       xs.forEach((t) => { draw("text", { x: across(t.at), y: this.bottom + 151 }, below).textContent = t.label; });
     }
-    number(axis, position, span) {
-      const { scale } = axis;
-      if (scale === 2) return moment(position);
-      if (scale === 4) return shown(valueAt(axis, position), Math.abs(valueAt(axis, position + Math.abs(span) / 2000) - valueAt(axis, position)));
-      const step = Math.abs(span) / 2000;
+    // Digits follow the first drawing, however far it is enlarged: nothing finer is known of its shapes. `parts` are of the
+    // whole axis: tenths of a pixel, or half pixels where a thinned line is read.
+    number(axis, position, parts = 2000) {
+      const { scale } = axis, step = Math.abs(axis.high - axis.low) / parts;
+      if (scale === 2) return moment(position, zoneIn(this.xTitle));
+      if (scale === 4) return shown(valueAt(axis, position), Math.abs(valueAt(axis, position + step) - valueAt(axis, position)));
       return scale === 1 ? shown(10 ** position, 10 ** position * 2.3 * step) : shown(position, step);
     }
   }
@@ -400,12 +424,12 @@
   // Number at a position of an axis, and the position of a number.
   const valueAt = ({ scale, unit, before }, at) => (scale === 1 ? 10 ** at : scale === 4 ? (at < 0 ? at / (before || 1) : unit * (10 ** at - 1)) : at);
   const positionOf = ({ scale, unit, before }, value) => (scale === 1 ? Math.log10(value) : scale === 4 ? (value < 0 ? value * before : Math.log10(1 + value / unit)) : value);
-  const ticks = (axis, low, high, wanted) => {
+  const ticks = (axis, low, high, wanted, zone) => {
     const { scale } = axis, span = high - low;
     if (scale === 2) {
       const steps = [60, 300, 900, 3600, 10800, 21600, 43200, 86400, 172800, 604800, 1209600, 2629800, 7889400, 31557600];
       const step = steps.find((s) => span / s <= wanted) || steps[steps.length - 1];
-      return listed(low, high, step).map((at) => ({ at, label: step < 86400 ? moment(at).slice(5) : moment(at).slice(0, 10) }));
+      return listed(low, high, step).map((at) => ({ at, label: step < 86400 ? moment(at, zone).slice(5) : moment(at, zone).slice(0, 10) }));
     }
     if (scale === 1 && span >= 1) {
       const every = Math.ceil(span / 7);
@@ -431,6 +455,12 @@
   const charts = [];
   const box = make("div", { class: "readout", "aria-hidden": "true", hidden: "" });
   document.body.append(box);
+  const hide = () => { box.hidden = true; charts.forEach((chart) => chart.cursor?.setAttribute("d", "")); };
+  // What is scrolled or laid out anew no longer stands where it was read.
+  let readAt = 0;
+  addEventListener("scroll", () => { if (Math.abs(scrollY - readAt) > 1) hide(); }, { passive: true });
+  addEventListener("resize", hide);
+  const REACH = 200; // a reading this near to a place, in tenths of a pixel, is read there
   const HELP = "Arrow keys read values, plus and minus zoom, Escape shows all.";
 
   class Chart {
@@ -491,6 +521,7 @@
         if (to && Math.abs(to.px - from.px) > 60) {
           const ends = [from.panel.position(from.px), from.panel.position(to.px)].sort((p, q) => p - q);
           this.zoom(ends);
+          this.again(event);
         } else if (this.near?.run !== undefined && event.type === "pointerup" && event.pointerType !== "touch") {
           runs().then((all) => { if (all[this.near?.run]) location.href = all[this.near.run].href; });
         }
@@ -498,7 +529,7 @@
       };
       svg.addEventListener("pointerup", release);
       svg.addEventListener("pointercancel", release);
-      svg.addEventListener("dblclick", () => this.zoom(null));
+      svg.addEventListener("dblclick", (event) => { this.zoom(null); this.again(event); });
       svg.addEventListener("wheel", (event) => {
         // A page that is scrolled past a chart must not zoom it: only the chart in use does, or Ctrl says so.
         if (!this.link || (!event.ctrlKey && document.activeElement !== svg)) return;
@@ -506,6 +537,7 @@
         if (!here) return;
         event.preventDefault();
         this.scale(Math.exp(0.002 * event.deltaY), here.panel.position(here.px));
+        this.again(event);
       }, { passive: false });
       svg.addEventListener("keydown", (event) => this.key(event));
       svg.addEventListener("focus", () => { if (svg.matches(":focus-visible")) say(HELP); });
@@ -521,11 +553,15 @@
     }
     zoom(ends) {
       if (!this.link) return;
+      // A readout of what stood there before would be wrong now.
+      hide();
       charts.filter((chart) => chart.link === this.link).forEach((chart) => {
         chart.panels.forEach((panel) => panel.show(ends));
         chart.reset(!!ends);
       });
     }
+    // Reads anew where the pointer is.
+    again(event) { const here = this.at(event); if (here) this.read(here, event); else this.leave(); }
     reset(zoomed) {
       if (zoomed && !this.back) {
         this.back = make("button", { type: "button", class: "tool back" }, "Show all");
@@ -543,7 +579,8 @@
         case "ArrowRight": case "ArrowLeft": {
           if (!all.length) return;
           const now = all.indexOf(this.near);
-          const next = now < 0 ? 0 : Math.min(Math.max(now + (event.key === "ArrowRight" ? step : -step), 0), all.length - 1);
+          const from = now < 0 && this.near ? Math.max(all.findIndex((p) => p.px >= this.near.px), 0) : 0;
+          const next = now < 0 ? from : Math.min(Math.max(now + (event.key === "ArrowRight" ? step : -step), 0), all.length - 1);
           const [px, py] = panel.to([all[next].px, all[next].py]);
           this.read({ panel, px, py, point: all[next] }, null);
           break;
@@ -556,7 +593,7 @@
       }
       event.preventDefault();
     }
-    leave() { box.hidden = true; this.near = null; charts.forEach((chart) => chart.cursor?.setAttribute("d", "")); }
+    leave() { hide(); this.near = null; }
     nearest(panel, series, px, py) {
       let best = null, least = Infinity;
       for (const point of series.points) {
@@ -570,10 +607,10 @@
     async read(here, event) {
       const { panel } = here;
       const lines = [];
-      const number = (p, py) => p.number(p.y, p.yAt(py), p.range.y[1] - p.range.y[0]) + (p.unit ? " " + p.unit : "");
+      const number = (p, py, parts) => p.number(p.y, p.yAt(py), parts) + (p.unit ? " " + p.unit : "");
       const across = (px) => {
         const [, name, unit = ""] = titleParts(panel.xTitle);
-        return [name, panel.number(panel.x, panel.xAt(px), panel.range.x[1] - panel.range.x[0]) + (unit && unit !== "UTC" ? " " + unit : unit ? " UTC" : "")];
+        return [name, panel.number(panel.x, panel.xAt(px)) + (unit && unit !== "UTC" ? " " + unit : unit ? " UTC" : "")];
       };
       const interval = (p, point) => (point.bar ? ` [${number(p, point.bar[0]).replace(" " + p.unit, "")}, ${number(p, point.bar[1]).replace(" " + p.unit, "")}]` : "");
       const single = this.byRun || panel.x.scale === 3;
@@ -593,15 +630,31 @@
         const [x, y] = panel.to([found.point.px, found.point.py]);
         this.cursor.setAttribute("d", `M${x - 70} ${y}a70 70 0 1 0 140 0a70 70 0 1 0-140 0`);
       } else {
-        const first = here.point ? { point: here.point } : panel.series.filter((s) => s.name && !s.hidden).map((s) => this.nearest(panel, s, here.px)).filter(Boolean).sort((a, b) => a.far - b.far)[0];
+        // The reading next to the pointer, and the lines at its place; where no reading is near, the lines at the pointer;
+        // where there is neither, what is nearest.
+        const seen = panel.series.filter((s) => s.name && !s.hidden);
+        const nearestOf = (of) => of.map((s) => this.nearest(panel, s, here.px)).filter(Boolean).sort((a, b) => a.far - b.far)[0];
+        const mark = nearestOf(seen.filter((s) => !s.lines)), px = panel.from(here.px);
+        const onLine = seen.some((s) => s.lines && heightAt(s.lines, px) !== null);
+        const first = here.point || (mark && mark.far < REACH ? mark.point : onLine ? { px, py: here.py } : nearestOf(seen)?.point);
         if (!first) return this.leave();
-        this.near = first.point;
-        lines.push(across(first.point.px));
-        const at = panel.to([first.point.px, 0])[0];
+        this.near = first;
+        lines.push(across(first.px));
+        const at = panel.to([first.px, 0])[0];
         for (const p of this.panels) for (const series of p.series.filter((s) => s.name && !s.hidden)) {
+          const name = (series.name === p.quantity || /^Residual/.test(series.name) ? "" : p.quantity + ", ") + series.name.toLowerCase();
+          if (series.lines) {
+            const py = heightAt(series.lines, p.from(at));
+            if (py !== null) lines.push([name, number(p, py, 400)]);
+            continue;
+          }
           const found = this.nearest(p, series, at);
-          if (found && found.far < 200) lines.push([(series.name === p.quantity || /^Residual/.test(series.name) ? "" : p.quantity + ", ") + series.name.toLowerCase(), number(p, found.point.py) + interval(p, found.point)]);
+          if (!found || found.far > REACH) continue;
+          // A reading at another place says where.
+          const elsewhere = found.far > 10 && p.xTitle ? " at " + p.number(p.x, p.xAt(found.point.px)) : "";
+          lines.push([name, number(p, found.point.py) + interval(p, found.point) + elsewhere]);
         }
+        if (lines.length < 2) return this.leave();
         const position = panel.position(at);
         charts.filter((chart) => chart === this || (this.link && chart.link === this.link)).forEach((chart) => {
           chart.cursor.setAttribute("d", chart.panels.map((p) => {
@@ -612,6 +665,7 @@
       }
       box.replaceChildren(...lines.map(([name, value]) => make("div", {}, make("span", {}, name), make("b", {}, value))));
       box.hidden = false;
+      readAt = scrollY;
       const place = event ? { x: event.clientX, y: event.clientY } : (() => {
         const [x, y] = panel.to([this.near.px, this.near.py]);
         return new DOMPoint(x, y).matrixTransform(this.svg.getScreenCTM());
@@ -817,6 +871,11 @@
     }
   };
 
+  // Without a page only what reads numbers is there, for its test.
+  if (typeof module !== "undefined") {
+    module.exports = { valueAt, positionOf, parsed, heightAt };
+    return;
+  }
   // An axis that stands in another chart and is shown again: each chart gets its own, to be drawn anew alone.
   document.querySelectorAll("main use").forEach((use) => {
     const own = document.querySelector(use.getAttribute("href")).cloneNode(true);

@@ -297,6 +297,7 @@ pub fn inputs<'a>(case: &'a Case, channels: &'a [Vec<Channel>]) -> Vec<RunInput<
                 area_cm2: AREA,
             },
             length_cm: Some(LENGTH),
+            is_right: false,
         })
         .collect()
 }

@@ -3,8 +3,7 @@
 //! Column names carry the unit. A missing number is an empty cell (CSV) or null (Parquet), never a zero.
 
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{Column, DataFrame, IntoColumn, NamedFrom, PolarsError, Series};
@@ -13,6 +12,7 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::conditions::{Conditions, conditions, material, nominal_voltage_v};
+use super::disk_file::DiskFile;
 use super::one_fit::SharedEstimate;
 use super::parameters::{PARAMETERS, usable};
 use crate::domain::tag::keys;
@@ -188,24 +188,14 @@ pub fn conditions_table(runs: &[RunRecord], campaign: &Campaign) -> Result<DataF
 /// # Errors
 /// [`ExportError::Write`] where the file cannot be written, [`ExportError::Table`] where it cannot be encoded.
 pub fn write_table(table: &mut DataFrame, format: TableFormat, path: &Path) -> Result<(), ExportError> {
-    let failed = |source: io::Error| ExportError::Write {
-        path: path.to_owned(),
-        source,
-    };
-    let mut file = BufWriter::new(File::create(path).map_err(failed)?);
+    let (mut file, told) = DiskFile::create(path)?;
     let written = match format {
         TableFormat::Csv => CsvWriter::new(&mut file).finish(table),
         TableFormat::Parquet => ParquetWriter::new(&mut file).finish(table).map(|_| ()),
         TableFormat::Json => super::json_rows::write(table, &mut file),
     };
-    written.map_err(|source| match source {
-        PolarsError::IO { error, .. } => failed(io::Error::new(error.kind(), error.to_string())),
-        source => ExportError::Table {
-            table: path.display().to_string(),
-            source,
-        },
-    })?;
-    file.flush().map_err(failed)
+    written.map_err(|source| told.why(source))?;
+    file.flush().map_err(|source| told.failed(source))
 }
 
 /// Columns that say which run a row is about.
@@ -409,7 +399,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("fits.parquet");
         write_table(&mut table, TableFormat::Parquet, &path).unwrap();
-        let file = File::open(&path).unwrap();
+        let file = std::fs::File::open(&path).unwrap();
         let read = polars_io::parquet::read::ParquetReader::new(file)
             .finish()
             .unwrap();

@@ -64,12 +64,16 @@ pub fn groups(runs: &[RunRecord], group_by: &[String], among: &dyn Fn(&RunRecord
     found
 }
 
-/// Runs of broken series, with the number of the break and what to say of it.
+/// Runs of broken series that no person said are right, with the number of the break and what to say of it.
 fn set_apart(runs: &[RunRecord]) -> BTreeMap<usize, (usize, Issue)> {
     let mut apart = BTreeMap::new();
     for (number, found) in sequence::breaks(runs).iter().enumerate() {
         let issue = found.issue(runs);
-        for &index in &found.runs {
+        let doubted = found
+            .runs
+            .iter()
+            .filter(|&&index| !runs[index].standing.is_vouched());
+        for &index in doubted {
             apart.insert(index, (number, issue.clone()));
         }
     }

@@ -48,8 +48,8 @@ pub const PARAMETERS: [ParameterInfo; 9] = [
     electrical("r_parallel_ohm_cm2", "R₁ ∥ R₂", "charging resistance", "Ω cm²"),
 ];
 
-/// What the distributed model and lumped models of more branches add to them: named on the run's page.
-pub const FURTHER: [ParameterInfo; 15] = [
+/// What the distributed model, lumped models of more branches and fits of bending alone add to them: named on the run's page.
+pub const FURTHER: [ParameterInfo; 18] = [
     electrical(
         "re_ohm_per_sq",
         "Rₑ",
@@ -83,6 +83,33 @@ pub const FURTHER: [ParameterInfo; 15] = [
     electrical("r4_ohm_cm2", "R₄", "resistance of the fourth branch", "Ω cm²"),
     electrical("c4_f_per_cm2", "C₄", "capacitance of the fourth branch", "F cm⁻²"),
     electrical("tau4_s", "τ₄", "time constant of the fourth branch", "s"),
+    ParameterInfo {
+        needs_curvature: true,
+        ..electrical(
+            "curvature1_per_cm_v",
+            "κ₁/V",
+            "curvature per volt by the fast branch, before it relaxes",
+            "cm⁻¹ V⁻¹",
+        )
+    },
+    ParameterInfo {
+        needs_curvature: true,
+        ..electrical(
+            "curvature2_per_cm_v",
+            "κ₂/V",
+            "curvature per volt by the slow branch, before it relaxes",
+            "cm⁻¹ V⁻¹",
+        )
+    },
+    ParameterInfo {
+        needs_curvature: true,
+        ..electrical(
+            "curvature_total_per_cm_v",
+            "κ/V",
+            "curvature per volt by all branches, before it relaxes",
+            "cm⁻¹ V⁻¹",
+        )
+    },
 ];
 
 /// Keys of the parameters that figure 26 of the thesis compares, in this report's order: what bends first.

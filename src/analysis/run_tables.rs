@@ -26,6 +26,10 @@ pub fn runs_table(runs: &[RunRecord], campaign: &Campaign) -> Result<DataFrame, 
         .collect();
     columns.extend([
         text("state", &|run| Some(run.state.key().to_owned())),
+        text("standing", &|run| Some(run.standing.key().to_owned())),
+        text("standing_reason", &|run| {
+            Some(run.standing.reason()).filter(|reason| !reason.is_empty())
+        }),
         text("status", &|run| Some(run.status.key().to_owned())),
         text("technique", &|run| run.technique.clone()),
         text("format", &|run| Some(run.format.clone())),

@@ -28,6 +28,7 @@ pub fn campaign() -> Campaign {
         id: "made-up".to_owned(),
         title: "Back-relaxation under humidity".to_owned(),
         timezone: None,
+        date_order: None,
         notice: None,
         samples: vec![sample("CNaf-01", "CNaf"), sample("CPvf-01", "CPvf")],
         materials: vec![],
@@ -43,6 +44,8 @@ pub fn campaign() -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        extra_tags: Vec::new(),
+        fit: Default::default(),
     }
 }
 
@@ -82,6 +85,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
         fit: None,
         climate: vec![],
         fit_code_version: None,
+        standing: Default::default(),
     }
 }
 

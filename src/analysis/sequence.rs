@@ -1,5 +1,6 @@
 //! Numbered files whose dates do not follow their numbers: runs that look like one series and are not.
 
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 
 use crate::domain::tag::keys;
@@ -23,10 +24,10 @@ pub struct Break {
 }
 
 /// Finds the breaks. A series is runs in one folder whose names differ in their last number only.
-pub fn breaks(runs: &[RunRecord]) -> Vec<Break> {
+pub fn breaks<R: Borrow<RunRecord>>(runs: &[R]) -> Vec<Break> {
     let mut series: BTreeMap<String, Vec<(u64, usize)>> = BTreeMap::new();
     for (index, run) in runs.iter().enumerate() {
-        if let Some((name, number)) = numbered(&run.path) {
+        if let Some((name, number)) = numbered(&run.borrow().path) {
             series.entry(name).or_default().push((number, index));
         }
     }
@@ -35,24 +36,26 @@ pub fn breaks(runs: &[RunRecord]) -> Vec<Break> {
         members.sort_unstable();
         let dated: Vec<(usize, i64)> = members
             .iter()
-            .filter_map(|&(_, index)| Some((index, start_s(&runs[index])?)))
+            .filter_map(|&(_, index)| Some((index, start_s(runs[index].borrow())?)))
             .collect();
         found.extend(breaks_of(runs, &dated));
     }
     found
 }
 
-/// Adds the issue of each break to the runs that it is about.
+/// Adds the issue of each break to the runs that it is about, but for those that a person said are right.
 pub fn annotate(runs: &mut [RunRecord]) {
     for found in breaks(runs) {
         let issue = found.issue(runs);
         for &index in &found.runs {
-            runs[index].issues.push(issue.clone());
+            if !runs[index].standing.is_vouched() {
+                runs[index].issues.push(issue.clone());
+            }
         }
     }
 }
 
-fn breaks_of(runs: &[RunRecord], dated: &[(usize, i64)]) -> Vec<Break> {
+fn breaks_of<R: Borrow<RunRecord>>(runs: &[R], dated: &[(usize, i64)]) -> Vec<Break> {
     let mut found: Vec<Break> = Vec::new();
     let mut previous: Option<(usize, i64)> = None;
     for &(index, at) in dated {
@@ -66,7 +69,7 @@ fn breaks_of(runs: &[RunRecord], dated: &[(usize, i64)]) -> Vec<Break> {
                         runs: vec![index],
                         after,
                         days_back: (before - at) / 86_400,
-                        other_instrument: other_instrument(&runs[index], &runs[after]),
+                        other_instrument: other_instrument(runs[index].borrow(), runs[after].borrow()),
                     }),
                 }
             }
@@ -112,15 +115,16 @@ fn start_s(run: &RunRecord) -> Option<i64> {
 
 impl Break {
     /// What a reader must know of it, in words.
-    pub fn issue(&self, runs: &[RunRecord]) -> Issue {
+    pub fn issue<R: Borrow<RunRecord>>(&self, runs: &[R]) -> Issue {
+        let path = |index: usize| runs[index].borrow().path.as_str();
         let date = |index: usize| {
-            let start = runs[index].tag(keys::STARTED_AT).unwrap_or_default();
+            let start = runs[index].borrow().tag(keys::STARTED_AT).unwrap_or_default();
             start.split('T').next().unwrap_or_default().to_owned()
         };
         let (first, last) = (self.runs[0], self.runs[self.runs.len() - 1]);
         let who = match self.runs.len() {
-            1 => runs[first].path.clone(),
-            count => format!("{count} runs, {} to {},", runs[first].path, runs[last].path),
+            1 => path(first).to_owned(),
+            count => format!("{count} runs, {} to {},", path(first), path(last)),
         };
         let instrument = if self.other_instrument {
             " and on another instrument"
@@ -134,7 +138,7 @@ impl Break {
         };
         let message = format!(
             "{who} {verb} the numbers of {} but started on {}, {} days before it ({}){instrument}: not the same series",
-            runs[self.after].path,
+            path(self.after),
             date(first),
             self.days_back,
             date(self.after),

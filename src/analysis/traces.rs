@@ -1,8 +1,7 @@
 //! Readings for other programs: one row a reading, written run by run so that memory stays small.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
 use polars::prelude::{
     Column, DataFrame, DataType, Field, IntoColumn, NamedFrom, PolarsError, Schema, Series,
@@ -11,19 +10,20 @@ use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
 
+use super::disk_file::{Buffered, DiskFile, Told};
 use super::{ExportError, TableFormat};
 use crate::domain::{Channel, Quantity};
 
 /// Writes channels as rows of run, quantity, unit, time, value and whether the reading is left out of fits.
 pub struct TraceWriter {
     sink: Sink,
-    path: PathBuf,
+    told: Told,
     rows: usize,
 }
 
 enum Sink {
-    Csv(BufWriter<File>),
-    Parquet(Box<BatchedWriter<BufWriter<File>>>),
+    Csv(Buffered),
+    Parquet(Box<BatchedWriter<Buffered>>),
 }
 
 impl TraceWriter {
@@ -32,25 +32,15 @@ impl TraceWriter {
     /// # Errors
     /// [`ExportError::Write`] where it cannot be made.
     pub fn create(path: &Path, format: TableFormat) -> Result<TraceWriter, ExportError> {
-        let file = File::create(path).map_err(|source| ExportError::Write {
-            path: path.to_owned(),
-            source,
-        })?;
-        let file = BufWriter::new(file);
-        let mut writer = TraceWriter {
-            sink: Sink::Csv(file),
-            path: path.to_owned(),
-            rows: 0,
+        let (file, told) = DiskFile::create(path)?;
+        let sink = match format {
+            TableFormat::Parquet => {
+                let batched = ParquetWriter::new(file).batched(&schema());
+                Sink::Parquet(Box::new(batched.map_err(|source| told.why(source))?))
+            }
+            _ => Sink::Csv(file),
         };
-        if format == TableFormat::Parquet {
-            let Sink::Csv(file) = writer.sink else {
-                return Ok(writer);
-            };
-            let batched = ParquetWriter::new(file).batched(&schema());
-            let batched = batched.map_err(|source| table_error(path, source))?;
-            writer.sink = Sink::Parquet(Box::new(batched));
-        }
-        Ok(writer)
+        Ok(TraceWriter { sink, told, rows: 0 })
     }
 
     /// Adds the channels of a run; columns that are not interpreted are left out.
@@ -62,14 +52,14 @@ impl TraceWriter {
             .iter()
             .filter(|c| c.quantity != Quantity::Other && !c.is_empty())
         {
-            let mut rows = rows(run, channel).map_err(|source| table_error(&self.path, source))?;
+            let mut rows = rows(run, channel).map_err(|source| self.told.why(source))?;
             let written = match &mut self.sink {
                 Sink::Csv(file) => CsvWriter::new(file)
                     .include_header(self.rows == 0)
                     .finish(&mut rows),
                 Sink::Parquet(batched) => batched.write_batch(&rows),
             };
-            written.map_err(|source| table_error(&self.path, source))?;
+            written.map_err(|source| self.told.why(source))?;
             self.rows += rows.height();
         }
         Ok(())
@@ -81,17 +71,9 @@ impl TraceWriter {
     /// [`ExportError`] where the file cannot be written.
     pub fn finish(self) -> Result<usize, ExportError> {
         match self.sink {
-            Sink::Csv(mut file) => {
-                let failed = |source: io::Error| ExportError::Write {
-                    path: self.path.clone(),
-                    source,
-                };
-                file.flush().map_err(failed)?;
-            }
+            Sink::Csv(mut file) => file.flush().map_err(|source| self.told.failed(source))?,
             Sink::Parquet(batched) => {
-                batched
-                    .finish()
-                    .map_err(|source| table_error(&self.path, source))?;
+                batched.finish().map_err(|source| self.told.why(source))?;
             }
         }
         Ok(self.rows)
@@ -125,11 +107,4 @@ fn rows(run: &str, channel: &Channel) -> Result<DataFrame, PolarsError> {
         Series::new("excluded".into(), excluded).into_column(),
     ];
     DataFrame::new(n, columns)
-}
-
-fn table_error(path: &Path, source: PolarsError) -> ExportError {
-    ExportError::Table {
-        table: path.display().to_string(),
-        source,
-    }
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::CliError;
+use super::exit::{self, CliError};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global, ingest};
 use crate::domain::{Gain, Verdict};
@@ -14,7 +14,7 @@ use crate::pipeline::{
 };
 
 /// Say what the simulation gets wrong in each group of runs, name the cause, and measure what the extended
-/// model gains; after taking in new files
+/// model gains; after taking in new files and fitting what is due
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
     #[command(flatten)]
@@ -41,6 +41,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     ingest::left_out(&ingest, output);
+    fit_what_is_due(global, &mut context, output)?;
     let choice = DiagnoseChoice {
         model: args.model.clone(),
         draws: args.draws.map(|draws| draws as usize),
@@ -63,8 +64,25 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     if args.adopt {
         adopt(args, global, &mut context, output)?;
     }
+    super::run::say_faults(&document.faults, output);
     output.document(&document)?;
-    Ok(ingest::status(&ingest))
+    Ok(exit::after(
+        summary.has_fault() || !document.faults.is_empty(),
+        !ingest.left_out_inputs(),
+    ))
+}
+
+/// Fits what has no current fit, without which nothing is asked across runs.
+fn fit_what_is_due(global: &Global, context: &mut Context, output: &Output) -> Result<(), CliError> {
+    let choice = FitChoice {
+        seed: global.seed,
+        ..FitChoice::default()
+    };
+    let fits = FitRuns { choice, again: false }.run(context, output)?;
+    if fits.fitted + fits.failed.len() > 0 {
+        super::fit::say(&fits, output);
+    }
+    Ok(())
 }
 
 /// Adopts what the findings name and fits it.
@@ -90,13 +108,7 @@ fn adopt(
         };
         output.message(&format!("nothing adopted: {why}"));
     }
-    let choice = FitChoice {
-        seed: global.seed,
-        ..FitChoice::default()
-    };
-    let fits = FitRuns { choice, again: false }.run(context, output)?;
-    super::fit::say(&fits, output);
-    Ok(())
+    fit_what_is_due(global, context, output)
 }
 
 /// What went wrong on the way.
@@ -116,17 +128,33 @@ pub fn say(summary: &DiagnoseSummary, output: &Output) {
 /// The gain on later times, where whole runs were held out.
 fn later_words(gain: &Gain) -> String {
     gain.later.as_ref().map_or_else(String::new, |later| {
-        format!(
-            ", on later times by {:.1} +- {:.1}",
-            later.deviance, later.standard_error
-        )
+        let sum = format!("{:.1} +- {:.1}", later.deviance, later.standard_error);
+        match later.is_clear() {
+            true => format!(", on later times by {sum}"),
+            false => format!(", on later times not clearly ({sum})"),
+        }
     })
+}
+
+/// Whether held-out parts are predicted better, and by how much.
+fn proof_words(gain: &Gain) -> String {
+    let sum = format!("{:.1} +- {:.1}", gain.proof.deviance, gain.proof.standard_error);
+    match gain.proof.is_clear() {
+        true => format!("the deviance falls by {sum}"),
+        false => format!("it is not clear that the deviance falls ({sum})"),
+    }
 }
 
 fn print(group: &GroupEntry, output: &Output) {
     let count = counted(group.runs.len(), "run");
     output.result(&format!("{} ({count}): {}", group.group, group.verdict.key()));
     output.result(&format!("    {}", group.sentence));
+    for condemned in &group.condemned {
+        output.result(&format!(
+            "    {} is set aside: {}",
+            condemned.run, condemned.reason
+        ));
+    }
     group
         .effects
         .iter()
@@ -136,14 +164,13 @@ fn print(group: &GroupEntry, output: &Output) {
     }
     if let Some(gain) = &group.gain {
         output.result(&format!(
-            "    {}on held-out {} the deviance falls by {:.1} +- {:.1}{}; residuals {:.3} -> {:.3} sigma",
+            "    {}on held-out {} {}{}; residuals {:.3} -> {:.3} sigma",
             match group.verdict {
                 Verdict::Unknown => "what was tried and not accepted: ",
                 _ => "",
             },
             gain.parts_word(group.runs.len()),
-            gain.proof.deviance,
-            gain.proof.standard_error,
+            proof_words(gain),
             later_words(gain),
             gain.residual_rms_sigma_before,
             gain.residual_rms_sigma_after
@@ -170,7 +197,10 @@ fn print(group: &GroupEntry, output: &Output) {
 
 /// What holds across runs: what the design leaves open first, then what may be claimed.
 fn print_across(document: &DiagnosisDocument, output: &Output) {
-    if document.campaign_tests.is_empty() && document.campaign_confounded.is_empty() {
+    if document.campaign_tests.is_empty()
+        && document.campaign_confounded.is_empty()
+        && document.campaign_doubted.is_empty()
+    {
         return;
     }
     output.result(&format!(
@@ -180,6 +210,9 @@ fn print_across(document: &DiagnosisDocument, output: &Output) {
     ));
     for tied in &document.campaign_confounded {
         output.result(&format!("    {}", tied.sentence));
+    }
+    for doubted in &document.campaign_doubted {
+        output.result(&format!("    {}", doubted.sentence));
     }
     for found in &document.campaign {
         output.result(&format!(

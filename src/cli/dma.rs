@@ -2,9 +2,10 @@
 
 use clap::Args;
 
-use super::exit::CliError;
+use super::exit::{self, CliError};
 use super::output::Output;
 use super::{CampaignArg, Global, ingest};
+use crate::domain::seconds::seconds;
 use crate::pipeline::dma_document::{LogEntry, dma_document};
 use crate::pipeline::estimate_words::in_words;
 use crate::pipeline::{AnalyseModulus, Ingest};
@@ -37,7 +38,7 @@ pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let document = dma_document(&context)?;
     document.logs.iter().for_each(|log| print(log, output));
     output.document(&document)?;
-    Ok(ingest::status(&ingest))
+    Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
 }
 
 fn print(log: &LogEntry, output: &Output) {
@@ -49,7 +50,7 @@ fn print(log: &LogEntry, output: &Output) {
     };
     output.result(&format!("{}  {sample}  {steps}", log.log));
     for step in &log.steps {
-        output.result(&format!("  at {:.0} s:", step.start_s));
+        output.result(&format!("  at {} s:", seconds(step.start_s)));
         for (key, entry) in &step.estimates {
             output.result(&format!("    {key:<34} {}", in_words(entry)));
         }

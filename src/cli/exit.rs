@@ -17,6 +17,15 @@ pub const STORAGE: u8 = 4;
 /// Done, and an alarm stands (`ieap status --alarms`).
 pub const ALARM: u8 = 5;
 
+/// The status of work that was done: whether a fault of the program left out part of it, and whether every input was taken.
+pub fn after(has_fault: bool, all_taken: bool) -> u8 {
+    match (has_fault, all_taken) {
+        (true, _) => INTERNAL,
+        (false, false) => SOME_REFUSED,
+        (false, true) => DONE,
+    }
+}
+
 /// An error that ends a verb.
 #[derive(Debug)]
 pub struct CliError {
@@ -55,7 +64,11 @@ impl fmt::Display for CliError {
 
 impl From<PipelineError> for CliError {
     fn from(error: PipelineError) -> CliError {
-        let status = if error.is_storage() { STORAGE } else { USAGE };
+        let status = match () {
+            () if error.is_storage() => STORAGE,
+            () if error.is_fault() => INTERNAL,
+            () => USAGE,
+        };
         CliError {
             status,
             message: error.to_string(),

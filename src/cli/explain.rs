@@ -1,6 +1,6 @@
 //! `ieap explain`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
@@ -19,7 +19,6 @@ pub struct ExplainArgs {
     /// Which table, as `ieap table` lists them
     table: String,
     /// Its row: number, label, or a part of a label that fits one row only
-    #[arg(requires = "column")]
     row: Option<String>,
     /// Its column: number, key, symbol, or a part of one
     column: Option<String>,
@@ -33,8 +32,19 @@ pub struct ExplainArgs {
 
 pub fn run(args: &ExplainArgs, output: &Output) -> Result<u8, CliError> {
     let folder = args.campaign.as_deref().or(args.folder.as_deref());
+    let (row, folder) = match (&args.row, &args.column) {
+        // `explain TABLE FOLDER` lists, as `explain TABLE` does.
+        (Some(only), None) if folder.is_none() && Path::new(only).is_dir() => (None, Some(Path::new(only))),
+        (Some(only), None) => {
+            let needed = "needed a row and a column, or neither to list them";
+            return Err(CliError::usage(&format!(
+                "found the row {only:?} alone, {needed}"
+            )));
+        }
+        (row, _) => (row.as_ref(), folder),
+    };
     let context = Context::open_read_only(&super::folder(folder)?)?;
-    let (Some(row), Some(column)) = (&args.row, &args.column) else {
+    let (Some(row), Some(column)) = (row, &args.column) else {
         return list(args, &context, output);
     };
     let explanation = explain(&context, &args.table, row, column)?;

@@ -8,9 +8,9 @@ use serde_json::json;
 use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use crate::pipeline::Context;
 use crate::pipeline::export::{Export, Table};
 use crate::pipeline::fits_document::fits_document;
+use crate::pipeline::{Context, PipelineError};
 
 /// Write runs, tags, fits, conditions, traces or modulus logs as CSV, Parquet or JSON, units in the column names
 #[derive(Debug, Args)]
@@ -111,11 +111,10 @@ fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
         return Ok(tables.iter().map(|table| (*table, path(table))).collect());
     }
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("export"));
-    std::fs::create_dir_all(&folder).map_err(|error| {
-        CliError::usage(&format!(
-            "{}: making the folder failed: {error}",
-            folder.display()
-        ))
+    std::fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
+        path: folder.clone(),
+        doing: "making the folder",
+        source,
     })?;
     let ending = match args.format {
         FileFormat::Parquet => "parquet",

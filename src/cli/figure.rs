@@ -1,11 +1,11 @@
 //! `ieap figure`.
 
-use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
 
+use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::table::write;
@@ -19,9 +19,8 @@ use crate::pipeline::figures::{MakeFigure, formats, listed};
 pub struct FigureArgs {
     /// Which figure; none: list them
     name: Option<String>,
-    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
-    #[arg(value_name = "CAMPAIGN")]
-    campaign: Option<PathBuf>,
+    #[command(flatten)]
+    campaign: CampaignArg,
     /// List the figures
     #[arg(long)]
     list: bool,
@@ -46,10 +45,12 @@ pub struct FigureArgs {
 }
 
 pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
-    let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
+    let is_known = |name: &str| listed().any(|(known, alias, ..)| name == known || name == alias);
+    let (name, folder) = args.campaign.with_name(args.name.as_deref(), is_known);
+    let Some(name) = name.as_deref().filter(|_| !args.list) else {
         return list(output);
     };
-    let context = Context::open_read_only(&super::folder(args.campaign.as_deref())?)?;
+    let context = Context::open_read_only(&super::folder(folder.as_deref())?)?;
     let format = format_of(args);
     let figure = MakeFigure {
         name: name.to_owned(),
@@ -64,10 +65,10 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("{name}.{format}")));
     if path == Path::new("-") {
-        if std::io::stdout().is_terminal() && format != "svg" {
+        if output.is_terminal() && format != "svg" {
             return Err(CliError::usage("stdout is a terminal: name a file with --output"));
         }
-        let _ = std::io::stdout().write_all(&bytes);
+        output.write(&bytes);
         return Ok(DONE);
     }
     write(&path, &bytes, args.overwrite, output)?;

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::exit::CliError;
+use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::Output;
@@ -45,7 +45,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         }
     }
     output.document(&document)?;
-    Ok(ingest::status(&ingest))
+    Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
 }
 
 /// What was fitted, and what went wrong on the way.
@@ -56,11 +56,20 @@ pub(super) fn say(summary: &FitSummary, output: &Output) {
         summary.up_to_date,
         summary.failed.len()
     ));
+    say_choices(summary, output);
     say_unknown_groups(summary, output);
     summary
         .failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+}
+
+/// Which choices of method, steps and model hold, and where they come from.
+pub(super) fn say_choices(summary: &FitSummary, output: &Output) {
+    summary
+        .choices
+        .iter()
+        .for_each(|choice| output.message(&choice.words()));
 }
 
 /// Groups that a model is adopted for and that are not there.

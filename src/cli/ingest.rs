@@ -5,10 +5,12 @@ use std::collections::BTreeMap;
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{self, CliError};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::Issue;
+use crate::ingest::name_pattern::ProposedPattern;
+use crate::pipeline::mends::{Together, together};
 use crate::pipeline::{Ingest, IngestSummary};
 
 /// Take in new files: recognise, read, tag, archive and store them
@@ -23,7 +25,7 @@ pub fn run(args: &IngestArgs, global: &Global, output: &Output) -> Result<u8, Cl
     let summary = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/ingest/1", "ingest": summary }))?;
-    Ok(status(&summary))
+    Ok(exit::after(false, !summary.left_out_inputs()))
 }
 
 /// How many entries of a kind are listed; `ieap status` lists all.
@@ -53,20 +55,23 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     list(output, "file", same, &summary.logs.aliases);
     let aliases = "with the bytes of a run's file: an alias, no run";
     list(output, "file", aliases, &summary.aliases);
+    if summary.copies > 0 {
+        let pairs = counted(summary.copies, "pair");
+        output.message(&format!(
+            "{pairs} of runs with the same readings: one of each counts, `ieap status` says which"
+        ));
+    }
     list(output, "file", "no longer there; the runs stay", &summary.gone);
     let waiting = "waiting (empty, header only, or still growing)";
     list(output, "file", waiting, &summary.waiting);
     let untagged = "without the tags to be fitted; `ieap status` says which";
     list(output, "run", untagged, &summary.untagged);
+    told(output, &summary.waiting_for);
+    pattern(output, summary.proposed_pattern.as_ref());
+    let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
+    list(output, "run", no_steps, &summary.no_steps);
+    told(output, &summary.undeclared_tags);
     left_out(summary, output);
-}
-
-/// The exit status after taking in: done, or done with inputs left out.
-pub(super) fn status(summary: &IngestSummary) -> u8 {
-    match summary.left_out_inputs() {
-        false => DONE,
-        true => SOME_REFUSED,
-    }
 }
 
 /// What could not be used: files that were refused, tag files that cannot be read.
@@ -92,18 +97,53 @@ pub(super) fn left_out(summary: &IngestSummary, output: &Output) {
     }
 }
 
-/// Refused files; of many with the same kind of reason only the first are listed.
+/// The same of many runs: one line for all, with their number and one of them.
+fn told(output: &Output, all: &[Together]) {
+    for told in all {
+        for issue in &told.issues {
+            let runs = match told.paths.len() {
+                1 => told.paths[0].clone(),
+                count => format!("{count} runs, as {}", told.paths[0]),
+            };
+            output.message(&format!("  {runs}: {}\n    {}", issue.message, issue.mend));
+        }
+    }
+}
+
+/// A name pattern that would tag runs which lack tags.
+pub fn pattern(output: &Output, proposed: Option<&ProposedPattern>) {
+    let Some(found) = proposed else { return };
+    let declared = match found.extra.is_empty() {
+        true => String::new(),
+        false => format!(" (with [tags] extra = {:?})", found.extra),
+    };
+    output.message(&format!(
+        "  name_pattern = \"{}\" in campaign.toml, [runs], reads tags from {} of these {} names{declared}",
+        found.pattern, found.explains, found.names
+    ));
+}
+
+/// Refused files; those with the same reason and mend are told together, and of many only the first are listed.
 fn refused(output: &Output, refused: &[(String, Issue)]) {
     if refused.is_empty() {
         return;
     }
     output.message(&format!("{} refused:", counted(refused.len(), "file")));
-    let mut listed: BTreeMap<&str, usize> = BTreeMap::new();
-    for (path, issue) in refused {
-        let of_kind = listed.entry(&issue.code).or_insert(0);
-        *of_kind += 1;
-        if *of_kind <= SHOWN {
-            output.issue(path, issue);
+    let entries = refused
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    let mut listed: BTreeMap<String, usize> = BTreeMap::new();
+    for told in together(entries) {
+        for issue in &told.issues {
+            let of_kind = listed.entry(issue.code.clone()).or_insert(0);
+            let shown = SHOWN.saturating_sub(*of_kind).min(told.paths.len());
+            *of_kind += told.paths.len();
+            if let Some((last, first)) = told.paths[..shown].split_last() {
+                first
+                    .iter()
+                    .for_each(|path| output.message(&format!("  {path},")));
+                output.issue(last, issue);
+            }
         }
     }
     for (code, count) in listed.into_iter().filter(|(_, count)| *count > SHOWN) {

@@ -6,18 +6,39 @@ use clap::Args;
 use serde_json::json;
 
 use super::exit::{CliError, DONE};
-use super::output::Output;
-use crate::pipeline::init;
+use super::output::{Output, counted};
+use crate::domain::tag::keys;
+use crate::pipeline::{InitFrom, PlannedFile, Proposed, Taken, init};
 
 /// Make a folder a campaign: writes a commented campaign.toml and the folders runs/, dma/ and ambient/
+///
+/// With --from it looks at the files of another folder and shows the campaign that they would make; with --yes it makes
+/// it, with copies of the files.
 #[derive(Debug, Args)]
 pub struct InitArgs {
     /// Folder to make a campaign; made where it is not there
     #[arg(value_name = "FOLDER", default_value = ".")]
     folder: PathBuf,
+    /// Folder with files of instruments to make the campaign of; they are copied, never changed
+    #[arg(long, value_name = "FILES")]
+    from: Option<PathBuf>,
+    /// Make the campaign that --from shows
+    #[arg(long, requires = "from")]
+    yes: bool,
 }
 
 pub fn run(args: &InitArgs, output: &Output) -> Result<u8, CliError> {
+    if let Some(from) = &args.from {
+        let verb = InitFrom {
+            campaign: args.folder.clone(),
+            from: from.clone(),
+            write: args.yes,
+        };
+        let proposed = verb.run()?;
+        print(args, &proposed, output);
+        output.document(&json!({ "schema": "ieap/init-from/1", "proposed": proposed }))?;
+        return Ok(DONE);
+    }
     let made = init(&args.folder)?;
     made.iter()
         .for_each(|path| output.result(&format!("made {}", path.display())));
@@ -31,4 +52,116 @@ pub fn run(args: &InitArgs, output: &Output) -> Result<u8, CliError> {
     let made: Vec<String> = made.iter().map(|path| path.display().to_string()).collect();
     output.document(&json!({ "schema": "ieap/init/1", "made": made }))?;
     Ok(DONE)
+}
+
+fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
+    table(&proposed.files, output);
+    let kinds = [
+        (Taken::Run, "run"),
+        (Taken::NoSteps, "run without steps"),
+        (Taken::Logger, "climate log"),
+        (Taken::ModulusLog, "modulus log"),
+        (Taken::NotRead, "file not read"),
+        (Taken::LeftOut, "file left out"),
+    ];
+    let counts = kinds.iter().map(|(taken, name)| (proposed.count(*taken), name));
+    let counts: Vec<String> = counts
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, name)| match (count, name.split_once(' ')) {
+            (1, _) => format!("1 {name}"),
+            (_, Some((first @ ("run" | "file"), rest))) => format!("{count} {first}s {rest}"),
+            _ => counted(count, name),
+        })
+        .collect();
+    output.result(&format!("\n{}", counts.join(", ")));
+    if let Some(pattern) = &proposed.name_pattern {
+        let (text, explains, names) = (&pattern.pattern, pattern.explains, pattern.names);
+        output.result(&format!(
+            "name_pattern = \"{text}\" explains {explains} of {names} names"
+        ));
+    }
+    let beside = proposed
+        .files
+        .iter()
+        .filter(|file| !file.beside.is_empty())
+        .count();
+    if beside > 0 {
+        let files = counted(beside, "file");
+        output.result(&format!(
+            "{files} with tags of the name that the pattern does not give: written beside the copy"
+        ));
+    }
+    for profile in proposed.profiles.iter().filter(|profile| profile.open.is_empty()) {
+        output.result(&format!(
+            "profiles/{}.toml reads {}",
+            profile.id,
+            profile.files.join(", ")
+        ));
+    }
+    output.result("to fill in:");
+    proposed
+        .fill_in
+        .iter()
+        .for_each(|open| output.result(&format!("  {open}")));
+    let folder = args.folder.display();
+    match proposed.written {
+        true => output.message(&format!(
+            "Made {folder}. Next: fill in what is listed, then `ieap run {folder}`."
+        )),
+        false => output.message(
+            "Nothing was written. The same command with --yes makes the campaign, with copies of the files.",
+        ),
+    }
+}
+
+/// One line a file: what it is taken for, what its name says, and what is missing.
+fn table(files: &[PlannedFile], output: &Output) {
+    let head = [
+        "file",
+        "taken for",
+        "read by",
+        "sample",
+        "environment",
+        "V",
+        "to know",
+    ]
+    .map(str::to_owned);
+    let mut rows = vec![head];
+    for file in files {
+        let tag = |key: &str| file.tags.get(key).cloned().unwrap_or_default();
+        let voltage = match (tag(keys::VOLTAGE_V), file.seen.has_drive) {
+            (stated, _) if !stated.is_empty() => stated,
+            (_, true) => "in file".to_owned(),
+            _ => String::new(),
+        };
+        let missing = file.missing.iter().map(|key| format!("{key} missing"));
+        let issues = file.seen.issues.iter().map(|issue| issue.message.clone());
+        let told: Vec<String> = missing.chain(issues).collect();
+        rows.push([
+            file.seen.path.clone(),
+            file.seen.taken.words().to_owned(),
+            file.seen.format.clone(),
+            tag(keys::SAMPLE),
+            tag(keys::ENVIRONMENT),
+            voltage,
+            told.join("; "),
+        ]);
+    }
+    let width = |column: usize| {
+        rows.iter()
+            .map(|row| row[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    for row in &rows {
+        let cells = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, &width)| format!("{cell:width$}"));
+        output.result(cells.collect::<Vec<_>>().join("  ").trim_end());
+    }
+    for file in files.iter().filter(|file| !file.seen.columns.is_empty()) {
+        output.detail(&format!("{}: {}", file.seen.path, file.seen.columns.join(", ")));
+    }
 }

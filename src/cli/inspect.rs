@@ -83,8 +83,10 @@ pub fn print(inspection: &Inspection, output: &Output) {
         }
         for column in &table.columns {
             let canonical = column.canonical.unwrap_or("kept under its own name");
-            let ends = match (column.first, column.last) {
-                (Some(first), Some(last)) => format!("{first} ... {last}"),
+            let ends = match (column.first, column.last, column.smallest, column.largest) {
+                (Some(first), Some(last), Some(smallest), Some(largest)) => {
+                    format!("first {first}, last {last}; between {smallest} and {largest}")
+                }
                 _ => "no reading".to_owned(),
             };
             let excluded = if column.excluded > 0 {
@@ -104,6 +106,9 @@ pub fn print(inspection: &Inspection, output: &Output) {
             .as_deref()
             .map_or("not fitted".to_owned(), |model| format!("fitted with {model}"));
         output.result(&format!("  stored as the run {}, {fitted}", stored.run));
+        if let Some(aside) = &stored.set_aside {
+            output.result(&format!("  set aside, in no result: {}", aside.reason));
+        }
         if let Some(told) = &stored.lumped_or_distributed {
             output.result(&format!("  lumped or distributed: {}", told.sentence));
             told.mend

@@ -3,6 +3,7 @@
 mod completions;
 mod diagnose;
 mod dma;
+mod drop;
 mod effects;
 mod exit;
 mod explain;
@@ -27,14 +28,17 @@ mod simulate;
 mod status;
 mod table;
 mod tag;
+mod threads;
 mod trace;
 mod watch;
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
+use crate::domain::fault::caught;
 use crate::ingest::campaign_file;
 use crate::pipeline::Context;
 use exit::CliError;
@@ -98,6 +102,8 @@ enum Verb {
     Next(next::NextArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
+    Drop(drop::DropArgs),
+    Undrop(drop::UndropArgs),
     Status(status::StatusArgs),
     Table(table::TableArgs),
     Explain(explain::ExplainArgs),
@@ -119,12 +125,42 @@ struct CampaignArg {
     /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
     #[arg(value_name = "CAMPAIGN")]
     campaign: Option<PathBuf>,
+    /// The same
+    #[arg(
+        long = "campaign",
+        short = 'C',
+        value_name = "CAMPAIGN",
+        conflicts_with = "campaign"
+    )]
+    at: Option<PathBuf>,
 }
 
 impl CampaignArg {
     /// The folder meant.
     fn folder(&self) -> Result<PathBuf, CliError> {
-        folder(self.campaign.as_deref())
+        folder(self.given())
+    }
+
+    /// The folder named, if any.
+    fn given(&self) -> Option<&Path> {
+        self.campaign.as_deref().or(self.at.as_deref())
+    }
+
+    /// What a verb is asked for by name, and the folder named: `table table5`, `table table5 FOLDER`, `table FOLDER` and
+    /// `table FOLDER table5` mean what they seem to. A name that is known goes before a folder of that name.
+    fn with_name(
+        &self,
+        name: Option<&str>,
+        is_known: impl Fn(&str) -> bool,
+    ) -> (Option<String>, Option<PathBuf>) {
+        let folder = name.filter(|name| !is_known(name) && Path::new(name).is_dir());
+        match folder {
+            None => (name.map(str::to_owned), self.given().map(Path::to_owned)),
+            Some(folder) => {
+                let second = self.given().map(|second| second.to_string_lossy().into_owned());
+                (second, Some(folder.into()))
+            }
+        }
     }
 
     /// Opens that campaign for writing, and says what in its campaign.toml is not understood.
@@ -164,23 +200,34 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            let status = if error.use_stderr() {
-                exit::USAGE
-            } else {
-                exit::DONE
-            };
-            let _ = error.print();
-            return ExitCode::from(status);
+            return ExitCode::from(said_by_clap(&error));
         }
     };
     let output = Output::new(&cli.global);
-    let outcome = set_threads(cli.global.threads).and_then(|()| dispatch(&cli, &output));
-    match outcome {
-        Ok(status) => ExitCode::from(status),
-        Err(error) => {
-            output.error(&error.to_string());
-            ExitCode::from(error.status())
+    let work = || threads::set(cli.global.threads, &output).and_then(|()| dispatch(&cli, &output));
+    let outcome = caught(work).unwrap_or_else(|reason| {
+        let what = "a fault of the program stopped it";
+        Err(CliError::internal(&format!(
+            "{what}: {reason}. Report it with the files of the campaign."
+        )))
+    });
+    let status = outcome.unwrap_or_else(|error| {
+        output.error(&error.to_string());
+        error.status()
+    });
+    ExitCode::from(output.ended(status))
+}
+
+/// Prints help, or what is wrong in the command line, and gives the exit status.
+fn said_by_clap(error: &clap::Error) -> u8 {
+    let printed = error.print().and_then(|()| std::io::stdout().flush());
+    match printed {
+        _ if error.use_stderr() => exit::USAGE,
+        Err(failed) if failed.kind() != std::io::ErrorKind::BrokenPipe => {
+            output::to_stderr(&format!("error: stdout: writing failed: {failed}"));
+            exit::STORAGE
         }
+        _ => exit::DONE,
     }
 }
 
@@ -198,6 +245,8 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Next(args) => next::run(args, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),
+        Verb::Drop(args) => drop::run(args, global, output),
+        Verb::Undrop(args) => drop::run_undrop(args, global, output),
         Verb::Status(args) => status::run(args, output),
         Verb::Table(args) => table::run(args, output),
         Verb::Explain(args) => explain::run(args, output),
@@ -210,17 +259,6 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Formats(args) => formats::run(args, output),
         Verb::Models(args) => models::run(args, output),
         Verb::Effects(args) => effects::run(args, output),
-        Verb::Completions(args) => completions::run(args, &mut Cli::command()),
-    }
-}
-
-fn set_threads(threads: Option<usize>) -> Result<(), CliError> {
-    match threads {
-        None => Ok(()),
-        Some(0) => Err(CliError::usage("--threads: found 0, needed 1 or more")),
-        Some(count) => rayon::ThreadPoolBuilder::new()
-            .num_threads(count)
-            .build_global()
-            .map_err(|error| CliError::usage(&format!("--threads {count}: {error}"))),
+        Verb::Completions(args) => completions::run(args, &mut Cli::command(), output),
     }
 }

@@ -1,13 +1,13 @@
 //! Where everything printed goes through: results to stdout, messages and progress to stderr.
 
-use std::io::{IsTerminal, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use super::Global;
-use super::exit::CliError;
+use super::exit::{self, CliError};
 use super::printable::printable;
 use crate::domain::Issue;
 use crate::pipeline::Observer;
@@ -27,6 +27,18 @@ pub struct Output {
     verbose: bool,
     progress: bool,
     bar: Mutex<Option<ProgressBar>>,
+    stdout: Mutex<Stdout>,
+}
+
+/// What has become of stdout.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stdout {
+    /// Everything was taken.
+    Open,
+    /// The reader has had enough (`| head`): what it asked for it has.
+    Closed,
+    /// Something was lost, and was said to be.
+    Failed,
 }
 
 impl Output {
@@ -36,16 +48,54 @@ impl Output {
             json: global.json,
             quiet: global.quiet,
             verbose: global.verbose,
-            progress: !global.no_progress && !global.quiet && std::io::stderr().is_terminal(),
+            progress: !global.no_progress && !global.quiet && io::stderr().is_terminal(),
             bar: Mutex::new(None),
+            stdout: Mutex::new(Stdout::Open),
         }
     }
 
     /// A result for people; nothing where JSON is asked for.
     pub fn result(&self, text: &str) {
         if !self.json {
-            let _ = writeln!(std::io::stdout(), "{}", printable(text));
+            self.write(format!("{}\n", printable(text)).as_bytes());
         }
+    }
+
+    /// Writes to stdout; every verb's results pass here. A failure is said once and ends the program with
+    /// [`exit::STORAGE`]; a reader that stops reading is none, and nothing more is written for it.
+    pub fn write(&self, bytes: &[u8]) {
+        let Ok(mut state) = self.stdout.lock() else {
+            return;
+        };
+        if *state != Stdout::Open {
+            return;
+        }
+        let mut stdout = io::stdout().lock();
+        let Err(error) = stdout.write_all(bytes).and_then(|()| stdout.flush()) else {
+            return;
+        };
+        *state = match error.kind() {
+            ErrorKind::BrokenPipe => Stdout::Closed,
+            _ => Stdout::Failed,
+        };
+        if *state == Stdout::Failed {
+            self.error(&format!(
+                "stdout: writing failed: {error}. The results are not complete."
+            ));
+        }
+    }
+
+    /// The exit status of a verb that ended with `status`: another where its results were lost.
+    pub fn ended(&self, status: u8) -> u8 {
+        match self.stdout.lock().map(|state| *state) {
+            Ok(Stdout::Failed) if status != exit::INTERNAL => exit::STORAGE,
+            _ => status,
+        }
+    }
+
+    /// Whether stdout is a terminal, for which bytes of a picture are no use.
+    pub fn is_terminal(&self) -> bool {
+        io::stdout().is_terminal()
     }
 
     /// The result for machines: the one document on stdout. Nothing where JSON is not asked for.
@@ -55,7 +105,7 @@ impl Output {
     pub fn document<T: Serialize>(&self, value: &T) -> Result<(), CliError> {
         if self.json {
             let text = serde_json::to_string_pretty(value).map_err(|e| CliError::internal(&e.to_string()))?;
-            let _ = writeln!(std::io::stdout(), "{text}");
+            self.write(format!("{text}\n").as_bytes());
         }
         Ok(())
     }
@@ -98,10 +148,15 @@ impl Output {
         let text = printable(text);
         let bar = self.bar.lock().ok().and_then(|bar| bar.clone());
         match bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => drop(writeln!(std::io::stderr(), "{text}")),
+            Some(bar) => bar.suspend(|| to_stderr(&text)),
+            None => to_stderr(&text),
         }
     }
+}
+
+/// A line to stderr. Where that fails there is nobody left to say so to.
+pub fn to_stderr(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
 }
 
 impl Observer for Output {

@@ -22,7 +22,7 @@ pub struct ProfileArgs {
     #[arg(long, value_name = "NAME")]
     write: Option<String>,
     /// Campaign folder [default: that of the file, or the nearest one above this folder]
-    #[arg(long, value_name = "CAMPAIGN")]
+    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
     campaign: Option<PathBuf>,
 }
 

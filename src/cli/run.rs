@@ -3,10 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, SOME_REFUSED};
+use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
-use super::output::Output;
+use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest};
+use crate::domain::Fault;
 use crate::pipeline::status::raw_files_lost;
 use crate::pipeline::{Context, Run, RunSummary};
 
@@ -37,6 +38,7 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     .run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
+    let mut all_taken = !summary.ingest.left_out_inputs();
     if args.new_archive {
         let lost = raw_files_lost(&context)?;
         for file in &lost {
@@ -44,11 +46,9 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
                 .iter()
                 .for_each(|issue| output.issue(&file.path, issue));
         }
-        if !lost.is_empty() {
-            return Ok(SOME_REFUSED);
-        }
+        all_taken &= lost.is_empty();
     }
-    Ok(ingest::status(&summary.ingest))
+    Ok(exit::after(summary.has_fault(), all_taken))
 }
 
 /// Opens the campaign, with a new database or a new archive where that is asked for, and says what that means.
@@ -90,6 +90,7 @@ pub fn print(summary: &RunSummary, output: &Output) {
     fit.failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+    super::fit::say_choices(fit, output);
     super::fit::say_unknown_groups(fit, output);
     for path in &fit.not_converged {
         output.message(&format!("  {path}: the search did not converge; see its page"));
@@ -117,6 +118,12 @@ pub fn print(summary: &RunSummary, output: &Output) {
         "diagnoses: {} new, {} up to date{left}",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
+    if !summary.set_aside.is_empty() {
+        let runs = counted(summary.set_aside.len(), "run");
+        output.result(&format!(
+            "set aside, in no result: {runs}; `ieap status` says why"
+        ));
+    }
     if summary.alarms.standing > 0 {
         output.result(&format!(
             "alarms: {} ({} new); see `ieap status --alarms`",
@@ -124,10 +131,25 @@ pub fn print(summary: &RunSummary, output: &Output) {
             summary.alarms.new.len()
         ));
     }
+    say_faults(&summary.faults, output);
+    say_faults(&summary.report.faults, output);
     let state = if summary.report.rendered {
         ""
     } else {
         " (unchanged)"
     };
-    output.result(&format!("Report: {}{state}", summary.report.index.display()));
+    // A report that could not be made has no page to open.
+    if !summary.report.index.as_os_str().is_empty() {
+        output.result(&format!("Report: {}{state}", summary.report.index.display()));
+    }
+}
+
+/// What a fault of the program left out.
+pub fn say_faults(faults: &[Fault], output: &Output) {
+    for fault in faults {
+        output.message(&format!(
+            "fault of the program, this is missing: {}",
+            fault.sentence()
+        ));
+    }
 }

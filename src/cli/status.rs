@@ -6,7 +6,8 @@ use serde_json::json;
 use super::CampaignArg;
 use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
-use crate::domain::Issue;
+use crate::domain::{Fault, Issue};
+use crate::pipeline::mends::together;
 use crate::pipeline::status::{Reasoned, Status, WAITS, status};
 
 /// Count runs by state; list refused files with reasons, gaps in the condition matrix, and what is out of date
@@ -60,10 +61,16 @@ fn alarms(status: &Status, output: &Output) {
 }
 
 fn print(status: &Status, output: &Output) {
+    let faults: Vec<String> = status.faults.iter().map(Fault::sentence).collect();
+    let title = "of the report that a fault of the program left out; report it with the files of the runs";
+    list(output, "part", title, &faults);
     let states: Vec<String> = status
         .runs_by_state
         .iter()
-        .map(|(state, count)| format!("{count} {}", state.replace('_', " ")))
+        .map(|(state, count)| match (*state, *count) {
+            ("copy", 2..) => format!("{count} copies"),
+            _ => format!("{count} {}", state.replace('_', " ")),
+        })
         .collect();
     output.result(&format!(
         "{}: {} runs ({})",
@@ -78,6 +85,7 @@ fn print(status: &Status, output: &Output) {
             .collect();
         output.result(&format!("modulus logs: {}", states.join(", ")));
     }
+    set_aside(status, output);
     section(output, "file", "refused", &status.refused);
     unreadable_tags(status, output);
     let waiting = "waiting (empty, header only, or still growing)";
@@ -90,6 +98,12 @@ fn print(status: &Status, output: &Output) {
     );
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
+    super::ingest::pattern(output, status.proposed_pattern.as_ref());
+    let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
+    section(output, "run", no_steps, &status.no_steps);
+    let lacking = "fitted without a response that the file holds";
+    section(output, "run", lacking, &status.fitted_without_response);
+    undeclared_tags(status, output);
     let waits = |run: &&Reasoned| run.issues.iter().any(|issue| issue.code == WAITS);
     let failed = status.not_fitted.iter().filter(|run| !waits(run)).cloned();
     section(
@@ -102,13 +116,17 @@ fn print(status: &Status, output: &Output) {
     let waiting: Vec<String> = waiting.map(|run| run.path.clone()).collect();
     let title = "waiting for a fit (`ieap fit` or `ieap run` makes it)";
     list(output, "run", title, &waiting);
+    let contradict = "under several names that are tagged differently";
+    section(output, "run", contradict, &status.names_contradict);
     let logs = &status.modulus_logs_not_analysed;
     section(output, "modulus log", "not analysed", logs);
-    if status.aliases > 0 {
-        let aliases = counted(status.aliases, "file");
-        output.result(&format!("{aliases} with the bytes of a run's file"));
-    }
-    let missing = "no longer in the folder; the runs stay";
+    let aliases: Vec<String> = status
+        .alias_files
+        .iter()
+        .map(|alias| format!("{} (of {})", alias.path, alias.run))
+        .collect();
+    list(output, "file", "with the bytes of a run's file", &aliases);
+    let missing = "no longer in the folder; the runs stay (`ieap drop --deleted --why ...` takes them out of all results)";
     list(output, "file", missing, &status.missing_files);
     let gaps: Vec<String> = status
         .gaps
@@ -268,6 +286,20 @@ fn climate(status: &Status, output: &Output) {
     }
 }
 
+/// Runs that no result is made from, with the reason and the way back.
+fn set_aside(status: &Status, output: &Output) {
+    if status.set_aside.is_empty() {
+        return;
+    }
+    let runs = counted(status.set_aside.len(), "run");
+    output.result(&format!("{runs} set aside, in no result:"));
+    for run in &status.set_aside {
+        output.result(&format!("  {}", run.run));
+        output.result(&format!("      {}: {}", run.standing, run.reason));
+        output.result(&format!("      -> {}", run.mend));
+    }
+}
+
 /// An issue with its place and the way to mend it.
 fn issue(output: &Output, indent: &str, issue: &Issue) {
     let place = match issue.place.is_empty() {
@@ -285,13 +317,39 @@ fn section(output: &Output, thing: &str, title: &str, entries: &[Reasoned]) {
         return;
     }
     output.result(&format!("{} {title}:", counted(entries.len(), thing)));
-    for entry in entries {
-        output.result(&format!("  {}", entry.path));
-        let shown = entry
-            .issues
+    let worth = |entry: &Reasoned| -> Vec<Issue> {
+        let issues = entry.issues.iter().cloned();
+        issues
+            .filter(|issue| issue.severity > crate::domain::Severity::Note)
+            .collect()
+    };
+    for told in together(entries.iter().map(|entry| (entry.path.as_str(), worth(entry)))) {
+        told.paths
             .iter()
-            .filter(|issue| issue.severity > crate::domain::Severity::Note);
-        shown.for_each(|found| issue(output, "      ", found));
+            .for_each(|path| output.result(&format!("  {path}")));
+        told.issues
+            .iter()
+            .for_each(|found| issue(output, "      ", found));
+    }
+}
+
+/// Tag keys that are neither known nor declared, with the runs that have them.
+fn undeclared_tags(status: &Status, output: &Output) {
+    let tags = &status.undeclared_tags;
+    if tags.is_empty() {
+        return;
+    }
+    output.result(&format!(
+        "{} that nothing is asked of:",
+        counted(tags.len(), "tag key")
+    ));
+    for told in tags {
+        told.paths
+            .iter()
+            .for_each(|path| output.result(&format!("  {path}")));
+        told.issues
+            .iter()
+            .for_each(|found| issue(output, "      ", found));
     }
 }
 

@@ -1,16 +1,17 @@
 //! `ieap table`.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
 
+use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::printable::printable;
 use crate::pipeline::tables::{MovedDocument, find_format, find_table, listed, moment, moved_since, table};
-use crate::pipeline::{Context, Earlier, PipelineError};
+use crate::pipeline::whole_file::put_bytes;
+use crate::pipeline::{Context, Earlier};
 
 /// Print a table of the thesis, or of the campaign, with uncertainties: as text, CSV, Markdown, LaTeX, Typst, HTML
 /// or JSON
@@ -20,9 +21,8 @@ use crate::pipeline::{Context, Earlier, PipelineError};
 pub struct TableArgs {
     /// Which table; none: list them
     name: Option<String>,
-    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
-    #[arg(value_name = "CAMPAIGN")]
-    campaign: Option<PathBuf>,
+    #[command(flatten)]
+    campaign: CampaignArg,
     /// List the tables
     #[arg(long)]
     list: bool,
@@ -44,11 +44,13 @@ pub struct TableArgs {
 }
 
 pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
-    let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
+    let is_known = |name: &str| find_table(name).is_ok();
+    let (name, folder) = args.campaign.with_name(args.name.as_deref(), is_known);
+    let Some(name) = name.as_deref().filter(|_| !args.list) else {
         return list(output);
     };
     find_table(name)?;
-    let context = Context::open_read_only(&super::folder(args.campaign.as_deref())?)?;
+    let context = Context::open_read_only(&super::folder(folder.as_deref())?)?;
     let earlier = match &args.since {
         Some(typed) => Some(Earlier::At(moment(&context, typed)?)),
         None => args.moved.then_some(Earlier::BeforeRefit),
@@ -64,8 +66,7 @@ pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
     match &args.output {
         None => {
             // Of what stands in files only text reaches the terminal unescaped.
-            let shown = printable(&text);
-            let _ = std::io::stdout().write_all(shown.as_bytes());
+            output.write(printable(&text).as_bytes());
         }
         Some(path) => write(path, text.as_bytes(), args.overwrite, output)?,
     }
@@ -86,24 +87,7 @@ fn format_of(args: &TableArgs, output: &Output) -> Result<String, CliError> {
 
 /// Writes a file that is not there yet, or over one where that is allowed.
 pub(super) fn write(path: &Path, bytes: &[u8], overwrite: bool, output: &Output) -> Result<(), CliError> {
-    let failed = |source: std::io::Error| match source.kind() {
-        std::io::ErrorKind::AlreadyExists => PipelineError::FileExists {
-            path: path.to_owned(),
-        },
-        _ => PipelineError::File {
-            path: path.to_owned(),
-            doing: "writing",
-            source,
-        },
-    };
-    let mut options = std::fs::OpenOptions::new();
-    options.write(true);
-    match overwrite {
-        true => options.create(true).truncate(true),
-        false => options.create_new(true),
-    };
-    let written = options.open(path).and_then(|mut file| file.write_all(bytes));
-    written.map_err(failed)?;
+    put_bytes(path, overwrite, bytes)?;
     output.message(&format!("{}: {} bytes", path.display(), bytes.len()));
     Ok(())
 }

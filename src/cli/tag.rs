@@ -23,10 +23,14 @@ pub struct TagArgs {
     /// Who sets them [default: the user's name]
     #[arg(long, value_name = "NAME")]
     by: Option<String>,
+    /// Campaign folder [default: that of the run's file, this folder, or the nearest one above it with a campaign.toml]
+    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
 }
 
 pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let (pairs, named) = split(&args.pairs)?;
+    let named = named.or_else(|| args.campaign.clone());
     let (folder, run) = place(&args.run, named.as_deref())?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
     let set = SetTags {
@@ -77,7 +81,7 @@ fn is_key(key: &str) -> bool {
 }
 
 /// The campaign folder, and the run's name in it. A path to a file tells both.
-fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError> {
+pub(super) fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError> {
     let file = Path::new(run);
     if named.is_none() && file.is_file() {
         let absolute = std::fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
@@ -89,7 +93,7 @@ fn place(run: &str, named: Option<&Path>) -> Result<(PathBuf, String), CliError>
     Ok((folder(named)?, run.to_owned()))
 }
 
-fn user_name() -> String {
+pub(super) fn user_name() -> String {
     let variables = ["USER", "LOGNAME", "USERNAME"];
     variables
         .iter()

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::exit::{CliError, DONE};
 use super::fit_choice::FitChoiceArgs;
-use super::output::Output;
+use super::output::{Output, to_stderr};
 use super::{CampaignArg, Global, run};
 use crate::pipeline::{Run, Watch, WatchSettings};
 
@@ -73,7 +73,7 @@ fn end(stop: &AtomicBool, quiet: bool) {
     stop.store(true, Ordering::SeqCst);
     std::thread::sleep(GRACE);
     if !quiet {
-        eprintln!("Stopped within a diagnosis, which is made when the watch starts again.");
+        to_stderr("Stopped within a diagnosis, which is made when the watch starts again.");
     }
     std::process::exit(i32::from(DONE));
 }

@@ -37,6 +37,8 @@ pub struct RunInput<'a> {
     pub input: FitInput<'a>,
     /// Free length of the sample, cm, where it is known.
     pub length_cm: Option<f64>,
+    /// Whether a person looked at its readings and said that they are right.
+    pub is_right: bool,
 }
 
 /// A run with its readings and noise.

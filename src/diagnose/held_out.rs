@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use crate::domain::ResidualCurve;
+use crate::domain::seconds::span;
 use crate::model::extended::Responses;
 
 use super::drawn::drawn;
@@ -250,7 +251,7 @@ fn out_of_time(fitted: &Fitted, predictive: &Predictive, group: &Group, stretch:
     let model = fitted.problem.model(&bottom.at);
     let found = model.responses(&run.context(0, None), run.times(0), run.times(1));
     let deviance = predictive.deviance(&out, bottom.slope.square);
-    let mut part = Part::new(format!("{from_s:.3} to {to_s:.3} s"), deviance);
+    let mut part = Part::new(span(from_s, to_s), deviance);
     compare(&mut part, group, 0, &found, &|row| out[row]);
     part
 }

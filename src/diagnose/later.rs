@@ -10,7 +10,7 @@ use super::fitted::Fitted;
 use super::group::Group;
 use super::held_out::{EARLIER, Part, REFIT, SETTLE, compare, later_rows};
 use super::predictive::Predictive;
-use super::words::seconds;
+use crate::domain::seconds::seconds;
 
 /// The later time of every run, predicted by the model refitted to the earlier time of all; none for a single run.
 ///

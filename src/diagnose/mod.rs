@@ -51,7 +51,7 @@ mod tests;
 mod textbook;
 mod words;
 
-use crate::domain::{GroupDiagnosis, Verdict};
+use crate::domain::{CondemnedRun, GroupDiagnosis, Verdict};
 use crate::model::FitModel;
 
 pub use extend::{fit_extended, model_version};
@@ -64,7 +64,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 17;
+pub const VERSION: u32 = 18;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
@@ -95,8 +95,9 @@ impl Default for DiagnoseOptions {
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
     let raw = group::Group::new(runs);
-    if let Some(found) = odd_scale::found(name, &raw, options.model) {
-        return found;
+    let odd = odd_scale::odd_runs(&raw, options.model);
+    if !odd.is_empty() {
+        return without(name, runs, odd, options);
     }
     let found = with_base(&raw, options.model, |group, base| {
         diagnosed(name, group, base, options)
@@ -106,6 +107,25 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
         found.alone = alone::alone(runs, options);
         found.remarks.extend(alone::in_words(&found.alone));
     }
+    found
+}
+
+/// The diagnosis of the runs that are not among `odd`, which are named beside it.
+fn without(
+    name: &str,
+    runs: &[RunInput],
+    mut odd: Vec<CondemnedRun>,
+    options: &DiagnoseOptions,
+) -> GroupDiagnosis {
+    let is_odd = |run: &&RunInput| odd.iter().any(|odd| odd.run == run.name);
+    let rest: Vec<RunInput> = runs.iter().filter(|run| !is_odd(run)).copied().collect();
+    let mut found = diagnose_group(name, &rest, options);
+    let said = odd
+        .iter()
+        .map(|odd| format!("{} is set aside: {}", odd.run, odd.reason));
+    found.remarks.splice(0..0, said);
+    odd.append(&mut found.condemned);
+    found.condemned = odd;
     found
 }
 

@@ -1,5 +1,6 @@
 //! The run that would tell the members of a set apart.
 
+use crate::domain::seconds::seconds;
 use crate::domain::{Drive, Level, NextRun, Segment};
 use crate::model::extended::ExtendedModel;
 use crate::numerics::dense::Dense;
@@ -53,43 +54,44 @@ pub fn proposals(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
             })
             .collect(),
     };
+    let t_s = seconds(t);
     let on_s = (t / 30.0).max(1.0);
     let pulses: Vec<(f64, Option<f64>)> = (0..30)
         .map(|k| (f64::from(k) * on_s, Some(if k % 2 == 0 { v } else { 0.0 })))
         .collect();
     vec![
         (
-            format!("{:.2} V for {t:.0} s, then 0 V for {t:.0} s", v),
+            format!("{:.2} V for {t_s} s, then 0 V for {t_s} s", v),
             of(&[(0.0, Some(v)), (t, Some(0.0))]),
             2.0 * t,
         ),
         (
-            format!("{:.2} V for {t:.0} s (half the voltage)", v / 2.0),
+            format!("{:.2} V for {t_s} s (half the voltage)", v / 2.0),
             of(&[(0.0, Some(v / 2.0))]),
             t,
         ),
         (
-            format!("{:.2} V for {t:.0} s (reversed)", -v),
+            format!("{:.2} V for {t_s} s (reversed)", -v),
             of(&[(0.0, Some(-v))]),
             t,
         ),
         (
-            format!("{:.2} V and 0 V in turn, {on_s:.0} s each, 15 times", v),
+            format!("{:.2} V and 0 V in turn, {} s each, 15 times", v, seconds(on_s)),
             of(&pulses),
             30.0 * on_s,
         ),
         (
-            format!("{:.2} V for {t:.0} s, then open circuit for {t:.0} s", v),
+            format!("{:.2} V for {t_s} s, then open circuit for {t_s} s", v),
             of(&[(0.0, Some(v)), (t, None)]),
             2.0 * t,
         ),
         (
-            format!("{:.2} V for {t:.0} s, then {:.2} V for {t:.0} s", v, -v),
+            format!("{:.2} V for {t_s} s, then {:.2} V for {t_s} s", v, -v),
             of(&[(0.0, Some(v)), (t, Some(-v))]),
             2.0 * t,
         ),
         (
-            format!("{:.2} V for {:.0} s (longer)", v, 5.0 * t),
+            format!("{:.2} V for {} s (longer)", v, seconds(5.0 * t)),
             of(&[(0.0, Some(v))]),
             5.0 * t,
         ),

@@ -1,7 +1,7 @@
 //! Runs whose readings are those that the others lead to expect times a number that no strip has: a wrong unit, or a
 //! sensor or leads the other way round.
 
-use crate::domain::GroupDiagnosis;
+use crate::domain::CondemnedRun;
 use crate::model::extended::ExtendedModel;
 use crate::model::{FitModel, LumpedModel};
 use crate::numerics::sums::dot;
@@ -65,28 +65,25 @@ impl Likeness {
     }
 }
 
-/// The group without a finding, where some runs' readings are scaled or turned and more runs agree without that.
-pub(super) fn found(name: &str, group: &Group, model: &'static FitModel) -> Option<GroupDiagnosis> {
+/// The runs whose readings are scaled or turned, where more runs agree without that. What a person said is right is not among
+/// them.
+pub(super) fn odd_runs(group: &Group, model: &'static FitModel) -> Vec<CondemnedRun> {
     if group.runs.len() < 3 {
-        return None;
+        return Vec::new();
     }
     let bases: Vec<LumpedModel> = of_each_run(group, model).into_iter().flatten().collect();
-    let odd: Vec<String> = (0..2)
-        .flat_map(|channel| of_channel(group, &bases, channel))
-        .collect();
-    (!odd.is_empty()).then(|| {
-        let runs = group.runs.iter().map(|run| run.given.name.to_owned()).collect();
-        let sentence = format!(
-            "{}. Correct its files or their units, or leave it out; until then nothing is said of this group.",
-            odd.join("; ")
-        );
-        GroupDiagnosis::data_problem(name, runs, model.id, sentence)
-    })
+    let mut odd: Vec<CondemnedRun> = Vec::new();
+    for found in (0..2).flat_map(|channel| of_channel(group, &bases, channel)) {
+        if !odd.iter().any(|known| known.run == found.run) {
+            odd.push(found);
+        }
+    }
+    odd
 }
 
-/// Sentences on the odd runs of a channel, seen from the run with which most others agree; `bases` are the parameters of
+/// The odd runs of a channel, seen from the run with which most others agree; `bases` are the parameters of
 /// each run by itself.
-fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<String> {
+fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<CondemnedRun> {
     let views = bases.iter().map(|base| {
         let model = ExtendedModel {
             base: base.clone(),
@@ -115,6 +112,7 @@ fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<Strin
         .iter()
         .enumerate()
         .filter_map(|(run, likeness)| Some((run, likeness.filter(|l| !l.agrees())?.odd()?)))
+        .filter(|(run, _)| !group.runs[*run].given.is_right)
         // A current may be a thousand times another by its voltage alone, but then its bending is no longer that of the
         // others; and a strip may bend one way whatever the sign of the voltage.
         .filter(|(run, _)| other[*run].is_some_and(Likeness::agrees))
@@ -124,18 +122,17 @@ fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<Strin
         return Vec::new();
     }
     let of_quantity = ["current", "bending"][channel];
-    let said = |(run, odd): &(usize, Odd)| {
-        let name = group.runs[*run].given.name;
-        match odd {
+    let others = agreeing(&view);
+    let said = |(run, odd): &(usize, Odd)| CondemnedRun {
+        run: group.runs[*run].given.name.to_owned(),
+        reason: match odd {
             Odd::Turned => format!(
-                "The {of_quantity} of {name} has the sign opposite to that of the other {} runs: a sensor or leads are the other way round",
-                agreeing(&view)
+                "its {of_quantity} has the sign opposite to that of the other {others} runs: a sensor or leads are the other way round"
             ),
             Odd::Times(times) => format!(
-                "The {of_quantity} of {name} is {times} times what the other {} runs lead to expect: its unit is wrong",
-                agreeing(&view)
+                "its {of_quantity} is {times} times what the other {others} runs lead to expect: its unit is wrong"
             ),
-        }
+        },
     };
     odd.iter().map(said).collect()
 }

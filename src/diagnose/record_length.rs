@@ -1,6 +1,7 @@
 //! Time constants that grow with the length of the record: a sum of exponentials has none that do, a power law does.
 
 use crate::domain::Estimate;
+use crate::domain::seconds::seconds;
 use crate::fit::{FitOptions, fit_run};
 use crate::model::FitModel;
 
@@ -30,7 +31,7 @@ pub(super) fn remark(group: &Group, model: &'static FitModel) -> Option<String> 
     }
     grows(&found).then(|| {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let said = |&(duration_s, tau_s): &(f64, f64)| format!("{tau_s:.2} s in {duration_s:.0} s");
+        let said = |&(duration_s, tau_s): &(f64, f64)| format!("{} s in {} s", seconds(tau_s), seconds(duration_s));
         let ends = [found.first(), found.last()].into_iter().flatten().map(said);
         format!(
             "time constants grow with the length of the record ({}): that is a power law, such as diffusion, and no sum \

@@ -149,6 +149,7 @@ impl Runs {
                 area_cm2: AREA_CM2,
             },
             length_cm: Some(LENGTH_CM),
+            is_right: false,
         })
         .collect()
     }

@@ -1,5 +1,6 @@
 //! Where the simulation is wrong, in words.
 
+use crate::domain::seconds::span;
 use crate::domain::{MisfitStretch, Whereabouts};
 
 use super::group::Group;
@@ -126,22 +127,13 @@ fn sentence(group: &Group, segments: &[MisfitStretch]) -> String {
         [first @ .., last] => format!(" at {} and {last} V", first.join(", ")),
     };
     format!(
-        "simulated {} {wrong} from {} to {} s{at}, by up to {:.0} standard errors of its mean",
+        "simulated {} {wrong} from {}{at}, by up to {:.0} standard errors of its mean",
         worst.channel,
-        seconds(from_s),
-        seconds(to_s),
+        span(from_s, to_s),
         worst.sigma.abs()
     )
 }
 
 fn overlap(a: &MisfitStretch, b: &MisfitStretch) -> bool {
     a.from_s <= b.to_s && b.from_s <= a.to_s
-}
-
-pub(super) fn seconds(time_s: f64) -> String {
-    if time_s < 10.0 {
-        format!("{time_s:.1}")
-    } else {
-        format!("{time_s:.0}")
-    }
 }

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::RunKind;
 use super::climate::{ClimateRules, SensorStatement};
 use super::monitoring::MonitoringRules;
+use super::{AskedFit, DateOrder, RunKind};
 
 /// A sample: one strip of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,6 +92,9 @@ pub struct Campaign {
     pub title: String,
     /// IANA time zone of file times without an offset, `Europe/Tallinn`.
     pub timezone: Option<String>,
+    /// Order of day, month and year in dates that leave it open.
+    #[serde(default)]
+    pub date_order: Option<DateOrder>,
     /// A statement printed on every page, such as "simulated, not measured".
     pub notice: Option<String>,
     /// Samples in the file's order.
@@ -110,6 +113,9 @@ pub struct Campaign {
     pub dma_name_pattern: Option<String>,
     /// Model that runs are fitted with.
     pub model: String,
+    /// What the file states of how to fit; the rest is left to the program.
+    #[serde(default)]
+    pub fit: AskedFit,
     /// Tag keys that runs are grouped by for a diagnosis; empty: sample, environment and humidity.
     #[serde(default)]
     pub group_by: Vec<String>,
@@ -126,6 +132,9 @@ pub struct Campaign {
     /// Rules for comparisons.
     #[serde(default)]
     pub compare: CompareRules,
+    /// Keys of free tags that campaign.toml declares; others are kept and nothing is asked of them.
+    #[serde(default)]
+    pub extra_tags: Vec<String>,
 }
 
 /// Rules of campaign.toml, `[compare]`.

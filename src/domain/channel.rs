@@ -77,6 +77,15 @@ impl Channel {
         )
     }
 
+    /// A current density as the current into an active area of `area_cm2`.
+    pub fn as_current(&self, area_cm2: f64) -> Channel {
+        Channel {
+            quantity: Quantity::Current,
+            values: self.values.iter().map(|density| density * area_cm2).collect(),
+            ..self.clone()
+        }
+    }
+
     /// The readings as they are drawn where nothing was fitted: thinned, excluded ones left out.
     pub fn drawn(&self) -> RunCurve {
         let (time_s, values) = self.included();

@@ -234,6 +234,11 @@ pub struct DiagnosisNoise {
 }
 
 impl GroupDiagnosis {
+    /// Whether nothing was held out, or what was is predicted clearly better.
+    pub fn gains_clearly(&self) -> bool {
+        self.gain.as_ref().is_none_or(|gain| gain.proof.is_clear())
+    }
+
     /// A group whose readings allow no finding, for the reason that `sentence` gives.
     pub fn data_problem(
         group: &str,
@@ -244,6 +249,7 @@ impl GroupDiagnosis {
         GroupDiagnosis {
             group: group.to_owned(),
             runs,
+            condemned: Vec::new(),
             base_model: base_model.to_owned(),
             verdict: Verdict::DataProblem,
             sentence,
@@ -283,6 +289,15 @@ pub struct RunAlone {
     pub set: Vec<String>,
 }
 
+/// A run whose readings are found to be wrong beside those of the others.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CondemnedRun {
+    /// Name of the run.
+    pub run: String,
+    /// What is wrong, a sentence without its full stop.
+    pub reason: String,
+}
+
 /// Everything that was found out about a group of runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GroupDiagnosis {
@@ -290,6 +305,9 @@ pub struct GroupDiagnosis {
     pub group: String,
     /// Runs in it, by name.
     pub runs: Vec<String>,
+    /// Runs whose readings are wrong; nothing else is said of them, and they take no part in what is said of the others.
+    #[serde(default)]
+    pub condemned: Vec<CondemnedRun>,
     /// Id of the base model.
     pub base_model: String,
     /// What is said.

@@ -55,6 +55,18 @@ impl Estimate {
         }
     }
 
+    /// The same of the number with the other sign.
+    #[must_use]
+    pub fn mirrored(self) -> Estimate {
+        let minus = |number: Option<f64>| number.map(|number| -number);
+        Estimate {
+            value: minus(self.value),
+            low_95: minus(self.high_95),
+            high_95: minus(self.low_95),
+            ..self
+        }
+    }
+
     /// Only a lower bound (95 %) is known, for `reason`.
     pub fn above(low_95: f64, reason: impl Into<String>) -> Estimate {
         Estimate {

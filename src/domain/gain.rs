@@ -71,7 +71,15 @@ pub struct HeldOutGain {
     pub coverage_after: Option<f64>,
 }
 
+/// Standard errors above zero from which a gain is one: the half-width of a 95 % interval of normal errors.
+const CLEAR_ABOVE: f64 = 1.959_963_984_540_054;
+
 impl HeldOutGain {
+    /// Whether it is clearly a gain: its 95 % interval does not reach zero.
+    pub fn is_clear(&self) -> bool {
+        self.deviance > CLEAR_ABOVE * self.standard_error
+    }
+
     /// Held-out parts that the extended model predicts better, and all of them.
     pub fn better_parts(&self) -> (usize, usize) {
         let better = self.parts.iter().filter(|(_, fall)| *fall > 0.0).count();
@@ -90,4 +98,27 @@ pub struct Prediction {
     /// The same by the extended model.
     #[serde(deserialize_with = "number_or_null::one")]
     pub after_percent: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gain_whose_interval_reaches_zero_is_none() {
+        let gain = |deviance: f64, standard_error: f64| HeldOutGain {
+            deviance,
+            standard_error,
+            parts: Vec::new(),
+            nrmse_current_before: None,
+            nrmse_current_after: None,
+            nrmse_curvature_before: None,
+            nrmse_curvature_after: None,
+            coverage_before: None,
+            coverage_after: None,
+        };
+        assert!(!gain(23_197.0, 23_250.0).is_clear());
+        assert!(gain(23_197.0, 11_000.0).is_clear());
+        assert!(!gain(-10.0, 1.0).is_clear() && !gain(f64::NAN, 1.0).is_clear());
+    }
 }

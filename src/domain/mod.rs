@@ -2,13 +2,16 @@
 //! estimates, fits and issues. Nothing here reads files, speaks SQL or fits.
 
 pub mod along;
+pub mod asked_fit;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
 pub mod data_hash;
+pub mod date_order;
 pub mod diagnosis;
 pub mod drive;
 pub mod estimate;
+pub mod fault;
 pub mod fit;
 pub mod gain;
 pub mod issue;
@@ -19,32 +22,38 @@ mod number_or_null;
 pub mod origin;
 pub mod quantity;
 pub mod run;
+pub mod seconds;
+pub mod standing;
 pub mod tag;
 pub mod thinning;
 pub mod unit;
 mod unit_spelling;
 
 pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
+pub use asked_fit::AskedFit;
 pub use campaign::{Campaign, CompareRules, Environment, Material, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use climate::{
     ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,
     RunClimate, SensorPair, SensorStatement, SensorSummary,
 };
+pub use date_order::DateOrder;
 pub use diagnosis::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis, MisfitStretch, NextRun,
-    ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, FromOthers, GroupDiagnosis,
+    MisfitStretch, NextRun, ParameterShift, ResidualCurve, RunAlone, StrengthProfile, Verdict, Whereabouts,
 };
 pub use drive::{Drive, Level, Segment};
 pub use estimate::Estimate;
+pub use fault::Fault;
 pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Parameter};
 pub use gain::{Gain, HeldOutGain, Prediction};
 pub use issue::{Issue, Severity};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
-pub use monitoring::{Alarm, Limit, MonitoringRules};
+pub use monitoring::{Alarm, AlarmSign, Limit, MonitoringRules};
 pub use origin::{
     ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };
 pub use quantity::Quantity;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
+pub use standing::{RunWord, SameReadings, Standing};
 pub use tag::{Tag, TagSource};

@@ -43,16 +43,16 @@ pub struct Limit {
     pub above: Option<f64>,
 }
 
-/// An alarm of a sample's parameter in the reference condition.
+/// An alarm: a change of a sample in the reference condition, or a limit that was passed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Alarm {
-    /// Id: the same alarm has the same id whenever it is found.
+    /// Id: the same alarm has the same id whenever it is found. That of its first sign.
     pub id: String,
     /// Sample.
     pub sample: String,
-    /// Stored key of the parameter.
+    /// Stored key of the parameter that showed it first.
     pub parameter: String,
-    /// `shewhart`, `ewma`, `cusum` or `limit`.
+    /// What showed it first: `shewhart`, `ewma`, `cusum`, `jump` or `limit`.
     pub chart: String,
     /// Run with which it began.
     pub run: String,
@@ -60,4 +60,20 @@ pub struct Alarm {
     pub message: String,
     /// Whether campaign.toml says that it is known.
     pub acknowledged: bool,
+    /// Every chart of every parameter that shows it, the first one first.
+    #[serde(default)]
+    pub shown_by: Vec<AlarmSign>,
+}
+
+/// One chart that shows a change.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AlarmSign {
+    /// Id of the sign: it acknowledges the alarm as the alarm's own does.
+    pub id: String,
+    /// Stored key of the parameter.
+    pub parameter: String,
+    /// `shewhart`, `ewma`, `cusum`, `jump` or `limit`.
+    pub chart: String,
+    /// Run with which the chart left its limits.
+    pub run: String,
 }

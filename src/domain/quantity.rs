@@ -10,8 +10,12 @@ pub enum Quantity {
     Time,
     /// Voltage across the electrodes, V.
     Voltage,
+    /// Voltage that the source was told to apply, V: the drive, where a file states it beside what was measured.
+    ControlVoltage,
     /// Current into the sample, A.
     Current,
+    /// Current into the sample over its active area, A/cm2.
+    CurrentDensity,
     /// Bending curvature, 1/cm.
     Curvature,
     /// Transverse tip displacement, mm.
@@ -42,10 +46,12 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 16] = [
+    pub const ALL: [Quantity; 18] = [
         Quantity::Time,
         Quantity::Voltage,
+        Quantity::ControlVoltage,
         Quantity::Current,
+        Quantity::CurrentDensity,
         Quantity::Curvature,
         Quantity::TipDisplacement,
         Quantity::BlockingForce,
@@ -66,7 +72,9 @@ impl Quantity {
         match self {
             Quantity::Time => "time",
             Quantity::Voltage => "voltage",
+            Quantity::ControlVoltage => "control_voltage",
             Quantity::Current => "current",
+            Quantity::CurrentDensity => "current_density",
             Quantity::Curvature => "curvature",
             Quantity::TipDisplacement => "tip_displacement",
             Quantity::BlockingForce => "blocking_force",
@@ -92,8 +100,9 @@ impl Quantity {
     pub fn unit(self) -> &'static str {
         match self {
             Quantity::Time => "s",
-            Quantity::Voltage => "V",
+            Quantity::Voltage | Quantity::ControlVoltage => "V",
             Quantity::Current => "A",
+            Quantity::CurrentDensity => "A/cm2",
             Quantity::Curvature => "1/cm",
             Quantity::TipDisplacement => "mm",
             Quantity::BlockingForce => "mN",
@@ -111,7 +120,9 @@ impl Quantity {
         match self {
             Quantity::Time => "time_s",
             Quantity::Voltage => "voltage_v",
+            Quantity::ControlVoltage => "control_voltage_v",
             Quantity::Current => "current_a",
+            Quantity::CurrentDensity => "current_density_a_per_cm2",
             Quantity::Curvature => "curvature_per_cm",
             Quantity::TipDisplacement => "tip_displacement_mm",
             Quantity::BlockingForce => "blocking_force_mn",
@@ -133,7 +144,9 @@ impl Quantity {
         match self {
             Quantity::Time => "Time",
             Quantity::Voltage => "Voltage",
+            Quantity::ControlVoltage => "Control voltage",
             Quantity::Current => "Current",
+            Quantity::CurrentDensity => "Current density",
             Quantity::Curvature => "Curvature",
             Quantity::TipDisplacement => "Tip displacement",
             Quantity::BlockingForce => "Blocking force",
@@ -154,7 +167,7 @@ impl Quantity {
     pub fn is_response(self) -> bool {
         matches!(
             self,
-            Quantity::Current | Quantity::Curvature | Quantity::TipDisplacement
+            Quantity::Current | Quantity::CurrentDensity | Quantity::Curvature | Quantity::TipDisplacement
         )
     }
 

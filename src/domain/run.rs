@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
-use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Tag};
+use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag};
 
 /// What is measured, told by the folder that the file lies in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -50,6 +50,8 @@ pub enum RunState {
     Untagged,
     /// Tagged, but the technique or the channels are not those of a step response.
     NotFitted,
+    /// The voltage does not go in steps, as in a sweep: it is kept, waits for nothing and is not fitted.
+    NoSteps,
 }
 
 impl RunState {
@@ -59,14 +61,19 @@ impl RunState {
             RunState::Ready => "ready",
             RunState::Untagged => "untagged",
             RunState::NotFitted => "not_fitted",
+            RunState::NoSteps => "no_steps",
         }
     }
 
     /// The state stored under `key`.
     pub fn from_key(key: &str) -> Option<RunState> {
-        [RunState::Ready, RunState::Untagged, RunState::NotFitted]
-            .into_iter()
-            .find(|s| s.key() == key)
+        let all = [
+            RunState::Ready,
+            RunState::Untagged,
+            RunState::NotFitted,
+            RunState::NoSteps,
+        ];
+        all.into_iter().find(|s| s.key() == key)
     }
 }
 
@@ -177,6 +184,8 @@ pub struct RunRecord {
     pub fit: Option<Fit>,
     /// Version of the program that made the fit, and when (RFC 3339 UTC).
     pub fit_code_version: Option<String>,
+    /// Whether it takes part in results.
+    pub standing: Standing,
 }
 
 impl RunRecord {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Tag keys with a meaning of their own; any other key is a free tag.
+/// Tag keys with a meaning of their own; any other key is a free tag, which campaign.toml declares (`[tags] extra`).
 pub mod keys {
     /// Sample id of campaign.toml.
     pub const SAMPLE: &str = "sample";
@@ -40,6 +40,12 @@ pub mod keys {
     pub const CLOCK_OFFSET_S: &str = "clock_offset_s";
     /// Id of the planned run that this is, from a run sheet; a free tag.
     pub const PLANNED: &str = "planned";
+    /// Hours of exposure before the run; a covariate of laws.
+    pub const EXPOSURE_H: &str = "exposure_h";
+    /// Calibration that the instrument had; a covariate of laws.
+    pub const CALIBRATION: &str = "calibration";
+    /// Known keys that are neither among [`CONDITIONS`] nor [`RECORD`].
+    pub const OTHERS: [&str; 4] = [NOTE, PLANNED, EXPOSURE_H, CALIBRATION];
     /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, and those of [`RECORD`].
     pub const CONDITIONS: [&str; 11] = [
         SAMPLE,

@@ -14,6 +14,8 @@ pub enum Dimension {
     Voltage,
     /// Canonical A.
     Current,
+    /// Canonical A/cm2.
+    CurrentDensity,
     /// Canonical 1/cm.
     Curvature,
     /// Canonical mm.
@@ -114,8 +116,9 @@ pub enum UnitError {
 pub fn dimension(quantity: Quantity) -> Option<Dimension> {
     Some(match quantity {
         Quantity::Time => Dimension::Time,
-        Quantity::Voltage => Dimension::Voltage,
+        Quantity::Voltage | Quantity::ControlVoltage => Dimension::Voltage,
         Quantity::Current => Dimension::Current,
+        Quantity::CurrentDensity => Dimension::CurrentDensity,
         Quantity::Curvature => Dimension::Curvature,
         Quantity::TipDisplacement => Dimension::Length,
         Quantity::BlockingForce => Dimension::Force,

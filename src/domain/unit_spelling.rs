@@ -13,6 +13,7 @@ pub(super) fn normalise(unit: &str) -> String {
         ("\u{2103}", "degC"),
         ("\u{2109}", "degF"),
         ("\u{207b}\u{b9}", "-1"),
+        ("\u{207b}\u{b2}", "-2"),
         ("\u{2212}", "-"),
         ("^", ""),
         ("*", "deg"),
@@ -42,6 +43,7 @@ pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion
         Dimension::Current => {
             prefixed(spelled, "A").or_else(|| named(&word, &["amp", "amps", "ampere", "amperes"]))
         }
+        Dimension::CurrentDensity => current_density(spelled),
         Dimension::Curvature => curvature(spelled),
         Dimension::Length => length(spelled),
         Dimension::Force => force(spelled),
@@ -72,6 +74,26 @@ fn prefixed(spelled: &str, symbol: &str) -> Option<Conversion> {
         _ => return None,
     };
     Some(Conversion::scale(1.0, denominator))
+}
+
+/// A current in one of its units over an area: `mA/cm2`, `A/m²`, `uAcm-2`.
+fn current_density(spelled: &str) -> Option<Conversion> {
+    let plain = spelled.replace('\u{b2}', "2").replace(['\u{b7}', '.'], "");
+    let areas = [("cm2", 1.0, 1.0), ("mm2", 100.0, 1.0), ("m2", 1.0, 1e4)];
+    let of_area = |(area, numerator, denominator): (&str, f64, f64)| {
+        let over = plain.strip_suffix(area).and_then(|rest| rest.strip_suffix('/'));
+        let power = area.trim_end_matches('2');
+        let times = || plain.strip_suffix("-2")?.strip_suffix(power);
+        let per_ampere = match over.or_else(times)? {
+            "A" => 1.0,
+            "mA" => 1e3,
+            "uA" => 1e6,
+            "nA" => 1e9,
+            _ => return None,
+        };
+        Some(Conversion::scale(numerator, denominator * per_ampere))
+    };
+    areas.into_iter().find_map(of_area)
 }
 
 fn time(spelled: &str, word: &str) -> Option<Conversion> {
@@ -191,6 +213,7 @@ pub(super) fn known_units(dimension: Dimension) -> &'static str {
         Dimension::Time => "s, ms, us, min, h, d",
         Dimension::Voltage => "V, mV, uV, kV",
         Dimension::Current => "A, mA, uA, nA, pA",
+        Dimension::CurrentDensity => "A/cm2, mA/cm2, uA/cm2, A/m2, mA cm-2",
         Dimension::Curvature => "1/cm, 1/m, 1/mm, cm-1, m^-1, per cm",
         Dimension::Length => "mm, cm, m, um, nm",
         Dimension::Force => "mN, N, uN, nN, kN",

@@ -72,7 +72,8 @@ proptest! {
         let options = FitOptions::for_model(if two { "lumped-2" } else { "lumped-1" }).unwrap();
         let input = FitInput { channels: &channels, drive: &drive, area_cm2: 0.1 };
         if let Ok(fit) = fit_run(&input, &options) {
-            prop_assert_eq!(fit.parameters.len(), options.model.parameters.len());
+            let of_bending = fit.parameters.iter().filter(|own| own.key.starts_with("curvature")).count();
+            prop_assert_eq!(fit.parameters.len(), options.model.parameters.len() + of_bending);
             for parameter in &fit.parameters {
                 let estimate = &parameter.estimate;
                 match estimate.value {
@@ -81,7 +82,7 @@ proptest! {
                         let (low, high) = (estimate.low_95.unwrap(), estimate.high_95.unwrap());
                         prop_assert!(low <= value && value <= high && value.is_finite(), "{:?}", parameter);
                         prop_assert!(low.is_finite() && high.is_finite(), "{:?}", parameter);
-                        let signed = parameter.key == "alpha_per_c_cm";
+                        let signed = parameter.key == "alpha_per_c_cm" || parameter.key.starts_with("curvature");
                         prop_assert!(signed || low > 0.0, "{:?}", parameter);
                     }
                 }

@@ -5,6 +5,7 @@
 //! give the same bytes.
 
 mod bending;
+mod bending_alone;
 mod circuit;
 mod coupled;
 pub mod distributed;
@@ -180,11 +181,18 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
             return Ok(fit);
         }
     }
+    if let (Err(why), Some(curvature)) = (&identified.current, &identified.unfitted_curvature)
+        && curvature.after_step() >= needed(options.model)
+        && let Some(fit) = bending_alone::fit(input, options, curvature.clone(), why)
+    {
+        return Ok(fit);
+    }
     let judged = judge(input, options, &mut identified);
     Ok(outcome::fit(input, options, &identified, judged.as_ref()))
 }
 
-/// Looks at the run by profile likelihood where the covariance of the two steps would mislead.
+/// Fits both responses at once, with intervals by profile likelihood, where the covariance of the two steps would
+/// mislead; estimates, curves and residuals are then those of that fit.
 fn judge(input: &FitInput, options: &FitOptions, identified: &mut Identified) -> Option<Judged> {
     let (current, electrical) = identified.current.as_mut().ok()?;
     let bending = identified.curvature.as_ref().ok();

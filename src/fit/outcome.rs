@@ -3,6 +3,8 @@
 mod issues;
 mod response;
 
+use std::borrow::Cow;
+
 use crate::domain::{ChannelNoise, Drive, Estimate, Fit, Parameter, Quantity, RunCurve};
 use crate::model::FitModel;
 use crate::numerics::levenberg::Stop;
@@ -17,7 +19,8 @@ use super::sampled::Sampled;
 use super::uncertainty::Residuals;
 use super::{FitInput, FitOptions, Identified};
 
-use issues::{issues, not_converged, parameter_issues};
+use issues::issues;
+pub(super) use issues::{not_converged, parameter_issues};
 use response::Response;
 
 /// Puts everything together.
@@ -37,12 +40,16 @@ pub(super) fn fit(
     let current = identified.current.as_ref().ok();
     let curvature = identified.curvature.as_ref().ok();
     let describes_noise = options.describes_noise;
+    let [judged_current, judged_curvature] = judged.map_or([None, None], |judged| {
+        [judged.fitted[0].as_ref(), judged.fitted[1].as_ref()]
+    });
     let mut responses: Vec<Response> = Vec::new();
     if let Some((sampled, electrical)) = current {
+        let circuit = 2 * judged.map_or(0, |judged| judged.branches) + 1;
         responses.push(Response::new(
             Quantity::Current,
             sampled,
-            Some(&electrical.residuals),
+            Some(&*settled(sampled, &electrical.residuals, judged_current, circuit)),
             step_s,
             describes_noise,
         ));
@@ -51,7 +58,7 @@ pub(super) fn fit(
         responses.push(Response::new(
             Quantity::Curvature,
             sampled,
-            Some(&bending.residuals),
+            Some(&*settled(sampled, &bending.residuals, judged_curvature, 2)),
             step_s,
             describes_noise,
         ));
@@ -80,11 +87,12 @@ pub(super) fn fit(
     Fit {
         model: model.id.to_owned(),
         model_version: model.version,
-        method: format!("two-step {}", options.method.name()),
+        method: method(options, judged),
         converged: current.is_none_or(|(_, e)| e.stop.converged())
             && curvature.is_none_or(|(_, b)| b.stop.converged())
+            && judged.is_none_or(|judged| judged.stop.converged())
             && (current.is_some() || curvature.is_some()),
-        why_stopped: why_stopped(identified),
+        why_stopped: why_stopped(identified, judged),
         n_samples,
         r_squared_current: r_squared(Quantity::Current),
         r_squared_curvature: r_squared(Quantity::Curvature),
@@ -96,6 +104,31 @@ pub(super) fn fit(
         noise: responses.iter().map(|response| response.noise.clone()).collect(),
         curves: responses.into_iter().map(|response| response.curve).collect(),
         along: Vec::new(),
+    }
+}
+
+/// How the minimum was searched.
+fn method(options: &FitOptions, judged: Option<&Judged>) -> String {
+    let steps = format!("two-step {}", options.method.name());
+    match judged {
+        None => steps,
+        Some(Judged {
+            fitted: [_, Some(_)], ..
+        }) => format!("{steps}, then both responses at once, weighted by the noise"),
+        Some(_) => format!("{steps}, then weighted by the noise"),
+    }
+}
+
+/// Residuals at the place that the estimates stand for: of the step itself, or of what was fitted after it.
+fn settled<'a>(
+    sampled: &Sampled,
+    of_step: &'a Residuals,
+    fitted: Option<&Vec<f64>>,
+    searched: usize,
+) -> Cow<'a, Residuals> {
+    match fitted {
+        Some(fitted) => Cow::Owned(Residuals::new(sampled, fitted.clone(), searched)),
+        None => Cow::Borrowed(of_step),
     }
 }
 
@@ -223,7 +256,7 @@ pub(super) fn joint_fit(
     }
 }
 
-fn why_stopped(identified: &Identified) -> String {
+fn why_stopped(identified: &Identified, judged: Option<&Judged>) -> String {
     let current = match &identified.current {
         Ok((_, electrical)) => format!("current: {}", electrical.stop.words()),
         Err(reason) => format!("current: not fitted, {reason}"),
@@ -232,5 +265,8 @@ fn why_stopped(identified: &Identified) -> String {
         Ok((_, bending)) => format!("curvature: {}", bending.stop.words()),
         Err(reason) => format!("curvature: not fitted, {reason}"),
     };
-    format!("{current}; {curvature}")
+    let afterwards = judged.map_or_else(String::new, |judged| {
+        format!("; weighted by the noise: {}", judged.stop.words())
+    });
+    format!("{current}; {curvature}{afterwards}")
 }

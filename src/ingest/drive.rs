@@ -3,7 +3,10 @@
 use crate::domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
+
+/// Code of the issue of a voltage that does not go in steps.
+pub const NO_STEPS: &str = "not-piecewise-constant";
 
 /// Changes of the voltage below this are never a step, V: potentiostats hold a potential to about 1 mV.
 const LEAST_STEP_V: f64 = 2e-3;
@@ -18,6 +21,9 @@ const MOST_STEPS_SHARE: f64 = 0.05;
 /// Levels that are few: pulses go between two or three, a sweep passes all it can.
 const FEW_LEVELS: usize = 10;
 
+pub mod jumps;
+mod stated;
+
 /// What is known of a run's drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundDrive {
@@ -29,7 +35,8 @@ pub struct FoundDrive {
 
 /// Finds the drive.
 ///
-/// With a voltage channel the steps are found in it. Readings before the first step are the baseline; a
+/// With a voltage channel the steps are found in it; what the source was told to apply, where a file states it for
+/// every reading, goes before what was measured. Readings before the first step are the baseline; a
 /// channel that holds one voltage from its first reading on is a step from the discharged state, at time zero
 /// where the table's zero is the step, else at the first reading. Without a voltage channel `tag_v` is
 /// applied at time zero. `open_s` lists stretches of open circuit (start, end), s, beside those of an
@@ -49,8 +56,12 @@ pub fn find(
         .filter(|c| c.is_response())
         .filter_map(|c| c.time_s.first().copied())
         .fold(f64::INFINITY, f64::min);
-    let found = match (of(Quantity::Voltage), tag_v) {
-        (Some(voltage), _) => from_channel(voltage, time_zero_is_step, &open),
+    let found = match (stated::driving(channels), tag_v) {
+        (Some(voltage), _) => {
+            let mut found = from_channel(voltage, time_zero_is_step, &open);
+            found.issues.extend(stated::departure(voltage, channels));
+            stated::placed(found, voltage)
+        }
         (None, Some(tag_v)) => {
             let start_s = if time_zero_is_step {
                 0.0
@@ -241,9 +252,9 @@ fn distinct_levels(stretches: &[Stretch], threshold: f64) -> usize {
 fn not_constant(changes: usize, readings: usize) -> Issue {
     let message =
         format!("the voltage changes {changes} times or more in {readings} readings: a sweep, not steps");
-    Issue::warning("not-piecewise-constant", message)
-        .at("column voltage_v")
-        .mend("hold each voltage for three readings or more if these are pulses; a sweep is kept and not fitted")
+    Issue::warning(NO_STEPS, message).at("column voltage_v").mend(
+        "hold each voltage for three readings or more if these are pulses; a sweep is kept and not fitted",
+    )
 }
 
 /// A reading caught while the source was still rising is no level of its own: a stretch of one reading

@@ -1,6 +1,11 @@
 //! Tags from file names: `{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}`.
 
+mod propose;
+mod words;
+
 use crate::domain::tag::keys;
+
+pub use propose::{ProposedPattern, environment_of, explained, propose, tags_of_name};
 
 /// Why a name pattern cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -2,7 +2,10 @@
 
 use super::PipelineError;
 use super::context::Context;
+use super::diagnosis_document::current_findings;
+use super::fault::step;
 use super::planned::{PlannedRow, planned};
+use crate::analysis::laws::doubt::Findings;
 use crate::analysis::laws::{Attempt, CampaignLaws, Evidence, find};
 use crate::domain::tag::keys;
 use crate::domain::{FileState, Quantity, RunCurve, RunRecord, RunState, RunStatus};
@@ -14,7 +17,7 @@ const SEED: u64 = 1;
 /// Seeks laws, offsets and selection over the current runs.
 ///
 /// # Errors
-/// The database cannot be read.
+/// The database cannot be read, or a fault of the program stops the search.
 pub fn campaign_laws(
     context: &Context,
     runs: &[RunRecord],
@@ -22,13 +25,20 @@ pub fn campaign_laws(
 ) -> Result<CampaignLaws, PipelineError> {
     let charge_c = charges(context, runs)?;
     let attempts = attempts(context, runs)?;
-    Ok(find(&Evidence {
-        runs,
-        campaign: &context.campaign,
-        charge_c: &charge_c,
-        attempts: &attempts,
-        seed: seed.unwrap_or(SEED),
-    }))
+    let findings = current_findings(context)?;
+    step("what holds across runs", || {
+        Ok(find(&Evidence {
+            findings: Findings {
+                groups: &findings.groups,
+                runs: &findings.runs,
+            },
+            runs,
+            campaign: &context.campaign,
+            charge_c: &charge_c,
+            attempts: &attempts,
+            seed: seed.unwrap_or(SEED),
+        }))
+    })
 }
 
 /// Charge that passed in each run, C: the magnitude of the current integrated over its stored curve, which keeps the

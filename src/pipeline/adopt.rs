@@ -5,9 +5,9 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::Write as _;
 
 use super::diagnosis_document::current_findings;
+use super::whole_file::put_bytes;
 use super::{Context, PipelineError};
 use crate::domain::GroupDiagnosis;
 use crate::domain::campaign::Adopted;
@@ -95,11 +95,11 @@ fn current<'a>(context: &'a Context, group: &str) -> Option<&'a str> {
 /// Adds entries at the end of campaign.toml; the file is exchanged whole.
 fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
     let path = context.folder.join(FILE_NAME);
-    let failed = |doing: &'static str| {
-        let path = path.clone();
-        move |source| PipelineError::File { path, doing, source }
-    };
-    let mut text = fs::read_to_string(&path).map_err(failed("reading"))?;
+    let mut text = fs::read_to_string(&path).map_err(|source| PipelineError::File {
+        path: path.clone(),
+        doing: "reading",
+        source,
+    })?;
     if !text.ends_with('\n') {
         text.push('\n');
     }
@@ -113,15 +113,5 @@ fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
              [[adopted]]\ngroup = {group}\nmodel = {model}\n"
         );
     }
-    let mut file = tempfile::NamedTempFile::new_in(&context.folder).map_err(failed("writing"))?;
-    file.write_all(text.as_bytes()).map_err(failed("writing"))?;
-    file.as_file().sync_all().map_err(failed("writing"))?;
-    if let Ok(known) = fs::metadata(&path) {
-        file.as_file()
-            .set_permissions(known.permissions())
-            .map_err(failed("writing"))?;
-    }
-    file.persist(&path)
-        .map_err(|kept| failed("writing")(kept.error))?;
-    Ok(())
+    put_bytes(&path, true, text.as_bytes())
 }

@@ -3,11 +3,12 @@
 use std::process::{Command, Stdio};
 
 use super::context::now;
-use super::{Context, Observer, PipelineError};
+use super::fault::step;
+use super::{Context, Observer, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Monitoring, monitor};
-use crate::domain::{Alarm, Campaign};
+use crate::domain::{Alarm, AlarmSign, Campaign};
 
 /// The verb that `run` and `watch` end with.
 #[derive(Debug, Clone, Copy, Default)]
@@ -27,15 +28,15 @@ pub struct AlarmSummary {
 /// Monitoring of a campaign as it is now, without what only questions across all runs can say.
 ///
 /// # Errors
-/// The database cannot be read.
+/// The database cannot be read, or a fault of the program stops it.
 pub fn monitoring(context: &Context) -> Result<Monitoring, PipelineError> {
-    let runs = context.store.runs()?;
+    let runs = standing::speaking(context)?;
     // The charge that passed is one axis among several and no alarm depends on it.
-    let laws = CampaignLaws {
+    let laws = || CampaignLaws {
         facts: facts(&runs, &context.campaign, &vec![None; runs.len()]),
         ..CampaignLaws::default()
     };
-    Ok(monitor(&runs, &context.campaign, &laws))
+    step("monitoring", || Ok(monitor(&runs, &context.campaign, &laws())))
 }
 
 impl RaiseAlarms {
@@ -52,7 +53,9 @@ impl RaiseAlarms {
             standing: standing.len(),
             ..AlarmSummary::default()
         };
-        for alarm in standing.iter().filter(|alarm| !told.contains(&alarm.id)) {
+        // A change is told once, whichever of its signs came first then.
+        let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
+        for alarm in standing.iter().filter(is_new) {
             context.store.save_alarm(&now(), alarm)?;
             observer.warn(&format!("alarm: {}", alarm.message));
             summary.new.push(alarm.message.clone());
@@ -76,6 +79,15 @@ const DONE: &str = "ended with 0";
 /// output only stderr is shown: stdout is for results.
 fn tell(campaign: &Campaign, folder: &std::path::Path, alarm: &Alarm) -> Option<String> {
     let (program, arguments) = campaign.monitoring.command.split_first()?;
+    let listed = |of: fn(&AlarmSign) -> &String| {
+        let mut names: Vec<&str> = Vec::new();
+        for sign in &alarm.shown_by {
+            if !names.contains(&of(sign).as_str()) {
+                names.push(of(sign));
+            }
+        }
+        names.join(" ")
+    };
     let ended = Command::new(program)
         .args(arguments)
         .current_dir(folder)
@@ -84,6 +96,8 @@ fn tell(campaign: &Campaign, folder: &std::path::Path, alarm: &Alarm) -> Option<
         .env("IEAP_ALARM_SAMPLE", &alarm.sample)
         .env("IEAP_ALARM_PARAMETER", &alarm.parameter)
         .env("IEAP_ALARM_CHART", &alarm.chart)
+        .env("IEAP_ALARM_PARAMETERS", listed(|sign| &sign.parameter))
+        .env("IEAP_ALARM_CHARTS", listed(|sign| &sign.chart))
         .env("IEAP_ALARM_RUN", &alarm.run)
         .env("IEAP_ALARM_MESSAGE", &alarm.message)
         .stdin(Stdio::null())

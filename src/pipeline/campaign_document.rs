@@ -7,8 +7,10 @@ use crate::analysis::false_discovery::CLAIMED_BELOW;
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
+use crate::analysis::laws::doubt::{Doubted, Treatment};
 use crate::analysis::laws::fitted::{Fitted, Interval};
 use crate::analysis::laws::offset::LengthDoubt;
+use crate::analysis::laws::rivals::RuledOut;
 use crate::analysis::laws::selection::Selection;
 use crate::analysis::laws::{CampaignLaws, Dependence, words};
 use crate::domain::Estimate;
@@ -44,6 +46,8 @@ pub struct CampaignEntry {
     pub basis: &'static str,
     /// Covariates that changed with it.
     pub confounded_with: Vec<&'static str>,
+    /// Covariates that changed with it and that the readings rule out.
+    pub told_apart: Option<ToldApartEntry>,
     /// Ids of the effects that it may be instead.
     pub confounded_effects: Vec<&'static str>,
     /// Covariates that were allowed for.
@@ -60,6 +64,26 @@ pub struct CampaignEntry {
     pub laws: Vec<LawEntry>,
     /// The finding in words.
     pub sentence: String,
+}
+
+/// By how much the readings tell covariates apart that the design ties.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ToldApartEntry {
+    /// Part of the variation that the covariate leaves alone.
+    pub left: f64,
+    /// Those that are ruled out, the nearest rival first.
+    pub ruled_out: Vec<RuledOutEntry>,
+}
+
+/// A covariate that the readings rule out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RuledOutEntry {
+    /// The covariate.
+    pub covariate: &'static str,
+    /// Part of the variation that it leaves alone.
+    pub left: f64,
+    /// Twice the logarithm of the odds against it.
+    pub evidence: f64,
 }
 
 /// Ratio of a parameter between two ends.
@@ -117,6 +141,36 @@ pub struct ConfoundedEntry {
     pub compared: &'static str,
     /// In words.
     pub sentence: String,
+}
+
+/// Fits of a group whose misfit is claimed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DoubtedEntry {
+    /// Name of the group.
+    pub group: String,
+    /// `widened` or `left-out`.
+    pub treatment: &'static str,
+    /// Runs that this is about.
+    pub runs: Vec<String>,
+    /// Ids of the causes that its finding names.
+    pub causes: Vec<String>,
+    /// In words.
+    pub sentence: String,
+}
+
+/// Groups whose fits are in doubt.
+pub fn doubted(laws: &CampaignLaws) -> Vec<DoubtedEntry> {
+    let entry = |one: &Doubted| DoubtedEntry {
+        group: one.group.clone(),
+        treatment: match one.treatment {
+            Treatment::Widened => "widened",
+            Treatment::LeftOut => "left-out",
+        },
+        runs: one.runs.clone(),
+        causes: one.causes.clone(),
+        sentence: words::doubted(one),
+    };
+    laws.doubted.iter().map(entry).collect()
 }
 
 /// Entries of what may be claimed.
@@ -179,7 +233,7 @@ pub fn confounded(laws: &CampaignLaws) -> Vec<ConfoundedEntry> {
         material: set.material.clone(),
         covariates: keys(&set.covariates),
         compared: compared(set.level),
-        sentence: words::tied(set),
+        sentence: words::tied(set, laws),
     };
     laws.tied.iter().map(entry).collect()
 }
@@ -238,6 +292,7 @@ fn dependence(found: &Dependence) -> CampaignEntry {
         q: found.q,
         basis: found.basis.key(),
         confounded_with: keys(&found.confounded_with),
+        told_apart: told_apart(found),
         confounded_effects,
         adjusted_for: keys(&found.adjusted_for),
         runs: found.runs,
@@ -247,6 +302,19 @@ fn dependence(found: &Dependence) -> CampaignEntry {
         laws: found.laws.iter().map(|law| law_entry(found, law)).collect(),
         sentence: words::sentence(found),
     }
+}
+
+fn told_apart(found: &Dependence) -> Option<ToldApartEntry> {
+    let told = &found.told_apart;
+    let entry = |rival: &RuledOut| RuledOutEntry {
+        covariate: rival.covariate.key(),
+        left: rival.left,
+        evidence: rival.evidence,
+    };
+    (!told.ruled_out.is_empty()).then(|| ToldApartEntry {
+        left: told.left,
+        ruled_out: told.ruled_out.iter().map(entry).collect(),
+    })
 }
 
 fn end(
@@ -342,6 +410,7 @@ fn blank(material: Option<String>) -> CampaignEntry {
         q: 1.0,
         basis: "",
         confounded_with: Vec::new(),
+        told_apart: None,
         confounded_effects: Vec::new(),
         adjusted_for: Vec::new(),
         runs: 0,

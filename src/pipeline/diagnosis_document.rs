@@ -1,25 +1,26 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
 use super::across_runs::campaign_laws;
-use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry};
+use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry, DoubtedEntry};
 use super::diagnose::library_hash;
+use super::fault::{or_nothing, step};
 use super::fits_document::{ParameterEntry, as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
 use super::shared_effects_document::{SharedEffectEntry, shared_effect_entries};
-use super::{Context, DiagnoseChoice, PipelineError};
+use super::{Context, DiagnoseChoice, PipelineError, standing};
 use crate::analysis::false_discovery::judge_together;
 use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::analysis::online::{Turn, turns};
 use crate::domain::{
-    Candidate, Confusable, DiagnosisNoise, EffectFinding, Gain, GroupDiagnosis, NextRun, ParameterShift,
-    RunAlone, StrengthProfile, Verdict, Whereabouts,
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis, NextRun,
+    ParameterShift, RunAlone, RunRecord, StrengthProfile, Verdict, Whereabouts,
 };
-use crate::store::DiagnosisKind;
+use crate::store::{DiagnosisKind, StoredDiagnosis};
 
 /// Every current finding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -44,6 +45,8 @@ pub struct DiagnosisDocument {
     pub campaign: Vec<CampaignEntry>,
     /// Covariates that the design lets nobody tell apart.
     pub campaign_confounded: Vec<ConfoundedEntry>,
+    /// Groups whose fits are in doubt, and what that does to the questions across runs.
+    pub campaign_doubted: Vec<DoubtedEntry>,
     /// Every question that was asked across runs.
     pub campaign_tests: Vec<CampaignTest>,
     /// What it takes to tell the confounded covariates apart.
@@ -52,6 +55,8 @@ pub struct DiagnosisDocument {
     pub campaign_next_runs: Vec<NextRunEntry>,
     /// Environments and voltages compared, in words.
     pub campaign_contrasts: Vec<String>,
+    /// Steps that a fault of the program stopped: what they would have given is missing.
+    pub faults: Vec<Fault>,
 }
 
 /// One run alone.
@@ -84,6 +89,8 @@ pub struct GroupEntry {
     pub group: String,
     /// Runs in it.
     pub runs: Vec<String>,
+    /// Runs of it whose readings are wrong, with the reason; they take no part.
+    pub condemned: Vec<CondemnedRun>,
     /// Id of the base model.
     pub base_model: String,
     /// What is said.
@@ -104,6 +111,8 @@ pub struct GroupEntry {
     pub candidates: Vec<Candidate>,
     /// Gain of the extended model.
     pub gain: Option<Gain>,
+    /// Whether that is clearly a gain: the 95 % interval of the fall of the deviance does not reach zero.
+    pub gain_is_clear: Option<bool>,
     /// Where the base model is wrong.
     #[serde(rename = "where")]
     pub whereabouts: Option<Whereabouts>,
@@ -166,31 +175,45 @@ pub fn current_findings(context: &Context) -> Result<CurrentFindings, PipelineEr
         .diagnoses()?
         .into_iter()
         .partition(|stored| stored.kind == DiagnosisKind::Group);
+    let known = standing::all(context)?;
+    let silent: BTreeSet<&str> = (known.iter().filter(|run| !run.standing.speaks()))
+        .map(|run| run.path.as_str())
+        .collect();
+    // What was found in readings that are set aside since is no finding any more; that they allow none remains true.
+    let holds = |found: &GroupDiagnosis| {
+        found.verdict == Verdict::DataProblem || !found.runs.iter().any(|run| silent.contains(run.as_str()))
+    };
+    let found = |stored: Vec<StoredDiagnosis>| -> Vec<GroupDiagnosis> {
+        stored
+            .into_iter()
+            .map(|stored| stored.found)
+            .filter(holds)
+            .collect()
+    };
     let mut findings = CurrentFindings {
-        groups: groups.into_iter().map(|stored| stored.found).collect(),
-        runs: runs.into_iter().map(|stored| stored.found).collect(),
+        groups: found(groups),
+        runs: found(runs),
         turns: BTreeMap::new(),
     };
-    findings.turns = turns_of(context, &findings.runs)?;
+    findings.turns = turns_of(known, &findings.runs);
     judge_together(&mut findings.groups);
     judge_together(&mut findings.runs);
     Ok(findings)
 }
 
 /// Tests the runs in the order in which they were stored. Runs that were stored again count as new.
-fn turns_of(context: &Context, found: &[GroupDiagnosis]) -> Result<BTreeMap<String, Turn>, PipelineError> {
+fn turns_of(mut runs: Vec<RunRecord>, found: &[GroupDiagnosis]) -> BTreeMap<String, Turn> {
     let p: BTreeMap<&str, f64> = found
         .iter()
         .filter_map(|found| Some((found.group.as_str(), found.p_misfit?)))
         .collect();
-    let mut runs = context.store.runs()?;
     runs.sort_by_key(|run| run.id);
     let (paths, p): (Vec<String>, Vec<f64>) = runs
         .into_iter()
         .filter_map(|run| Some((p.get(run.path.as_str()).copied()?, run.path)))
         .map(|(p, path)| (path, p))
         .unzip();
-    Ok(paths.into_iter().zip(turns(&p)).collect())
+    paths.into_iter().zip(turns(&p)).collect()
 }
 
 /// The document of the current findings; of one group and its runs where one is named.
@@ -213,16 +236,19 @@ pub fn diagnosis_document(
             .collect();
         findings.runs.retain(|found| members.contains(&found.group));
     }
-    let runs = context.store.runs()?;
+    let runs = standing::speaking(context)?;
+    let mut faults = Vec::new();
     let across = match group {
         Some(_) => CampaignLaws::default(),
-        None => campaign_laws(context, &runs, choice.seed)?,
+        None => or_nothing(campaign_laws(context, &runs, choice.seed), &mut faults)?,
     };
-    let plan = match group {
-        Some(_) => Plan::default(),
-        None => next_runs::plan_from(context, &runs, &across, &findings.groups)?,
+    let plan = || match group {
+        Some(_) => Ok(Plan::default()),
+        None => next_runs::plan_from(context, &runs, &across, &findings.groups),
     };
-    let compared = contrast::contrasts(&runs, &context.campaign, &across.facts);
+    let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
+    let compared = || Ok(contrast::contrasts(&runs, &context.campaign, &across.facts));
+    let compared = or_nothing(step("environments and voltages compared", compared), &mut faults)?;
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
     Ok(DiagnosisDocument {
@@ -231,6 +257,7 @@ pub fn diagnosis_document(
         seed: options.seed,
         draws: options.draws,
         base_model: options.model.id,
+        faults,
         runs: findings
             .runs
             .into_iter()
@@ -247,6 +274,7 @@ pub fn diagnosis_document(
         campaign_effects,
         campaign: campaign_document::entries(&across),
         campaign_confounded: campaign_document::confounded(&across),
+        campaign_doubted: campaign_document::doubted(&across),
         campaign_tests: campaign_document::tests(&across),
         campaign_untying: next_runs::untying_entries(&plan),
         campaign_next_runs: next_runs::entries(&plan),
@@ -274,6 +302,7 @@ fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> Grou
         lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),
         group: found.group,
         runs: found.runs,
+        condemned: found.condemned,
         base_model: found.base_model,
         verdict: found.verdict,
         sentence: found.sentence,
@@ -283,6 +312,7 @@ fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> Grou
         effects: found.effects.into_iter().map(effect_entry).collect(),
         set: found.set,
         candidates: found.candidates,
+        gain_is_clear: found.gain.as_ref().map(|gain| gain.proof.is_clear()),
         gain: found.gain,
         whereabouts: found.whereabouts,
         next_run: found.next_run,

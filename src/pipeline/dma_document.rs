@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::fits_document::{ParameterEntry, as_object};
-use super::{Context, PipelineError};
+use super::standing::SetAside;
+use super::{Context, PipelineError, standing};
 use crate::domain::tag::keys;
 use crate::domain::{Issue, ModulusLog, Parameter};
 
@@ -14,6 +15,8 @@ pub struct DmaDocument {
     pub schema: &'static str,
     /// Logs in the order of their names.
     pub logs: Vec<LogEntry>,
+    /// Logs that no result is made from, with the reasons.
+    pub set_aside: Vec<SetAside>,
 }
 
 /// One log.
@@ -75,10 +78,11 @@ pub struct HysteresisEntry {
 /// # Errors
 /// The database cannot be read.
 pub fn dma_document(context: &Context) -> Result<DmaDocument, PipelineError> {
-    let logs = context.store.modulus_logs()?;
+    let (logs, set_aside) = standing::modulus_logs(context)?;
     Ok(DmaDocument {
         schema: "ieap/dma/1",
         logs: logs.iter().map(|log| entry(context, log)).collect(),
+        set_aside: set_aside.iter().map(|log| SetAside::of(&log.run)).collect(),
     })
 }
 

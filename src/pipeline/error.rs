@@ -95,12 +95,28 @@ pub enum PipelineError {
         /// A sentence with the nearest name, or nothing.
         nearest: String,
     },
+    /// A tag is set under a key that is neither known nor declared.
+    #[error("{found}, and nothing was set; {mend}.")]
+    UnknownTagKey {
+        /// What is wrong with the key.
+        found: String,
+        /// How to mend it.
+        mend: String,
+    },
     /// A figure cannot be drawn.
     #[error("{figure}: {reason}")]
     Figure {
         /// Which.
         figure: &'static str,
         /// What the campaign lacks, or what the drawing library says.
+        reason: String,
+    },
+    /// A fault of the program stopped a step.
+    #[error("{step}: a fault of the program stopped it: {reason}. Report it with the files of the campaign.")]
+    Fault {
+        /// Which step.
+        step: String,
+        /// What the panic says.
         reason: String,
     },
     /// A table has no such row or column.
@@ -122,10 +138,15 @@ impl PipelineError {
     /// Whether the disk or the database refused, rather than the user's input being wrong.
     pub fn is_storage(&self) -> bool {
         use PipelineError as E;
-        matches!(
-            self,
-            E::Store(_) | E::Holdings(_) | E::Archive(_) | E::Report(_) | E::File { .. }
-        )
+        match self {
+            E::Store(_)
+            | E::Holdings(_)
+            | E::Archive(_)
+            | E::File { .. }
+            | E::Export(ExportError::Write { .. }) => true,
+            E::Report(error) => error.is_of_disk(),
+            _ => false,
+        }
     }
 
     /// Whether that may pass by itself: space may be freed, a share may come back, a lock may be released. A database that
@@ -137,6 +158,16 @@ impl PipelineError {
             E::Holdings(_) => false,
             E::Scan(_) => true,
             other => other.is_storage(),
+        }
+    }
+
+    /// Whether the program is at fault, and neither the user nor the disk.
+    pub fn is_fault(&self) -> bool {
+        use PipelineError as E;
+        match self {
+            E::Export(ExportError::Table { .. }) | E::Fault { .. } => true,
+            E::Report(error) => !error.is_of_disk(),
+            _ => false,
         }
     }
 }

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Context, PipelineError};
-use crate::analysis::{self, TableFormat};
+use super::whole_file::put_file;
+use super::{Context, PipelineError, standing};
+use crate::analysis::{self, ExportError, TableFormat};
+use crate::domain::RunRecord;
 
 /// What can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,31 +82,36 @@ impl Export {
                 needed: "a file that ends in .parquet or .csv: readings are too many for JSON".to_owned(),
             });
         }
-        let part = self.path.with_file_name(format!(
-            ".{}.part",
-            self.path.file_name().unwrap_or_default().to_string_lossy()
-        ));
-        let rows = self.write(context, format, &part).inspect_err(|_| {
-            let _ = std::fs::remove_file(&part);
-        })?;
-        std::fs::rename(&part, &self.path).map_err(|source| PipelineError::File {
-            path: self.path.clone(),
-            doing: "putting the table in place",
-            source,
-        })?;
-        Ok(rows)
+        put_file(&self.path, self.overwrite, |part| {
+            self.write(context, format, part)
+                .map_err(|error| self.of_target(error))
+        })
+    }
+
+    /// The file that a user knows in place of the temporary.
+    fn of_target(&self, error: PipelineError) -> PipelineError {
+        match error {
+            PipelineError::Export(ExportError::Write { source, .. }) => PipelineError::File {
+                path: self.path.clone(),
+                doing: "writing",
+                source,
+            },
+            error => error,
+        }
     }
 
     fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {
-        let runs = context.store.runs()?;
+        // The list of runs and their tags hold every run, results only those that speak.
+        let all = standing::all(context)?;
+        let runs: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
         let campaign = &context.campaign;
         let mut table = match self.table {
-            Table::Runs => analysis::run_tables::runs_table(&runs, campaign)?,
-            Table::Tags => analysis::run_tables::tags_table(&runs)?,
+            Table::Runs => analysis::run_tables::runs_table(&all, campaign)?,
+            Table::Tags => analysis::run_tables::tags_table(&all)?,
             Table::Fits => analysis::fits_long(&runs, campaign)?,
             Table::FitsWide => analysis::fits_wide(&runs, campaign)?,
             Table::Conditions => analysis::conditions_table(&runs, campaign)?,
-            Table::Dma => analysis::dma::table::modulus_table(&context.store.modulus_logs()?, campaign)?,
+            Table::Dma => analysis::dma::table::modulus_table(&standing::modulus_logs(context)?.0, campaign)?,
             Table::Traces => {
                 let mut writer = analysis::TraceWriter::create(path, format)?;
                 for run in &runs {

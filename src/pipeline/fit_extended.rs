@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::diagnose::{library_hash, take_task};
-use super::fit::{FitSummary, Outcome, save};
-use super::fit_plan::ExtendedGroup;
+use super::fit::{FitSummary, Outcome, fit_fault, save};
+use super::fit_plan::{ExtendedGroup, Planned};
 use super::{Context, Observer, PipelineError};
 use crate::diagnose::{RunInput, fit_extended, model_version};
+use crate::domain::fault::caught;
 use crate::domain::{Channel, Issue};
 use crate::fit::FitInput;
 use crate::ingest::derived;
@@ -25,19 +26,19 @@ pub(super) fn fit_groups(
     let library = library_hash();
     let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
     let is_done = |(hash, group): &(String, &ExtendedGroup)| {
-        let mut done = group.tasks.iter().map(|task| task.done_input_hash.as_ref());
+        let mut done = group.runs.iter().map(|run| run.task.done_input_hash.as_ref());
         !again && done.all(|done| done == Some(hash))
     };
     let (done, due): (Vec<_>, Vec<_>) = hashed.partition(is_done);
-    summary.up_to_date += done.iter().map(|(_, group)| group.tasks.len()).sum::<usize>();
+    summary.up_to_date += done.iter().map(|(_, group)| group.runs.len()).sum::<usize>();
     if due.is_empty() {
         return Ok(());
     }
     observer.begin("fitting extended models", due.len() as u64);
     for batch in due.chunks(BATCH) {
         let load = |(_, group): &(String, &ExtendedGroup)| -> Result<Vec<Vec<Channel>>, PipelineError> {
-            let channels = |task: &crate::store::FitTask| Ok(context.store.channels(task.run_id)?);
-            group.tasks.iter().map(channels).collect()
+            let channels = |run: &Planned| Ok(context.store.channels(run.task.run_id)?);
+            group.runs.iter().map(channels).collect()
         };
         let loaded = batch.iter().map(load).collect::<Result<Vec<_>, _>>()?;
         let fitted = batch.par_iter().zip(loaded).map(|((_, group), channels)| {
@@ -47,7 +48,7 @@ pub(super) fn fit_groups(
         });
         let fitted: Vec<Vec<Outcome>> = fitted.collect();
         for ((hash, group), outcomes) in batch.iter().zip(fitted) {
-            let stamped = group.tasks.iter().map(|task| (hash.as_str(), task)).zip(outcomes);
+            let stamped = group.runs.iter().map(|run| (hash.as_str(), run)).zip(outcomes);
             save(context, stamped.collect(), summary)?;
         }
     }
@@ -57,8 +58,8 @@ pub(super) fn fit_groups(
 
 /// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
 fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
-    let work = std::panic::AssertUnwindSafe(|| {
-        let tasks = group.tasks.iter();
+    let work = || {
+        let tasks = group.runs.iter().map(|run| &run.task);
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
             .zip(channels)
@@ -74,15 +75,17 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
                     area_cm2: task.area_cm2,
                 },
                 length_cm: task.length_cm,
+                is_right: false,
             })
             .collect();
         fit_extended(&inputs, &group.choice)
-    });
-    // Effects are constants without a state that a panic could leave broken.
-    let Ok(found) = std::panic::catch_unwind(work) else {
-        let fault = Issue::error("fit-fault", "the fit of its group stopped on an internal fault")
-            .mend("report it with the runs' files; the other groups are not affected");
-        return group.tasks.iter().map(|_| Err(fault.clone())).collect();
+    };
+    let found = match caught(work) {
+        Ok(found) => found,
+        Err(reason) => {
+            let fault = fit_fault("the fit of its group", &reason);
+            return group.runs.iter().map(|_| Err(fault.clone())).collect();
+        }
     };
     let missing = || {
         Err(Issue::warning(
@@ -95,7 +98,7 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
         )
         .mend("`ieap effects ID` says what an effect needs; take it out of the model, or fit with the base alone"))
     };
-    let mut outcomes: Vec<Outcome> = group.tasks.iter().map(|_| missing()).collect();
+    let mut outcomes: Vec<Outcome> = group.runs.iter().map(|_| missing()).collect();
     for (place, fit) in found {
         outcomes[place] = Ok(fit);
     }
@@ -105,7 +108,10 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
 /// Hash of everything that the fits of a group depend on.
 fn input_hash(group: &ExtendedGroup, library: &str) -> String {
     let mut hasher = blake3::Hasher::new();
-    group.tasks.iter().for_each(|task| take_task(&mut hasher, task));
+    group
+        .runs
+        .iter()
+        .for_each(|run| take_task(&mut hasher, &run.task));
     let version = model_version(group.choice.base);
     hasher.update(format!("{}/{version}/{library}", group.choice).as_bytes());
     hasher.finalize().to_hex().to_string()

@@ -5,10 +5,12 @@
 
 use rayon::prelude::*;
 
-use super::fit::FitChoice;
+use super::fit::fit_fault;
+use super::fit_choice::FitChoice;
 use super::grouping::{Group, groups, singles};
 use super::groups_document::{GroupEntry, LeftOut, entry};
-use super::{Context, Observer, PipelineError};
+use super::{Context, Observer, PipelineError, standing};
+use crate::domain::fault::caught;
 use crate::domain::{Channel, Issue};
 use crate::fit::{
     Bootstrap, FitError, FitInput, GroupOptions, Intervals, can_join_group, fit_group, shareable,
@@ -107,7 +109,7 @@ impl FitGroups {
         };
         let tasks = context.store.fit_tasks()?;
         let found = match self.of {
-            FitTogether::Groups => groups(&context.store.runs()?, tasks, &context.campaign.group_by),
+            FitTogether::Groups => groups(&standing::speaking(context)?, tasks, &context.campaign.group_by),
             FitTogether::SingleRuns => singles(tasks),
         };
         observer.begin("fitting with intervals asked for", found.len() as u64);
@@ -158,7 +160,7 @@ fn fit_one(group: &Group, channels: &[Vec<Channel>], options: &GroupOptions) -> 
             }),
         }
     }
-    let fitted = std::panic::catch_unwind(|| fit_group(&inputs, options));
+    let fitted = caught(|| fit_group(&inputs, options));
     let outcome = match fitted {
         Ok(Ok(fit)) => Ok(fit),
         Ok(Err(FitError::EmptyGroup)) => Err(Issue::warning(
@@ -167,10 +169,7 @@ fn fit_one(group: &Group, channels: &[Vec<Channel>], options: &GroupOptions) -> 
         )
         .mend("see the reasons of the runs left out")),
         Ok(Err(error)) => Err(Issue::warning("group-not-fitted", error.to_string())),
-        Err(_) => Err(
-            Issue::error("fit-fault", "the fit of the group stopped on an internal fault")
-                .mend("report it with the runs' files; the other groups are not affected"),
-        ),
+        Err(reason) => Err(fit_fault("the fit of the group", &reason)),
     };
     entry(&group.name, &tasks, left_out, options, outcome)
 }

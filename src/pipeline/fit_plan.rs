@@ -1,59 +1,72 @@
-//! Which model every run is fitted with: the one asked for, the one adopted for its group, or the campaign's; and
-//! which runs are fitted together, since effects are shared by a group.
+//! How every run is fitted: as asked for now, as campaign.toml states, or as it was asked for before; with the model
+//! adopted for its group where none is asked for; and which runs are fitted together, since effects are shared by a group.
 
 use std::collections::BTreeMap;
 
-use super::{Context, PipelineError};
+use super::fit_choice::{Chosen, choose};
+use super::{Context, PipelineError, standing};
 use crate::analysis::groups::groups;
-use crate::domain::RunRecord;
-use crate::fit::FitError;
-use crate::model::{FitModel, ModelChoice};
+use crate::domain::{AskedFit, RunRecord};
+use crate::fit::{FitError, FitOptions};
+use crate::model::ModelChoice;
 use crate::store::FitTask;
+
+/// A run to be fitted, and how.
+pub(super) struct Planned {
+    pub(super) task: FitTask,
+    pub(super) chosen: Chosen,
+}
 
 /// Runs of a group that are fitted with one parameter set of an extended model.
 pub(super) struct ExtendedGroup {
     pub(super) choice: ModelChoice,
-    pub(super) tasks: Vec<FitTask>,
+    pub(super) runs: Vec<Planned>,
 }
 
 /// What is fitted with what.
 pub(super) struct FitPlan {
-    /// Runs fitted one by one, each with its model.
-    pub(super) single: Vec<(FitTask, &'static FitModel)>,
+    /// Runs fitted one by one.
+    pub(super) single: Vec<Planned>,
     pub(super) extended: Vec<ExtendedGroup>,
     /// Groups that campaign.toml adopts a model for and that are not there.
     pub(super) unknown_groups: Vec<String>,
 }
 
 /// The plan for all runs that can be fitted; `asked` goes before everything that campaign.toml says.
-pub(super) fn fit_plan(context: &Context, asked: Option<&str>) -> Result<FitPlan, PipelineError> {
+pub(super) fn fit_plan(context: &Context, asked: &AskedFit) -> Result<FitPlan, PipelineError> {
     let campaign = &context.campaign;
-    let parse = |text: &str| ModelChoice::parse(text).map_err(FitError::Choice);
-    let default = parse(asked.unwrap_or(&campaign.model))?;
     // The last entry of a group holds: adopting again adds one.
     let mut adopted: BTreeMap<&str, ModelChoice> = BTreeMap::new();
-    for entry in campaign.adopted.iter().filter(|_| asked.is_none()) {
-        adopted.insert(&entry.group, parse(&entry.model)?);
+    for entry in campaign.adopted.iter().filter(|_| asked.model.is_none()) {
+        adopted.insert(
+            &entry.group,
+            ModelChoice::parse(&entry.model).map_err(FitError::Choice)?,
+        );
     }
-    let tasks = context.store.fit_tasks()?;
-    if adopted.is_empty() && !default.is_extended() {
+    let planned = |task: FitTask| -> Result<Planned, PipelineError> {
+        let chosen = choose(asked, campaign, &task.last_asked)?;
+        Ok(Planned { task, chosen })
+    };
+    let tasks = context.store.fit_tasks()?.into_iter().map(planned);
+    let planned = tasks.collect::<Result<Vec<Planned>, _>>()?;
+    if adopted.is_empty() && !planned.iter().any(|run| run.chosen.model.is_extended()) {
         return Ok(FitPlan {
-            single: tasks.into_iter().map(|task| (task, default.base)).collect(),
+            single: planned,
             extended: Vec::new(),
             unknown_groups: Vec::new(),
         });
     }
-    grouped(context, tasks, &default, &adopted)
+    grouped(context, planned, &adopted)
 }
 
 fn grouped(
     context: &Context,
-    tasks: Vec<FitTask>,
-    default: &ModelChoice,
+    planned: Vec<Planned>,
     adopted: &BTreeMap<&str, ModelChoice>,
 ) -> Result<FitPlan, PipelineError> {
-    let runs = context.store.runs()?;
-    let mut by_id: BTreeMap<i64, FitTask> = tasks.into_iter().map(|task| (task.run_id, task)).collect();
+    // A run that is set aside takes no part in the one parameter set of its group; it is fitted by itself.
+    let runs = standing::speaking(context)?;
+    let mut by_id: BTreeMap<i64, Planned> = planned.into_iter().map(|run| (run.task.run_id, run)).collect();
     let ready: Vec<i64> = by_id.keys().copied().collect();
     let among = |run: &RunRecord| ready.binary_search(&run.id).is_ok();
     let found = groups(&runs, &context.campaign.group_by, &among);
@@ -73,21 +86,45 @@ fn grouped(
             .runs
             .iter()
             .filter_map(|&index| by_id.remove(&runs[index].id));
-        let of_group: Vec<FitTask> = of_group.collect();
-        let choice = adopted.get(group.name.as_str()).unwrap_or(default);
+        let of_group: Vec<Planned> = of_group.collect();
+        let own = adopted.get(group.name.as_str());
+        let choice = own.cloned().or_else(|| common(&of_group));
         // Runs that are set apart share nothing with others.
-        if choice.is_extended() && group.set_apart.is_none() {
-            plan.extended.push(ExtendedGroup {
-                choice: choice.clone(),
-                tasks: of_group,
-            });
-        } else {
-            plan.single
-                .extend(of_group.into_iter().map(|task| (task, choice.base)));
+        match choice.filter(|choice| choice.is_extended() && group.set_apart.is_none()) {
+            Some(choice) => plan.extended.push(ExtendedGroup {
+                choice,
+                runs: of_group,
+            }),
+            None => plan
+                .single
+                .extend(of_group.into_iter().map(|run| with_base(run, own))),
         }
     }
-    plan.single
-        .extend(by_id.into_values().map(|task| (task, default.base)));
-    plan.single.sort_by(|a, b| a.0.path.cmp(&b.0.path));
+    plan.single.extend(by_id.into_values());
+    plan.single.sort_by(|a, b| a.task.path.cmp(&b.task.path));
     Ok(plan)
+}
+
+/// The model that all runs of a group are to be fitted with; none where they differ.
+fn common(runs: &[Planned]) -> Option<ModelChoice> {
+    let first = &runs.first()?.chosen.model;
+    runs.iter()
+        .all(|run| run.chosen.model.to_string() == first.to_string())
+        .then(|| first.clone())
+}
+
+/// A run fitted by itself with the base of the model adopted for its group, if any.
+fn with_base(run: Planned, adopted: Option<&ModelChoice>) -> Planned {
+    let Some(adopted) = adopted else { return run };
+    let options = FitOptions {
+        model: adopted.base,
+        ..run.chosen.options
+    };
+    Planned {
+        chosen: Chosen {
+            options,
+            ..run.chosen
+        },
+        ..run
+    }
 }

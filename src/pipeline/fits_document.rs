@@ -4,7 +4,8 @@ use serde::{Serialize, Serializer};
 
 use super::groups_document::GroupEntry;
 use super::lengthwise::LumpedOrDistributedEntry;
-use super::{Context, PipelineError};
+use super::standing::{Runs, SetAside};
+use super::{Context, PipelineError, standing};
 use crate::analysis::{same_tags, sequence};
 use crate::domain::tag::keys;
 use crate::domain::{ChannelNoise, Estimate, Issue, Parameter, RunOrigin, RunRecord};
@@ -18,6 +19,8 @@ pub struct FitsDocument {
     pub fits: Vec<FitEntry>,
     /// Runs without a fit, with the reasons.
     pub not_fitted: Vec<NotFitted>,
+    /// Runs that no result is made from, with the reasons.
+    pub set_aside: Vec<SetAside>,
     /// Groups fitted with shared parameters, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub groups: Option<Vec<GroupEntry>>,
@@ -128,7 +131,10 @@ pub struct NotFitted {
 /// # Errors
 /// The database cannot be read.
 pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
-    let mut runs = context.store.runs()?;
+    let Runs {
+        speaking: mut runs,
+        set_aside,
+    } = standing::runs(context)?;
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
     let not_fitted = runs.iter().filter(|run| run.fit.is_none()).map(|run| NotFitted {
@@ -140,6 +146,7 @@ pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
         schema: "ieap/fits/1",
         fits: runs.iter().filter_map(|run| entry(context, run)).collect(),
         not_fitted: not_fitted.collect(),
+        set_aside: set_aside.iter().map(SetAside::of).collect(),
         groups: None,
     })
 }

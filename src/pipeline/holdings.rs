@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::PipelineError;
-use super::report::{REPORT_FOLDER, STAMP};
+use super::report::{FAULTS, REPORT_FOLDER, STAMP};
 use crate::ingest::archive::{Archive, FOLDER};
 use crate::store::{self, FILE_NAME, Found, Store};
 
@@ -79,8 +79,9 @@ fn evidence(folder: &Path) -> Result<Option<&'static str>, PipelineError> {
     if archive.holds_anything()? {
         return Ok(Some("archive/ holds raw files"));
     }
-    let stamp = folder.join(REPORT_FOLDER).join(STAMP);
-    Ok(stamp.exists().then_some("report/ was made from one"))
+    let report = folder.join(REPORT_FOLDER);
+    let was_made = [STAMP, FAULTS].iter().any(|name| report.join(name).exists());
+    Ok(was_made.then_some("report/ was made from one"))
 }
 
 /// Holds the open database against the archive beside it.

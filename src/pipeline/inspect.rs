@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::lengthwise::LumpedOrDistributedEntry;
-use super::{Context, PipelineError};
+use super::standing::SetAside;
+use super::{Context, PipelineError, standing};
 use crate::domain::{FlaggedStretch, Issue, Quantity};
 use crate::ingest::campaign_file;
 use crate::ingest::formats::{ReadContext, ReadError};
@@ -54,6 +55,8 @@ pub struct Inspection {
 pub struct StoredRun {
     /// Path of the run relative to the campaign.
     pub run: String,
+    /// Why no result is made from it; null where they are.
+    pub set_aside: Option<SetAside>,
     /// Model of its current fit; null where it has none.
     pub model: Option<String>,
     /// Whether the run needs the distributed model; null where its fit does not say.
@@ -118,6 +121,10 @@ pub struct InspectedColumn {
     pub first: Option<f64>,
     /// Last reading.
     pub last: Option<f64>,
+    /// Smallest reading.
+    pub smallest: Option<f64>,
+    /// Largest reading.
+    pub largest: Option<f64>,
 }
 
 /// Reads `file` and says what was seen; a refusal is an answer, too. The profiles of the campaign that the file lies
@@ -164,12 +171,13 @@ fn stored(campaign: &Path, file: &Path) -> Option<StoredRun> {
     let path = file.strip_prefix(campaign).ok()?;
     let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
     let path = parts.join("/");
-    let runs = Context::open_read_only(campaign).ok()?.store.runs().ok()?;
+    let runs = standing::all(&Context::open_read_only(campaign).ok()?).ok()?;
     let run = runs
         .iter()
         .find(|run| run.files.iter().any(|file| file.path == path))?;
     Some(StoredRun {
         run: run.path.clone(),
+        set_aside: (!run.standing.speaks()).then(|| SetAside::of(run)),
         model: run.fit.as_ref().map(|fit| fit.model.clone()),
         lumped_or_distributed: LumpedOrDistributedEntry::of(run),
     })
@@ -313,6 +321,9 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
         excluded: 0,
         first: table.time_first_last_s.map(|t| t.0),
         last: table.time_first_last_s.map(|t| t.1),
+        // A reader hands on no time that falls.
+        smallest: table.time_first_last_s.map(|t| t.0),
+        largest: table.time_first_last_s.map(|t| t.1),
     });
     let channels = table.channels.iter().map(|channel| {
         let summary = channel.summary();
@@ -327,6 +338,8 @@ fn inspected_table(table: &RunTable) -> InspectedTable {
             excluded: summary.excluded,
             first: summary.first,
             last: summary.last,
+            smallest: channel.values.iter().copied().reduce(f64::min),
+            largest: channel.values.iter().copied().reduce(f64::max),
         }
     });
     InspectedTable {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::context::{CODE_VERSION, now};
 use super::{Context, Observer, PipelineError};
 use crate::analysis::dma;
+use crate::domain::fault::caught;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
@@ -30,6 +31,16 @@ pub struct ModulusSummary {
     /// Logs that could not be analysed, now or before, with the reason.
     pub failed: Vec<(String, Issue)>,
 }
+
+impl ModulusSummary {
+    /// Whether a fault of the program stopped an analysis, now or before.
+    pub fn has_fault(&self) -> bool {
+        self.failed.iter().any(|(_, issue)| issue.code == FAULT)
+    }
+}
+
+/// Code of what is said of a log whose analysis a fault of the program stopped.
+const FAULT: &str = "analysis-fault";
 
 /// A log to be analysed.
 struct Task {
@@ -104,8 +115,11 @@ fn input_hash(log: &RunRecord) -> String {
 fn analyse(task: &Task) -> Result<ModulusAnalysis, Issue> {
     let chosen = chosen_tags(&task.log);
     let (channels, _) = named_columns(&task.channels, &chosen);
-    std::panic::catch_unwind(|| dma::analyse(&channels)).unwrap_or_else(|_| {
-        let issue = Issue::error("analysis-fault", "the analysis stopped on an internal fault");
+    caught(|| dma::analyse(&channels)).unwrap_or_else(|reason| {
+        let issue = Issue::error(
+            FAULT,
+            format!("the analysis stopped on an internal fault: {reason}"),
+        );
         Err(issue.mend("report it with this log; the other logs are not affected"))
     })
 }

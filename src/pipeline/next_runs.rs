@@ -1,7 +1,6 @@
 //! The runs to make next, as a list and as a run sheet.
 
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -9,7 +8,8 @@ use serde::Serialize;
 use super::across_runs::campaign_laws;
 use super::diagnosis_document::current_findings;
 use super::planned::{PlannedRow, planned};
-use super::{Context, PipelineError};
+use super::whole_file::put_bytes;
+use super::{Context, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
@@ -108,7 +108,7 @@ pub struct UntyingEntry {
 /// # Errors
 /// The database cannot be read.
 pub fn plan(context: &Context) -> Result<Plan, PipelineError> {
-    let runs = context.store.runs()?;
+    let runs = standing::speaking(context)?;
     let laws = campaign_laws(context, &runs, None)?;
     plan_from(context, &runs, &laws, &current_findings(context)?.groups)
 }
@@ -124,14 +124,15 @@ pub fn plan_from(
     groups: &[GroupDiagnosis],
 ) -> Result<Plan, PipelineError> {
     let untying = untie(laws, runs, &context.campaign);
-    let sheets = planned(context, runs)?;
+    let made = standing::all(context)?;
+    let sheets = planned(context, &made)?;
     let open: Vec<OpenRow> = sheets.open.iter().map(PlannedRow::open_row).collect();
     let ids = sheets
         .done
         .iter()
         .chain(&sheets.open)
         .map(|row| row.planned.as_str());
-    let tagged = runs.iter().filter_map(|run| run.tag(keys::PLANNED));
+    let tagged = made.iter().filter_map(|run| run.tag(keys::PLANNED));
     let number = |id: &str| id.strip_prefix('P')?.parse::<u32>().ok();
     let last_number = ids.chain(tagged).filter_map(number).max().unwrap_or(0);
     let mut planned_runs = next_runs(&Grounds {
@@ -254,7 +255,8 @@ pub struct SheetSummary {
 /// The file is there and no run sheet, or it cannot be written.
 pub fn write_sheet(context: &Context, plan: &Plan, file: &Path) -> Result<SheetSummary, PipelineError> {
     let before = earlier_rows(file)?;
-    let runs = context.store.runs()?;
+    // A run that was set aside was made all the same, and has its tags from its row.
+    let runs = standing::all(context)?;
     let made: BTreeSet<&str> = runs.iter().filter_map(|run| run.tag(keys::PLANNED)).collect();
     let (kept, open): (Vec<&SheetRow>, Vec<&SheetRow>) =
         before.iter().partition(|row| made.contains(row.planned.as_str()));
@@ -393,30 +395,8 @@ fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineErro
     let bytes = writer
         .into_inner()
         .map_err(|error| failed(std::io::Error::other(error.to_string())))?;
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(failed)?;
-    // A name that no scan takes for data until it is whole.
-    let mut fresh = tempfile::Builder::new()
-        .prefix(".run-sheet-")
-        .suffix(".tmp")
-        .tempfile_in(folder)
-        .map_err(failed)?;
-    fresh.write_all(&bytes).map_err(failed)?;
-    fresh.as_file().sync_all().map_err(failed)?;
-    readable_by_all(fresh.as_file()).map_err(failed)?;
-    fresh.persist(file).map_err(|kept| failed(kept.error))?;
-    Ok(())
-}
-
-/// Temporary files are their owner's alone; a sheet is for everyone at the bench.
-fn readable_by_all(file: &std::fs::File) -> std::io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        file.set_permissions(std::fs::Permissions::from_mode(0o644))?;
+    if let Some(folder) = file.parent() {
+        std::fs::create_dir_all(folder).map_err(failed)?;
     }
-    #[cfg(not(unix))]
-    let _ = file;
-    Ok(())
+    put_bytes(file, true, &bytes)
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::PipelineError;
 use super::inspect::{Inspection, inspect_bytes};
+use super::whole_file::put_bytes;
 use crate::ingest::profiles::{self, FOLDER};
 
 /// A proposed profile and what it makes of its file.
@@ -75,13 +76,12 @@ impl ProposedProfile {
         if let Some(path) = [&path, &taken].into_iter().find(|path| path.exists()) {
             return Err(PipelineError::FileExists { path: path.clone() });
         }
-        let failed = |source| PipelineError::File {
-            path: path.clone(),
-            doing: "writing the profile",
+        std::fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
+            path: folder.clone(),
+            doing: "making the folder of profiles",
             source,
-        };
-        std::fs::create_dir_all(&folder).map_err(failed)?;
-        std::fs::write(&path, &self.profile).map_err(failed)?;
+        })?;
+        put_bytes(&path, false, self.profile.as_bytes())?;
         self.written = Some(path);
         Ok(())
     }

@@ -6,21 +6,26 @@ use super::across_runs::campaign_laws;
 use super::along::PageCurves;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
+use super::fault::{or_nothing, step};
+use super::standing::Runs;
 use super::swap::replace_folder;
-use super::{Context, Observer, PipelineError, next_runs};
+use super::{Context, Observer, PipelineError, next_runs, standing};
 use crate::analysis::laws::contrast;
+use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
 use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::{monitoring, same_tags, sequence};
-use crate::domain::RunRecord;
+use crate::domain::{Fault, RunRecord};
 use crate::model::effects::{self, Effect};
 use crate::pipeline::ingest::run_window;
 use crate::report;
 
 /// Folder of the report inside a campaign.
 pub const REPORT_FOLDER: &str = "report";
-/// Says what a report was made from, so that an unchanged one is not made again.
+/// Says what a report was made from, so that an unchanged one is not made again. A report with faults has none.
 pub(super) const STAMP: &str = ".made-from";
+/// What a fault of the program left out of the report; there where something is.
+pub(super) const FAULTS: &str = ".faults.json";
 
 /// The verb `report`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,7 +35,7 @@ pub struct RenderReport {
 }
 
 /// What `report` did.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
 pub struct ReportSummary {
     /// The page to open.
     pub index: PathBuf,
@@ -38,6 +43,16 @@ pub struct ReportSummary {
     pub rendered: bool,
     /// Number of pages written.
     pub pages: usize,
+    /// What a fault of the program left out of it.
+    pub faults: Vec<Fault>,
+}
+
+/// What a fault of the program left out of the report that stands.
+pub fn report_faults(folder: &Path) -> Vec<Fault> {
+    let text = std::fs::read_to_string(folder.join(REPORT_FOLDER).join(FAULTS));
+    text.ok()
+        .and_then(|text| serde_json::from_str(&text).ok())
+        .unwrap_or_default()
 }
 
 impl RenderReport {
@@ -59,6 +74,7 @@ impl RenderReport {
                 index,
                 rendered: false,
                 pages: 0,
+                faults: Vec::new(),
             });
         }
         let input = input(context, changes, &changed_at)?;
@@ -73,7 +89,8 @@ impl RenderReport {
         Ok(ReportSummary {
             index,
             rendered: true,
-            pages: rendered,
+            pages: rendered.pages,
+            faults: rendered.faults,
         })
     }
 }
@@ -84,7 +101,7 @@ fn write_fresh(
     fresh: &Path,
     stamp: &str,
     observer: &dyn Observer,
-) -> Result<usize, PipelineError> {
+) -> Result<report::Rendered, PipelineError> {
     std::fs::create_dir_all(fresh).map_err(failed(fresh, "making the report's folder"))?;
     observer.begin("rendering", input.runs.len() as u64);
     let curves = PageCurves::new(&context.store, &input.runs, &context.campaign);
@@ -92,9 +109,13 @@ fn write_fresh(
     let reach = |done: usize, pages: usize| observer.reach((done * input.runs.len() / pages.max(1)) as u64);
     let rendered = report::render(input, &curves, fresh, &reach)?;
     observer.end();
-    std::fs::write(fresh.join(STAMP), stamp).map_err(failed(fresh, "stamping the report"))?;
+    let (name, text) = match rendered.faults.is_empty() {
+        true => (STAMP, stamp.to_owned()),
+        false => (FAULTS, serde_json::json!(rendered.faults).to_string()),
+    };
+    std::fs::write(fresh.join(name), text).map_err(failed(fresh, "stamping the report"))?;
     sync(fresh);
-    Ok(rendered.pages)
+    Ok(rendered)
 }
 
 /// Brings the report to the disk before it takes the old one's place. What fails here costs durability only:
@@ -123,31 +144,44 @@ pub(super) fn input(
     changes: u64,
     changed_at: &str,
 ) -> Result<report::Input, PipelineError> {
-    let mut runs = context.store.runs()?;
+    let Runs {
+        speaking: mut runs,
+        set_aside,
+    } = standing::runs(context)?;
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
-    let mut news: Vec<report::News> = runs
-        .iter()
+    let mut news: Vec<report::News> = (runs.iter().chain(&set_aside))
         .map(|run| report::News {
             run_path: run.path.clone(),
             at: run.ingested_at.clone(),
         })
         .collect();
     news.sort_by(|a, b| b.at.cmp(&a.at).then_with(|| a.run_path.cmp(&b.run_path)));
-    let laws = campaign_laws(context, &runs, None)?;
-    let contrasts = contrast::contrasts(&runs, &context.campaign, &laws.facts);
-    let findings = findings(context, &runs)?;
-    let plan = next_runs::plan_from(context, &runs, &laws, &findings.groups)?;
-    let monitoring = monitoring::monitor(&runs, &context.campaign, &laws);
+    // Each of these may fail by itself: the report then lacks it, and says so.
+    let mut faults = Vec::new();
+    let mut laws = or_nothing(campaign_laws(context, &runs, None), &mut faults)?;
+    if laws.facts.len() != runs.len() {
+        laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
+    }
+    let contrasts = || Ok(contrast::contrasts(&runs, &context.campaign, &laws.facts));
+    let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
+    let findings = or_nothing(step("findings", || findings(context, &runs)), &mut faults)?;
+    let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
+    let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
+    let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
+    let monitoring = or_nothing(step("monitoring", monitoring), &mut faults)?;
+    let confounding = step("confounding", || Ok(confounding_maps(&laws, &runs)));
     Ok(report::Input {
-        confounding: confounding_maps(&laws, &runs),
+        confounding: or_nothing(confounding, &mut faults)?,
+        faults,
         untying: plan.untying,
         next_runs: plan.runs,
         laws,
         contrasts,
         monitoring,
         campaign: context.campaign.clone(),
-        modulus_logs: context.store.modulus_logs()?,
+        modulus_logs: standing::modulus_logs(context)?.0,
+        set_aside,
         superseded: context.store.superseded_runs()?,
         files: context
             .store

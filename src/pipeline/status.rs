@@ -1,18 +1,29 @@
 //! Counts: runs by state, refused files with reasons, gaps in the condition matrix, what is out of date.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use serde::Serialize;
 
 use super::context::CODE_VERSION;
+use super::fault::or_nothing;
 use super::fit::is_of_failed_fit;
+use super::ingest::tagging::NO_AREA;
+use super::ingest::unread::RESPONSE_MISSING;
 use super::ingest::{UnreadableTags, unreadable_tags};
 use super::lengthwise::LumpedOrDistributedEntry;
+use super::mends::{Together, together};
 use super::planned::{Planned, planned};
-use super::{Context, PipelineError};
+use super::report::report_faults;
+use super::standing::{Runs, SetAside};
+use super::{Context, PipelineError, standing};
 use crate::domain::tag::keys;
-use crate::domain::{Alarm, ClimateAssessment, FileState, Issue, RunRecord, RunState};
+use crate::domain::{
+    Alarm, ClimateAssessment, Fault, FileState, Issue, RunKind, RunRecord, RunState, Severity,
+};
 use crate::ingest::archive::{Archive, Archived, BlobFinding};
+use crate::ingest::name_pattern::{self, ProposedPattern};
+use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
 use crate::store::RunContent;
 
 /// The state of a campaign.
@@ -22,16 +33,29 @@ pub struct Status {
     pub campaign: String,
     /// Number of current runs.
     pub runs: usize,
-    /// Current runs by state; fitted ones counted as `fitted`.
+    /// Current runs by state; fitted ones counted as `fitted`, those that no result is made from as `dropped`, `condemned` or
+    /// `copy`.
     pub runs_by_state: BTreeMap<&'static str, usize>,
     /// Current modulus logs by state; analysed ones counted as `analysed`.
     pub modulus_logs_by_state: BTreeMap<&'static str, usize>,
+    /// Runs and modulus logs that no result is made from, with the reason.
+    pub set_aside: Vec<SetAside>,
     /// Modulus logs that are not analysed, with the reason.
     pub modulus_logs_not_analysed: Vec<Reasoned>,
     /// Runs that wait for tags, with what is missing.
     pub untagged: Vec<Reasoned>,
+    /// The name pattern that would tag the most of them; none where none would tag two.
+    pub proposed_pattern: Option<ProposedPattern>,
     /// Runs that are tagged and have no fit: those that could not be fitted, with the reason, and those that wait.
     pub not_fitted: Vec<Reasoned>,
+    /// Runs whose voltage does not go in steps, such as sweeps: kept, not fitted, waiting for nothing.
+    pub no_steps: Vec<Reasoned>,
+    /// Tag keys that are neither known nor declared, with the runs that have them and the mend.
+    pub undeclared_tags: Vec<Together>,
+    /// Fitted runs whose files hold a response that was not read, with the reason.
+    pub fitted_without_response: Vec<Reasoned>,
+    /// Runs whose readings lie under several names that are tagged differently.
+    pub names_contradict: Vec<Reasoned>,
     /// Files that were refused.
     pub refused: Vec<Reasoned>,
     /// What cannot be read of tag files: the runs that they speak for wait.
@@ -40,8 +64,10 @@ pub struct Status {
     pub pending: Vec<Reasoned>,
     /// Raw files that the archive lacks or holds with another size, by a file of the run or log that they are of.
     pub raw_files_lost: Vec<Reasoned>,
-    /// Files that hold the same bytes as a run's file.
+    /// Number of files that hold the same bytes as a run's file.
     pub aliases: usize,
+    /// These files, each with the run.
+    pub alias_files: Vec<AliasFile>,
     /// Files of runs and logs that are no longer in the folder.
     pub missing_files: Vec<String>,
     /// Conditions without a run, among all combinations of the materials, environments and voltages measured.
@@ -62,6 +88,8 @@ pub struct Status {
     pub alarms: Vec<Alarm>,
     /// Why nothing is watched; none where something is.
     pub monitoring: Option<String>,
+    /// What a fault of the program left out: of the report that stands, and of what is said here.
+    pub faults: Vec<Fault>,
 }
 
 /// Climate logs and what they come to.
@@ -93,6 +121,15 @@ pub struct Reasoned {
     pub issues: Vec<Issue>,
 }
 
+/// A file that holds the bytes of a run's file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AliasFile {
+    /// Path relative to the campaign.
+    pub path: String,
+    /// The run.
+    pub run: String,
+}
+
 /// A condition that nothing was measured in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
@@ -109,7 +146,11 @@ pub struct Gap {
 /// # Errors
 /// The database cannot be read.
 pub fn status(context: &Context) -> Result<Status, PipelineError> {
-    let runs = context.store.runs()?;
+    let Runs {
+        speaking: runs,
+        set_aside,
+    } = standing::runs(context)?;
+    let (logs, logs_aside) = standing::modulus_logs(context)?;
     let files = context.store.files()?;
     let file_list = |state: FileState| {
         let of_state = files
@@ -131,7 +172,9 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         };
         *runs_by_state.entry(state).or_insert(0) += 1;
     }
-    let logs = context.store.modulus_logs()?;
+    for run in &set_aside {
+        *runs_by_state.entry(run.standing.key()).or_insert(0) += 1;
+    }
     let mut modulus_logs_by_state = BTreeMap::new();
     for log in &logs {
         let state = match (&log.analysis, log.run.state) {
@@ -149,30 +192,43 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         })
         .collect();
     let waiting = super::diagnose::waiting(context)?;
-    let watched = super::alarms::monitoring(context)?;
+    let mut faults = report_faults(&context.folder);
+    let watched = or_nothing(super::alarms::monitoring(context), &mut faults)?;
     let missing = files
         .iter()
         .filter(|file| matches!(file.state, FileState::Run | FileState::Log) && file.missing_since.is_some());
+    let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {
+        proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
         campaign: context.campaign.id.clone(),
-        runs: runs.len(),
+        runs: runs.len() + set_aside.len(),
         runs_by_state,
         modulus_logs_by_state,
         modulus_logs_not_analysed,
-        untagged: reasoned(&runs, |run| run.state == RunState::Untagged),
+        untagged,
         not_fitted: without_fit(&runs),
+        no_steps: reasoned(&runs, |run| run.state == RunState::NoSteps),
+        undeclared_tags: undeclared_tags(context)?,
+        fitted_without_response: fitted_without_response(&runs),
+        set_aside: (set_aside.iter())
+            .chain(logs_aside.iter().map(|log| &log.run))
+            .map(SetAside::of)
+            .collect(),
+        names_contradict: contradicting(&runs),
         refused: file_list(FileState::Refused),
         unreadable_tags: unreadable_tags(context)?,
         pending: file_list(FileState::Pending),
         raw_files_lost: raw_files_lost(context)?,
         aliases: file_list(FileState::Alias).len(),
+        alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
         groups_not_diagnosed: waiting.missing,
         findings_out_of_date: waiting.outdated,
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
-        planned: planned(context, &runs)?,
+        faults,
+        planned: planned(context, &standing::all(context)?)?,
         lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
@@ -236,6 +292,48 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
     })
 }
 
+/// Tag keys that are neither known nor declared, each with the runs that have it.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn undeclared_tags(context: &Context) -> Result<Vec<Together>, PipelineError> {
+    let mut found = context.store.issues_of_code(MISSPELT)?;
+    found.extend(context.store.issues_of_code(UNDECLARED)?);
+    let entries = found
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    Ok(together(entries))
+}
+
+/// What runs wait for before they can be fitted, each mend with all runs that need it: tags, samples, their sizes.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn waiting_for(context: &Context) -> Result<Vec<Together>, PipelineError> {
+    let mut found = Vec::new();
+    for code in [MISSING, UNKNOWN_SAMPLE, NO_AREA] {
+        found.extend(context.store.issues_of_code(code)?);
+    }
+    found.retain(|(_, issue)| issue.severity == Severity::Error);
+    let entries = found
+        .iter()
+        .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));
+    Ok(together(entries))
+}
+
+/// The name pattern that would tag the most of these runs, where it tags two or more and is not the campaign's.
+pub fn proposed_pattern<'a>(
+    context: &Context,
+    untagged: impl Iterator<Item = &'a str>,
+) -> Option<ProposedPattern> {
+    let runs = untagged.filter(|path| context.campaign.kind_of(path) == RunKind::Actuation);
+    let stems: Vec<String> = runs.map(|path| tags::stem(Path::new(path))).collect();
+    let stems: Vec<&str> = stems.iter().map(String::as_str).collect();
+    let found = name_pattern::propose(&stems)?;
+    let is_new = context.campaign.name_pattern.as_ref() != Some(&found.pattern);
+    (found.explains >= 2 && is_new).then_some(found)
+}
+
 fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reasoned> {
     runs.iter()
         .filter(|run| wanted(run))
@@ -244,6 +342,42 @@ fn reasoned(runs: &[RunRecord], wanted: impl Fn(&RunRecord) -> bool) -> Vec<Reas
             issues: run.issues.clone(),
         })
         .collect()
+}
+
+/// Fitted runs that lack a response, with the issue that says which and why.
+fn fitted_without_response(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let of = |run: &RunRecord| {
+        let issues = run.issues.iter();
+        let issues: Vec<Issue> = issues
+            .filter(|issue| issue.code == RESPONSE_MISSING)
+            .cloned()
+            .collect();
+        (run.fit.is_some() && !issues.is_empty()).then(|| Reasoned {
+            path: run.path.clone(),
+            issues,
+        })
+    };
+    runs.iter().filter_map(of).collect()
+}
+
+fn aliases_of(run: &RunRecord) -> impl Iterator<Item = AliasFile> {
+    let aliases = run.files.iter().flat_map(|file| &file.aliases);
+    aliases.map(|path| AliasFile {
+        path: path.clone(),
+        run: run.path.clone(),
+    })
+}
+
+fn contradicting(runs: &[RunRecord]) -> Vec<Reasoned> {
+    let issues = |run: &RunRecord| -> Vec<Issue> {
+        let found = run.issues.iter().filter(|issue| issue.code == NAMES_CONTRADICT);
+        found.cloned().collect()
+    };
+    let of = |run: &RunRecord| Reasoned {
+        path: run.path.clone(),
+        issues: issues(run),
+    };
+    runs.iter().map(of).filter(|run| !run.issues.is_empty()).collect()
 }
 
 /// Runs without a fit: those that cannot have one, and those that wait for it, as diagnoses need no fits of single runs.
@@ -259,7 +393,8 @@ fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
             issues,
         }
     };
-    let wanted = |run: &&RunRecord| run.state != RunState::Untagged && run.fit.is_none();
+    let is_set_apart = |run: &RunRecord| matches!(run.state, RunState::Untagged | RunState::NoSteps);
+    let wanted = |run: &&RunRecord| !is_set_apart(run) && run.fit.is_none();
     runs.iter().filter(wanted).map(of).collect()
 }
 

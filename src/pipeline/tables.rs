@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
-use super::{Context, PipelineError};
+use super::standing::Runs;
+use super::{Context, PipelineError, standing};
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named};
 use crate::domain::{GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
@@ -14,6 +15,7 @@ use crate::store::Earlier;
 /// What tables are made from, read from the database.
 pub(super) struct TableData {
     runs: Vec<RunRecord>,
+    set_aside: Vec<RunRecord>,
     modulus_logs: Vec<ModulusLog>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
@@ -23,26 +25,30 @@ pub(super) struct TableData {
 impl TableData {
     /// Everything as it is now.
     pub(super) fn current(context: &Context) -> Result<TableData, PipelineError> {
-        let runs = context.store.runs()?;
-        let modulus_logs = context.store.modulus_logs()?;
-        TableData::with(context, runs, modulus_logs)
+        let Runs { speaking, set_aside } = standing::runs(context)?;
+        let (modulus_logs, _) = standing::modulus_logs(context)?;
+        TableData::with(context, speaking, set_aside, modulus_logs)
     }
 
     /// Runs and logs as they were; files and diagnoses as they are now.
     fn earlier(context: &Context, earlier: &Earlier) -> Result<TableData, PipelineError> {
-        let runs = context.store.runs_earlier(earlier)?;
-        let modulus_logs = context.store.modulus_logs_earlier(earlier)?;
-        TableData::with(context, runs, modulus_logs)
+        let runs = standing::speaking_earlier(context, earlier)?;
+        let set_aside = standing::runs(context)?.set_aside;
+        let earlier_logs = context.store.modulus_logs_earlier(earlier)?;
+        let (modulus_logs, _) = standing::split_logs(context, earlier_logs)?;
+        TableData::with(context, runs, set_aside, modulus_logs)
     }
 
     fn with(
         context: &Context,
         runs: Vec<RunRecord>,
+        set_aside: Vec<RunRecord>,
         modulus_logs: Vec<ModulusLog>,
     ) -> Result<TableData, PipelineError> {
         let (changes, changed_at) = context.store.changes()?;
         Ok(TableData {
             runs,
+            set_aside,
             modulus_logs,
             files: context
                 .store
@@ -62,6 +68,7 @@ impl TableData {
         named.table(&TableInput {
             campaign: &context.campaign,
             runs: &self.runs,
+            set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
             files: &self.files,
             groups: &self.groups,
@@ -133,7 +140,8 @@ pub struct MovedDocument {
     pub compared: usize,
     /// Cells that moved by more than one standard error of what stood there, or became something else.
     pub beyond_one_sigma: usize,
-    /// Cells that moved, the farthest first.
+    /// Cells that moved: those that became something else, then the farthest, then what has no error. A cell without an
+    /// error that is printed as before is none.
     pub cells: Vec<MovedEntry>,
     /// Rows that are gone.
     pub rows_gone: Vec<String>,
@@ -182,9 +190,13 @@ pub fn moved_since(context: &Context, name: &str, earlier: &Earlier) -> Result<M
         compared,
         beyond_one_sigma: cells
             .iter()
-            .filter(|cell| cell.sigma.is_none_or(|sigma| sigma > 1.0))
+            .filter(|cell| cell.became_other() || cell.sigma.is_some_and(|sigma| sigma > 1.0))
             .count(),
-        cells: cells.into_iter().map(entry).collect(),
+        cells: cells
+            .into_iter()
+            .map(entry)
+            .filter(|entry| entry.sigma.is_some() || entry.before != entry.after)
+            .collect(),
         rows_gone,
         rows_new,
     })

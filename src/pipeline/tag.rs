@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::context::now;
 use super::{Context, Observer, PipelineError, climate};
-use crate::domain::{Issue, RunState};
+use crate::domain::{FileState, Issue, RunState};
+use crate::ingest::tags::objection;
 use crate::pipeline::ingest::retag_runs;
 use crate::store::HandTag;
 
@@ -36,9 +37,10 @@ impl SetTags {
     /// Stores the tags and tags the run again.
     ///
     /// # Errors
-    /// No run has that name, or the database refuses.
+    /// No run has that name, a key is neither known nor declared, or the database refuses.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<TagSummary, PipelineError> {
-        let run_path = self.known_run(context)?;
+        self.check_keys(&context.campaign.extra_tags)?;
+        let run_path = known_run(context, &self.run)?;
         let now = now();
         let tag = |(key, value): &(String, String)| HandTag {
             run_path: run_path.clone(),
@@ -74,40 +76,75 @@ impl SetTags {
         })
     }
 
-    /// The run meant: by its whole name, or by the end of it where only one run ends so.
-    fn known_run(&self, context: &Context) -> Result<String, PipelineError> {
-        let names: Vec<String> = context
-            .store
-            .tag_digests()?
-            .into_iter()
-            .map(|(_, path, _)| path)
-            .collect();
-        let wanted = self.run.trim_start_matches("./").replace('\\', "/");
-        if names.contains(&wanted) {
-            return Ok(wanted);
-        }
-        let ends: Vec<&String> = names
-            .iter()
-            .filter(|name| name.ends_with(&format!("/{wanted}")))
-            .collect();
-        match ends.as_slice() {
-            [one] => Ok((*one).clone()),
-            [] => {
-                let file = wanted.rsplit('/').next().unwrap_or(&wanted);
-                let near = names
-                    .iter()
-                    .find(|name| name.ends_with(file) || name.contains(&wanted));
-                Err(unknown(
-                    &self.run,
-                    &near.map(|name| format!(" Is {name} meant?")).unwrap_or_default(),
-                ))
-            }
-            _ => Err(unknown(
-                &self.run,
-                &format!(" {} runs end so; give the whole name.", ends.len()),
-            )),
+    /// Refuses keys that are neither known nor declared; one that was set before may be taken back.
+    fn check_keys(&self, extra: &[String]) -> Result<(), PipelineError> {
+        let set = self.pairs.iter().filter(|(_, value)| !value.is_empty());
+        match set.filter_map(|(key, _)| objection(key, extra)).next() {
+            Some(issue) => Err(PipelineError::UnknownTagKey {
+                found: issue.message,
+                mend: issue.mend,
+            }),
+            None => Ok(()),
         }
     }
+}
+
+/// The run meant: by its whole name, by the end of it where only one run ends so, or by another name of its file's bytes.
+///
+/// # Errors
+/// There is no such run, or more than one.
+pub(super) fn known_run(context: &Context, given: &str) -> Result<String, PipelineError> {
+    let names: Vec<String> = context
+        .store
+        .tag_digests()?
+        .into_iter()
+        .map(|(_, path, _)| path)
+        .collect();
+    let wanted = given.trim_start_matches("./").replace('\\', "/");
+    if names.contains(&wanted) {
+        return Ok(wanted);
+    }
+    let ends: Vec<&String> = names
+        .iter()
+        .filter(|name| name.ends_with(&format!("/{wanted}")))
+        .collect();
+    match ends.as_slice() {
+        [one] => Ok((*one).clone()),
+        [] => {
+            if let Some(run) = run_of_alias(context, &wanted)? {
+                return Ok(run);
+            }
+            let file = wanted.rsplit('/').next().unwrap_or(&wanted);
+            let near = names
+                .iter()
+                .find(|name| name.ends_with(file) || name.contains(&wanted));
+            Err(unknown(
+                given,
+                &near.map(|name| format!(" Is {name} meant?")).unwrap_or_default(),
+            ))
+        }
+        _ => Err(unknown(
+            given,
+            &format!(" {} runs end so; give the whole name.", ends.len()),
+        )),
+    }
+}
+
+/// The run whose file holds the bytes that lie under this name too.
+fn run_of_alias(context: &Context, path: &str) -> Result<Option<String>, PipelineError> {
+    let files = context.store.files()?;
+    let alias = files
+        .iter()
+        .find(|file| file.path == path && file.state == FileState::Alias);
+    let Some(hash) = alias.and_then(|file| file.hash.as_deref()) else {
+        return Ok(None);
+    };
+    Ok(context
+        .store
+        .runs_with_content(hash)?
+        .into_iter()
+        .map(|(run, _)| run)
+        .next())
 }
 
 fn unknown(found: &str, nearest: &str) -> PipelineError {

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::error::ReportError;
 use super::input::Input;
 use super::pages::DrawnRun;
 use super::run_pages::RunPage;
 use super::site::Site;
 use crate::domain::CurveSource;
+use crate::domain::fault::caught;
 
 /// Runs that are drawn at a time, or those of one page: enough for every core, few enough that only their curves are in
 /// memory.
@@ -33,31 +33,31 @@ pub fn batches(pages: &[RunPage]) -> Vec<Range<usize>> {
 /// A page of runs before it is drawn: its index, and its runs.
 pub type ToDraw = (usize, Vec<DrawnRun>);
 
-/// Fetches page number `page` of the runs.
-///
-/// # Errors
-/// [`ReportError::Curves`]: curves that could not be read.
-pub fn to_draw(site: &Site, page: usize, curves: &dyn CurveSource) -> Result<ToDraw, ReportError> {
+/// Fetches page number `page` of the runs; a run whose curves cannot be had says why.
+pub fn to_draw(site: &Site, page: usize, curves: &dyn CurveSource) -> ToDraw {
     let runs = site.run_pages[page].runs.iter();
-    let drawn: Result<Vec<DrawnRun>, ReportError> =
-        runs.map(|&run| drawn_run(site.input, run, curves)).collect();
-    Ok((page, drawn?))
+    let drawn = |&run: &usize| {
+        let made = caught(|| drawn_run(site.input, run, curves)).flatten();
+        made.unwrap_or_else(|reason| DrawnRun {
+            run,
+            curves: Vec::new(),
+            climate: Vec::new(),
+            failed: Some(reason),
+        })
+    };
+    (page, runs.map(drawn).collect())
 }
 
-fn drawn_run(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<DrawnRun, ReportError> {
-    let record = &input.runs[run];
-    let failed = |reason| ReportError::Curves {
-        run: record.path.clone(),
-        reason,
-    };
-    let climate = match record.climate.is_empty() {
-        true => Vec::new(),
-        false => curves.climate_curves(record.id).map_err(failed)?,
-    };
+fn drawn_run(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<DrawnRun, String> {
+    let record = input.record(run);
     Ok(DrawnRun {
         run,
-        curves: curves.curves(record.id).map_err(failed)?,
-        climate,
+        curves: curves.curves(record.id)?,
+        climate: match record.climate.is_empty() {
+            true => Vec::new(),
+            false => curves.climate_curves(record.id)?,
+        },
+        failed: None,
     })
 }
 

@@ -48,7 +48,20 @@ pub enum ReportError {
         /// What the drawing library says.
         reason: String,
     },
+    /// A page or a part of it panicked: a fault of the program.
+    #[error("{0}")]
+    Fault(String),
     /// A table beside the pages could not be written.
     #[error(transparent)]
     Table(#[from] ExportError),
+}
+
+impl ReportError {
+    /// Whether the disk refused; every other is a fault of the program.
+    pub fn is_of_disk(&self) -> bool {
+        matches!(
+            self,
+            ReportError::Write { .. } | ReportError::Table(ExportError::Write { .. })
+        )
+    }
 }

@@ -9,15 +9,17 @@ use crate::analysis::monitoring::Monitoring;
 use crate::analysis::online::Turn;
 use crate::analysis::plan::{PlannedRun, Untying};
 use crate::analysis::shared_effects::SharedEffect;
-use crate::domain::{Campaign, ClimateAssessment, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+use crate::domain::{Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Input {
     /// The campaign.
     pub campaign: Campaign,
-    /// Current revision of every run, in the order in which lists show them.
+    /// Current revision of every run that results are made from, in the order in which lists show them.
     pub runs: Vec<RunRecord>,
+    /// The runs that none are made from, each with its reason: they have a page and stand in the list of runs.
+    pub set_aside: Vec<RunRecord>,
     /// Earlier revisions of the same paths, for the history on the run pages.
     pub superseded: Vec<RunRecord>,
     /// Current modulus logs with what was found in them.
@@ -44,8 +46,25 @@ pub struct Input {
     pub monitoring: Monitoring,
     /// Climate logs: sensors, comparisons, exposure.
     pub climate: ClimateAssessment,
+    /// Steps before the report that a fault of the program stopped: what they would have given is missing.
+    pub faults: Vec<Fault>,
     /// Start and end of the runs whose start is known, s since 1970 UTC.
     pub run_spans_s: Vec<(f64, f64)>,
+}
+
+impl Input {
+    /// Run number `run` of all that have a page: those of `runs`, then those of `set_aside`.
+    pub fn record(&self, run: usize) -> &RunRecord {
+        match run.checked_sub(self.runs.len()) {
+            None => &self.runs[run],
+            Some(place) => &self.set_aside[place],
+        }
+    }
+
+    /// All runs that have a page, in the order of their numbers.
+    pub fn records(&self) -> impl Iterator<Item = &RunRecord> {
+        self.runs.iter().chain(&self.set_aside)
+    }
 }
 
 /// What diagnoses found, and what is known of the effects that they name.

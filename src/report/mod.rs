@@ -4,11 +4,13 @@
 mod compact;
 mod drawn_runs;
 pub mod error;
+mod fault;
 pub mod figures;
 pub mod input;
 pub mod number;
 pub mod pages;
 pub mod prints;
+mod render;
 pub mod run_index;
 pub mod run_pages;
 mod shared_axes;
@@ -16,7 +18,9 @@ pub mod site;
 pub mod slug;
 pub mod tables;
 pub mod visible;
+pub mod zone;
 
 pub use error::ReportError;
 pub use input::{EffectParameterText, EffectText, Findings, Input, News, Origin};
-pub use site::{Rendered, Site, render};
+pub use render::{Rendered, render, render_site};
+pub use site::Site;

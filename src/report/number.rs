@@ -4,10 +4,19 @@
 //! with the three leading digits of the uncertainty between 100 and 354 it keeps two digits, between 355
 //! and 949 one, from 950 it rounds up to 1000 and keeps two. The value is rounded to the same place. So an
 //! uncertainty is never rounded by more than a seventh, and no digit is printed that carries no information.
+//!
+//! Every `f64` can be printed, with any uncertainty: rounding ends in whole units of the last place, whose digits are
+//! then set with a point or zeros, so that nothing is scaled back to a number that may not exist.
 
 /// Values from this power of ten on, or below its negative counterpart, are printed with a power of ten.
 const PLAIN_UP_TO: i32 = 5;
 const PLAIN_DOWN_TO: i32 = -2;
+/// An uncertainty below this part of its value is not told: a number of 64 bits (2^-52 of itself) does not move by it.
+const LEAST_UNCERTAINTY: f64 = f64::EPSILON;
+/// Most significant digits asked for: what a number of 64 bits carries.
+const MOST_DIGITS: i32 = 17;
+/// Most decimals printed; beyond them a number of 64 bits is 0.
+const MOST_DECIMALS: usize = 324;
 
 /// A number in pieces, for writers with a notation of their own: digits with a real minus, the uncertainty at the
 /// same place, and the power of ten that both share.
@@ -65,10 +74,11 @@ impl Rounded {
     }
 }
 
-/// A value and its standard error, both rounded by the error. An error of zero or one that is no number gives the
-/// value alone with three digits.
+/// A value and its standard error, both rounded by the error. An error of zero, one that the value does not move by, or
+/// one that is no number gives the value alone with three digits.
 pub fn rounded(value: f64, standard_error: f64) -> Rounded {
-    if !value.is_finite() || !standard_error.is_finite() || standard_error <= 0.0 {
+    let is_told = standard_error > 0.0 && standard_error >= LEAST_UNCERTAINTY * value.abs();
+    if !value.is_finite() || !standard_error.is_finite() || !is_told {
         return rounded_to(value, 3);
     }
     let place = rounding_place(standard_error);
@@ -96,11 +106,12 @@ pub fn rounded_to(value: f64, digits: i32) -> Rounded {
         exponent: None,
     };
     if !value.is_finite() {
-        return alone("–".to_owned());
+        return alone(NO_NUMBER.to_owned());
     }
     if value == 0.0 {
         return alone("0".to_owned());
     }
+    let digits = digits.clamp(1, MOST_DIGITS);
     let leading = exponent_after_rounding(value, digits);
     if (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading) {
         return alone(rounded_at(value, leading - digits + 1));
@@ -176,9 +187,20 @@ pub fn lower_bound(bound: f64) -> String {
     format!("> {}", rounded_bound(bound, false).value_text())
 }
 
-/// A fixed number of decimals with a real minus; a zero has no sign.
+/// A fixed number of decimals with a real minus; a zero has no sign, and what is no number is a dash.
 pub fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
+    if !value.is_finite() {
+        return NO_NUMBER.to_owned();
+    }
+    let decimals = decimals.min(MOST_DECIMALS);
+    signed(&format!("{value:.decimals$}"))
+}
+
+/// Stands for what is no number.
+const NO_NUMBER: &str = "–";
+
+/// A text of digits with a real minus; a zero has no sign.
+fn signed(text: &str) -> String {
     let unsigned = text.trim_start_matches('-');
     let is_zero = unsigned.chars().all(|c| c == '0' || c == '.');
     match text.starts_with('-') && !is_zero {
@@ -284,7 +306,7 @@ fn rounding_place(standard_error: f64) -> i32 {
 }
 
 fn exponent_after_rounding(value: f64, digits: i32) -> i32 {
-    let text = format!("{:.*e}", (digits - 1).max(0) as usize, value.abs());
+    let text = format!("{:.*e}", (digits - 1) as usize, value.abs());
     text.rsplit_once('e')
         .and_then(|(_, exponent)| exponent.parse().ok())
         .unwrap_or(0)
@@ -293,15 +315,40 @@ fn exponent_after_rounding(value: f64, digits: i32) -> i32 {
 /// `value` rounded at 10^place and printed without digits beyond it.
 fn rounded_at(value: f64, place: i32) -> String {
     // Rounded in units of the place, half away from zero: 0.95 is 1.0, though its binary form lies below.
-    let in_places = scaled(value, -place).round();
-    fixed(scaled(in_places, place), (-place).max(0) as usize)
+    in_places(scaled(value, -place).round(), place)
 }
 
-/// `value` times 10^power; dividing by a positive power keeps decimal fractions exact where it can.
+/// A whole number of units of 10^place, as digits: 95 units of 10^-2 are `0.95`, of 10^1 `950`.
+fn in_places(units: f64, place: i32) -> String {
+    let digits = format!("{:.0}", units.abs());
+    let sign = if units < 0.0 { "-" } else { "" };
+    let decimals = place.min(0).unsigned_abs() as usize;
+    if decimals == 0 {
+        let zeros = if units == 0.0 { 0 } else { place as usize };
+        return signed(&format!("{sign}{digits}{}", "0".repeat(zeros)));
+    }
+    let digits = format!("{digits:0>width$}", width = decimals + 1);
+    let (whole, fraction) = digits.split_at(digits.len() - decimals);
+    signed(&format!("{sign}{whole}.{fraction}"))
+}
+
+/// `value` times 10^power; dividing by a positive power keeps decimal fractions exact where it can. In steps, for
+/// 10^±324 is no number while 5·10^-324 times it is.
 fn scaled(value: f64, power: i32) -> f64 {
-    match power < 0 {
-        true => value / 10f64.powi(-power),
-        false => value * 10f64.powi(power),
+    const STEP: i32 = 300;
+    let mut value = value;
+    let mut left = power;
+    while left < -STEP {
+        value /= 10f64.powi(STEP);
+        left += STEP;
+    }
+    while left > STEP {
+        value *= 10f64.powi(STEP);
+        left -= STEP;
+    }
+    match left < 0 {
+        true => value / 10f64.powi(-left),
+        false => value * 10f64.powi(left),
     }
 }
 
@@ -311,19 +358,25 @@ fn outward(bound: f64, round: fn(f64) -> f64) -> Rounded {
         return rounded_to(bound, 1);
     }
     let place = decimal_exponent(bound.abs()) - 1;
-    let in_places = scaled(bound, -place);
+    let in_places_of = scaled(bound, -place);
     // A bound that already has two digits must not move to the next because of its binary representation.
-    let nearest = in_places.round();
-    let kept = match (in_places - nearest).abs() < 1e-9 * nearest.abs() {
+    let nearest = in_places_of.round();
+    let kept = match (in_places_of - nearest).abs() < 1e-9 * nearest.abs() {
         true => nearest,
-        false => round(in_places),
+        false => round(in_places_of),
     };
-    let kept = rounded_to(scaled(kept, place), 2);
-    let value = match kept.value.contains('.') && kept.value.ends_with('0') {
-        true => kept.value.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => kept.value,
-    };
-    Rounded { value, ..kept }
+    // 99.5 of a place became 100.
+    let leading = place + if kept.abs() >= 100.0 { 2 } else { 1 };
+    let is_plain = (PLAIN_DOWN_TO..PLAIN_UP_TO).contains(&leading);
+    let value = in_places(kept, if is_plain { place } else { place - leading });
+    Rounded {
+        value: match value.contains('.') {
+            true => value.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            false => value,
+        },
+        error: None,
+        exponent: (!is_plain).then_some(leading),
+    }
 }
 
 #[cfg(test)]

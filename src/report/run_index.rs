@@ -23,7 +23,7 @@ const LONGEST: usize = 60;
 /// `window.ieapRuns = {"keys": [...], "values": [[...]], "pages": [...], "runs": [[name, place on its page, page, place of
 /// the value of each key or -1]]}`; a page of one run has no places.
 pub fn run_index(site: &Site) -> String {
-    let tags: Vec<BTreeMap<&str, String>> = site.input.runs.iter().map(|run| tags_of(site, run)).collect();
+    let tags: Vec<BTreeMap<&str, String>> = site.input.records().map(|run| tags_of(site, run)).collect();
     let keys: BTreeSet<&str> = tags.iter().flat_map(|tags| tags.keys().copied()).collect();
     let mut values: Vec<Vec<&str>> = Vec::new();
     for key in &keys {

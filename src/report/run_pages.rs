@@ -29,14 +29,16 @@ pub struct RunPage {
 }
 
 /// The pages of all runs of `input`, in the order of the groups' names; then those of runs that lack a needed tag or a
-/// sample, and so have no group: each on a page of its own.
+/// sample, and so have no group, and of those that are set aside: each on a page of its own.
 pub fn run_pages(input: &Input) -> Vec<RunPage> {
     let runs = &input.runs;
     let among = |run: &RunRecord| run.state != RunState::Untagged && run.tag(keys::SAMPLE).is_some();
     let groups = groups(runs, &input.campaign.group_by, &among);
     let files = groups.iter().map(|group| file_name(&group.name));
-    let alone: Vec<usize> = (0..runs.len()).filter(|&run| !among(&runs[run])).collect();
-    let paths = alone.iter().map(|&run| runs[run].path.clone());
+    let set_aside = (0..input.set_aside.len()).map(|place| runs.len() + place);
+    let without_group = (0..runs.len()).filter(|&run| !among(&runs[run]));
+    let alone: Vec<usize> = without_group.chain(set_aside).collect();
+    let paths = alone.iter().map(|&run| input.record(run).path.clone());
     let names: Vec<String> = files.chain(paths).collect();
     let slugs = slugs(names.iter().map(String::as_str));
     let mut pages = Vec::new();
@@ -99,9 +101,9 @@ impl Site<'_> {
         if let [only] = page.runs[..] {
             return self.run_name(only).to_owned();
         }
-        let runs = || page.runs.iter().map(|&run| &self.input.runs[run]);
+        let runs = || page.runs.iter().map(|&run| self.input.record(run));
         let shared = |key: &str| {
-            let first = self.input.runs[page.runs[0]].tag(key)?;
+            let first = self.input.record(page.runs[0]).tag(key)?;
             runs().all(|run| run.tag(key) == Some(first)).then_some(first)
         };
         let percents = || runs().filter_map(|run| run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT));

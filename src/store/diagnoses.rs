@@ -206,6 +206,17 @@ fn insert(
             .prepare_cached("INSERT INTO diagnosis_run VALUES (?1, ?2, ?3)")?
             .execute(params![id, ordinal as i64, run_id])?;
     }
+    if !found.condemned.is_empty() {
+        transaction.changes(Subject::Condemned)?;
+    }
+    for condemned in &found.condemned {
+        let sql = "INSERT INTO diagnosis_condemned
+                   SELECT ?1, run.id, ?3 FROM run JOIN diagnosis_run ON diagnosis_run.run_id = run.id
+                   WHERE diagnosis_run.diagnosis_id = ?1 AND run.path = ?2";
+        transaction
+            .prepare_cached(sql)?
+            .execute(params![id, condemned.run, condemned.reason])?;
+    }
     for (ordinal, candidate) in found.candidates.iter().enumerate() {
         insert_candidate(transaction, id, ordinal, candidate)?;
     }

@@ -5,7 +5,9 @@ use rusqlite::{OptionalExtension, ToSql, params};
 use super::along::insert_along;
 use super::blob::{pack_f64, unpack_f64};
 use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
-use crate::domain::{ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve};
+use crate::domain::{
+    AskedFit, ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve,
+};
 
 /// A run that can be fitted, with what its last fit depended on.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +28,8 @@ pub struct FitTask {
     pub data_hash: String,
     /// Input hash of the current fit, or of the last failure.
     pub done_input_hash: Option<String>,
+    /// How the last fit of any revision of the run was asked for.
+    pub last_asked: AskedFit,
 }
 
 /// What a fit was made from and by.
@@ -37,6 +41,8 @@ pub struct FitStamp {
     pub input_hash: String,
     /// Version of the program.
     pub code_version: String,
+    /// How it was asked for by hand.
+    pub asked: AskedFit,
 }
 
 impl Store {
@@ -53,9 +59,12 @@ impl Store {
                            || coalesce((SELECT group_concat(':' || key || '=' || value, '' ORDER BY key) FROM tag
                               WHERE run_id = run.id AND chosen = 1 AND +key IN ('leave_out', 'leave_out_marked')), ''),
                           coalesce(fit.input_hash, fit_failure.input_hash),
-                          run.electrode_resistance_ohm_per_sq
+                          run.electrode_resistance_ohm_per_sq, last.asked, last.id
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
+                            LEFT JOIN fit AS last ON last.id = (
+                                SELECT max(earlier.id) FROM run AS own JOIN fit AS earlier ON earlier.run_id = own.id
+                                WHERE own.path = run.path)
                    WHERE run.superseded_at IS NULL AND run.state = 'ready' AND run.kind = 'actuation'
                      AND run.drive IS NOT NULL AND run.area_cm2 IS NOT NULL
                    ORDER BY run.path";
@@ -67,6 +76,8 @@ impl Store {
         let mut tasks = Vec::new();
         while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
             self.check_seal(&Subject::Run(row.get(0).map_err(|e| self.failed(doing, e))?))?;
+            let last_fit: Option<i64> = row.get(9).map_err(|e| self.failed(doing, e))?;
+            last_fit.map_or(Ok(()), |id| self.check_seal(&Subject::Fit(id)))?;
             let read = || -> Result<FitTask, StepError> {
                 Ok(FitTask {
                     run_id: row.get(0)?,
@@ -77,6 +88,10 @@ impl Store {
                     data_hash: row.get(5)?,
                     done_input_hash: row.get(6)?,
                     electrode_resistance_ohm_per_sq: row.get(7)?,
+                    last_asked: match row.get::<_, Option<String>>(8)? {
+                        Some(asked) => from_json("how a fit was asked for", &asked)?,
+                        None => AskedFit::default(),
+                    },
                 })
             };
             tasks.push(read().map_err(self.named(doing))?);
@@ -271,8 +286,13 @@ fn insert_fit(
 ) -> Result<(), StepError> {
     retire_fit(transaction, now, stamp.run_id)?;
     let sql = "INSERT INTO fit (run_id, input_hash, model, model_version, code_version, method, converged,
-                 why_stopped, n_samples, r_squared_current, r_squared_curvature, noise, issues, evaluations, made_at)
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15)";
+                 why_stopped, n_samples, r_squared_current, r_squared_curvature, noise, issues, evaluations, made_at,
+                 asked)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
+    let asked = match stamp.asked.is_open() {
+        true => None,
+        false => Some(to_json("how a fit was asked for", &stamp.asked)?),
+    };
     transaction.prepare_cached(sql)?.execute(params![
         stamp.run_id,
         stamp.input_hash,
@@ -289,6 +309,7 @@ fn insert_fit(
         to_json("a fit's issues", &fit.issues)?,
         fit.evaluations.cast_signed(),
         now,
+        asked,
     ])?;
     let fit_id = transaction.last_insert_rowid();
     transaction.made(Subject::Fit(fit_id));

@@ -9,7 +9,7 @@ use super::StoreError;
 use super::in_place::has_no_tables;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 8] = [
+const HISTORY: [&str; 11] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
@@ -17,6 +17,9 @@ const HISTORY: [&str; 8] = [
     include_str!("../../migrations/0005_diagnosis.sql"),
     include_str!("../../migrations/0006_alarms.sql"),
     include_str!("../../migrations/0007_fit_along.sql"),
+    include_str!("../../migrations/0012_no_steps.sql"),
+    include_str!("../../migrations/0010_standing.sql"),
+    include_str!("../../migrations/0013_asked_fit.sql"),
     include_str!("../../migrations/0009_integrity.sql"),
 ];
 

@@ -91,6 +91,14 @@ pub struct NewRun {
     pub tagging: Tagging,
 }
 
+/// What the column `state` holds of a state: [`RunState::NoSteps`] is a mark beside it.
+pub(super) fn stored_state(state: RunState) -> RunState {
+    match state {
+        RunState::NoSteps => RunState::NotFitted,
+        other => other,
+    }
+}
+
 /// Stores a run as the new current revision of its name.
 pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<(), StepError> {
     let revision = supersede(transaction, now, &run.path)? + 1;
@@ -103,13 +111,13 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
     let sql =
         "INSERT INTO run (path, revision, state, status, status_evidence, format, reader_version, technique,
                  is_step_response, encoding, time_zero_is_step, original_metadata, drive, area_cm2, length_cm,
-                 data_hash, tag_digest, ingested_at, electrode_resistance_ohm_per_sq, kind)
+                 data_hash, tag_digest, ingested_at, electrode_resistance_ohm_per_sq, kind, no_steps)
                VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19,
-                 ?20)";
+                 ?20, ?21)";
     transaction.prepare_cached(sql)?.execute(params![
         run.path,
         revision,
-        tagging.state.key(),
+        stored_state(tagging.state).key(),
         run.status.key(),
         run.status_evidence,
         run.format,
@@ -127,6 +135,7 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
         now,
         tagging.electrode_resistance_ohm_per_sq,
         run.kind.key(),
+        tagging.state == RunState::NoSteps,
     ])?;
     let run_id = transaction.last_insert_rowid();
     transaction.made(Subject::Run(run_id));

@@ -9,7 +9,7 @@ use super::blob::{unpack_f64, unpack_u32};
 use super::files::upsert_file;
 use super::fits::retire_fit;
 use super::modulus::retire_analysis;
-use super::new_run::{NewRun, Tagging, insert_run, insert_tagging};
+use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
 use super::{FileRow, StepError, Store, StoreError, Subject, from_json, from_key, to_json};
 use crate::domain::data_hash::data_hash;
@@ -17,7 +17,7 @@ use crate::domain::left_out;
 use crate::domain::tag::keys;
 use crate::domain::{
     Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunOrigin, RunRecord, RunState, RunStatus,
-    Severity, Tag, TagSource,
+    Severity, Standing, Tag, TagSource,
 };
 
 impl Store {
@@ -48,7 +48,7 @@ impl Store {
                 [run_id],
             )?;
             let sql = "UPDATE run SET state = ?2, drive = ?3, area_cm2 = ?4, length_cm = ?5, tag_digest = ?6,
-                       electrode_resistance_ohm_per_sq = ?7 WHERE id = ?1";
+                       electrode_resistance_ohm_per_sq = ?7, no_steps = ?8 WHERE id = ?1";
             delete_stated_offset(transaction, run_id)?;
             let drive = tagging
                 .drive
@@ -57,12 +57,13 @@ impl Store {
                 .transpose()?;
             transaction.prepare_cached(sql)?.execute(params![
                 run_id,
-                tagging.state.key(),
+                stored_state(tagging.state).key(),
                 drive,
                 tagging.area_cm2,
                 tagging.length_cm,
                 tagging.digest,
-                tagging.electrode_resistance_ohm_per_sq
+                tagging.electrode_resistance_ohm_per_sq,
+                tagging.state == RunState::NoSteps
             ])?;
             if tagging.state != RunState::Ready {
                 retire_fit(transaction, now, run_id)?;
@@ -85,12 +86,14 @@ impl Store {
             for name in [old, new] {
                 transaction.changes(Subject::HandTags(name.to_owned()))?;
             }
+            transaction.changes(Subject::RunWords)?;
             transaction.execute(
                 "UPDATE run_file SET path = ?2 WHERE path = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
                 [old, new],
             )?;
             transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
             transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
             upsert_file(transaction, file)
         })
     }
@@ -128,24 +131,6 @@ impl Store {
             .map_err(|e| self.failed(doing, e))?;
         let rows = statement
             .query_map([path], |row| Ok((row.get(0)?, row.get(1)?)))
-            .map_err(|e| self.failed(doing, e))?;
-        rows.collect::<rusqlite::Result<_>>()
-            .map_err(|e| self.failed(doing, e))
-    }
-
-    /// Names of current runs and modulus logs that lack tags.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn untagged_runs(&self) -> Result<Vec<String>, StoreError> {
-        let doing = "listing untagged runs";
-        let sql = "SELECT path FROM run WHERE superseded_at IS NULL AND state = 'untagged' ORDER BY path";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([], |row| row.get(0))
             .map_err(|e| self.failed(doing, e))?;
         rows.collect::<rusqlite::Result<_>>()
             .map_err(|e| self.failed(doing, e))
@@ -201,7 +186,7 @@ impl Store {
     pub fn run_times(&self) -> Result<Vec<(i64, Option<String>, Option<(f64, f64)>)>, StoreError> {
         let doing = "reading when runs were";
         let sql = "SELECT id,
-                     (SELECT value FROM tag WHERE run_id = run.id AND key = 'started_at' AND chosen = 1),
+                     (SELECT value FROM tag WHERE run_id = run.id AND +key = 'started_at' AND chosen = 1),
                      (SELECT min(first_time_s) FROM channel WHERE run_id = run.id),
                      (SELECT max(last_time_s) FROM channel WHERE run_id = run.id)
                    FROM run WHERE superseded_at IS NULL ORDER BY id";
@@ -248,8 +233,13 @@ impl Store {
     /// See [`StoreError`].
     pub fn channels(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
         let mut channels = self.channels_as_read(run_id)?;
+        if let Some((index, area_cm2)) =
+            self.density_as_current(run_id, channels.iter().map(|c| c.quantity))?
+        {
+            channels[index] = channels[index].as_current(area_cm2);
+        }
         if let Some(tag) = self.chosen_tag(run_id, keys::LEAVE_OUT_MARKED)? {
-            left_out::leave_out_marked(&mut channels, &tag, &self.origin(run_id)?.flags);
+            left_out::leave_out_marked(&mut channels, &tag, &self.origin_of_checked(run_id)?.flags);
         }
         for (first, count, offset_s) in self.applied_offsets(run_id)? {
             let timed = first.min(channels.len())..(first + count).min(channels.len());
@@ -260,6 +250,26 @@ impl Store {
         let stretches = stretches.and_then(|text| left_out::stretches(&text));
         left_out::leave_out(&mut channels, &stretches.unwrap_or_default());
         Ok(channels)
+    }
+
+    /// Which channel is a current density that stands for the current, and the active area, cm2, that makes it one: the
+    /// first, where no current was measured and the area is known.
+    fn density_as_current(
+        &self,
+        run_id: i64,
+        mut quantities: impl Iterator<Item = Quantity> + Clone,
+    ) -> Result<Option<(usize, f64)>, StoreError> {
+        let has_current = quantities.clone().any(|quantity| quantity == Quantity::Current);
+        let density = quantities.position(|quantity| quantity == Quantity::CurrentDensity);
+        let Some(index) = density.filter(|_| !has_current) else {
+            return Ok(None);
+        };
+        let sql = "SELECT area_cm2 FROM run WHERE id = ?1";
+        let area_cm2: Option<f64> = self
+            .connection
+            .query_row(sql, [run_id], |row| row.get(0))
+            .map_err(|e| self.failed("reading an area", e))?;
+        Ok(area_cm2.map(|area_cm2| (index, area_cm2)))
     }
 
     fn chosen_tag(&self, run_id: i64, key: &str) -> Result<Option<String>, StoreError> {
@@ -347,7 +357,7 @@ impl Store {
         let doing = "reading runs";
         let ids: Vec<i64> = self.rows(doing, ids, [], |row| Ok(row.get(0)?))?;
         let sql = "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
-                          area_cm2, data_hash, ingested_at, kind FROM run WHERE id = ?1";
+                          area_cm2, data_hash, ingested_at, kind, no_steps FROM run WHERE id = ?1";
         let aliases = self.aliases()?;
         let mut records = Vec::new();
         for id in ids {
@@ -371,7 +381,7 @@ impl Store {
         record.files = self.run_files(record.id, aliases)?;
         record.tags = self.tags(record.id)?;
         record.channels = self.channel_summaries(record.id)?;
-        record.origin = self.origin(record.id)?;
+        record.origin = self.origin_of_checked(record.id)?;
         record.issues = self.run_issues(record.id)?;
         record.climate = self.run_climate(record.id)?;
         if let Some((fit, code_version)) = self.fit(record.id)? {
@@ -420,7 +430,7 @@ impl Store {
         let sql =
             "SELECT quantity, raw_name, raw_unit, readings, excluded, first_time_s, last_time_s, first_value,
                           last_value, position_mm FROM channel WHERE run_id = ?1 ORDER BY ordinal";
-        self.rows_of(run_id, sql, |row| {
+        let mut channels = self.rows_of(run_id, sql, |row| {
             Ok(ChannelSummary {
                 quantity: from_key("a quantity", &row.get::<_, String>(0)?, Quantity::from_key)?,
                 raw_name: row.get(1)?,
@@ -433,21 +443,21 @@ impl Store {
                 last: row.get(8)?,
                 position_mm: row.get(9)?,
             })
-        })
+        })?;
+        let quantities = channels.iter().map(|channel| channel.quantity);
+        if let Some((index, area_cm2)) = self.density_as_current(run_id, quantities)? {
+            let channel = &mut channels[index];
+            channel.quantity = Quantity::Current;
+            let scaled = |density: Option<f64>| density.map(|density| density * area_cm2);
+            (channel.first, channel.last) = (scaled(channel.first), scaled(channel.last));
+        }
+        Ok(channels)
     }
 
     fn run_issues(&self, run_id: i64) -> Result<Vec<Issue>, StoreError> {
         let sql =
             "SELECT severity, code, place, message, mend FROM run_issue WHERE run_id = ?1 ORDER BY ordinal";
-        self.rows_of(run_id, sql, |row| {
-            Ok(Issue {
-                severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
-                code: row.get(1)?,
-                place: row.get(2)?,
-                message: row.get(3)?,
-                mend: row.get(4)?,
-            })
-        })
+        self.rows_of(run_id, sql, read_issue)
     }
 
     /// Rows of `sql` (one parameter: the run's id), read one by one.
@@ -501,6 +511,17 @@ fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError
     })
 }
 
+/// Severity, code, place, message and mend, in this order.
+pub(super) fn read_issue(row: &Row<'_>) -> Result<Issue, StepError> {
+    Ok(Issue {
+        severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
+        code: row.get(1)?,
+        place: row.get(2)?,
+        message: row.get(3)?,
+        mend: row.get(4)?,
+    })
+}
+
 fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
     let drive: Option<String> = row.get("drive")?;
     Ok(RunRecord {
@@ -508,11 +529,14 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         kind: from_key("a run's kind", &row.get::<_, String>("kind")?, RunKind::from_key)?,
         path: row.get("path")?,
         revision: row.get("revision")?,
-        state: from_key(
-            "a run's state",
-            &row.get::<_, String>("state")?,
-            RunState::from_key,
-        )?,
+        state: match row.get("no_steps")? {
+            true => RunState::NoSteps,
+            false => from_key(
+                "a run's state",
+                &row.get::<_, String>("state")?,
+                RunState::from_key,
+            )?,
+        },
         status: from_key(
             "a run's status",
             &row.get::<_, String>("status")?,
@@ -534,5 +558,6 @@ fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
         fit: None,
         fit_code_version: None,
         climate: Vec::new(),
+        standing: Standing::default(),
     })
 }

@@ -113,11 +113,69 @@ fn crates_stay_behind_their_doors() {
     }
 }
 
+/// What a file does apart from its tests.
+fn without_tests(text: &str) -> &str {
+    text.split("#[cfg(test)]").next().unwrap_or_default()
+}
+
+#[test]
+fn results_and_files_go_through_one_door_each() {
+    // Past them a result is lost without a word, or half a file is left.
+    let doors: [(&str, &[&str]); 5] = [
+        ("io::stdout()", &["cli/output.rs", "cli/mod.rs"]),
+        ("println!", &[]),
+        ("print!(", &[]),
+        // The report and traced frames lie in folders that are exchanged whole.
+        (
+            "fs::write(",
+            &["pipeline/report.rs", "pipeline/trace", "report/render.rs"],
+        ),
+        (" File::create(", &["analysis/disk_file.rs"]),
+    ];
+    for module in ["analysis", "cli", "pipeline", "report"] {
+        for file in rust_files(&source().join(module)) {
+            if file.ends_with("tests.rs") || file.to_string_lossy().contains("_tests") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&file).unwrap();
+            let code = without_tests(&text)
+                .lines()
+                .filter(|line| !line.trim_start().starts_with("//"));
+            for line in code {
+                for (what, places) in doors {
+                    let may = places.iter().any(|place| file.starts_with(source().join(place)));
+                    assert!(may || !line.contains(what), "{}: {line}", file.display());
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn every_file_begins_with_what_it_is() {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
     for file in rust_files(&source()).into_iter().chain(rust_files(&tests)) {
         let text = std::fs::read_to_string(&file).unwrap();
         assert!(text.starts_with("//!"), "{} has no //! line", file.display());
+    }
+}
+
+/// Runs are read from the database as they are by those only that make no results of them: the place that decides which of
+/// them speak, and what tags and stores runs.
+#[test]
+fn results_are_made_from_runs_that_speak() {
+    let may = [
+        "standing.rs",
+        "tag.rs",
+        "ingest/retag.rs",
+        // Exposure is what a strip went through, whatever became of the run.
+        "climate/assess.rs",
+    ];
+    let pipeline = source().join("pipeline");
+    for file in rust_files(&pipeline) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let reads = text.contains("store.runs()") || text.contains("store.runs_earlier(");
+        let may = may.iter().any(|name| file == pipeline.join(name));
+        assert!(!reads || may, "{} reads runs that may not speak", file.display());
     }
 }

@@ -5,8 +5,8 @@ use serde_json::Value;
 use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, command, counted, run_table};
 
 /// The table with every data row changed by `change`.
-fn with_rows(change: impl Fn(usize, &str) -> String) -> String {
-    let table = run_table(1);
+fn with_rows(seed: u32, change: impl Fn(usize, &str) -> String) -> String {
+    let table = run_table(seed);
     let mut lines = table.lines();
     let header = lines.next().unwrap().to_owned() + "\n";
     header
@@ -110,8 +110,8 @@ fn empty_and_header_only_files_wait_and_are_taken_when_they_grow() {
 #[test]
 fn a_cut_last_line_is_never_read_as_a_number() {
     let folder = CampaignFolder::new();
-    let table = run_table(1);
-    folder.write("runs/whole.csv", &table);
+    let table = run_table(2);
+    folder.write("runs/whole.csv", run_table(1));
     folder.write("runs/cut.csv", &table[..table.len() - 3]);
     let document = folder.ieap(&["fit", "--json"]).expect(0).json();
     let samples = |run: &str| {
@@ -140,21 +140,28 @@ fn spellings_of_the_same_table_give_the_same_fit() {
     folder.write("runs/comma.csv", comma);
     folder.write("runs/utf16.csv", utf16);
     let document = folder.ieap(&["fit", "--json"]).expect(0).json();
-    let hashes: Vec<&Value> = document["fits"]
+    let _ = folder
+        .ieap(&["export", "--what", "runs", "-o", "runs.json"])
+        .expect(0);
+    let runs: Value = serde_json::from_slice(&std::fs::read(folder.join("runs.json")).unwrap()).unwrap();
+    let hashes: Vec<&Value> = runs
         .as_array()
         .unwrap()
         .iter()
-        .map(|fit| &fit["data_hash"])
+        .map(|run| &run["data_hash"])
         .collect();
     assert_eq!(hashes.len(), 3);
     assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+    // They are one measurement, and count once.
+    assert_eq!(document["fits"].as_array().unwrap().len(), 1);
+    assert_eq!(document["set_aside"].as_array().unwrap().len(), 2);
 }
 
 #[test]
 fn odd_cells_are_left_out_and_counted() {
     let folder = CampaignFolder::new();
-    let replace = |wanted: usize, cell: &'static str| {
-        with_rows(move |number, line| {
+    let replace = |seed: u32, wanted: usize, cell: &'static str| {
+        with_rows(seed, move |number, line| {
             let mut cells: Vec<&str> = line.split(',').collect();
             if number == wanted {
                 cells[2] = cell;
@@ -162,12 +169,14 @@ fn odd_cells_are_left_out_and_counted() {
             cells.join(",")
         })
     };
-    folder.write("runs/nan.csv", replace(100, "NaN"));
-    folder.write("runs/inf.csv", replace(100, "-inf"));
-    folder.write("runs/text.csv", replace(100, "overload"));
-    folder.write(
+    folder.write("runs/nan.csv", replace(1, 100, "NaN"));
+    folder.write("runs/inf.csv", replace(2, 100, "-inf"));
+    folder.write("runs/text.csv", replace(3, 100, "overload"));
+    // Beside the others a current a thousand times too large would be set aside; alone it is only improbable.
+    let alone = CampaignFolder::new();
+    alone.write(
         "runs/amperes.csv",
-        with_rows(|_, line| {
+        with_rows(4, |_, line| {
             let cells: Vec<&str> = line.split(',').collect();
             format!(
                 "{},{},{:e},{}",
@@ -182,6 +191,7 @@ fn odd_cells_are_left_out_and_counted() {
     assert!(issue_codes(&document, "runs/nan.csv").contains(&"not-finite".to_owned()));
     assert!(issue_codes(&document, "runs/inf.csv").contains(&"not-finite".to_owned()));
     assert!(issue_codes(&document, "runs/text.csv").contains(&"text-in-number-column".to_owned()));
+    let document = alone.ieap(&["fit", "--json"]).expect(0).json();
     assert!(issue_codes(&document, "runs/amperes.csv").contains(&"suspicious-range".to_owned()));
 }
 

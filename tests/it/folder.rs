@@ -476,6 +476,8 @@ fn the_campaigns_with_known_answers_are_tagged() {
                 planned: &[],
                 header: &[],
                 channel_voltage_v: Some(5.0),
+                has_voltage: true,
+                other_names: &[],
                 ambient: &[],
             });
             assert_eq!(

@@ -3,13 +3,24 @@
 use ieap::model::truth::catalogue::KNOWN;
 use serde_json::Value;
 
-use crate::campaign::{CampaignFolder, ieap};
+use crate::campaign::{CampaignFolder, counted, ieap};
 
-/// The worked example of docs/simulate.md.
-fn worked_example() -> String {
+/// The worked example of docs/simulate.md: the samples for campaign.toml, and the spec.
+fn worked_example() -> (String, String) {
     let page = docs();
-    let text = page.split("```toml\n").nth(1).unwrap();
-    text.split("```").next().unwrap().to_owned()
+    let mut blocks = page.split("```toml\n").skip(1);
+    let mut block = || blocks.next().unwrap().split("```").next().unwrap().to_owned();
+    (block(), block())
+}
+
+/// A campaign with the samples of the worked example, and nothing simulated yet.
+fn example_campaign(spec: &str) -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    std::fs::remove_file(folder.join("runs/tags.toml")).unwrap();
+    let head = "[campaign]\nid = \"example\"\ntitle = \"The worked example\"\n";
+    folder.write("campaign.toml", format!("{head}{}", worked_example().0));
+    folder.write("simulation.toml", spec);
+    folder
 }
 
 fn docs() -> String {
@@ -24,20 +35,18 @@ fn estimate<'a>(fits: &'a Value, run: &str, key: &str) -> &'a Value {
 
 #[test]
 fn the_worked_example_is_simulated_taken_in_and_fitted() {
-    let folder = CampaignFolder::new();
-    folder.write("simulation.toml", worked_example());
-    let told = folder.path().join("simulation.toml");
-    let simulated = ieap(folder.path(), &["simulate", told.to_str().unwrap(), "--json"]).expect(0);
-    assert_eq!(simulated.json()["written"].as_array().unwrap().len(), 7);
+    let folder = example_campaign(&worked_example().1);
+    let simulated = folder.ieap(&["simulate", "simulation.toml", "--json"]).expect(0);
+    assert_eq!(simulated.json()["written"].as_array().unwrap().len(), 11);
     let key = std::fs::read_to_string(folder.join("truth.json")).unwrap();
     let key: Value = serde_json::from_str(&key).unwrap();
     let hidden = |run: usize| key["runs"][run]["effects"].as_array().unwrap().len();
-    assert_eq!([hidden(0), hidden(1), hidden(2)], [1, 2, 0]);
+    assert_eq!([0, 1, 2, 3, 4].map(hidden), [1, 1, 1, 1, 0]);
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
-    assert_eq!(fits["fits"].as_array().unwrap().len(), 3);
-    // 2e-5 (e^4 - 1) A/cm2 beside 2 V / 5600 Ohm cm2: the base model takes the hidden leak for a lower R_ss.
-    let leak = 2.0 / (2.0 / 5600.0 + 2e-5 * 4.0_f64.exp_m1());
-    for (run, expected) in [("runs/plus.csv", leak), ("runs/back.csv", 5600.0)] {
+    assert_eq!(fits["fits"].as_array().unwrap().len(), 5);
+    // 2e-5 (e^4 - 1) A/cm2 beside 2.2 V / 5600 Ohm cm2: the base model takes the hidden leak for a lower R_ss.
+    let leak = 2.2 / (2.2 / 5600.0 + 2e-5 * 4.0_f64.exp_m1());
+    for (run, expected) in [("runs/step_2.2V.csv", leak), ("runs/back.csv", 5600.0)] {
         let found = estimate(&fits, run, "rss_ohm_cm2");
         let (low, high) = (
             found["low_95"].as_f64().unwrap(),
@@ -48,15 +57,37 @@ fn the_worked_example_is_simulated_taken_in_and_fitted() {
             low - margin < expected && expected < high + margin,
             "{run}: {found}"
         );
-        assert!(margin < 0.2 * expected, "{run}: {found}");
+        assert!(margin < 0.4 * expected, "{run}: {found}");
     }
+}
+
+/// What the page says of the findings.
+#[test]
+fn the_worked_example_is_found_as_its_page_says() {
+    if counted(0, 1) == 0 {
+        println!("skipped: IEAP_LONG is not set; the diagnosis takes a minute");
+        return;
+    }
+    let folder = example_campaign(&worked_example().1);
+    folder.ieap(&["simulate", "simulation.toml"]).expect(0);
+    let found = folder.ieap(&["diagnose", "--json"]).expect(0).json();
+    let said = |place: usize| {
+        let group = &found["groups"][place];
+        let set = group["set"].as_array().unwrap();
+        let set: Vec<&str> = set.iter().map(|effect| effect.as_str().unwrap()).collect();
+        (group["verdict"].as_str().unwrap().to_owned(), set.join(" "))
+    };
+    assert_eq!(said(0), ("named".to_owned(), "faradaic-leak".to_owned()));
+    assert_eq!(
+        said(1),
+        ("set".to_owned(), "camera-delay mechanical-lag".to_owned())
+    );
+    assert_eq!(said(2).0, "consistent");
 }
 
 #[test]
 fn an_effect_that_is_not_known_is_refused_and_nothing_is_written() {
-    let folder = CampaignFolder::new();
-    let spec = worked_example().replace("faradaic-leak", "faraday");
-    folder.write("simulation.toml", spec);
+    let folder = example_campaign(&worked_example().1.replace("faradaic-leak", "faraday"));
     let ended = ieap(folder.path(), &["simulate", "simulation.toml"]).expect(2);
     assert!(
         ended
@@ -64,7 +95,7 @@ fn an_effect_that_is_not_known_is_refused_and_nothing_is_written() {
             .contains("effect \"faraday\" is not known; known are series-resistance"),
         "{ended:?}"
     );
-    assert!(!folder.join("truth.json").exists() && !folder.join("runs/plus.csv").exists());
+    assert!(!folder.join("truth.json").exists() && !folder.join("runs/step_1.0V.csv").exists());
 }
 
 #[test]

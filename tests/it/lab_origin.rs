@@ -156,6 +156,36 @@ fn a_proposed_profile_shows_what_it_reads_and_is_saved_when_it_is_whole() {
         .expect(2);
 }
 
+/// First and last are no range: what lies between may be far from both.
+#[test]
+fn inspect_tells_the_ends_of_a_column_from_its_range() {
+    let folder = CampaignFolder::new();
+    folder.write(
+        "runs/a.csv",
+        "time_s,voltage_v,current_a\n-1,0,0\n0,2,0.5\n1,2,-0.25\n2,2,0.125\n",
+    );
+    let shown = folder.ieap(&["inspect", "runs/a.csv"]).expect(0).stdout;
+    assert!(
+        shown.contains("first 0, last 0.125; between -0.25 and 0.5"),
+        "{shown}"
+    );
+    let table = folder.ieap(&["inspect", "runs/a.csv", "--json"]).expect(0).json();
+    let columns = table["runs"][0]["columns"].as_array().unwrap();
+    let current = columns
+        .iter()
+        .find(|column| column["quantity"] == "current")
+        .unwrap();
+    assert_eq!(
+        (
+            &current["first"],
+            &current["last"],
+            &current["smallest"],
+            &current["largest"]
+        ),
+        (&json!(0.0), &json!(0.125), &json!(-0.25), &json!(0.5))
+    );
+}
+
 /// The columns of [`run_table`] in two files, the bending on a clock that shows `late_s` less.
 fn two_clocks(folder: &CampaignFolder, late_s: f64) {
     let mut files = [

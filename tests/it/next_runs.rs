@@ -199,7 +199,7 @@ fn tag<'a>(document: &'a Value, key: &str) -> &'a Value {
 /// Chosen tags of a run with their sources, as `ieap tag` shows them.
 fn tags_of(folder: &CampaignFolder, run: &str) -> Value {
     let note = folder
-        .ieap(&["tag", run, "looked=yes", "--json"])
+        .ieap(&["tag", run, "note=looked", "--json"])
         .expect(0)
         .json();
     let pairs = note["tag"]["tags"]
@@ -298,7 +298,7 @@ fn a_sheet_that_another_source_contradicts_is_an_issue_of_the_run() {
         &serde_json::json!(["inert", "tags.toml"])
     );
     let note = folder
-        .ieap(&["tag", "runs/today/P03-S1.csv", "looked=twice", "--json"])
+        .ieap(&["tag", "runs/today/P03-S1.csv", "note=twice", "--json"])
         .expect(0)
         .json();
     let issues = note["tag"]["issues"].as_array().unwrap();

@@ -37,6 +37,7 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         id: "made-up".to_owned(),
         title: "CNaf and CPvf in vacuum, nitrogen and humid air".to_owned(),
         timezone: Some("Europe/Tallinn".to_owned()),
+        date_order: None,
         notice: Some("Simulated, not measured.".to_owned()),
         samples: materials.iter().map(sample).collect(),
         materials: vec![],
@@ -52,6 +53,8 @@ pub fn campaign(materials: &[&str]) -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        extra_tags: Vec::new(),
+        fit: Default::default(),
     }
 }
 
@@ -160,6 +163,7 @@ pub fn run(index: usize, material: &str, surroundings: usize, voltage_v: f64, re
         fit: Some(fit(truth, index as u64, material == "CNaf")),
         climate: vec![],
         fit_code_version: Some("ieap 0.1.0".to_owned()),
+        standing: Default::default(),
     }
 }
 
@@ -271,6 +275,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         laws: Default::default(),
         contrasts: vec![],
         monitoring: Default::default(),
+        faults: vec![],
         run_spans_s: vec![],
         news: latest
             .map(|run| News {
@@ -279,6 +284,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
             })
             .collect(),
         runs,
+        set_aside: vec![],
         modulus_logs: vec![],
         superseded: vec![],
         files: vec![],

@@ -20,6 +20,7 @@ fn page_of_run(input: &Input, run: usize) -> Content {
     let source = MadeUpCurves::of(input);
     let page = site.page_of_run(run);
     let drawn = |&run: &usize| DrawnRun {
+        failed: None,
         run,
         curves: source.curves(input.runs[run].id).expect("curves"),
         climate: vec![],

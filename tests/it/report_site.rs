@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use ieap::report::pages::PAGES;
-use ieap::report::{Input, Site, render};
+use ieap::domain::{ClimateCurve, CurveSource, RunCurve, RunRecord};
+use ieap::report::pages::{PAGES, Page};
+use ieap::report::{Input, Site, render, render_site};
 
 use super::report_fixture::{MadeUpCurves, current_only_input, input, troubled_input};
 
@@ -282,14 +283,91 @@ fn progress_ends_with_everything_done() {
     assert_eq!(rendered.pages, once + Site::new(&input).run_pages.len());
 }
 
+/// Every page that a site has, and no other.
+fn every_page_is_there(folder: &Path, input: &Input) {
+    let site = Site::new(input);
+    let once = site.pages.iter().map(|page| page.file.to_owned());
+    let runs = (0..site.run_pages.len()).map(|page| site.run_page_href(page));
+    for page in once.chain(runs) {
+        let html = std::fs::read_to_string(folder.join(&page)).unwrap_or_default();
+        assert!(html.contains("</footer>"), "{page}: {}", html.len());
+    }
+}
+
 #[test]
-fn a_run_without_curves_is_an_error_that_names_it() {
+fn a_run_without_curves_is_a_box_that_names_it_and_the_rest_is_rendered() {
     let mut lost = input(&["CNaf"], 1);
     let curves = MadeUpCurves::of(&lost);
     lost.runs[3].id = 9999;
     let folder = tempfile::tempdir().expect("a folder");
-    let error = render(&lost, &curves, folder.path(), &|_, _| {}).expect_err("no curves");
-    assert!(error.to_string().contains(&lost.runs[3].path), "{error}");
+    let rendered = render(&lost, &curves, folder.path(), &|_, _| {}).expect("a site");
+    let [fault] = &rendered.faults[..] else {
+        panic!("{:?}", rendered.faults);
+    };
+    assert_eq!(fault.runs, [lost.runs[3].path.clone()]);
+    every_page_is_there(folder.path(), &lost);
+    let page = fault.place.split('#').next().expect("a page");
+    let html = std::fs::read_to_string(folder.path().join(page)).expect("its page");
+    assert_eq!(html.matches("this section could not be made").count(), 1);
+    let index = std::fs::read_to_string(folder.path().join("index.html")).expect("the overview");
+    assert!(index.contains("Parts of this report could not be made") && index.contains(&fault.reason));
+}
+
+/// Curves of runs, one of which stops the program that reads them.
+struct Broken<'a>(MadeUpCurves, &'a RunRecord);
+
+impl CurveSource for Broken<'_> {
+    fn curves(&self, run_id: i64) -> Result<Vec<RunCurve>, String> {
+        assert!(run_id != self.1.id, "the curve has no end");
+        self.0.curves(run_id)
+    }
+
+    fn climate_curves(&self, run_id: i64) -> Result<Vec<ClimateCurve>, String> {
+        self.0.climate_curves(run_id)
+    }
+}
+
+/// A page that stops the program.
+static STOPS: Page = Page {
+    file: "stops.html",
+    title: "Stops",
+    under: None,
+    template: "",
+    is_shown: |_| true,
+    content: |site| panic!("{} runs are one too many", site.input.runs.len()),
+};
+
+#[test]
+fn what_panics_is_a_box_and_the_rest_is_as_it_would_be() {
+    let input = input(&["CNaf"], 2);
+    let (folder, whole) = (tempfile::tempdir().expect("a folder"), site(&input));
+    let curves = Broken(MadeUpCurves::of(&input), &input.runs[0]);
+    let mut broken = Site::new(&input);
+    broken.pages.push(&STOPS);
+    let rendered = render_site(broken, &curves, folder.path(), &|_, _| {}).expect("a site");
+    let reasons: Vec<&str> = rendered
+        .faults
+        .iter()
+        .map(|fault| fault.reason.as_str())
+        .collect();
+    assert!(
+        reasons
+            .iter()
+            .any(|reason| reason.contains("the curve has no end")),
+        "{reasons:?}"
+    );
+    assert!(
+        reasons.iter().any(|reason| reason.contains("one too many")),
+        "{reasons:?}"
+    );
+    assert_eq!(reasons.len(), 2);
+    every_page_is_there(folder.path(), &input);
+    let stops = std::fs::read_to_string(folder.path().join("stops.html")).expect("its box");
+    assert!(stops.contains("This page could not be made") && stops.contains("one too many"));
+    // The navigation has one page more; apart from that a page that works does not change.
+    let page = std::fs::read_to_string(folder.path().join("table5.html")).expect("a page");
+    let main = |html: &str| html.split("<main>").nth(1).map(str::to_owned);
+    assert_eq!(main(&page), main(&whole["table5.html"]));
 }
 
 #[test]

@@ -14,6 +14,7 @@ fn table(input: &Input, name: &str) -> Table {
     let input = TableInput {
         campaign: &input.campaign,
         runs: &input.runs,
+        set_aside: &input.set_aside,
         modulus_logs: &input.modulus_logs,
         files: &input.files,
         groups: &input.findings.groups,

@@ -1,6 +1,7 @@
 //! The value of a channel at the end of a stretch, with drift and with noise that remembers allowed for.
 
 use crate::domain::Estimate;
+use crate::domain::seconds::span;
 use crate::numerics::linear::{LeastSquares, variance_of_sum};
 use crate::numerics::student::quantile_95;
 
@@ -54,7 +55,8 @@ pub fn at_end(time_s: &[f64], values: &[f64], from_s: f64, until_s: f64) -> Resu
     let count = end.saturating_sub(first);
     if count < FEWEST {
         return Err(format!(
-            "{count} readings from {from_s:.0} to {until_s:.0} s; {FEWEST} are needed"
+            "{count} readings from {}; {FEWEST} are needed",
+            span(from_s, until_s)
         ));
     }
     let until_s = time_s[end - 1];

@@ -48,6 +48,9 @@ pub struct Answer {
     pub best: usize,
     /// What `p` rests on.
     pub basis: Basis,
+    /// Share of draws that did as well, the readings themselves counted as one: a probability too, and sharper than `p`
+    /// where many alternatives that are alike were asked about.
+    pub drawn: f64,
     /// Degrees of freedom left by the strongest alternative.
     pub freedom: usize,
 }
@@ -104,6 +107,7 @@ pub fn ask(
         p: tail,
         best,
         basis: Basis::NormalErrors,
+        drawn: 1.0,
         freedom,
     };
     let basis = match orders(block) < FEWEST_ORDERS {
@@ -128,19 +132,22 @@ pub fn ask(
         let null_square = null.square_left(&draw, &mut null_room);
         as_strong += usize::from(usable.iter().any(|&k| score(k, &draw, null_square) >= threshold));
         if as_strong == ENOUGH {
+            let p = ENOUGH as f64 / done as f64;
             return Some(Answer {
-                p: ENOUGH as f64 / done as f64,
+                p,
                 basis,
+                drawn: p,
                 ..from_f
             });
         }
     }
     let drawn = (as_strong + 1) as f64 / (DRAWS + 1) as f64;
     Some(match as_strong < RESOLVED {
-        true => from_f,
+        true => Answer { drawn, ..from_f },
         false => Answer {
             p: drawn,
             basis,
+            drawn,
             ..from_f
         },
     })

@@ -1,5 +1,8 @@
 //! What a parameter may follow from run to run: covariates with their keys, units and effects.
 
+use std::collections::BTreeSet;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
 /// Something that differs between runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Covariate {
@@ -37,6 +40,32 @@ pub enum Covariate {
     Environment,
     /// Step voltage, V: a factor of the design.
     Voltage,
+    /// A tag that campaign.toml declares, with numbers.
+    TagNumber(DeclaredTag),
+    /// A tag that campaign.toml declares, with names.
+    TagName(DeclaredTag),
+}
+
+/// The key of a tag that campaign.toml declares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct DeclaredTag(&'static str);
+
+impl DeclaredTag {
+    /// The tag of that key. Keys are kept for as long as the program runs: they are few, and covariates are copied
+    /// everywhere.
+    pub fn of(key: &str) -> DeclaredTag {
+        static KNOWN: OnceLock<Mutex<BTreeSet<&'static str>>> = OnceLock::new();
+        let known = KNOWN.get_or_init(Mutex::default);
+        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+        match known.get(key) {
+            Some(kept) => DeclaredTag(kept),
+            None => {
+                let kept: &'static str = Box::leak(key.into());
+                known.insert(kept);
+                DeclaredTag(kept)
+            }
+        }
+    }
 }
 
 /// How values of a covariate compare.
@@ -49,7 +78,7 @@ pub enum Kind {
 }
 
 impl Covariate {
-    /// Every covariate; of two that cannot be told apart the earlier one gives a finding its name where nothing
+    /// Every covariate but declared tags, which come after them; of two that cannot be told apart the earlier one gives a finding its name where nothing
     /// else decides.
     pub const ALL: [Covariate; 17] = [
         Covariate::RelativeHumidity,
@@ -100,6 +129,7 @@ impl Covariate {
             Covariate::Sample => "sample",
             Covariate::Environment => "environment",
             Covariate::Voltage => "voltage_v",
+            Covariate::TagNumber(tag) | Covariate::TagName(tag) => tag.0,
         }
     }
 
@@ -123,6 +153,7 @@ impl Covariate {
             Covariate::Sample => "sample",
             Covariate::Environment => "environment",
             Covariate::Voltage => "voltage",
+            Covariate::TagNumber(tag) | Covariate::TagName(tag) => tag.0,
         }
     }
 
@@ -153,6 +184,7 @@ impl Covariate {
             Covariate::FirstRun => Some("conditioning"),
             Covariate::Instrument | Covariate::Calibration | Covariate::Operator => Some("instrument-shift"),
             Covariate::Batch | Covariate::Sample => Some("sample-offset"),
+            Covariate::TagNumber(_) | Covariate::TagName(_) => Some("tag-dependence"),
             Covariate::Environment | Covariate::Voltage => None,
         }
     }
@@ -166,7 +198,8 @@ impl Covariate {
             | Covariate::Batch
             | Covariate::Sample
             | Covariate::Environment
-            | Covariate::Voltage => Kind::Category,
+            | Covariate::Voltage
+            | Covariate::TagName(_) => Kind::Category,
             _ => Kind::Number,
         }
     }
@@ -182,5 +215,15 @@ mod tests {
         keys.sort_unstable();
         keys.dedup();
         assert_eq!(keys.len(), Covariate::ALL.len());
+    }
+
+    #[test]
+    fn a_declared_tag_is_the_same_wherever_it_is_named() {
+        let one = Covariate::TagName(DeclaredTag::of("specimen"));
+        assert_eq!(
+            one,
+            Covariate::TagName(DeclaredTag::of(&String::from("specimen")))
+        );
+        assert!(one > Covariate::Voltage && one.key() == "specimen");
     }
 }

@@ -6,9 +6,11 @@ use super::design::{Level, Rows};
 use super::facts::RunFacts;
 use super::fitted::{self, Fitted, Interval, Material};
 use super::jump::{self, Jump};
+use super::rivals::ToldApart;
 use super::shape::{Bend, Law, Span, bends, progress};
 use super::table::Table;
 use super::values::Values;
+use crate::analysis::false_discovery::CLAIMED_BELOW;
 use crate::numerics::grouped::{Grouped, shared_variance};
 
 /// Degrees of freedom that must be left for a factor of the design to be taken out.
@@ -53,8 +55,10 @@ pub struct Dependence {
     pub parameter: String,
     /// The covariate that describes it best, of those that cannot be told apart.
     pub covariate: Covariate,
-    /// Covariates that the design ties to it.
+    /// Covariates that the design ties to it, less those that the readings rule out.
     pub confounded_with: Vec<Covariate>,
+    /// What the readings say of covariates that the design ties to it.
+    pub told_apart: ToldApart,
     /// Whether runs or samples are compared.
     pub level: Level,
     /// Probability of a tie at least as strong by chance.
@@ -113,6 +117,22 @@ impl Dependence {
             .filter(|law| law.bic <= best + fitted::AS_GOOD)
             .map(|law| law.law)
             .collect()
+    }
+
+    /// Of a claim only covariates that the readings leave open stay confounded; of what is not claimed nothing is told.
+    pub(super) fn keep_rivals(&mut self) {
+        if self.q > CLAIMED_BELOW {
+            self.told_apart = ToldApart::default();
+        }
+        let ruled_out = &self.told_apart.ruled_out;
+        self.confounded_with
+            .retain(|one| ruled_out.iter().all(|rival| rival.covariate != *one));
+    }
+
+    /// Every covariate that changed with it, whether the readings tell it apart or not.
+    pub fn tied_to(&self) -> impl Iterator<Item = Covariate> {
+        let ruled_out = self.told_apart.ruled_out.iter().map(|rival| rival.covariate);
+        self.confounded_with.iter().copied().chain(ruled_out)
     }
 
     /// Value of the parameter that the chosen law gives at `x`, with the ends of the band about it.
@@ -207,6 +227,7 @@ impl Asking<'_> {
                 found.jump = jump::largest(self.facts, &table, covariate, &variance, &nuisance);
             }
         }
+        found.told_apart = self.told_apart(found, &table, &variance, &null);
     }
 
     /// Covariates to take out, and those that ought to be but leave too little.
@@ -262,7 +283,7 @@ impl Asking<'_> {
     }
 
     /// Columns that stand for a covariate, one set for each form that a dependence may have.
-    fn shapes(&self, table: &Table, covariate: Covariate) -> Vec<(Covariate, Vec<Vec<f64>>)> {
+    pub(super) fn shapes(&self, table: &Table, covariate: Covariate) -> Vec<(Covariate, Vec<Vec<f64>>)> {
         let Some(columns) = table.columns.get(&covariate) else {
             return Vec::new();
         };
@@ -298,7 +319,7 @@ impl Asking<'_> {
     }
 
     /// Numbers of a covariate in its unit, those that are not stated at the mean; none for names.
-    fn numbers(&self, table: &Table, covariate: Covariate) -> Option<Vec<f64>> {
+    pub(super) fn numbers(&self, table: &Table, covariate: Covariate) -> Option<Vec<f64>> {
         if covariate.kind() == Kind::Category {
             return None;
         }
@@ -317,7 +338,7 @@ impl Asking<'_> {
     }
 
     /// Root mean square of the errors of a covariate over the members of a row, by the number of members.
-    fn number_error(&self, members: &[usize], covariate: Covariate) -> Option<f64> {
+    pub(super) fn number_error(&self, members: &[usize], covariate: Covariate) -> Option<f64> {
         let errors: Vec<f64> = members
             .iter()
             .filter_map(|&place| self.facts[place].numbers.get(&covariate)?.standard_error)
@@ -346,6 +367,7 @@ impl Asking<'_> {
                 Some(_) => set.iter().copied().filter(|other| *other != covariate).collect(),
                 None => Vec::new(),
             },
+            told_apart: ToldApart::default(),
             level: self.rows.level,
             p: answer.p,
             q: 1.0,
@@ -388,6 +410,7 @@ impl Asking<'_> {
             levels: &levels,
             span,
             is_log: self.values.is_log,
+            readings: null.freedom() as f64,
         };
         found.laws = fitted::compare(&material, Law::of(covariate));
         found.bic_of_none = fitted::bic_of_none(&material);
@@ -447,7 +470,7 @@ fn floor(variance: f64) -> f64 {
 }
 
 /// Distinct levels, rising: values closer than a small part of the span are one.
-fn levels(x: &[f64], span: Span) -> Vec<f64> {
+pub(super) fn levels(x: &[f64], span: Span) -> Vec<f64> {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
     let mut levels: Vec<f64> = Vec::new();

@@ -35,7 +35,7 @@ pub struct Rows {
     pub members: Vec<Vec<usize>>,
     /// Columns of each covariate that differs here.
     pub columns: BTreeMap<Covariate, Vec<Vec<f64>>>,
-    /// Covariates that are one finding, each set in the order of [`Covariate::ALL`]; single ones alone.
+    /// Covariates that are one finding, each set in their own order; single ones alone.
     pub sets: Vec<Vec<Covariate>>,
     /// Covariates that make each one's inflation.
     pub confounded: BTreeMap<Covariate, BTreeSet<Covariate>>,
@@ -80,10 +80,7 @@ pub fn columns_by_level(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
         sets: Vec::new(),
         confounded: BTreeMap::new(),
     };
-    for covariate in Covariate::ALL {
-        if covariate == Covariate::Sample {
-            continue;
-        }
+    for covariate in asked(facts, places) {
         let Some(columns) = columns(facts, places, covariate) else {
             continue;
         };
@@ -101,13 +98,19 @@ pub fn columns_by_level(facts: &[RunFacts], places: &[usize]) -> [Rows; 2] {
     [within, between]
 }
 
+/// Covariates that any of the runs states, in the order of [`Covariate::ALL`], declared tags last.
+fn asked(facts: &[RunFacts], places: &[usize]) -> BTreeSet<Covariate> {
+    let of_run = |&place: &usize| facts[place].numbers.keys().chain(facts[place].names.keys());
+    let stated = places.iter().flat_map(of_run).copied();
+    stated
+        .filter(|covariate| *covariate != Covariate::Sample)
+        .collect()
+}
+
 impl Rows {
     /// What covariates leave unclear in each other.
     fn find_sets(&mut self) {
-        let names: Vec<Covariate> = Covariate::ALL
-            .into_iter()
-            .filter(|covariate| self.columns.contains_key(covariate))
-            .collect();
+        let names: Vec<Covariate> = self.columns.keys().copied().collect();
         let mut edges: BTreeMap<Covariate, BTreeSet<Covariate>> = BTreeMap::new();
         let mut join = |a: Covariate, b: Covariate| {
             edges.entry(a).or_default().insert(b);

@@ -2,15 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::covariate::Covariate;
+use super::covariate::{Covariate, DeclaredTag, Kind};
 use crate::analysis::conditions::nominal_voltage_v;
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, ClimateQuantity, RunRecord, TagSource};
 
-/// Free tag: hours of exposure before the run.
-const EXPOSURE_H: &str = "exposure_h";
-/// Free tag: calibration that the instrument had.
-const CALIBRATION: &str = "calibration";
 /// A change of humidity from run to run by less than this, percent points, is none: sensors are good to about 2 %.
 const SAME_HUMIDITY_PERCENT: f64 = 3.0;
 /// First runs of samples from which a first run can be told from a run.
@@ -47,16 +43,41 @@ pub struct RunFacts {
 /// Facts of every run that has a sample, in the order of the runs. `charge_c` is what passed in each run, C, where
 /// that is known.
 pub fn facts(runs: &[RunRecord], campaign: &Campaign, charge_c: &[Option<f64>]) -> Vec<RunFacts> {
+    let declared = declared(runs, &campaign.extra_tags);
     let mut facts: Vec<RunFacts> = runs
         .iter()
         .enumerate()
-        .filter_map(|(index, run)| of_run(index, run, campaign))
+        .filter_map(|(index, run)| of_run(index, run, campaign, &declared))
         .collect();
     add_history(&mut facts, runs, charge_c);
     facts
 }
 
-fn of_run(index: usize, run: &RunRecord, campaign: &Campaign) -> Option<RunFacts> {
+/// The covariate of each declared tag: of numbers where every value that a run states is one, else of names.
+fn declared<'k>(runs: &[RunRecord], extra: &'k [String]) -> Vec<(&'k str, Covariate)> {
+    let covariate = |key: &'k String| {
+        let mut stated = runs.iter().filter(|run| run.tag(key).is_some());
+        let are_numbers = stated.all(|run| run.tag_number(key).is_some());
+        let built_in = Covariate::ALL.into_iter().find(|known| known.key() == key);
+        let tag = DeclaredTag::of(key);
+        (
+            key.as_str(),
+            match built_in {
+                Some(known) => known,
+                None if are_numbers => Covariate::TagNumber(tag),
+                None => Covariate::TagName(tag),
+            },
+        )
+    };
+    extra.iter().map(covariate).collect()
+}
+
+fn of_run(
+    index: usize,
+    run: &RunRecord,
+    campaign: &Campaign,
+    declared: &[(&str, Covariate)],
+) -> Option<RunFacts> {
     let sample = run.tag(keys::SAMPLE)?;
     let known = campaign.sample(sample);
     let mut numbers = BTreeMap::new();
@@ -84,7 +105,7 @@ fn of_run(index: usize, run: &RunRecord, campaign: &Campaign) -> Option<RunFacts
     for (covariate, key) in [
         (Covariate::Cycle, keys::CYCLE),
         (Covariate::RestBefore, keys::REST_BEFORE_S),
-        (Covariate::Exposure, EXPOSURE_H),
+        (Covariate::Exposure, keys::EXPOSURE_H),
     ] {
         number(covariate, run.tag_number(key).map(exact));
     }
@@ -93,7 +114,7 @@ fn of_run(index: usize, run: &RunRecord, campaign: &Campaign) -> Option<RunFacts
         (Covariate::Environment, keys::ENVIRONMENT),
         (Covariate::Instrument, keys::INSTRUMENT),
         (Covariate::Operator, keys::OPERATOR),
-        (Covariate::Calibration, CALIBRATION),
+        (Covariate::Calibration, keys::CALIBRATION),
     ] {
         if let Some(name) = run.tag(key) {
             names.insert(covariate, name.to_owned());
@@ -104,6 +125,12 @@ fn of_run(index: usize, run: &RunRecord, campaign: &Campaign) -> Option<RunFacts
     }
     if let Some(batch) = known.and_then(|sample| sample.batch.clone()) {
         names.insert(Covariate::Batch, batch);
+    }
+    for &(key, covariate) in declared {
+        match covariate.kind() {
+            Kind::Number => numbers.extend(run.tag_number(key).map(|value| (covariate, exact(value)))),
+            Kind::Category => names.extend(run.tag(key).map(|name| (covariate, name.to_owned()))),
+        }
     }
     Some(RunFacts {
         run: index,
@@ -279,6 +306,28 @@ mod tests {
             .collect();
         assert_eq!(ages, [0.0, 1.0, 5.0]);
         assert!(!found[1].numbers.contains_key(&Covariate::ChargeBefore));
+    }
+
+    #[test]
+    fn a_declared_tag_is_a_number_where_all_its_values_are_and_an_undeclared_one_is_nothing() {
+        let mut runs: Vec<RunRecord> = ["a", "b"]
+            .iter()
+            .map(|name| run(name, "CNaf-01", "air", Some(34.0), 2.0))
+            .collect();
+        for (run, values) in runs.iter_mut().zip([["10", "1", "x"], ["20", "left", "y"]]) {
+            for (key, value) in ["pre_charge_s", "specimen", "mood"].iter().zip(values) {
+                run.tags.push(tag(key, value));
+            }
+        }
+        let mut stated = campaign();
+        stated.extra_tags = vec!["pre_charge_s".to_owned(), "specimen".to_owned()];
+        let found = facts(&runs, &stated, &[None, None]);
+        let number = Covariate::TagNumber(DeclaredTag::of("pre_charge_s"));
+        let name = Covariate::TagName(DeclaredTag::of("specimen"));
+        assert_eq!(found[1].numbers[&number].value, 20.0);
+        assert_eq!(found[1].names[&name], "left");
+        let keys = found[1].names.keys().chain(found[1].numbers.keys());
+        assert!(keys.map(|covariate| covariate.key()).all(|key| key != "mood"));
     }
 
     #[test]

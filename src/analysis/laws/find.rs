@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::covariate::Covariate;
 use super::dependence::{Asking, Dependence};
 use super::design::{Level, Rows, rows};
+use super::doubt::{Doubted, Doubts, Findings};
 use super::facts::{RunFacts, facts};
 use super::offset::{LengthDoubt, length_doubts};
 use super::selection::{Attempt, Selection, selections};
@@ -26,6 +27,8 @@ pub struct Evidence<'a> {
     pub charge_c: &'a [Option<f64>],
     /// Every run that was tried, failed ones too.
     pub attempts: &'a [Attempt],
+    /// What the diagnoses say against fits.
+    pub findings: Findings<'a>,
     /// Seed of the draws.
     pub seed: u64,
 }
@@ -56,6 +59,8 @@ pub struct CampaignLaws {
     pub lengths: Vec<LengthDoubt>,
     /// Failed runs over the conditions.
     pub selections: Vec<Selection>,
+    /// Groups whose fits are in doubt, and what was done with them.
+    pub doubted: Vec<Doubted>,
     /// Number of questions that share the q-values.
     pub questions: usize,
 }
@@ -70,19 +75,20 @@ impl CampaignLaws {
 /// Seeks the laws of a campaign. The outcome does not depend on the number of threads.
 pub fn find(evidence: &Evidence) -> CampaignLaws {
     let facts = facts(evidence.runs, evidence.campaign, evidence.charge_c);
+    let doubts = Doubts::new(evidence.findings, evidence.runs);
     let mut of_material: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (place, fact) in facts.iter().enumerate() {
-        if evidence.runs[fact.run]
-            .fit
-            .as_ref()
-            .is_some_and(|fit| fit.converged)
-        {
+        let run = &evidence.runs[fact.run];
+        if run.fit.as_ref().is_some_and(|fit| fit.converged) && !doubts.leaves_out(&run.path) {
             of_material.entry(fact.material.clone()).or_default().push(place);
         }
     }
-    let mut laws = CampaignLaws::default();
+    let mut laws = CampaignLaws {
+        doubted: doubts.told(evidence.findings),
+        ..CampaignLaws::default()
+    };
     for (material, places) in &of_material {
-        add_material(&mut laws, evidence, &facts, material, places);
+        add_material(&mut laws, evidence, &doubts, (&facts, places), material);
     }
     laws.selections = selections(evidence.attempts, evidence.seed);
     laws.facts = facts;
@@ -93,9 +99,9 @@ pub fn find(evidence: &Evidence) -> CampaignLaws {
 fn add_material(
     laws: &mut CampaignLaws,
     evidence: &Evidence,
-    facts: &[RunFacts],
+    doubts: &Doubts,
+    (facts, places): (&[RunFacts], &[usize]),
     material: &str,
-    places: &[usize],
 ) {
     let [within, between] = rows(facts, places);
     for level in [&within, &between] {
@@ -111,7 +117,7 @@ fn add_material(
         .insert(material.to_owned(), differing.copied().collect());
     let all: Vec<Values> = keys(evidence.runs, facts, places)
         .iter()
-        .map(|key| values(evidence.runs, facts, places, key))
+        .map(|key| values(evidence.runs, facts, places, key).in_doubt(doubts, evidence.runs, facts))
         .collect();
     let questions: Vec<(&Values, &Rows, Option<&[Covariate]>)> = all
         .iter()
@@ -252,4 +258,7 @@ fn judge(laws: &mut CampaignLaws, is_shared: bool) {
         }
     }
     laws.questions = questions;
+    for found in &mut laws.dependences {
+        found.keep_rivals();
+    }
 }

@@ -34,6 +34,8 @@ pub struct Material<'a> {
     pub span: Span,
     /// Whether `y` is logarithms.
     pub is_log: bool,
+    /// Independent readings that the criterion counts.
+    pub readings: f64,
 }
 
 /// A number with its 95 % interval; an open end is none.
@@ -71,7 +73,7 @@ pub struct Fitted {
     pub size: Interval,
     /// The law's own coefficient.
     pub coefficient: Interval,
-    /// Threshold, knee or time constant in the covariate's unit, where the law has one.
+    /// Threshold, knee, step or time constant in the covariate's unit, where the law has one.
     pub bend_at: Option<Interval>,
     /// Bend of the best fit.
     pub bend: Bend,
@@ -97,7 +99,7 @@ pub fn compare(material: &Material, laws: &[Law]) -> Vec<Fitted> {
         .count();
     let plainest = (0..as_good).min_by_key(|&k| {
         let law = fitted[k].law;
-        (law.parameters(), laws.iter().position(|known| *known == law))
+        (law.paid_for(), laws.iter().position(|known| *known == law))
     });
     if let Some(plainest) = plainest {
         let chosen = fitted.remove(plainest);
@@ -109,16 +111,57 @@ pub fn compare(material: &Material, laws: &[Law]) -> Vec<Fitted> {
 /// Criterion of no law at all.
 pub fn bic_of_none(material: &Material) -> f64 {
     let left = material.nuisance.residual(material.y);
-    criterion(dot(&left, &left), material.nuisance.freedom(), 0)
+    criterion(dot(&left, &left), material.readings, 0)
 }
 
-fn criterion(square: f64, readings: usize, parameters: usize) -> f64 {
-    let n = readings.max(1) as f64;
+/// Bayesian information criterion of what leaves a `square`, for so many `parameters`.
+pub fn criterion(square: f64, readings: f64, parameters: usize) -> f64 {
+    let n = readings.max(1.0);
     n * (square.max(1e-12) / n).ln() + parameters as f64 * n.ln()
 }
 
-/// Fits one law; none where its bends are not to be had or nothing is left free.
-pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
+/// A law at its best, without intervals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Least {
+    /// The law.
+    pub law: Law,
+    /// As in [`Fitted::size`].
+    pub size: f64,
+    /// Bend of the best fit.
+    pub bend: Bend,
+    /// Weighted square that it leaves.
+    pub square: f64,
+    /// As in [`Fitted::bic`].
+    pub bic: f64,
+}
+
+/// Of `laws` the one that describes the values best by the criterion; none where they allow none.
+pub fn least(material: &Material, laws: &[Law]) -> Option<Least> {
+    let each = laws.iter().filter_map(|&law| {
+        let found = search(material, law)?;
+        Some(Least {
+            law,
+            size: found.size,
+            bend: found.bends[found.best],
+            square: found.square,
+            bic: criterion(found.square, material.readings, law.paid_for()),
+        })
+    });
+    each.min_by(|a, b| a.bic.total_cmp(&b.bic))
+}
+
+/// A law's best bend and size, with every bend that was tried.
+struct Search {
+    freedom: usize,
+    left: Vec<f64>,
+    bends: Vec<Bend>,
+    shapes: Vec<Shape>,
+    best: usize,
+    size: f64,
+    square: f64,
+}
+
+fn search(material: &Material, law: Law) -> Option<Search> {
     let mut bends = shape::bends(law, material.levels, material.span);
     let freedom = material.nuisance.freedom().checked_sub(law.parameters())?;
     // A bend needs readings about it: three more for each number beyond the first.
@@ -141,13 +184,36 @@ pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
         });
         each.min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let (mut size, mut square, mut k) = best_of(&shapes)?;
+    let (mut size, mut square, mut best) = best_of(&shapes)?;
     for _ in 0..FINER {
-        let more = shape::finer(law, &bends, k);
+        let more = shape::finer(law, &bends, best);
         shapes.extend(made(&more));
         bends.extend(more);
-        (size, square, k) = best_of(&shapes)?;
+        (size, square, best) = best_of(&shapes)?;
     }
+    Some(Search {
+        freedom,
+        left,
+        bends,
+        shapes,
+        best,
+        size,
+        square,
+    })
+}
+
+/// Fits one law; none where its bends are not to be had or nothing is left free.
+pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
+    let Search {
+        freedom,
+        left,
+        bends,
+        shapes,
+        best: k,
+        size,
+        square,
+    } = search(material, law)?;
+    let all: Vec<usize> = (0..material.y.len()).collect();
     let spread = (square / freedom as f64).max(1.0);
     let allowed = square + quantile_95(freedom as f64).powi(2) * spread;
     let profile = |size: f64| -> f64 {
@@ -173,7 +239,7 @@ pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
         coefficient: size.map(|size| coefficient(law, size, material.span, bend)),
         bend_at: has_bend.then(|| bend_interval(material, law, &bends, &shapes, &left, k, allowed)),
         bend,
-        bic: criterion(square, material.nuisance.freedom(), law.parameters()),
+        bic: criterion(square, material.readings, law.paid_for()),
         left_out_rms: left_out(material, &left, &shapes),
     })
 }
@@ -295,7 +361,7 @@ fn bend_interval(
     let all: Vec<usize> = (0..material.y.len()).collect();
     let span = material.span;
     let in_unit = |at: f64| match law {
-        Law::Threshold | Law::Knee => span.low + at * span.length(),
+        Law::Threshold | Law::Knee | Law::Step => span.low + at * span.length(),
         _ => at * span.length(),
     };
     let held: Vec<f64> = bends
@@ -396,6 +462,7 @@ mod tests {
             levels: &levels,
             span: Span::of(x),
             is_log: true,
+            readings: nuisance.freedom() as f64,
         };
         compare(&material, laws)
     }

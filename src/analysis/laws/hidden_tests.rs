@@ -30,18 +30,18 @@ const FITS: f64 = 0.04;
 
 /// How a simulated campaign is made.
 #[derive(Clone, Copy)]
-struct Plan {
-    samples: usize,
-    humidities: &'static [f64],
-    voltages: &'static [f64],
+pub(super) struct Plan {
+    pub(super) samples: usize,
+    pub(super) humidities: &'static [f64],
+    pub(super) voltages: &'static [f64],
     /// Whether humidities rise with the order of the runs.
-    is_confounded: bool,
-    between: f64,
+    pub(super) is_confounded: bool,
+    pub(super) between: f64,
     /// Whether each sample is measured at one humidity only.
-    one_humidity_a_sample: bool,
+    pub(super) one_humidity_a_sample: bool,
 }
 
-const PLAN: Plan = Plan {
+pub(super) const PLAN: Plan = Plan {
     samples: 6,
     humidities: &[20.0, 40.0, 60.0, 80.0],
     voltages: &[1.5, 2.5],
@@ -51,7 +51,7 @@ const PLAN: Plan = Plan {
 };
 
 /// What is hidden: change of the logarithm of a parameter by humidity (percent) and cycle.
-type Hidden<'a> = &'a dyn Fn(&str, f64, usize) -> f64;
+pub(super) type Hidden<'a> = &'a dyn Fn(&str, f64, usize) -> f64;
 
 fn simulate(plan: Plan, hidden: Hidden, seed: u64) -> (Vec<RunRecord>, Campaign) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -121,9 +121,10 @@ fn estimate(value: f64) -> Estimate {
     )
 }
 
-fn found(plan: Plan, hidden: Hidden, seed: u64) -> CampaignLaws {
+pub(super) fn found(plan: Plan, hidden: Hidden, seed: u64) -> CampaignLaws {
     let (runs, campaign) = simulate(plan, hidden, seed);
     find(&Evidence {
+        findings: Default::default(),
         runs: &runs,
         campaign: &campaign,
         charge_c: &vec![None; runs.len()],
@@ -132,7 +133,7 @@ fn found(plan: Plan, hidden: Hidden, seed: u64) -> CampaignLaws {
     })
 }
 
-fn tries(short: u64, long: u64) -> u64 {
+pub(super) fn tries(short: u64, long: u64) -> u64 {
     match std::env::var_os("IEAP_LONG") {
         Some(_) => long,
         None => short,
@@ -291,6 +292,73 @@ fn ageing_is_not_taken_for_humidity() {
         sentence.contains("Rₛₛ of CNaf falls by a factor of"),
         "{sentence}"
     );
+}
+
+#[test]
+fn declared_tags_are_asked_and_others_are_not() {
+    let (mut runs, mut campaign) = simulate(PLAN, &nothing, 43);
+    let mut random = ChaCha8Rng::seed_from_u64(44);
+    for made in &mut runs {
+        let charge_s = f64::from(random.random_range(0..4_u32)) * 60.0;
+        let (specimen, offset) = [("left", 0.0), ("right", 0.5)][random.random_range(0..2_usize)];
+        made.tags.push(tag("pre_charge_s", &charge_s.to_string()));
+        made.tags.push(tag("specimen", specimen));
+        let parameters = made.fit.iter_mut().flat_map(|fit| &mut fit.parameters);
+        for parameter in parameters {
+            let y = match parameter.key.as_str() {
+                "alpha_per_c_cm" => 0.003 * charge_s,
+                "rss_ohm_cm2" => offset,
+                _ => 0.0,
+            };
+            let value = parameter.estimate.value.unwrap();
+            parameter.estimate = estimate(value * y.exp());
+        }
+    }
+    let claimed = |campaign: &Campaign| -> Vec<(String, String, Law)> {
+        let laws = find(&Evidence {
+            findings: Default::default(),
+            runs: &runs,
+            campaign,
+            charge_c: &vec![None; runs.len()],
+            attempts: &[],
+            seed: 1,
+        });
+        let of_tags = laws
+            .claimed()
+            .filter(|one| one.covariate.effect() == Some("tag-dependence"));
+        let told = |one: &super::dependence::Dependence| {
+            let law = one.laws.first().map_or(Law::Jump, |law| law.law);
+            (one.parameter.clone(), one.covariate.key().to_owned(), law)
+        };
+        of_tags.map(told).collect()
+    };
+    assert!(claimed(&campaign).is_empty());
+    campaign.extra_tags = vec!["pre_charge_s".to_owned(), "specimen".to_owned()];
+    let found = claimed(&campaign);
+    for (parameter, key) in [("alpha_per_c_cm", "pre_charge_s"), ("rss_ohm_cm2", "specimen")] {
+        let is_it = |one: &&(String, String, Law)| one.0 == parameter && one.1 == key;
+        assert_eq!(found.iter().filter(is_it).count(), 1, "{found:?}");
+    }
+    assert_eq!(found.len(), 2, "{found:?}");
+}
+
+#[test]
+fn what_follows_humidity_alone_is_said_to_come_back() {
+    let law = |key: &str, humidity: f64, _: usize| match key {
+        "lambda_per_s" => 0.02 * humidity,
+        _ => 0.0,
+    };
+    let said = crate::analysis::monitoring::words::split(&found(PLAN, &law, 42));
+    let own: Vec<&String> = said
+        .iter()
+        .filter(|text| text.starts_with("λ of CNaf:"))
+        .collect();
+    assert_eq!(own.len(), 1, "{said:?}");
+    assert!(
+        own[0].contains("with humidity it rises by a factor of"),
+        "{own:?}"
+    );
+    assert!(own[0].contains("comes back"), "{own:?}");
 }
 
 #[test]

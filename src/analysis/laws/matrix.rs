@@ -33,6 +33,8 @@ pub struct MatrixRow {
 pub struct MatrixCell {
     /// The covariate by which the change is stated.
     pub covariate: Covariate,
+    /// Whether the readings tell it apart from all that changed with it.
+    pub is_told_apart: bool,
     /// Factor over the range (a difference where `is_factor` is false); none where no law was sought, or where its
     /// interval holds no change.
     pub change: Option<Interval>,
@@ -78,7 +80,7 @@ pub fn matrices(laws: &CampaignLaws) -> Vec<Matrix> {
 
 impl Matrix {
     fn add(&mut self, found: &Dependence) {
-        let mut set = found.confounded_with.clone();
+        let mut set: Vec<Covariate> = found.tied_to().collect();
         set.push(found.covariate);
         set.sort();
         let column = match self.sets.iter().position(|known| *known == set) {
@@ -118,6 +120,7 @@ fn cell(found: &Dependence) -> MatrixCell {
     };
     MatrixCell {
         covariate: found.covariate,
+        is_told_apart: found.confounded_with.is_empty() && !found.told_apart.ruled_out.is_empty(),
         change: match found.is_log {
             true => change.map(|change| change.map(f64::exp)),
             false => change,

@@ -9,12 +9,14 @@ pub mod contrast;
 pub mod covariate;
 pub mod dependence;
 pub mod design;
+pub mod doubt;
 pub mod facts;
 pub mod find;
 pub mod fitted;
 pub mod jump;
 pub mod matrix;
 pub mod offset;
+pub mod rivals;
 pub mod samples;
 pub mod selection;
 pub mod shape;
@@ -24,6 +26,8 @@ pub mod words;
 
 #[cfg(test)]
 mod hidden_tests;
+#[cfg(test)]
+mod rivals_tests;
 
 pub use covariate::Covariate;
 pub use dependence::Dependence;

@@ -2,6 +2,11 @@
 
 use super::covariate::Covariate;
 
+/// Numbers that a step pays for: its size, and its place twice.
+pub const STEP_PAID: usize = 3;
+/// Levels on either side of a step, at least: fewer are readings that stray.
+const STEP_SIDE: usize = 3;
+
 /// A law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Law {
@@ -19,6 +24,8 @@ pub enum Law {
     Approach,
     /// By one factor for every unit up to a knee, by another after it.
     Knee,
+    /// One value up to a place, another one from there on.
+    Step,
     /// What a rest leaves: a factor that fades exponentially with the rest.
     Decay,
     /// A factor between names.
@@ -38,6 +45,7 @@ impl Law {
             Law::SquareRoot => "square-root",
             Law::Approach => "approach",
             Law::Knee => "knee",
+            Law::Step => "step",
             Law::Decay => "decay",
             Law::Jump => "jump",
             Law::Offset => "offset",
@@ -57,8 +65,10 @@ impl Law {
                 Law::SquareRoot,
                 Law::Exponential,
                 Law::Approach,
+                Law::Step,
                 Law::Knee,
             ],
+            Covariate::TagNumber(_) => &[Law::Linear, Law::Exponential],
             Covariate::Batch | Covariate::Sample => &[Law::Offset],
             _ => &[Law::Jump],
         }
@@ -67,9 +77,18 @@ impl Law {
     /// Number of free numbers.
     pub fn parameters(self) -> usize {
         match self {
-            Law::Threshold | Law::Approach | Law::Decay => 2,
+            Law::Threshold | Law::Approach | Law::Decay | Law::Step => 2,
             Law::Knee => 3,
             _ => 1,
+        }
+    }
+
+    /// Numbers that the law pays for in a comparison: those that are free, the place of a step counted twice. Nothing is
+    /// smooth about it, so that looking for it anywhere gains as much as two smooth numbers do (Zhang and Siegmund 2007).
+    pub fn paid_for(self) -> usize {
+        match self {
+            Law::Step => STEP_PAID,
+            law => law.parameters(),
         }
     }
 
@@ -82,7 +101,7 @@ impl Law {
             Law::SquareRoot => "part of the value at the low end per root of the unit",
             Law::Approach => "part of the value at the low end, finally",
             Law::Decay => "ln ratio at the shortest rest",
-            Law::Jump => "ln ratio",
+            Law::Jump | Law::Step => "ln ratio",
             Law::Offset => "standard deviation of ln between samples",
         }
     }
@@ -115,7 +134,7 @@ impl Span {
 /// What shapes a law beside its size: fractions of the span.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend {
-    /// Threshold, knee, or time constant over the span's length.
+    /// Threshold, knee, step, or time constant over the span's length.
     pub at: f64,
     /// Part of the change that falls before the knee at its rate.
     pub part: f64,
@@ -139,6 +158,13 @@ pub fn bends(law: Law, levels: &[f64], span: Span) -> Vec<Bend> {
                 .flat_map(|at| even(-0.4, 0.8, 7).map(move |part| Bend { at, part }))
                 .collect()
         }
+        Law::Step if fractions.len() < 2 * STEP_SIDE => Vec::new(),
+        Law::Step => (STEP_SIDE..=fractions.len() - STEP_SIDE)
+            .map(|k| Bend {
+                at: 0.5 * (fractions[k - 1] + fractions[k]),
+                part: 0.0,
+            })
+            .collect(),
         Law::Approach if fractions.len() < 4 => Vec::new(),
         Law::Approach => (0..15)
             .map(|k| Bend {
@@ -192,6 +218,7 @@ pub fn progress(law: Law, x: f64, span: Span, bend: Bend) -> f64 {
         Law::SquareRoot => u.max(0.0).sqrt(),
         Law::Approach => (1.0 - (-u / bend.at).exp()) / (1.0 - (-1.0 / bend.at).exp()),
         Law::Knee => bend.part * u + (1.0 - bend.part) * (u - bend.at).max(0.0) / (1.0 - bend.at),
+        Law::Step => f64::from(u >= bend.at),
         Law::Decay => (-u / bend.at).exp(),
     }
 }
@@ -221,7 +248,7 @@ pub fn coefficient(law: Law, size: f64, span: Span, bend: Bend) -> f64 {
         Law::SquareRoot => size.exp_m1() / length.sqrt(),
         Law::Approach => size.exp_m1() / (1.0 - (-1.0 / bend.at).exp()),
         Law::Knee => size * (bend.part + (1.0 - bend.part) / (1.0 - bend.at)) / length,
-        Law::Decay | Law::Jump | Law::Offset => size,
+        Law::Decay | Law::Jump | Law::Step | Law::Offset => size,
     }
 }
 
@@ -235,7 +262,7 @@ mod tests {
             low: 10.0,
             high: 90.0,
         };
-        let levels = [10.0, 30.0, 50.0, 70.0, 90.0];
+        let levels = [10.0, 30.0, 50.0, 60.0, 70.0, 90.0];
         for law in [
             Law::Exponential,
             Law::Linear,
@@ -243,6 +270,7 @@ mod tests {
             Law::Threshold,
             Law::SquareRoot,
             Law::Approach,
+            Law::Step,
             Law::Knee,
         ] {
             for bend in bends(law, &levels, span) {
@@ -265,6 +293,14 @@ mod tests {
             high: 80.0,
         };
         assert!(bends(Law::Threshold, &[20.0, 50.0, 80.0], span).is_empty());
+        assert!(
+            bends(
+                Law::Step,
+                &[1.0, 2.0, 3.0, 4.0, 5.0],
+                Span { low: 1.0, high: 5.0 }
+            )
+            .is_empty()
+        );
         assert!(bends(Law::Power, &[0.0, 50.0], Span { low: 0.0, high: 50.0 }).is_empty());
     }
 }

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use super::doubt::Doubts;
 use super::facts::RunFacts;
 use crate::analysis::one_fit::SharedEstimate;
 use crate::analysis::parameters::usable;
-use crate::domain::RunRecord;
+use crate::domain::{Fit, RunRecord};
 
 /// Half-width of a 95 % interval in standard errors.
 const HALF_WIDTH: f64 = 1.959_963_984_540_054;
@@ -17,7 +18,7 @@ pub struct Value {
     pub place: usize,
     /// Its logarithm; the value itself where some are not positive.
     pub y: f64,
-    /// Its variance by the fit.
+    /// Its variance by the fit, and by what a claimed misfit may do to it.
     pub variance: f64,
 }
 
@@ -34,17 +35,27 @@ pub struct Values {
     pub left_out: Vec<usize>,
 }
 
-/// Keys of the parameters that the fits of these runs hold, time constants left out: they are products of others.
+/// Keys of the parameters that the fits of these runs hold. Time constants are products of others, and are left out
+/// but where bending alone tells them.
 pub fn keys(runs: &[RunRecord], facts: &[RunFacts], places: &[usize]) -> Vec<String> {
     let mut keys: Vec<String> = Vec::new();
     for &place in places {
-        for parameter in runs[facts[place].run].fit.iter().flat_map(|fit| &fit.parameters) {
-            if !parameter.key.starts_with("tau") && !keys.contains(&parameter.key) {
-                keys.push(parameter.key.clone());
+        if let Some(fit) = &runs[facts[place].run].fit {
+            let with_times = is_of_bending_alone(fit);
+            for parameter in &fit.parameters {
+                let is_asked = with_times || !parameter.key.starts_with("tau");
+                if is_asked && !keys.contains(&parameter.key) {
+                    keys.push(parameter.key.clone());
+                }
             }
         }
     }
     keys
+}
+
+/// Whether the fit is one of bending alone, which has curvatures per volt in place of resistances and capacitances.
+fn is_of_bending_alone(fit: &Fit) -> bool {
+    fit.parameter("curvature_total_per_cm_v").is_some()
 }
 
 /// Values of the parameter `key` over `places`. A bound is no value: it is left out and counted. Of runs that share one
@@ -101,6 +112,26 @@ pub fn values(runs: &[RunRecord], facts: &[RunFacts], places: &[usize], key: &st
     }
 }
 
+impl Values {
+    /// The same with what claimed misfits may do to each value in its variance; where nobody knows what that is, the
+    /// value is left out.
+    #[must_use]
+    pub fn in_doubt(mut self, doubts: &Doubts, runs: &[RunRecord], facts: &[RunFacts]) -> Values {
+        let all = std::mem::take(&mut self.values);
+        for value in all {
+            let run = &runs[facts[value.place].run];
+            match doubts.shift(&run.path, &self.key, self.is_log) {
+                Some(shift) => self.values.push(Value {
+                    variance: value.variance + shift * shift,
+                    ..value
+                }),
+                None => self.left_out.push(value.place),
+            }
+        }
+        self
+    }
+}
+
 /// Standard error of the logarithm: from the interval, which need not lie evenly about the value.
 fn log_error(value: f64, error: f64, low: Option<f64>, high: Option<f64>) -> f64 {
     match (low.filter(|low| *low > 0.0), high) {
@@ -133,6 +164,19 @@ mod tests {
         assert_eq!(keys(&runs, &facts, &[0, 1, 2]), ["lambda_per_s"]);
         let found = values(&runs, &facts, &[0, 1, 2], "lambda_per_s");
         assert_eq!((found.values.len(), found.left_out.as_slice()), (1, &[1, 2][..]));
+        runs[0]
+            .fit
+            .as_mut()
+            .unwrap()
+            .parameters
+            .push(crate::domain::Parameter {
+                key: "curvature_total_per_cm_v".to_owned(),
+                estimate: known(0.3, 0.01),
+            });
+        assert!(
+            keys(&runs, &facts, &[0]).contains(&"tau1_s".to_owned()),
+            "of bending alone"
+        );
         assert!(found.is_log && (found.values[0].variance.sqrt() - 0.1).abs() < 5e-3);
     }
 }

@@ -3,7 +3,8 @@
 use super::covariate::Covariate;
 use super::dependence::{Dependence, LEAST_RELIABILITY};
 use super::design::Level;
-use super::find::TiedSet;
+use super::doubt::{Doubted, Treatment};
+use super::find::{CampaignLaws, TiedSet};
 use super::fitted::{Fitted, Interval};
 use super::offset::LengthDoubt;
 use super::selection::Selection;
@@ -28,6 +29,7 @@ pub fn sentence(found: &Dependence) -> String {
         true => lead,
         false => format!("{} {lead}", tied_sentence(found)),
     };
+    text += &told_apart(found);
     if found.differs_between_samples {
         text += " Samples follow it by different factors; the interval allows for that.";
     }
@@ -251,17 +253,78 @@ fn tied_sentence(found: &Dependence) -> String {
     )
 }
 
-/// What the design lets nobody tell apart.
-pub fn tied(set: &TiedSet) -> String {
+/// By how much the readings rule out what changed together with the covariate that is named.
+fn told_apart(found: &Dependence) -> String {
+    let told = &found.told_apart;
+    if told.ruled_out.is_empty() {
+        return String::new();
+    }
+    let names: Vec<Covariate> = told.ruled_out.iter().map(|rival| rival.covariate).collect();
+    let left: Vec<String> = told
+        .ruled_out
+        .iter()
+        .map(|rival| format!("{} leaves {}", rival.covariate.label(), percent(rival.left)))
+        .collect();
+    let place = match found.level {
+        Level::Within => "changed with it",
+        Level::Between => "changed with it from sample to sample",
+    };
+    format!(
+        " {} {place}, but the readings tell: of the variation {} alone leaves {}, {}.",
+        capital(&listed(&names)),
+        found.covariate.label(),
+        percent(told.left),
+        left.join(", ")
+    )
+}
+
+fn percent(part: f64) -> String {
+    format!("{} %", short(100.0 * part))
+}
+
+/// What the design lets nobody tell apart, and of which parameters the readings do.
+pub fn tied(set: &TiedSet, laws: &CampaignLaws) -> String {
     let where_ = match set.level {
         Level::Within => "within samples",
         Level::Between => "between samples",
     };
+    let is_told = |found: &&Dependence| {
+        found.material == set.material
+            && found.level == set.level
+            && set.covariates.contains(&found.covariate)
+            && !found.told_apart.ruled_out.is_empty()
+            && found.confounded_with.is_empty()
+    };
+    let told: Vec<&str> = laws
+        .claimed()
+        .filter(is_told)
+        .map(|found| symbol(&found.parameter))
+        .collect();
+    let all_the_same = match told.is_empty() {
+        true => String::new(),
+        false => format!(" Of {} the readings themselves tell.", in_a_row(&told)),
+    };
     format!(
-        "In the runs of {}, {} are confounded: {where_} they changed together, and what follows one of them cannot be told from what follows another.",
+        "In the runs of {}, {} are confounded: {where_} they changed together, and by the design alone what follows one of them cannot be told from what follows another.{all_the_same}",
         set.material,
         listed(&set.covariates)
     )
+}
+
+/// Fits in doubt in a sentence.
+pub fn doubted(found: &Doubted) -> String {
+    let runs = counted(found.runs.len(), "run");
+    let why = match found.causes.as_slice() {
+        [] => "no cause of it is known".to_owned(),
+        causes => format!("{} explains it", causes.join(" with ")),
+    };
+    let what = match found.treatment {
+        Treatment::Widened => format!(
+            "the errors of {runs} hold what the extended model moves each parameter by; `ieap diagnose --adopt` fits it instead"
+        ),
+        Treatment::LeftOut => format!("{runs} of it take part in no question across runs"),
+    };
+    format!("The model is wrong for {}, and {why}: {what}.", found.group)
 }
 
 /// A doubtful length in a sentence.
@@ -301,7 +364,12 @@ pub fn selection(found: &Selection) -> String {
 /// Labels in a row: `a, b and c`.
 pub fn listed(covariates: &[Covariate]) -> String {
     let labels: Vec<&str> = covariates.iter().map(|covariate| covariate.label()).collect();
-    match labels.as_slice() {
+    in_a_row(&labels)
+}
+
+/// Words in a row: `a, b and c`.
+pub fn in_a_row(words: &[&str]) -> String {
+    match words {
         [] => String::new(),
         [one] => (*one).to_owned(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),

@@ -1,6 +1,10 @@
 //! Long-term monitoring: parameters in the reference condition over the life of each sample, their trends, charts and
 //! alarms, and what of a change comes back with the air.
 
+mod course;
+#[cfg(test)]
+mod course_tests;
+mod events;
 #[cfg(test)]
 mod memory_tests;
 pub mod reference;
@@ -11,11 +15,11 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::facts::RunFacts;
 use crate::analysis::laws::fitted::Fitted;
 use crate::analysis::laws::values::{keys, values};
-use crate::analysis::laws::{CampaignLaws, Dependence};
 use crate::domain::{Alarm, Campaign, Limit, RunRecord};
 use crate::numerics::control_chart::Chart;
 use reference::Reference;
@@ -65,7 +69,7 @@ pub struct Watched {
     pub series: Series,
     /// What is made of them.
     pub study: Study,
-    /// The best trend law over every other axis that is known.
+    /// The best law over every other axis that is known and over which one is shown.
     pub other_axes: Vec<(Covariate, Fitted)>,
     /// The limit that holds for it, with when it is reached.
     pub limit: Option<(Limit, Reaches)>,
@@ -110,11 +114,7 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
         monitoring.why_not = why_not;
         return monitoring;
     }
-    monitoring.alarms = monitoring
-        .watched
-        .iter()
-        .flat_map(|watched| alarms(runs, campaign, watched))
-        .collect();
+    monitoring.alarms = events::alarms(runs, campaign, &monitoring.watched);
     monitoring.reference = Some(reference);
     monitoring
 }
@@ -196,7 +196,8 @@ fn watch(
         .filter_map(|&axis| {
             let (series, _) = over(axis);
             let study = series.study(limits, seed);
-            Some((axis, study.trends.first().copied()?))
+            let law = study.trends.first().copied().filter(|_| study.is_shown());
+            Some((axis, law?))
         })
         .collect();
     let fact = &facts[places[0]];
@@ -227,74 +228,5 @@ fn watch(
         other_axes,
         limit,
         left_out: found.left_out.len(),
-    })
-}
-
-fn alarms(runs: &[RunRecord], campaign: &Campaign, watched: &Watched) -> Vec<Alarm> {
-    let mut alarms = Vec::new();
-    for charted in &watched.study.charts {
-        if let Some(first) = charted.first_alarm {
-            let message = words::chart_alarm(watched, charted, campaign.monitoring.false_alarm_runs);
-            alarms.push(alarm(
-                runs,
-                campaign,
-                watched,
-                charted.chart.key(),
-                first,
-                message,
-            ));
-        }
-    }
-    if let Some((limit, _)) = &watched.limit {
-        let passes = |k: usize| {
-            let reach = HALF_WIDTH * watched.series.variance[k].sqrt();
-            let on_scale = |y: f64| if watched.series.is_log { y.exp() } else { y };
-            let (low, high) = (
-                on_scale(watched.series.y[k] - reach),
-                on_scale(watched.series.y[k] + reach),
-            );
-            limit.below.is_some_and(|below| high < below) || limit.above.is_some_and(|above| low > above)
-        };
-        if let Some(first) = (0..watched.series.y.len()).find(|&k| passes(k)) {
-            let message = words::limit_alarm(watched, limit);
-            alarms.push(alarm(runs, campaign, watched, "limit", first, message));
-        }
-    }
-    alarms
-}
-
-fn alarm(
-    runs: &[RunRecord],
-    campaign: &Campaign,
-    watched: &Watched,
-    chart: &str,
-    reading: usize,
-    message: String,
-) -> Alarm {
-    let run = runs[watched.runs[reading]].path.clone();
-    let mut hasher = blake3::Hasher::new();
-    for part in [&watched.sample, &watched.parameter, chart, &run] {
-        hasher.update(part.as_bytes());
-        hasher.update(&[0]);
-    }
-    let id = hasher.finalize().to_hex()[..12].to_owned();
-    Alarm {
-        acknowledged: campaign.monitoring.acknowledged.contains(&id),
-        message: format!("{message} It began with {run}."),
-        id,
-        sample: watched.sample.clone(),
-        parameter: watched.parameter.clone(),
-        chart: chart.to_owned(),
-        run,
-    }
-}
-
-/// The claimed, or best known, dependence of a parameter on a covariate of that effect.
-fn dependence_on<'a>(laws: &'a CampaignLaws, like: &Dependence, effect: &str) -> Option<&'a Dependence> {
-    laws.dependences.iter().find(|found| {
-        found.material == like.material
-            && found.parameter == like.parameter
-            && found.covariate.effect() == Some(effect)
-            && found.covariate != Covariate::Direction
     })
 }

@@ -1,12 +1,8 @@
-//! One number over the life of a sample: jumps, trend, sudden change, charts, and when it reaches a limit.
+//! One number over the life of a sample: jumps, course, charts, and when it reaches a limit.
 
-use crate::analysis::laws::chance_of::ask;
-use crate::analysis::laws::fitted::{self, Fitted, Interval, Material};
-use crate::analysis::laws::shape::{Bend, Law, Span, progress};
+use crate::analysis::laws::fitted::{self, Fitted, Interval};
+use crate::analysis::laws::shape::{Law, Span};
 use crate::numerics::control_chart::{Chart, self_starting};
-use crate::numerics::correlation::Autoregression;
-use crate::numerics::grouped::{Grouped, dot, shared_variance};
-use crate::numerics::student::quantile_95;
 
 /// A step between neighbours beyond this many times the usual scatter of steps is a jump. The largest of 10,000 steps
 /// of normal noise is below 4.5.
@@ -17,14 +13,11 @@ const JUMP_SIDE: usize = 10;
 const STAYS: f64 = 0.7;
 /// Readings from which the usual scatter of steps is known.
 const FEWEST_FOR_JUMPS: usize = 12;
-/// Readings from which a trend, and a sudden change, is asked for.
-const FEWEST_FOR_TREND: usize = 5;
-const FEWEST_FOR_CHANGE: usize = 10;
-/// Readings beside a sudden change on either side, at least.
+/// Readings beside a jump on either side, at least.
 const CHANGE_SIDE: usize = 3;
-/// Places at most at which a sudden change is looked for, and a trend drawn from.
-const MOST_PLACES: usize = 60;
-/// A trend, or a change, that chance brings more often than this is none: there are several parameters of every sample.
+/// Readings from which a trend is asked for.
+const FEWEST_FOR_TREND: usize = 5;
+/// A trend, or a step, that chance brings more often than this is none: there are several parameters of every sample.
 pub const SHOWN_BELOW: f64 = 0.01;
 /// How far beyond the readings a trend may be followed, in lengths of what was measured.
 const FOLLOWED: f64 = 1.0;
@@ -57,7 +50,7 @@ pub struct Step {
     pub is_stated: bool,
 }
 
-/// A sudden change of level beside the trend.
+/// A step to another level beside a trend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
     /// Axis at the change, with the interval that holds it.
@@ -97,18 +90,25 @@ pub enum Reaches {
 pub struct Study {
     /// Jumps, left out of everything.
     pub steps: Vec<Step>,
-    /// Probability of such a trend by chance; none with too few readings.
+    /// Probability of such a trend, or step, by chance; none with too few readings.
     pub p_trend: Option<f64>,
-    /// Trend laws, the chosen one first.
+    /// Laws of the course, a step among them, the chosen one first; each beside `change` where there is one.
     pub trends: Vec<Fitted>,
     /// Span of the axis.
     pub span: Span,
     /// Level at the start of the axis in the last segment.
     pub start: f64,
-    /// A sudden change that is no jump.
+    /// A step beside the trend, where both are told.
     pub change: Option<Change>,
     /// Control charts.
     pub charts: Vec<Charted>,
+}
+
+impl Study {
+    /// Whether a trend or a step is told.
+    pub fn is_shown(&self) -> bool {
+        self.p_trend.is_some_and(|p| p <= SHOWN_BELOW)
+    }
 }
 
 /// Alarm limits of the charts, in the order of [`Chart::ALL`].
@@ -137,7 +137,7 @@ impl Series {
             change: None,
         };
         if self.x.len() >= FEWEST_FOR_TREND && study.span.length() > 0.0 {
-            self.add_trend(&mut study, &segment, seed);
+            self.add_course(&mut study, &segment, seed);
         }
         study
     }
@@ -231,146 +231,6 @@ impl Series {
             .collect()
     }
 
-    fn add_trend(&self, study: &mut Study, segment: &[usize], seed: u64) {
-        let span = study.span;
-        let shapes: Vec<Vec<f64>> = [
-            (Law::Exponential, 0.0),
-            (Law::SquareRoot, 0.0),
-            (Law::Threshold, 0.6),
-        ]
-        .into_iter()
-        .map(|(law, at)| {
-            self.x
-                .iter()
-                .map(|&x| progress(law, x, span, Bend { at, part: 1.0 }))
-                .collect()
-        })
-        .collect();
-        let bare = shared_variance(&self.y, &self.variance, segment, &[]);
-        let flat = self.with(bare);
-        let null = Grouped::new(&flat, segment, &[]);
-        let alternatives: Vec<Grouped> = shapes
-            .iter()
-            .map(|shape| Grouped::new(&flat, segment, std::slice::from_ref(shape)))
-            .collect();
-        study.p_trend = ask(&self.y, &null, &alternatives, segment, seed).map(|answer| answer.p);
-        let flexible = shared_variance(&self.y, &self.variance, segment, &shapes);
-        let variance = self.with(flexible);
-        let memory = self.memory(segment, &shapes, &variance);
-        let variance: Vec<f64> = variance.iter().map(|v| memory * v).collect();
-        let nuisance = Grouped::new(&variance, segment, &[]);
-        let material = Material {
-            y: &self.y,
-            variance: &variance,
-            sample: &vec![0; self.y.len()],
-            nuisance: &nuisance,
-            x: &self.x,
-            levels: &levels(&self.x),
-            span,
-            is_log: self.is_log,
-        };
-        let laws = [
-            Law::Linear,
-            Law::SquareRoot,
-            Law::Exponential,
-            Law::Approach,
-            Law::Knee,
-        ];
-        study.trends = fitted::compare(&material, &laws);
-        study.start = self.start(study, segment);
-        if self.x.len() >= FEWEST_FOR_CHANGE {
-            study.change = self.change(segment, &shapes, &variance, seed);
-        }
-    }
-
-    /// Readings that tell as much about a trend as one independent one, from how each reading's departure from a flexible
-    /// trend goes on to the next; 1 for too few.
-    fn memory(&self, segment: &[usize], shapes: &[Vec<f64>], variance: &[f64]) -> f64 {
-        let n = self.y.len();
-        if n < FEWEST_FOR_CHANGE {
-            return 1.0;
-        }
-        let flexible = Grouped::new(variance, segment, shapes);
-        let left = flexible.residual(&self.y);
-        let goes_on = (1..n).filter(|&k| segment[k] == segment[k - 1]);
-        let product: f64 = goes_on.map(|k| left[k] * left[k - 1]).sum();
-        let square = dot(&left, &left);
-        let terms = (n - flexible.freedom()) as f64;
-        let own = Autoregression::from_sums(square, product, n as f64, terms);
-        n as f64 / own.effective_readings(n as f64)
-    }
-
-    fn with(&self, shared: f64) -> Vec<f64> {
-        self.variance.iter().map(|v| (v + shared).max(1e-18)).collect()
-    }
-
-    /// Level at the start of the axis, by the readings of the last segment.
-    fn start(&self, study: &Study, segment: &[usize]) -> f64 {
-        let Some(law) = study.trends.first() else {
-            return 0.0;
-        };
-        let last = segment.last().copied().unwrap_or(0);
-        let own: Vec<f64> = (0..self.y.len())
-            .filter(|&k| segment[k] == last)
-            .map(|k| {
-                self.y[k]
-                    - fitted::value_at(
-                        law.law,
-                        law.size.value,
-                        self.x[k],
-                        study.span,
-                        law.bend,
-                        self.is_log,
-                    )
-            })
-            .collect();
-        own.iter().sum::<f64>() / own.len().max(1) as f64
-    }
-
-    /// The best place of a sudden change of level, beside a trend, where chance does not bring it.
-    fn change(&self, segment: &[usize], shapes: &[Vec<f64>], variance: &[f64], seed: u64) -> Option<Change> {
-        let n = self.y.len();
-        let every = n.div_ceil(MOST_PLACES);
-        let places: Vec<usize> = (CHANGE_SIDE..=n - CHANGE_SIDE).step_by(every).collect();
-        let null = Grouped::new(variance, segment, shapes);
-        let column = |at: usize| -> Vec<f64> { (0..n).map(|k| if k >= at { 1.0 } else { 0.0 }).collect() };
-        let alternatives: Vec<Grouped> = places
-            .iter()
-            .map(|&at| {
-                let mut model = null.clone();
-                model.take_out(&column(at));
-                model
-            })
-            .collect();
-        let answer = ask(&self.y, &null, &alternatives, segment, seed.wrapping_add(1))?;
-        if answer.p > SHOWN_BELOW {
-            return None;
-        }
-        let left = null.residual(&self.y);
-        let mut room = Vec::new();
-        let squares: Vec<f64> = alternatives
-            .iter()
-            .map(|model| model.square_left(&left, &mut room))
-            .collect();
-        let best = (0..places.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]))?;
-        let freedom = answer.freedom as f64;
-        let allowed = squares[best] * (1.0 + quantile_95(freedom).powi(2) / freedom);
-        let held: Vec<usize> = (0..places.len()).filter(|&k| squares[k] <= allowed).collect();
-        let own = null.residual(&column(places[best]));
-        let between = |at: usize| 0.5 * (self.x[at - 1] + self.x[at]);
-        Some(Change {
-            at: Interval {
-                value: between(places[best]),
-                low_95: held
-                    .first()
-                    .map(|&k| self.x[places[k].saturating_sub(every).max(1) - 1]),
-                high_95: held.last().map(|&k| self.x[(places[k] + every - 1).min(n - 1)]),
-            },
-            size: dot(&own, &left) / dot(&own, &own),
-            p: answer.p,
-        })
-    }
-
     /// When the trend reaches `limit` (on the series' scale): only where a trend is shown, and no farther beyond the
     /// readings than their own span.
     pub fn reaches(&self, study: &Study, limit: f64, is_lower: bool) -> Reaches {
@@ -381,7 +241,7 @@ impl Series {
         if beyond(last) {
             return Reaches::Beyond;
         }
-        if study.p_trend.is_none_or(|p| p > SHOWN_BELOW) {
+        if !study.is_shown() {
             return Reaches::Unknown("no trend is shown".to_owned());
         }
         let as_good: Vec<&Fitted> = study
@@ -399,18 +259,17 @@ impl Series {
             .collect();
         let horizon = study.span.high + FOLLOWED * study.span.length();
         let crossing = |law: &Fitted, size: f64| -> Option<f64> {
-            let mean = self.mean_of(law, size, study.span);
-            let at = |x: f64| {
-                self.mean_y_of_last(study) - mean
-                    + fitted::value_at(law.law, size, x, study.span, law.bend, self.is_log)
-            };
+            let course = self.course(study, law, size);
             (0..=400)
                 .map(|k| study.span.high + (horizon - study.span.high) * f64::from(k) / 400.0)
-                .find(|&x| beyond(at(x)))
+                .find(|&x| beyond(course(x)))
         };
         let Some(chosen) = study.trends.first() else {
             return Reaches::Unknown("there are too few readings for a trend".to_owned());
         };
+        if chosen.law == Law::Step {
+            return Reaches::Unknown("it changed in one step, and no trend is shown since".to_owned());
+        }
         let mut ends: Vec<Option<f64>> = Vec::new();
         for law in &as_good {
             ends.push(crossing(law, law.size.low_95.unwrap_or(law.size.value)));
@@ -433,30 +292,6 @@ impl Series {
             )),
         }
     }
-
-    /// Mean of a law over the readings of the last segment.
-    fn mean_of(&self, law: &Fitted, size: f64, span: Span) -> f64 {
-        let sum: f64 = self
-            .x
-            .iter()
-            .map(|&x| fitted::value_at(law.law, size, x, span, law.bend, self.is_log))
-            .sum();
-        sum / self.x.len() as f64
-    }
-
-    /// Mean of the readings, brought to the level of the last segment.
-    fn mean_y_of_last(&self, study: &Study) -> f64 {
-        study.trends.first().map_or(0.0, |law| {
-            study.start + self.mean_of(law, law.size.value, study.span)
-        })
-    }
-}
-
-fn levels(x: &[f64]) -> Vec<f64> {
-    let every = x.len().div_ceil(MOST_PLACES);
-    let mut levels: Vec<f64> = x.iter().copied().step_by(every).collect();
-    levels.dedup();
-    levels
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -551,16 +386,5 @@ mod tests {
             assert!(matches!(reached, Reaches::Unknown(_)));
         }
         assert!(shown <= 6, "{shown} of 40");
-    }
-
-    #[test]
-    fn a_sudden_change_has_a_place() {
-        let changed = series(40, 0.05, 7, |x| if x > 22.0 { 0.2 } else { 0.0 });
-        let change = changed.study(limits(), 3).change.unwrap();
-        assert!((change.at.value - 22.5).abs() <= 2.0, "{change:?}");
-        assert!(
-            change.at.low_95.unwrap() <= 22.0 && change.at.high_95.unwrap() >= 23.0,
-            "{change:?}"
-        );
     }
 }

@@ -5,6 +5,7 @@ use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::facts::RunFacts;
 use crate::analysis::laws::find::TiedSet;
 use crate::analysis::laws::words::{counted, listed, short};
+use crate::domain::seconds::seconds;
 use crate::domain::{Drive, Level};
 
 /// `38`, `3.1`, or `no bound`.
@@ -148,11 +149,11 @@ pub fn drive(drive: &Drive, duration_s: f64) -> String {
                 Level::Voltage(volts) => format!("{:.2} V", volts + 0.0),
                 Level::OpenCircuit => "open circuit".to_owned(),
             };
-            format!("{level} for {:.0} s", end - segment.start_s)
+            format!("{level} for {} s", seconds(end - segment.start_s))
         })
         .collect();
     let more = match drive.segments.len() > SHOWN {
-        true => format!(", and so on for {duration_s:.0} s"),
+        true => format!(", and so on for {} s", seconds(duration_s)),
         false => String::new(),
     };
     format!("hold {}{more}", parts.join(", then "))

@@ -16,31 +16,31 @@ pub const POOLED_REMARK: &str = "Values are given with their standard error. Whe
 
 /// A number column: which stored number it shows, and how.
 #[derive(Debug, Clone, Copy)]
-pub struct Shown {
+pub struct Shown<'a> {
     /// Stored key.
-    pub key: &'static str,
+    pub key: &'a str,
     /// Column key, with the shown unit.
-    pub column: &'static str,
+    pub column: &'a str,
     /// Symbol.
-    pub symbol: &'static str,
+    pub symbol: &'a str,
     /// The quantity in words.
-    pub quantity: &'static str,
+    pub quantity: &'a str,
     /// Shown unit.
-    pub unit: &'static str,
+    pub unit: &'a str,
     /// Shown number per stored number.
     pub factor: f64,
 }
 
-impl Shown {
+impl<'a> Shown<'a> {
     /// A stored number with how it is shown.
     pub const fn new(
-        key: &'static str,
-        column: &'static str,
-        symbol: &'static str,
-        quantity: &'static str,
-        unit: &'static str,
+        key: &'a str,
+        column: &'a str,
+        symbol: &'a str,
+        quantity: &'a str,
+        unit: &'a str,
         factor: f64,
-    ) -> Shown {
+    ) -> Shown<'a> {
         Shown {
             key,
             column,
@@ -52,7 +52,7 @@ impl Shown {
     }
 
     /// A parameter as tables show it.
-    pub fn parameter(info: &'static ParameterInfo) -> Shown {
+    pub fn parameter(info: &'static ParameterInfo) -> Shown<'static> {
         Shown {
             key: info.key,
             column: match info.key {
@@ -73,8 +73,16 @@ impl Shown {
 
     /// Couplings and changes may be negative; everything else is positive by definition.
     fn averaging(&self) -> Averaging {
-        let signed = ["alpha", "mu_", "relative_change", "relative_humidity"];
-        match signed.iter().any(|start| self.key.starts_with(start)) {
+        let signed = [
+            "alpha",
+            "mu_",
+            "curvature",
+            "relative_change",
+            "relative_humidity",
+        ];
+        // Of a parameter of an effect nothing is known here.
+        let is_of_effect = self.key.contains('.');
+        match is_of_effect || signed.iter().any(|start| self.key.starts_with(start)) {
             true => Averaging::Linear,
             false => Averaging::Logarithmic,
         }
@@ -122,6 +130,7 @@ fn why_unfitted(run: &RunRecord) -> &'static str {
         RunState::Ready => "the run is not fitted yet",
         RunState::Untagged => "a needed tag is missing",
         RunState::NotFitted => "the run is not a step response that the model describes",
+        RunState::NoSteps => "the voltage does not go in steps",
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::TableInput;
 use super::cells::{Shown, parameter_cell, run_sources};
+use super::extended::{effect_cell, effect_column, effect_keys, shared_notes};
 use super::table::{Cell, Column, Notes, Row, Table};
 use crate::analysis::parameters::{FURTHER, PARAMETERS, ParameterInfo};
 
@@ -20,18 +21,20 @@ pub fn make(input: &TableInput) -> Table {
         .filter(occurs)
         .map(Shown::parameter)
         .collect();
+    let effects = effect_keys(input);
     let mut notes = Notes::default();
     let rows = fitted.iter().map(|&index| {
         let run = &input.runs[index];
         let sources = || run_sources(input, &[index]);
         let fit = run.fit.as_ref();
-        let mut cells = vec![
-            Cell::text(Some(run.path.as_str()), sources()),
-            Cell::text(
-                fit.map(|fit| format!("{} v{}", fit.model, fit.model_version)),
-                sources(),
-            ),
-        ];
+        let mut model = Cell::text(
+            fit.map(|fit| format!("{} v{}", fit.model, fit.model_version)),
+            sources(),
+        );
+        for note in shared_notes(input, &[index]) {
+            model = model.noted(notes.at(&note));
+        }
+        let mut cells = vec![Cell::text(Some(run.path.as_str()), sources()), model];
         for shown in &shown {
             let has_it = fit.is_some_and(|fit| fit.parameter(shown.key).is_some());
             cells.push(match has_it {
@@ -39,6 +42,11 @@ pub fn make(input: &TableInput) -> Table {
                 false => Cell::text(None::<String>, sources()),
             });
         }
+        cells.extend(
+            effects
+                .iter()
+                .map(|key| effect_cell(input, &[index], key, &mut notes)),
+        );
         Row {
             label: run.path.clone(),
             cells,
@@ -50,6 +58,7 @@ pub fn make(input: &TableInput) -> Table {
         Column::plain("model", "Model", "model and its version"),
     ];
     columns.extend(shown.iter().map(Shown::column));
+    columns.extend(effects.iter().map(|key| effect_column(key)));
     Table {
         title: "Current fits of all runs".to_owned(),
         columns,

@@ -2,6 +2,7 @@
 
 mod cells;
 mod conditions_table;
+mod extended;
 mod findings;
 mod fits;
 pub mod moved;
@@ -25,8 +26,10 @@ use crate::domain::{Campaign, GroupDiagnosis, ModulusLog, RunRecord, SourceFile}
 pub struct TableInput<'a> {
     /// The campaign.
     pub campaign: &'a Campaign,
-    /// Current revision of every run.
+    /// Current revision of every run that speaks.
     pub runs: &'a [RunRecord],
+    /// The runs that do not: only the list of runs shows them.
+    pub set_aside: &'a [RunRecord],
     /// Current modulus logs with what was found in them.
     pub modulus_logs: &'a [ModulusLog],
     /// Every file that the last scan saw.

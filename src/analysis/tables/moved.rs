@@ -19,12 +19,29 @@ pub struct MovedCell {
     pub sigma: Option<f64>,
 }
 
+impl MovedCell {
+    /// Whether it became something else: other words, or a bound where a value stood, or the other way round.
+    pub fn became_other(&self) -> bool {
+        let is_text = matches!(self.after, Content::Text(_));
+        is_text || std::mem::discriminant(&self.before) != std::mem::discriminant(&self.after)
+    }
+
+    /// What became something else first, then the farthest in standard errors, then what has none: a score without an
+    /// error is no finding.
+    fn rank(&self) -> f64 {
+        match self.became_other() {
+            true => f64::INFINITY,
+            false => self.sigma.unwrap_or(-1.0),
+        }
+    }
+}
+
 /// What changed between two versions of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Moved {
     /// Cells with numbers or words that were compared.
     pub compared: usize,
-    /// Cells that moved, those that became something else first, then the farthest.
+    /// Cells that moved, those that became something else first, then the farthest, then what has no error.
     pub cells: Vec<MovedCell>,
     /// Rows that are gone.
     pub rows_gone: Vec<String>,
@@ -66,8 +83,7 @@ pub fn moved(before: &Table, after: &Table) -> Moved {
             }
         }
     }
-    let rank = |cell: &MovedCell| cell.sigma.unwrap_or(f64::INFINITY);
-    found.cells.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+    found.cells.sort_by(|a, b| b.rank().total_cmp(&a.rank()));
     found
 }
 
@@ -167,6 +183,18 @@ mod tests {
             (found.rows_gone, found.rows_new),
             (vec!["gone".to_owned()], vec!["new".to_owned()])
         );
+    }
+
+    #[test]
+    fn a_score_without_an_error_stands_below_values_that_moved() {
+        let before = table(&[("score", Content::Score(0.99)), ("a", value(10.0, 0.5))]);
+        let after = table(&[("score", Content::Score(0.98)), ("a", value(10.1, 0.5))]);
+        let rows: Vec<String> = moved(&before, &after)
+            .cells
+            .iter()
+            .map(|cell| cell.row.clone())
+            .collect();
+        assert_eq!(rows, ["a", "score"]);
     }
 
     #[test]

@@ -23,6 +23,7 @@ pub fn make(input: &TableInput) -> Table {
         let state = match run.state {
             RunState::Untagged => "lacks tags",
             RunState::NotFitted => "cannot be fitted",
+            RunState::NoSteps => "no steps of the voltage",
             RunState::Ready => "not fitted yet",
         };
         // The gravest issue says why; the last of them is the newest.

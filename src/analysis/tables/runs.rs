@@ -35,7 +35,10 @@ pub fn make(input: &TableInput) -> Table {
         title: "Runs".to_owned(),
         columns,
         stub: 1,
-        rows: (0..input.runs.len()).map(|run| row(input, run)).collect(),
+        rows: (0..input.runs.len())
+            .map(|run| row(input, run))
+            .chain(input.set_aside.iter().map(|run| set_aside(input, run)))
+            .collect(),
         ..Table::default()
     }
 }
@@ -67,6 +70,31 @@ fn row(input: &TableInput, index: usize) -> Row {
     }
 }
 
+/// A run that no result is made from: what it is, and why; nothing of its fit.
+fn set_aside(input: &TableInput, run: &RunRecord) -> Row {
+    let text = |text: Option<&str>| Cell::text(text, Vec::new());
+    let number = |key: &str| Cell::exact(run.tag_number(key), Vec::new());
+    let state = format!("set aside: {}", run.standing.reason());
+    let cells = vec![
+        text(Some(&run.path)),
+        text(run.tag(keys::SAMPLE)),
+        text(material(run, input.campaign)),
+        text(run.tag(keys::ENVIRONMENT)),
+        number(keys::RELATIVE_HUMIDITY_PERCENT),
+        number(keys::TEMPERATURE_C),
+        Cell::exact(nominal_voltage_v(run), Vec::new()),
+        Cell::text(started(run, input.campaign.timezone.as_deref()), Vec::new()),
+        text(Some(&state)),
+        text(None),
+        text(None),
+        text(None),
+    ];
+    Row {
+        label: run.path.clone(),
+        cells,
+    }
+}
+
 fn state(run: &RunRecord) -> &'static str {
     match &run.fit {
         Some(fit) if fit.converged => "fitted",
@@ -75,6 +103,7 @@ fn state(run: &RunRecord) -> &'static str {
             crate::domain::RunState::Ready => "not fitted yet",
             crate::domain::RunState::Untagged => "lacks tags",
             crate::domain::RunState::NotFitted => "cannot be fitted",
+            crate::domain::RunState::NoSteps => "no steps",
         },
     }
 }

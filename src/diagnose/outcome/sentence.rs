@@ -22,8 +22,9 @@ impl Shown<'_, '_> {
                 found.set.join(", ")
             ),
             Verdict::Partial => format!(
-                "The simulation is wrong ({place}); {} explains most of it{}.{proof}",
+                "The simulation is wrong ({place}); {} {} most of it{}.{proof}",
                 taken.join(" with "),
+                if found.gains_clearly() { "explains" } else { "fits" },
                 if doubt(found).is_empty() {
                     ", and a misfit is left"
                 } else {
@@ -55,6 +56,11 @@ fn proof(found: &GroupDiagnosis) -> String {
     let (better, all) = gain.proof.better_parts();
     let what = gain.parts_word(found.runs.len());
     let sum = format!("{:.0} +- {:.0}", gain.proof.deviance, gain.proof.standard_error);
+    if !gain.proof.is_clear() {
+        return format!(
+            " That it predicts held-out {what} better is not clear: {better} of {all} come out better, and the fall of the deviance, {sum}, may be none."
+        );
+    }
     let which = match better == all {
         true => format!("all {all}"),
         false => format!("{better} of {all}"),

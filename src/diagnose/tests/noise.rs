@@ -47,6 +47,7 @@ fn noise_that_grows_with_the_voltage_is_remarked_and_even_noise_is_not() {
                     area_cm2: AREA_CM2,
                 },
                 length_cm: None,
+                is_right: false,
             })
             .collect();
         let group = group::Group::new(&inputs);

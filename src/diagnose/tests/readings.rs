@@ -14,16 +14,41 @@ impl Runs {
 #[test]
 fn a_wrong_unit_and_a_turned_sign_are_faults_of_the_readings() {
     for (run, channel, factor, said) in [
-        (1, 0, 1000.0, "The current of second is 1000 times"),
-        (2, 1, 0.01, "The bending of third is 0.01 times"),
-        (1, 1, -1.0, "The bending of second has the sign opposite"),
-        (3, 0, -1.0, "The current of fourth has the sign opposite"),
+        (1, 0, 1000.0, "its current is 1000 times"),
+        (2, 1, 0.01, "its bending is 0.01 times"),
+        (1, 1, -1.0, "its bending has the sign opposite"),
+        (3, 0, -1.0, "its current has the sign opposite"),
     ] {
-        let found = Runs::with(None, FOUR, 7).scaled(run, channel, factor).diagnosed();
-        assert_eq!(found.verdict, Verdict::DataProblem, "{}", found.sentence);
-        assert!(found.sentence.starts_with(said), "{}", found.sentence);
-        assert!(found.set.is_empty() && found.p_misfit.is_none());
+        let runs = Runs::with(None, FOUR, 7).scaled(run, channel, factor);
+        let inputs = runs.inputs();
+        let group = group::Group::new(&inputs);
+        let odd = odd_scale::odd_runs(&group, DiagnoseOptions::default().model);
+        assert_eq!(odd.len(), 1, "{odd:?}");
+        assert!(
+            odd[0].run == inputs[run].name && odd[0].reason.starts_with(said),
+            "{odd:?}"
+        );
     }
+}
+
+#[test]
+fn the_others_are_diagnosed_as_if_a_condemned_run_were_not_there() {
+    let runs = Runs::with(None, FOUR, 7).scaled(1, 0, 1000.0);
+    let mut found = runs.diagnosed();
+    let mut rest = runs.inputs();
+    rest.remove(1);
+    let expected = diagnose_group("group", &rest, &DiagnoseOptions::default());
+    assert!(found.remarks[0].starts_with("second is set aside: its current is 1000 times"));
+    assert_eq!(found.condemned.len(), 1);
+    found.remarks.remove(0);
+    found.condemned.clear();
+    // In words, where a number that is none equals itself.
+    assert_eq!(format!("{found:?}"), format!("{expected:?}"));
+    // On a person's word it takes part.
+    let mut all = runs.inputs();
+    all[1].is_right = true;
+    let group = group::Group::new(&all);
+    assert_eq!(odd_scale::odd_runs(&group, DiagnoseOptions::default().model), []);
 }
 
 #[test]
@@ -31,17 +56,14 @@ fn what_a_strip_can_do_is_no_fault_of_the_readings() {
     let odd = |runs: &Runs| {
         let inputs = runs.inputs();
         let group = group::Group::new(&inputs);
-        odd_scale::found("group", &group, DiagnoseOptions::default().model).map(|found| found.sentence)
+        odd_scale::odd_runs(&group, DiagnoseOptions::default().model)
     };
     // Twice as much is no unit; and the only run to the other side may bend as a strip does that bends one way only.
     for (run, channel, factor) in [(1, 0, 2.0), (1, 1, 0.5), (2, 1, -1.0)] {
-        assert_eq!(odd(&Runs::with(None, FOUR, 7).scaled(run, channel, factor)), None);
+        assert_eq!(odd(&Runs::with(None, FOUR, 7).scaled(run, channel, factor)), []);
     }
     let one_way: Hidden = ("quadratic-coupling", None, &[("quadratic_cm_per_c2", 2000.0)]);
-    assert_eq!(odd(&Runs::with(Some(one_way), FOUR, 7)), None);
+    assert_eq!(odd(&Runs::with(Some(one_way), FOUR, 7)), []);
     // Two runs cannot say which of them is the odd one.
-    assert_eq!(
-        odd(&Runs::with(None, &[STEP, HALF], 7).scaled(1, 0, 1000.0)),
-        None
-    );
+    assert_eq!(odd(&Runs::with(None, &[STEP, HALF], 7).scaled(1, 0, 1000.0)), []);
 }

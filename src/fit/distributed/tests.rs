@@ -337,3 +337,36 @@ fn joint_fits_are_no_worse_than_phases_and_hold_the_truth() {
     );
     assert!(f64::from(narrower) > 0.8 * f64::from(all), "{narrower} of {all}");
 }
+
+#[test]
+fn the_stated_parameters_leave_the_stated_residuals() {
+    let channels = simulated(&CNAF, true, 0.01, 3);
+    let fit = fitted(&CNAF, false, 0.01, 3);
+    let stated = |key: &str| fit.parameter(key).unwrap().value.unwrap();
+    let said = Sample {
+        re: stated("re_ohm_per_sq"),
+        rc: stated("rc_ohm_cm2"),
+        c: stated("c_f_per_cm2"),
+        rss: stated("rss_ohm_cm2"),
+        alpha: stated("alpha_per_c_cm"),
+        lambda: stated("lambda_per_s"),
+        ..CNAF
+    };
+    let predicted = simulated(&said, true, 0.0, 0);
+    for noise in &fit.noise {
+        let of_kind = channels.iter().zip(&predicted);
+        let (mut square, mut readings) = (0.0, 0);
+        for (measured, by_model) in of_kind.filter(|(own, _)| own.quantity == noise.quantity) {
+            let left = measured.values.iter().zip(by_model.values.iter());
+            square += left.map(|(m, f)| (m - f).powi(2)).sum::<f64>();
+            readings += measured.values.len();
+        }
+        let rms = (square / readings as f64).sqrt();
+        assert!(
+            (rms / noise.residual_rms - 1.0).abs() < 1e-6,
+            "{:?}: {rms}, stated {}",
+            noise.quantity,
+            noise.residual_rms
+        );
+    }
+}

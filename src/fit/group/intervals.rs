@@ -108,7 +108,8 @@ fn try_intervals(
             } else {
                 reach(solved, feature, run, quantile)
             };
-            let interval = solved.profile(feature, run, quantile, reach)?;
+            // The profile goes over the condensed readings, whose minimum lies a little beside the fit's.
+            let interval = solved.profile(feature, run, quantile, reach)?.about(linear.value);
             own.push((feature, widened(interval), partner(solved, feature, run)));
         }
         found.push(own);

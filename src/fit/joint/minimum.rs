@@ -59,7 +59,7 @@ pub(super) fn electrical_starts(
 }
 
 /// The deepest minimum from any of the starts, branches in order of their time constants.
-pub(super) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(Problem<'a>, Bottom)> {
+pub(in crate::fit) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(Problem<'a>, Bottom)> {
     let (problem, _) = problem(vec![run.clone()], &starts[..1], &[]);
     let mut best: Option<Bottom> = None;
     for start in starts {

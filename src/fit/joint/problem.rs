@@ -54,6 +54,13 @@ pub(in crate::fit) enum Slot {
     Held(f64),
 }
 
+impl Slot {
+    /// Whether the parameter is searched.
+    pub(in crate::fit) fn is_searched(self) -> bool {
+        matches!(self, Slot::Searched(_))
+    }
+}
+
 /// The sum of squares of a group of runs.
 #[derive(Debug, Clone)]
 pub(in crate::fit) struct Problem<'a> {

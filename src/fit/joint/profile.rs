@@ -25,6 +25,19 @@ pub(in crate::fit) struct Interval {
     pub(in crate::fit) high: Option<f64>,
 }
 
+impl Interval {
+    /// The same about another value nearby.
+    pub(in crate::fit) fn about(self, value: f64) -> Interval {
+        let moved = |end: Option<f64>| end.map(|end| end + value - self.value);
+        Interval {
+            value,
+            low: moved(self.low),
+            high: moved(self.high),
+            ..self
+        }
+    }
+}
+
 /// A minimum with its covariance, ready to be asked for intervals.
 pub(in crate::fit) struct Solved<'p, 'a> {
     pub(in crate::fit) problem: &'p Problem<'a>,

@@ -1,7 +1,9 @@
-//! Intervals of one run: from the covariance where the sum of squares is a parabola, else by profile likelihood.
+//! One run at the minimum over all its readings, each weighted by its noise, with intervals: from the covariance where
+//! the sum of squares is a parabola, else by profile likelihood.
 
 use crate::fit::bending::Bending;
 use crate::fit::electrical::{BRANCH_EVIDENCE, Electrical};
+use crate::numerics::levenberg::Stop;
 use crate::numerics::student::quantile_95;
 
 use super::branch_evidence::{Branches, Evidence, evidence};
@@ -10,7 +12,7 @@ use super::feature::Feature;
 use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
 use super::problem::{Over, Problem};
 use super::profile::{Deeper, Interval, Solved};
-use super::readings::RunReadings;
+use super::readings::{Offsets, RunReadings};
 use super::start::Start;
 
 /// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
@@ -25,9 +27,9 @@ const RESTARTS: usize = 4;
 /// Evaluations over all readings.
 const POLISH_LIMIT: u64 = 12;
 
-/// Intervals of one run.
+/// The fit of one run: one place, its curves, and intervals about it.
 pub(in crate::fit) struct Judged {
-    /// Number of branches that the intervals are of.
+    /// Number of branches of the fit.
     pub(in crate::fit) branches: usize,
     /// How the number of branches was found: from the most on, each weighed against one fewer.
     pub(in crate::fit) weighings: Vec<Evidence>,
@@ -35,13 +37,22 @@ pub(in crate::fit) struct Judged {
     pub(in crate::fit) features: Vec<(Feature, Option<Interval>)>,
     /// For a feature that is open: what it trades off against, and their correlation.
     pub(in crate::fit) partners: Vec<(Feature, Feature, f64)>,
+    /// Current and curvature of the fit at all readings.
+    pub(in crate::fit) fitted: [Option<Vec<f64>>; 2],
+    /// Zeros of the instruments in the fit.
+    pub(in crate::fit) offsets: Offsets,
+    /// Why the search stopped.
+    pub(in crate::fit) stop: Stop,
     /// Evaluations.
     pub(in crate::fit) evaluations: u64,
     parabolic: bool,
 }
 
-/// Intervals of every feature of a run, whose two-step solution is the start; where the sum of squares is known
-/// to be `parabolic` from its covariance over all readings, else by profile.
+/// The minimum of a run over both responses, from its two-step solution, with intervals of every feature about it;
+/// where the sum of squares is known to be `parabolic` from its covariance over all readings, else by profile.
+///
+/// None where the model leaves more than chance of what sums of exponentials could explain (see `misfits`): a
+/// likelihood that knows noise only would let the one response pull the other away from its own best place.
 pub(in crate::fit) fn judge(
     readings: &RunReadings,
     electrical: &Electrical,
@@ -56,7 +67,6 @@ pub(in crate::fit) fn judge(
     let freedom = current.current.as_ref()?.noise.freedom;
     let mut full = minimum(&current, &electrical_starts(&current, electrical, branches))?;
     if excess(&full.0, &full.1) > 1.0 {
-        // The circuit leaves more than chance of what sums of exponentials could explain: see `misfits`.
         return None;
     }
     let mut weighings = vec![evidence(&current, electrical, &full)];
@@ -74,28 +84,31 @@ pub(in crate::fit) fn judge(
             break;
         }
     }
+    let (found, freedom) = match (bending, &readings.curvature) {
+        (Some(bending), Some(curvature)) => {
+            let start = Start::of(electrical, count)
+                .with_circuit(&full.0.local(0, &full.1.at))
+                .with_bending(bending);
+            let both = minimum(readings, &[start])?;
+            if excess(&both.0, &both.1) > 1.0 {
+                return None;
+            }
+            (both, [freedom, freedom.min(curvature.noise.freedom)])
+        }
+        _ => (full, [freedom; 2]),
+    };
     let mut judged = Judged {
         branches: count,
         weighings,
         features: Vec::new(),
         partners: Vec::new(),
-        evaluations: 0,
+        fitted: [None, None],
+        offsets: Offsets::default(),
+        stop: found.1.stop,
+        evaluations: found.1.evaluations,
         parabolic,
     };
-    let wanted: Vec<Feature> = Feature::all(count)
-        .filter(|feature| feature.is_electrical())
-        .collect();
-    let settled = intervals(full, &wanted, freedom, &mut judged);
-    if let (Some(bending), Some(curvature)) = (bending, &readings.curvature) {
-        let freedom = freedom.min(curvature.noise.freedom);
-        let mut start = Start::of(electrical, count).with_bending(bending);
-        for (local, value) in settled.iter().enumerate().take(2 * count + 1) {
-            start.local[local] = *value;
-        }
-        if let Some(both) = minimum(readings, &[start]) {
-            intervals(both, &[Feature::Coupling, Feature::Rate], freedom, &mut judged);
-        }
-    }
+    settle(found, freedom, &mut judged);
     let open_branches = judged.are_open();
     for (feature, interval) in &mut judged.features {
         if open_branches && feature.branch().is_some() {
@@ -111,6 +124,14 @@ impl Judged {
         self.weighings.last()
     }
 
+    /// Takes curves and zeros from that place.
+    fn take_place(&mut self, problem: &Problem, bottom: &Bottom) {
+        let local = problem.local(0, &bottom.at);
+        self.stop = bottom.stop;
+        self.offsets = problem.offsets(&local);
+        self.fitted = problem.runs[0].fitted(&problem.model(&local), self.offsets);
+    }
+
     /// Whether the parts of the branches are open because their number is.
     pub(in crate::fit) fn are_open(&self) -> bool {
         let open =
@@ -119,72 +140,88 @@ impl Judged {
     }
 }
 
-/// Intervals of `features` around the minimum, started anew where a deeper one is met; gives the local
-/// parameters at the minimum.
-fn intervals(
-    minimum: (Problem, Bottom),
-    features: &[Feature],
-    freedom: f64,
-    judged: &mut Judged,
-) -> Vec<f64> {
-    let (problem, mut bottom) = minimum;
-    if judged.parabolic {
-        return linear_intervals(&problem, bottom, features, freedom, judged);
+/// The fit at that minimum of one run, with intervals by profile likelihood where they are asked for by the freedom of
+/// the readings.
+pub(in crate::fit) fn settled(
+    found: (Problem, Bottom),
+    freedom: Option<f64>,
+    weighing: Option<Evidence>,
+) -> Judged {
+    let mut judged = Judged {
+        branches: found.0.layout.branches,
+        weighings: weighing.into_iter().collect(),
+        features: Vec::new(),
+        partners: Vec::new(),
+        fitted: [None, None],
+        offsets: Offsets::default(),
+        stop: found.1.stop,
+        evaluations: found.1.evaluations,
+        parabolic: false,
+    };
+    match freedom {
+        Some(freedom) => settle(found, [freedom; 2], &mut judged),
+        None => judged.take_place(&found.0, &found.1),
     }
-    let mut restarts = 0;
-    loop {
+    judged
+}
+
+/// Settles the fit at the minimum, started anew where the search for intervals meets a deeper one. `freedom` is that of
+/// the circuit's parameters and of the bending's.
+fn settle(found: (Problem, Bottom), freedom: [f64; 2], judged: &mut Judged) {
+    let (problem, mut bottom) = found;
+    for restart in 0.. {
         sort_branches(&problem, &mut bottom);
         let factor = excess(&problem, &bottom);
-        let quantile = quantile_95(freedom) * factor;
-        let mut solved = Solved::new(&problem, bottom.clone());
-        let wider = judged.evidence().map_or(1.0, chosen_wider);
-        match all(&mut solved, features, quantile, wider) {
-            Err(Deeper(at)) if restarts < RESTARTS => {
-                restarts += 1;
-                judged.evaluations += solved.evaluations;
-                bottom = problem.descend(&at, LIMIT, SETTLE);
-            }
+        let place = if judged.parabolic {
+            polished(&problem, bottom.clone())
+        } else {
+            bottom.clone()
+        };
+        let mut solved = Solved::new(&problem, place);
+        let outcome = intervals(&mut solved, freedom.map(|of| quantile_95(of) * factor), judged);
+        judged.evaluations += solved.evaluations;
+        match outcome {
+            Err(Deeper(at)) if restart < RESTARTS => bottom = problem.descend(&at, LIMIT, SETTLE),
             outcome => {
-                let found = outcome.unwrap_or_else(|_| features.iter().map(|f| (*f, None)).collect());
-                for (feature, interval) in &found {
-                    if let Some(partner) = partner(&solved, *feature, 0) {
-                        judged.partners.push((*feature, partner.0, partner.1));
-                    }
-                    judged.features.push((*feature, *interval));
+                judged.features = outcome.unwrap_or_else(|_| wanted(&problem).map(|f| (f, None)).collect());
+                let partner = |feature| partner(&solved, feature, 0).map(|(other, by)| (feature, other, by));
+                if !judged.parabolic {
+                    judged.partners = wanted(&problem).filter_map(partner).collect();
                 }
-                judged.evaluations += solved.evaluations;
-                return problem.local(0, &solved.bottom.at);
+                judged.take_place(&problem, &solved.bottom);
+                return;
             }
         }
     }
 }
 
-/// Intervals from the covariance over all readings, at the minimum over all readings.
-fn linear_intervals(
-    problem: &Problem,
-    mut bottom: Bottom,
-    features: &[Feature],
-    freedom: f64,
-    judged: &mut Judged,
-) -> Vec<f64> {
-    sort_branches(problem, &mut bottom);
-    let quantile = quantile_95(freedom) * excess(problem, &bottom);
-    let polished = descend(
-        &bottom.at,
-        &problem.low,
-        &problem.high,
-        POLISH_LIMIT,
-        1e-9,
-        |at| problem.slope(at, Over::Whole),
-    );
-    let solved = Solved::new(problem, polished);
-    judged.evaluations += bottom.evaluations + solved.evaluations;
-    for &feature in features {
-        judged
-            .features
-            .push((feature, Some(solved.linear(feature, 0, quantile))));
+/// The features that the readings of the problem's run may tell.
+fn wanted(problem: &Problem) -> impl Iterator<Item = Feature> + use<> {
+    let run = &problem.runs[0];
+    let (conducts, bends) = (run.current.is_some(), run.curvature.is_some());
+    Feature::all(problem.layout.branches).filter(move |feature| match feature {
+        Feature::Resistance(_) | Feature::ParallelResistance | Feature::Steady => conducts,
+        Feature::Coupling => conducts && bends,
+        Feature::Rate => bends,
+        // Without a current a capacitance stands for the curvature per volt.
+        Feature::Capacitance(_) | Feature::TimeConstant(_) | Feature::TotalCapacitance => true,
+    })
+}
+
+/// The minimum over all readings, from that over the condensed ones.
+fn polished(problem: &Problem, from: Bottom) -> Bottom {
+    let (low, high) = (&problem.low, &problem.high);
+    let found = descend(&from.at, low, high, POLISH_LIMIT, 1e-9, |at| {
+        problem.slope(at, Over::Whole)
+    });
+    match found.stop {
+        // What is left is below the accuracy of the condensed search, whose outcome holds.
+        Stop::EvaluationLimit => Bottom {
+            stop: from.stop,
+            ..found
+        },
+        _ => found,
     }
-    problem.local(0, &solved.bottom.at)
 }
 
 /// Factor on the quantile for the parts of a branch that was taken on that evidence.
@@ -196,21 +233,28 @@ fn chosen_wider(evidence: &Evidence) -> f64 {
     1.0 + CHOSEN_WIDER * short
 }
 
-fn all(
+/// Intervals of all that is wanted; `quantiles` of the circuit's parameters and of the bending's.
+fn intervals(
     solved: &mut Solved,
-    features: &[Feature],
-    quantile: f64,
-    wider: f64,
+    quantiles: [f64; 2],
+    judged: &Judged,
 ) -> Result<Vec<(Feature, Option<Interval>)>, Deeper> {
-    let mut found = Vec::with_capacity(features.len());
-    for &feature in features {
-        let quantile = if feature.branch().is_some() {
-            wider * quantile
+    let wider = judged.evidence().map_or(1.0, chosen_wider);
+    let mut found = Vec::new();
+    for feature in wanted(solved.problem) {
+        let quantile = quantiles[usize::from(!feature.is_electrical())];
+        let interval = if judged.parabolic {
+            solved.linear(feature, 0, quantile)
         } else {
-            quantile
+            let quantile = if feature.branch().is_some() {
+                wider * quantile
+            } else {
+                quantile
+            };
+            let reach = reach(solved, feature, 0, quantile);
+            solved.profile(feature, 0, quantile, reach)?
         };
-        let reach = reach(solved, feature, 0, quantile);
-        found.push((feature, Some(solved.profile(feature, 0, quantile, reach)?)));
+        found.push((feature, Some(interval)));
     }
     Ok(found)
 }

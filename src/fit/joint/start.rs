@@ -63,6 +63,14 @@ impl Start {
         start
     }
 
+    /// The same with the circuit of `local`, parameters of as many branches, and the zero of its current.
+    pub(in crate::fit) fn with_circuit(mut self, local: &[f64]) -> Start {
+        let layout = self.layout();
+        self.local[..=layout.steady()].copy_from_slice(&local[..=layout.steady()]);
+        self.local[layout.current_offset()] = local[layout.current_offset()];
+        self
+    }
+
     /// The same with coupling and rate of step two.
     pub(in crate::fit) fn with_bending(mut self, bending: &Bending) -> Start {
         let layout = self.layout();

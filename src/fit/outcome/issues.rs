@@ -7,7 +7,7 @@ use crate::fit::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::fit::sampled::Sampled;
 use crate::numerics::levenberg::Stop;
 
-pub(super) fn not_converged(stop: Stop) -> Issue {
+pub(in crate::fit) fn not_converged(stop: Stop) -> Issue {
     Issue::warning(
         "not-converged",
         format!("the search did not settle: {}", stop.words()),
@@ -15,7 +15,7 @@ pub(super) fn not_converged(stop: Stop) -> Issue {
 }
 
 /// Notes on parameters without a value.
-pub(super) fn parameter_issues(parameters: &[Parameter]) -> Vec<Issue> {
+pub(in crate::fit) fn parameter_issues(parameters: &[Parameter]) -> Vec<Issue> {
     let mut issues = Vec::new();
     for parameter in parameters {
         let estimate = &parameter.estimate;
@@ -66,16 +66,18 @@ pub(super) fn issues(
             ));
     }
     if let Ok((_, electrical)) = &identified.current
-        && let Some(offset_a) = electrical.offset_a
+        && let Some(of_step) = electrical.offset_a
     {
+        let offset_a = judged.map_or(of_step, |judged| judged.offsets.current_a);
         let message = format!(
             "the current is off by {offset_a:.4e} A at every voltage, which no resistor explains; fitted as the instrument's zero"
         );
         issues.push(Issue::warning("current-offset", message).at("column current_a"));
     }
     if let Ok((_, bending)) = &identified.curvature
-        && let Some(offset_per_cm) = bending.offset_per_cm
+        && let Some(of_step) = bending.offset_per_cm
     {
+        let offset_per_cm = judged.map_or(of_step, |judged| judged.offsets.curvature_per_cm);
         let message =
             format!("the strip is bent by {offset_per_cm:.4e} 1/cm before the step; fitted as an offset");
         issues.push(Issue::note("initial-curvature", message).at("column curvature_per_cm"));
@@ -92,7 +94,13 @@ pub(super) fn issues(
             .ok()
             .map(|(_, bending)| bending.stop),
     ];
-    for stop in unfinished.into_iter().flatten().filter(|stop| !stop.converged()) {
+    let afterwards = judged.map(|judged| judged.stop);
+    for stop in unfinished
+        .into_iter()
+        .chain([afterwards])
+        .flatten()
+        .filter(|stop| !stop.converged())
+    {
         issues.push(not_converged(stop));
     }
     issues

@@ -1,10 +1,12 @@
 //! Fits of simulated runs whose parameters are known.
 
+mod bending;
 mod branches;
 mod calibration;
 mod groups;
 mod limits;
 mod memory;
+mod one_fit;
 mod recovery;
 
 use std::sync::Arc;

@@ -6,10 +6,10 @@ use std::path::{Component, Path};
 use toml::Spanned;
 
 use super::error::CampaignFileError as Error;
-use super::{DEFAULT_MODEL, line_and_column, raw};
+use super::{DEFAULT_MODEL, line_and_column, raw, tags};
 use crate::domain::campaign::Adopted;
 use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
-use crate::domain::{Campaign, Environment, Issue, Material, RunKind, Sample};
+use crate::domain::{AskedFit, Campaign, DateOrder, Environment, Issue, Material, RunKind, Sample};
 use crate::ingest::name_pattern::NamePattern;
 use crate::ingest::scan::is_own_product;
 
@@ -39,6 +39,7 @@ impl Checker<'_> {
             title: head.title.unwrap_or_else(|| id.clone()),
             id,
             timezone: self.timezone(head.timezone)?,
+            date_order: self.date_order(head.date_order)?,
             notice: head.notice,
             samples,
             materials: self.materials(file.material)?,
@@ -47,6 +48,12 @@ impl Checker<'_> {
             name_pattern,
             dma_folder: self.dma_folder(file.dma.folder)?,
             dma_name_pattern,
+            fit: AskedFit {
+                model: head.model.clone(),
+                method: file.fit.method,
+                simultaneous: file.fit.simultaneous,
+                seed: None,
+            },
             model: head.model.unwrap_or_else(|| DEFAULT_MODEL.to_owned()),
             group_by: self.group_by(head.group_by)?,
             adopted: self.adopted(file.adopted)?,
@@ -54,7 +61,9 @@ impl Checker<'_> {
             climate: self.climate(&file.climate)?,
             monitoring: self.monitoring(file.monitoring)?,
             compare: self.compare(file.compare)?,
+            extra_tags: self.extra_tags(file.tags.extra)?,
         };
+        warnings.extend(tags::undeclared_keys(&campaign));
         // A run below the folder of modulus logs would be taken for one.
         if campaign.kind_of(&format!("{}/", campaign.runs_folder)) == RunKind::Dma {
             return Err(Error::FolderOutside {
@@ -222,6 +231,19 @@ impl Checker<'_> {
                 found,
             }),
             name => Ok(name),
+        }
+    }
+
+    fn date_order(&self, word: Option<String>) -> Result<Option<DateOrder>, Error> {
+        let Some(found) = word else {
+            return Ok(None);
+        };
+        match DateOrder::from_key(&found) {
+            None => Err(Error::BadDateOrder {
+                path: self.path.into(),
+                found,
+            }),
+            order => Ok(order),
         }
     }
 

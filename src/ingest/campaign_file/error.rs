@@ -103,6 +103,14 @@ pub enum CampaignFileError {
         /// The name found.
         found: String,
     },
+    /// An order of dates that is none.
+    #[error("{}, [campaign] date_order: \"{found}\" is no order; write \"day-first\", \"month-first\" or \"year-first\"", path.display())]
+    BadDateOrder {
+        /// The file.
+        path: PathBuf,
+        /// The text found.
+        found: String,
+    },
     /// A key to group by that is none.
     #[error("{}, [campaign] group_by: \"{found}\": {reason}; write tag keys, such as [\"sample\", \"environment\"]", path.display())]
     BadGroupBy {
@@ -112,6 +120,14 @@ pub enum CampaignFileError {
         found: String,
         /// Why it is refused.
         reason: &'static str,
+    },
+    /// A declared tag that is no key.
+    #[error("{}, [tags] extra: \"{found}\" is no tag key, or stands there twice; write lower-case letters, digits and `_`, such as [\"specimen\"]", path.display())]
+    BadExtraTag {
+        /// The file.
+        path: PathBuf,
+        /// The key found.
+        found: String,
     },
     /// A limit with no side, or with two.
     #[error("{}, {place}: {found} is stated; write one of them, and the other in an entry of its own", path.display())]

@@ -7,10 +7,18 @@ use super::{line_and_column, nearest};
 use crate::domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 12] = [
+const KNOWN: [(&str, &[&str]); 14] = [
     (
         "campaign",
-        &["id", "title", "timezone", "notice", "model", "group_by"],
+        &[
+            "id",
+            "title",
+            "timezone",
+            "date_order",
+            "notice",
+            "model",
+            "group_by",
+        ],
     ),
     (
         "sample",
@@ -43,6 +51,7 @@ const KNOWN: [(&str, &[&str]); 12] = [
         &["id", "relative_humidity_percent", "temperature_c", "pressure_pa"],
     ),
     ("adopted", &["group", "model"]),
+    ("fit", &["method", "simultaneous"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
     (
@@ -87,6 +96,7 @@ const KNOWN: [(&str, &[&str]); 12] = [
         ],
     ),
     ("compare", &["reference"]),
+    ("tags", &["extra"]),
     (
         "monitoring",
         &[

@@ -8,6 +8,7 @@ mod keys;
 mod monitoring;
 mod nearest;
 mod raw;
+mod tags;
 mod template;
 
 use std::fs;

@@ -29,6 +29,24 @@ pub(super) struct File {
     pub monitoring: Monitoring,
     #[serde(default)]
     pub compare: Compare,
+    #[serde(default)]
+    pub tags: Tags,
+    #[serde(default)]
+    pub fit: Fit,
+}
+
+/// `[tags]`.
+#[derive(Deserialize, Default)]
+pub(super) struct Tags {
+    #[serde(default)]
+    pub extra: Vec<String>,
+}
+
+/// `[fit]`.
+#[derive(Default, Deserialize)]
+pub(super) struct Fit {
+    pub method: Option<String>,
+    pub simultaneous: Option<bool>,
 }
 
 /// `[[adopted]]`.
@@ -44,6 +62,7 @@ pub(super) struct Head {
     pub id: Option<String>,
     pub title: Option<String>,
     pub timezone: Option<String>,
+    pub date_order: Option<String>,
     pub notice: Option<String>,
     pub model: Option<String>,
     #[serde(default)]

@@ -11,11 +11,17 @@ pub fn template(id: &str) -> String {
 [campaign]
 id = {id}                               # short name, for files and pages
 title = {id}                            # what stands above the report
-# timezone = "Europe/Tallinn"            # for times in files that state no offset
+# timezone = "Europe/Tallinn"            # for times in files that state no offset, and on pages
+# date_order = "day-first"               # of dates that may be read in several orders, such as 02/03/2026
 # notice = "simulated, not measured"     # printed on every page of the report
 # model = "lumped-2"                     # model that runs are fitted with; effects extend it: "lumped-2 + faradaic-leak"
 # Runs that `ieap diagnose` takes together, one parameter set for all: those that agree in these tags.
 # group_by = ["sample", "environment", "relative_humidity_percent"]
+
+# How all runs are fitted; without it `ieap fit --method ..` or `--simultaneous` holds for the runs that were there.
+# [fit]
+# method = "variable-projection"         # `ieap models` lists the methods
+# simultaneous = true                    # both responses at once, instead of one after the other
 
 # One entry for each strip. Runs name it by the tag `sample`.
 # [[sample]]
@@ -76,6 +82,10 @@ title = {id}                            # what stands above the report
 # [[monitoring.limit]]
 # parameter = "alpha_per_c_cm"
 # below = 12.0                           # or above
+
+# Tags of your own, such as the specimen of a sample: declared once, they are known, and laws are sought in them.
+# [tags]
+# extra = ["specimen", "pre_charge_s"]
 
 [runs]
 folder = "runs"                          # every file in it and below it is looked at

@@ -10,6 +10,9 @@ timezone = "Europe/Tallinn"
 notice = "simulated, not measured"
 group_by = ["sample", "laboratory"]
 
+[tags]
+extra = ["laboratory"]
+
 [[sample]]
 id = "CNaf-01"
 material = "CNaf"
@@ -45,6 +48,52 @@ fn message(text: &str) -> String {
 
 const HEAD: &str = "[campaign]\nid = \"a\"\n";
 const SAMPLE: &str = "[[sample]]\nid = \"s\"\nmaterial = \"m\"\n";
+
+#[test]
+fn the_order_of_dates_is_one_of_three_words() {
+    let order = |word: &str| load(&format!("{HEAD}date_order = \"{word}\"\n{SAMPLE}"));
+    let loaded = order("day-first").unwrap();
+    assert_eq!(
+        loaded.campaign.date_order,
+        Some(crate::domain::DateOrder::DayFirst)
+    );
+    let bad = order("dmy")
+        .map(|loaded| loaded.campaign)
+        .unwrap_err()
+        .to_string();
+    assert!(bad.contains("\"dmy\"") && bad.contains("month-first"), "{bad}");
+}
+
+#[test]
+fn keys_that_are_neither_known_nor_declared_are_said() {
+    let text = format!(
+        "{HEAD}group_by = [\"sample\", \"specimen\"]\n{SAMPLE}\n[runs]\n\
+         name_pattern = \"{{sample}}_{{enviroment}}_rh{{humidity}}_{{voltage}}V_{{batch_no}}\"\n"
+    );
+    let said = |text: &str| -> Vec<(String, String)> {
+        let warnings = load(text).unwrap().warnings.into_iter();
+        let of_keys = warnings.filter(|issue| issue.code.starts_with("tag-"));
+        of_keys.map(|issue| (issue.place, issue.mend)).collect()
+    };
+    let found = said(&text);
+    for (index, meant) in [
+        "`environment`",
+        "`relative_humidity_percent`",
+        "`voltage_v`",
+        "[tags] extra = [\"batch_no\"]",
+        "[tags] extra = [\"specimen\"]",
+    ]
+    .iter()
+    .enumerate()
+    {
+        assert!(found[index].1.contains(meant), "{found:?}");
+    }
+    assert_eq!(found[0].0, "[runs] name_pattern");
+    let declared = text + "\n[tags]\nextra = [\"specimen\", \"batch_no\"]\n";
+    assert_eq!(said(&declared).len(), 3);
+    let bad = message(&format!("{HEAD}\n[tags]\nextra = [\"Batch no\"]\n"));
+    assert!(bad.contains("[tags] extra") && bad.contains("Batch no"), "{bad}");
+}
 
 #[test]
 fn a_whole_file_is_read() {

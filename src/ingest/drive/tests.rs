@@ -156,3 +156,59 @@ fn an_open_circuit_column_hides_the_floating_voltage() {
     assert_eq!(drive.segments.len(), 2);
     assert_eq!(drive.segments[1].level, Level::OpenCircuit);
 }
+
+fn control(readings: &[(f64, f64)]) -> Channel {
+    Channel {
+        quantity: Quantity::ControlVoltage,
+        raw_name: "control/V".to_owned(),
+        ..voltage(readings)
+    }
+}
+
+#[test]
+fn what_is_stated_goes_before_what_was_measured() {
+    let stated: Vec<(f64, f64)> = (0..40).map(|k| (f64::from(k), 0.05)).collect();
+    let wander = |k: u32| {
+        if k == 0 {
+            0.198
+        } else {
+            0.035 + 4e-4 * f64::from(k)
+        }
+    };
+    let wandering: Vec<(f64, f64)> = (0..40).map(|k| (f64::from(k), wander(k))).collect();
+    let measured_alone = find(&[voltage(&wandering)], false, None, &[]);
+    assert_eq!(measured_alone.drive, None);
+    let found = find(&[voltage(&wandering), control(&stated)], false, None, &[]);
+    assert_eq!(segments(&found), vec![(0.0, 0.05)]);
+    let told = found
+        .issues
+        .iter()
+        .find(|issue| issue.code == "control-not-held")
+        .unwrap();
+    assert!(
+        told.message.contains("1 of 40 readings") && told.message.contains("0.1980 V where 0.0500 V"),
+        "{told:?}"
+    );
+    // Held closely, there is nothing to tell; held never, it is a warning.
+    let close: Vec<(f64, f64)> = stated.iter().map(|&(t, v)| (t, v + 1e-3)).collect();
+    let found = find(&[voltage(&close), control(&stated)], false, None, &[]);
+    assert!(found.issues.iter().all(|issue| issue.code != "control-not-held"));
+    let far: Vec<(f64, f64)> = stated.iter().map(|&(t, _)| (t, 1.0)).collect();
+    let found = find(&[voltage(&far), control(&stated)], false, None, &[]);
+    assert!(
+        found
+            .issues
+            .iter()
+            .any(|issue| issue.code == "control-not-held" && !issue.mend.is_empty())
+    );
+}
+
+#[test]
+fn a_control_that_does_not_cover_the_record_is_not_the_drive() {
+    let readings: Vec<(f64, f64)> = (0..20)
+        .map(|k| (f64::from(k), if k < 10 { 0.0 } else { 2.0 }))
+        .collect();
+    let found = find(&[voltage(&readings), control(&readings[10..])], false, None, &[]);
+    assert_eq!(segments(&found), vec![(10.0, 2.0)]);
+    assert_eq!(found.drive.unwrap().baseline_v, 0.0);
+}

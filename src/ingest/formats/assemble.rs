@@ -241,6 +241,9 @@ fn channels(
     excluded_rows.sort_unstable();
     let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
     let mut channels: Vec<Channel> = Vec::new();
+    let is_of_strip = meanings
+        .iter()
+        .any(|m| m.quantity().is_some_and(Quantity::is_response));
     for (index, header) in raw.headers.iter().enumerate() {
         let column = &mut raw.cells.columns[index];
         let is_texts = column.keep_text && header.meaning.quantity() != Some(Quantity::OpenCircuit);
@@ -276,7 +279,15 @@ fn channels(
             }
             continue;
         }
-        issues.extend(implausible(quantity, header, &values, &rows, axis, &raw.cells));
+        issues.extend(implausible(
+            quantity,
+            header,
+            &values,
+            &rows,
+            axis,
+            &raw.cells,
+            is_of_strip,
+        ));
         channels.push(Channel {
             quantity,
             raw_name: header.raw_name.clone(),

@@ -28,7 +28,7 @@ impl Format for AutolabNova {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

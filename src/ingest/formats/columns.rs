@@ -5,6 +5,7 @@ use super::cells::CellColumn;
 use super::error::quoted;
 use crate::domain::{Issue, Quantity};
 use crate::ingest::text::header::{Header, Meaning};
+use crate::ingest::text::likely::likely;
 
 /// Share of the cells of a number column that may hold text (one cell always may) before it is refused.
 const TEXT_SHARE: f64 = 0.05;
@@ -40,7 +41,58 @@ pub fn judge_columns(raw: &Raw, issues: &mut Vec<Issue>) -> Vec<Meaning> {
             false => header.meaning.clone(),
         }
     };
-    raw.headers.iter().enumerate().map(judge).collect()
+    let mut meanings: Vec<Meaning> = raw.headers.iter().enumerate().map(judge).collect();
+    // An instrument's software names its columns without slips.
+    if raw.must_be_run {
+        take_likely(raw, &mut meanings, issues);
+    }
+    meanings
+}
+
+/// Code of the warning of a column that is read although its name is not quite known.
+pub const TAKEN: &str = "column-taken";
+/// Code of the warning of a column that probably measures something and is not read.
+pub const UNREAD: &str = "column-unread";
+
+/// Reads columns whose name is nearly known and whose unit fits, and proposes a reading for those of which the unit
+/// alone speaks; where a column of the quantity is there already, neither.
+fn take_likely(raw: &Raw, meanings: &mut [Meaning], issues: &mut Vec<Issue>) {
+    for index in 0..meanings.len() {
+        let header = &raw.headers[index];
+        let Some(found) = likely(header).filter(|_| !holds_text(&raw.cells.columns[index])) else {
+            continue;
+        };
+        let quantity = found.quantity;
+        if meanings
+            .iter()
+            .any(|known| known.named_quantity() == Some(quantity))
+        {
+            continue;
+        }
+        let (shown, label) = (quoted(&header.raw_name), quantity.label().to_lowercase());
+        let unit = &found.unit;
+        let issue = match found.named {
+            Some((name, conversion)) => {
+                meanings[index] = Meaning::Known { quantity, conversion };
+                let message = format!(
+                    "column {shown} is read as {label} in {unit}: its name is nearly \"{name}\", and its unit fits"
+                );
+                Issue::warning(TAKEN, message).mend(format!(
+                    "name it {name} ({unit}) if that is right; if not, give it another name"
+                ))
+            }
+            None => {
+                let message = format!(
+                    "column {shown} has a unit of {label}, {unit}, under a name that is not known; it is kept, but not used"
+                );
+                Issue::warning(UNREAD, message).mend(format!(
+                    "name it {label} ({unit}) if it is that; `ieap profile FILE` does the same without a change of files"
+                ))
+            }
+        };
+        let place = format!("line {}, column {}", raw.cells.header_line, index + 1);
+        issues.push(issue.at(place));
+    }
 }
 
 fn refused_unit(header: &Header) -> Option<Issue> {

@@ -6,6 +6,25 @@ use super::error::quoted;
 use crate::domain::Issue;
 use crate::ingest::{StartedAt, Timestamp};
 
+/// Code of the issue of a date that is not used.
+pub const DATE_UNCERTAIN: &str = "date-uncertain";
+
+/// Why a date is not used whose parts may be read in two ways.
+const EITHER_ORDER: &str = "day and month may stand in either order";
+
+/// The issue of a date `raw` that is not used as the start, for that reason.
+pub fn uncertain(raw: &str, reason: &str) -> Issue {
+    let message = format!("{} is not used as the start: {reason}", quoted(raw));
+    let by_tag = "tag the run with started_at = \"2024-03-10T12:00:00\"";
+    Issue::warning(DATE_UNCERTAIN, message).mend(match reason {
+        EITHER_ORDER => format!(
+            "state date_order = \"day-first\" (or month-first) in campaign.toml, [campaign], keep the file beside one whose \
+             date shows the order, or {by_tag}"
+        ),
+        _ => by_tag.to_owned(),
+    })
+}
+
 /// Order of day and month, with the reason for it.
 struct Order {
     day_first: bool,
@@ -27,13 +46,7 @@ pub fn started_at(
         Ok((local, basis)) => (Some(local), basis),
         Err(basis) => (None, basis),
     };
-    let issue = local.is_none().then(|| {
-        Issue::warning(
-            "date-uncertain",
-            format!("{} is not used as the start: {basis}", quoted(&raw)),
-        )
-        .mend("tag the run with started_at = \"2024-03-10T12:00:00\"")
-    });
+    let issue = local.is_none().then(|| uncertain(&raw, &basis));
     let stamp = StartedAt {
         raw,
         kind,
@@ -50,7 +63,7 @@ fn read(date: &str, time: &str, others: &[(&str, &str)]) -> Result<(String, Stri
     let (order, [first, second, third]) = (order(mark, &parts, others), parts);
     let (year, month, day, basis) = match order {
         None if first > 31 => (first, second, third, "year first".to_owned()),
-        None => return Err("day and month may stand in either order".to_owned()),
+        None => return Err(EITHER_ORDER.to_owned()),
         Some(Order {
             day_first: true,
             basis,

@@ -105,6 +105,7 @@ pub fn decimal_of<'a>(
         (Some((_, with_point)), Some((line, with_comma))) => Err(ReadError::AmbiguousNumbers {
             line,
             found: format!("{} stands beside {}", quoted(with_comma), quoted(with_point)),
+            mend: "export anew with one decimal sign in the whole file",
         }),
         (None, Some(_)) => Ok(Decimal::Comma),
         _ => Ok(Decimal::Point),

@@ -4,6 +4,12 @@ use thiserror::Error;
 
 use crate::domain::Issue;
 
+/// Code of the refusal of dates that fit several orders, or none.
+pub const AMBIGUOUS_DATES: &str = "ambiguous-dates";
+/// What every mend is followed by that a profile can take the place of.
+const OR_A_PROFILE: &str =
+    "; or keep the file and say once how such files are read: `ieap profile FILE` proposes it";
+
 /// A refusal. Texts taken from the file are escaped and shortened: see [`quoted`].
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ReadError {
@@ -61,6 +67,8 @@ pub enum ReadError {
         found: String,
         /// Ids of the formats tried, with what each missed.
         tried: String,
+        /// Whether it holds a table that a profile could describe.
+        is_table: bool,
     },
     /// Two readers fit about equally well.
     #[error("more than one format fits: {candidates}")]
@@ -75,6 +83,8 @@ pub enum ReadError {
         line: usize,
         /// The readings.
         found: String,
+        /// What would decide it.
+        mend: &'static str,
     },
     /// Dates can be read in two orders, or in none.
     #[error("the dates of column {column} cannot be decided: {found}")]
@@ -85,6 +95,8 @@ pub enum ReadError {
         column: String,
         /// The readings.
         found: String,
+        /// The first date.
+        first: String,
     },
     /// No line names columns ieap knows.
     #[error("no header row names a time column; the first line is {found}")]
@@ -185,7 +197,7 @@ impl ReadError {
             ReadError::UnknownFormat { .. } => "unknown-format",
             ReadError::AmbiguousFormat { .. } => "ambiguous-format",
             ReadError::AmbiguousNumbers { .. } => "ambiguous-numbers",
-            ReadError::AmbiguousDates { .. } => "ambiguous-dates",
+            ReadError::AmbiguousDates { .. } => AMBIGUOUS_DATES,
             ReadError::NoHeader { .. } => "no-header",
             ReadError::Column { .. } => "column-unusable",
             ReadError::NoResponse { .. } => "no-response",
@@ -244,10 +256,12 @@ impl ReadError {
                  time_s,voltage_v,current_a,curvature_per_cm"
             }
             ReadError::AmbiguousFormat { .. } => "rename the columns as `ieap formats` shows, or export anew",
-            ReadError::AmbiguousNumbers { .. } => {
-                "export with a point as decimal sign, or with semicolons or tabs between the columns"
+            ReadError::AmbiguousNumbers { mend, .. } => mend,
+            ReadError::AmbiguousDates { .. } => {
+                "state date_order = \"day-first\" (or month-first, year-first) in campaign.toml, [campaign], or `order` in a \
+                 profile (`ieap profile FILE`); or keep it beside a file whose dates show the order; or export with dates \
+                 written year first, in four digits"
             }
-            ReadError::AmbiguousDates { .. } => "export with dates written year first, in four digits",
             ReadError::NoHeader { .. } => {
                 "let the first line that is no # comment name the columns with their units: Time (s), Current (mA)"
             }
@@ -270,14 +284,33 @@ impl ReadError {
         }
     }
 
+    /// Whether a profile can say what the file does not: where its table stands, its columns, units, signs and dates.
+    pub fn is_mended_by_profile(&self) -> bool {
+        match self {
+            ReadError::UnknownFormat { is_table, .. } => *is_table,
+            ReadError::AmbiguousFormat { .. }
+            | ReadError::AmbiguousNumbers { .. }
+            | ReadError::AmbiguousDates { .. }
+            | ReadError::NoHeader { .. }
+            | ReadError::Column { .. }
+            | ReadError::NoResponse { .. } => true,
+            _ => false,
+        }
+    }
+
     /// The refusal as an issue of the file; a sidecar is only noted.
     pub fn issue(&self) -> Issue {
         if self.is_sidecar() {
             return Issue::note(self.code(), self.to_string());
         }
+        let is_advised = self.mend().contains("ieap profile");
+        let mend = match self.is_mended_by_profile() && !is_advised {
+            true => format!("{}{OR_A_PROFILE}", self.mend()),
+            false => self.mend().to_owned(),
+        };
         Issue::error(self.code(), self.to_string())
             .at(self.place())
-            .mend(self.mend())
+            .mend(mend)
     }
 }
 
@@ -329,5 +362,7 @@ mod tests {
             ("column-unusable", "line 1, column 2")
         );
         assert!(!issue.mend.is_empty() && !error.is_pending() && ReadError::Empty.is_pending());
+        assert!(issue.mend.contains("ieap profile FILE"));
+        assert!(!ReadError::Empty.issue().mend.contains("profile"));
     }
 }

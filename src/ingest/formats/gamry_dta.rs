@@ -38,7 +38,7 @@ impl Format for GamryDta {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -90,10 +90,11 @@ fn is_step_response(technique: &str) -> bool {
 fn tables(explain: &Explain<'_>, issues: &mut Vec<Issue>) -> Result<Vec<RunTable>, ReadError> {
     let rows = explain.tables.iter().flat_map(|table| &table.rows);
     let decimal = delimited::decimal_of(rows, Delimiter::Tab)?;
+    let is_step = explain.value("TAG").is_some_and(is_step_response);
     let mut tables = Vec::new();
     for table in &explain.tables {
         let mut found = Vec::new();
-        match run_table(table, decimal, &mut found) {
+        match run_table(table, decimal, is_step, &mut found) {
             Ok(read) => {
                 issues.extend(found);
                 tables.push(read);
@@ -114,11 +115,21 @@ fn tables(explain: &Explain<'_>, issues: &mut Vec<Issue>) -> Result<Vec<RunTable
     Ok(tables)
 }
 
-fn run_table(table: &Table<'_>, decimal: Decimal, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+fn run_table(
+    table: &Table<'_>,
+    decimal: Decimal,
+    is_step: bool,
+    issues: &mut Vec<Issue>,
+) -> Result<RunTable, ReadError> {
     let header = |(index, name): (usize, &&str)| {
         let unit = table.units.get(index).copied().unwrap_or("");
         let header = Header::with_unit(name, unit);
         match KNOWN_COLUMNS.contains(name) {
+            // The signal of the potentiostat is the voltage that was asked for; of a galvanostat it is a current.
+            _ if is_step && (*name, unit) == ("Sig", "V") => Header {
+                raw_name: header.raw_name,
+                ..Header::with_unit("control voltage", unit)
+            },
             true => header,
             false => Header {
                 meaning: Meaning::Other,

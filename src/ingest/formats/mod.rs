@@ -1,5 +1,6 @@
 //! Reading instrument files. A new format is one file here and one row in [`ALL`].
 
+use crate::domain::DateOrder;
 use crate::ingest::Reading;
 
 pub mod assemble;
@@ -51,6 +52,8 @@ pub struct ReadContext {
     /// Whether a plain table must hold a response or a modulus, as a run does; a part of a run that is joined
     /// from several files, such as the humidity of a modulus log, need not.
     pub needs_response: bool,
+    /// The order of day, month and year that counts where dates leave several.
+    pub date_order: Option<DateOrder>,
 }
 
 impl Default for ReadContext {
@@ -58,6 +61,7 @@ impl Default for ReadContext {
         ReadContext {
             max_unpacked_bytes: 512 << 20,
             needs_response: true,
+            date_order: None,
         }
     }
 }

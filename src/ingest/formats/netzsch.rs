@@ -35,7 +35,7 @@ impl Format for Netzsch {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

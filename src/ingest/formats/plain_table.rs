@@ -28,7 +28,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn is_generic(&self) -> bool {

@@ -7,6 +7,8 @@ use crate::domain::{Issue, Quantity};
 use crate::ingest::text::header::Header;
 
 /// Readings that no actuator gives, such as a current in mA under a header that says A: flagged, never corrected.
+///
+/// `is_of_strip` says whether the table holds a response of an actuator; a furnace is hotter than a strip can be.
 pub fn implausible(
     quantity: Quantity,
     header: &Header,
@@ -14,8 +16,12 @@ pub fn implausible(
     rows: &[u32],
     axis: &TimeAxis,
     cells: &CellTable,
+    is_of_strip: bool,
 ) -> Option<Issue> {
     let (low, high) = plausible(quantity)?;
+    if quantity == Quantity::Temperature && !is_of_strip {
+        return None;
+    }
     let outside = |value: &&f64| **value < low || **value > high;
     let first = values.iter().position(|value| outside(&value))?;
     let count = values.iter().filter(outside).count();
@@ -38,8 +44,9 @@ pub fn implausible(
 /// Smallest and largest plausible reading, in canonical units.
 fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
     Some(match quantity {
-        Quantity::Voltage => (-50.0, 50.0),
+        Quantity::Voltage | Quantity::ControlVoltage => (-50.0, 50.0),
         Quantity::Current => (-1.0, 1.0),
+        Quantity::CurrentDensity => (-1.0, 1.0),
         Quantity::Curvature => (-50.0, 50.0),
         Quantity::TipDisplacement => (-1e3, 1e3),
         Quantity::BlockingForce => (-1e5, 1e5),

@@ -2,6 +2,7 @@
 
 use super::error::{ReadError, quoted};
 use super::{ALL, Format, sidecar, unread};
+use crate::ingest::profiles;
 use crate::ingest::text::decode;
 
 /// Bytes of a file that recognition looks at.
@@ -149,6 +150,7 @@ fn unknown(head: &FileHead<'_>) -> ReadError {
     ReadError::UnknownFormat {
         found: quoted(first_line),
         tried: tried.join(", "),
+        is_table: profiles::propose(head.name, head.bytes).is_ok(),
     }
 }
 

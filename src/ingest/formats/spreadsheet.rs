@@ -8,7 +8,7 @@ use super::recognition::{FileHead, Match};
 use super::sheet_cells::{self, Sheet, SheetCell, SheetRow};
 use super::{Format, ReadContext, ReadError, climate, plain_table, unpacking};
 use crate::domain::{Issue, RunStatus};
-use crate::ingest::text::header::Header;
+use crate::ingest::text::unit_row::unit_row;
 use crate::ingest::text::{Cell, Decimal, layout, number};
 use crate::ingest::{Reading, RunTable};
 
@@ -32,7 +32,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn is_generic(&self) -> bool {
@@ -99,7 +99,7 @@ impl Format for Spreadsheet {
             }
         }
         if tables.is_empty()
-            && let Some(log) = climate::sheet::log((self.id(), self.version()), &sheets)
+            && let Some(log) = climate::sheet::log((self.id(), self.version()), context.date_order, &sheets)
         {
             return log;
         }
@@ -150,14 +150,21 @@ fn table(sheet: &Sheet, header_at: usize, issues: &mut Vec<Issue>) -> Result<(Ru
         SheetCell::Text(text) if !text.trim().is_empty() => Some((*column, text)),
         _ => None,
     });
-    let (places, headers): (Vec<u32>, Vec<Header>) =
-        named.map(|(column, text)| (column, Header::parse(text))).unzip();
+    let (places, names): (Vec<u32>, Vec<&str>) = named.map(|(column, text)| (column, text.as_str())).unzip();
+    let units = units_below(sheet, header_at, &places);
+    let headers = layout::headers(&names, units.as_deref());
     let is_nova = autolab_nova::is_nova(&headers);
     let keep_text: Vec<bool> = headers
         .iter()
         .map(|header| plain_table::is_flag(header) || (is_nova && autolab_nova::is_flag(header)))
         .collect();
-    let cells = cells(sheet, header_at, &places, &keep_text);
+    let cells = cells(
+        sheet,
+        header_at,
+        usize::from(units.is_some()),
+        &places,
+        &keep_text,
+    );
     let name = sheet.name.clone();
     if is_nova {
         let is_step_response = !autolab_nova::is_cyclic(&headers);
@@ -179,8 +186,29 @@ fn table(sheet: &Sheet, header_at: usize, issues: &mut Vec<Issue>) -> Result<(Ru
     Ok((assemble(raw, issues)?, true))
 }
 
-fn cells(sheet: &Sheet, header_at: usize, places: &[u32], keep_text: &[bool]) -> CellTable {
-    let data = &sheet.rows[header_at + 1..];
+/// Units in the row below the names.
+fn units_below(sheet: &Sheet, header_at: usize, places: &[u32]) -> Option<Vec<String>> {
+    let row = sheet.rows.get(header_at + 1)?;
+    let text = |place: &u32| {
+        let found = row.cells.binary_search_by_key(place, |(column, _)| *column);
+        match found.map(|at| &row.cells[at].1) {
+            Ok(SheetCell::Text(text)) => Some(text.clone()),
+            Ok(_) => None,
+            Err(_) => Some(String::new()),
+        }
+    };
+    let texts: Vec<String> = places.iter().map(text).collect::<Option<_>>()?;
+    unit_row(places.len(), texts.iter().map(String::as_str))
+}
+
+fn cells(
+    sheet: &Sheet,
+    header_at: usize,
+    rows_of_units: usize,
+    places: &[u32],
+    keep_text: &[bool],
+) -> CellTable {
+    let data = &sheet.rows[header_at + 1 + rows_of_units..];
     let decimal = decimal_of_texts(data.iter().flat_map(|row| row.cells.iter().map(|(_, cell)| cell)));
     let mut table = CellTable::new(sheet.rows[header_at].number as usize, keep_text, data.len());
     for row in data {

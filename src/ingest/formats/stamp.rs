@@ -4,19 +4,9 @@ use jiff::ToSpan;
 use jiff::civil::{Date, DateTime};
 
 use super::error::quoted;
+pub use crate::domain::DateOrder;
 use crate::domain::Issue;
 use crate::ingest::{StartedAt, Timestamp};
-
-/// Order of the parts of a date.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DateOrder {
-    /// `2024-10-14`
-    YearFirst,
-    /// `10/14/2024`, `Oct. 14, 2024`
-    MonthFirst,
-    /// `14.10.2024`
-    DayFirst,
-}
 
 /// Date and time of `raw` in the order that the format fixes, `basis`; with an issue where it is no date.
 pub fn in_order(raw: &str, order: DateOrder, kind: Timestamp, basis: &str) -> (StartedAt, Option<Issue>) {

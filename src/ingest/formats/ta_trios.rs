@@ -10,7 +10,7 @@ use super::error::ReadError;
 use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, date, delimited};
 use crate::domain::tag::keys;
-use crate::domain::{Issue, RunStatus};
+use crate::domain::{Issue, Quantity, RunStatus};
 use crate::ingest::text::grid::Dialect;
 use crate::ingest::text::header::{Header, Meaning};
 use crate::ingest::text::{Delimiter, Line, Lines, decode};
@@ -43,7 +43,7 @@ impl Format for TaTrios {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -144,8 +144,19 @@ fn step<'a>(lines: &[Line<'a>]) -> Option<Step<'a>> {
             rows: points.collect(),
         });
     }
-    let [name, names, units, rows @ ..] = lines else {
+    let [name, names, rest @ ..] = lines else {
         return None;
+    };
+    // Thermal analysers may write units into the names and leave their row out.
+    let (units, rows) = match rest {
+        [units, rows @ ..]
+            if !cells(units)
+                .iter()
+                .any(|cell| delimited::header_number(cell).is_some()) =>
+        {
+            (cells(units), rows)
+        }
+        rows => (Vec::new(), rows),
     };
     let is_row = |line: &&Line<'a>| !line.text.trim().is_empty() && !line.text.starts_with('[');
     Some(Step {
@@ -153,13 +164,16 @@ fn step<'a>(lines: &[Line<'a>]) -> Option<Step<'a>> {
         declared_rows: None,
         names_line: names.number,
         names: cells(names),
-        units: cells(units),
+        units,
         rows: rows.iter().take_while(is_row).copied().collect(),
     })
 }
 
 fn table(name: String, step: &Step<'_>, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
-    let unit = |index: usize| step.units.get(index).copied().unwrap_or("");
+    let unit = |index: usize| match step.units.is_empty() {
+        true => None,
+        false => Some(step.units.get(index).copied().unwrap_or("")),
+    };
     let headers: Vec<Header> = step
         .names
         .iter()
@@ -174,13 +188,18 @@ fn table(name: String, step: &Step<'_>, issues: &mut Vec<Issue>) -> Result<RunTa
     assemble_untimed(Raw::of_instrument(name, headers, cells), issues)
 }
 
-/// Displacements and forces of a rheometer or analyser are not those of an actuator.
-fn header(name: &str, unit: &str) -> Header {
-    let header = Header::with_unit(name, unit);
+/// Displacements and forces of a rheometer or analyser are not those of an actuator. Without a row of units they stand in
+/// the names.
+fn header(name: &str, unit: Option<&str>) -> Header {
+    let header = match unit {
+        None => Header::parse(name),
+        Some(unit) => Header::with_unit(name, unit),
+    };
+    let is_kept = |quantity| matches!(quantity, Quantity::Time | Quantity::Temperature);
     Header {
-        meaning: match name {
-            "Time" | "Run time" | "Temperature" => header.meaning,
-            _ => Meaning::Other,
+        meaning: match header.meaning.quantity().is_some_and(is_kept) {
+            true => header.meaning,
+            false => Meaning::Other,
         },
         ..header
     }

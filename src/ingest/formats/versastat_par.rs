@@ -51,7 +51,7 @@ impl Format for VersastatPar {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

@@ -17,8 +17,8 @@ pub struct FrameFile {
     pub size_bytes: u64,
 }
 
-/// The frames of a folder: numbers in names count as numbers, so that frame 10 follows frame 9. Hidden files are left
-/// out.
+/// The frames of a folder: numbers in names count as numbers, so that frame 10 follows frame 9, and times in names as
+/// times, so that -2 s comes before -1 s. Hidden files are left out.
 ///
 /// # Errors
 /// The folder cannot be listed, or there is no frame.
@@ -48,6 +48,7 @@ pub fn list(folder: &Path) -> Result<Vec<FrameFile>, FramesError> {
         return Err(FramesError::NoFrames { path: folder.into() });
     }
     frames.sort_by(|a, b| by_number(&a.name, &b.name));
+    super::times::in_order(&mut frames);
     Ok(frames)
 }
 
@@ -129,6 +130,17 @@ mod tests {
             names,
             ["a.png", "f1_2.png", "f1_10.png", "f009.png", "f9.png", "f10.png"]
         );
+    }
+
+    #[test]
+    fn times_before_the_step_come_first_and_in_order() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["f_-1s.png", "f_-2s.png", "f_0s.png", "f_10s.png", "f_500ms.png"] {
+            std::fs::write(folder.path().join(name), "x").unwrap();
+        }
+        let frames = list(folder.path()).unwrap();
+        let found = crate::ingest::frames::times(&frames, &crate::ingest::frames::FrameSettings::default());
+        assert_eq!(found.unwrap(), [-2.0, -1.0, 0.0, 0.5, 10.0]);
     }
 
     #[test]

@@ -52,6 +52,14 @@ pub fn times(frames: &[FrameFile], settings: &FrameSettings) -> Result<Vec<f64>,
     Ok(times)
 }
 
+/// Puts frames in the order of the times in their names, where all names hold one.
+pub(super) fn in_order(frames: &mut [FrameFile]) {
+    if frames.iter().all(|frame| in_name(&frame.name).is_some()) {
+        let time_s = |frame: &FrameFile| in_name(&frame.name).unwrap_or(0.0);
+        frames.sort_by(|a, b| time_s(a).total_cmp(&time_s(b)));
+    }
+}
+
 /// How many frames each is after the first.
 fn counts(frames: &[FrameFile], numbers: Option<Numbers>) -> Result<Vec<u64>, FramesError> {
     let in_order = || (0..frames.len() as u64).collect();

@@ -119,15 +119,11 @@ impl Checker<'_> {
         place: &str,
         at: Option<usize>,
     ) -> Result<DateOrder, Error> {
-        match self.word(order, place)? {
-            Some("year-first") => Ok(DateOrder::YearFirst),
-            Some("month-first") => Ok(DateOrder::MonthFirst),
-            Some("day-first") => Ok(DateOrder::DayFirst),
-            other => {
-                let found = other.map_or("it is missing".to_owned(), shown);
-                Err(self.refused(span(order).or(at), place, &found, ORDERS))
-            }
-        }
+        let word = self.word(order, place)?;
+        word.and_then(DateOrder::from_key).ok_or_else(|| {
+            let found = word.map_or("it is missing".to_owned(), shown);
+            self.refused(span(order).or(at), place, &found, ORDERS)
+        })
     }
 
     fn zone(&self, zone: &Option<Spanned<String>>) -> Result<Option<TimeZone>, Error> {

@@ -6,17 +6,11 @@ use crate::ingest::formats::sheet_cells::{Sheet, SheetCell};
 use crate::ingest::formats::stamp::{self, DateOrder};
 use crate::ingest::text::grid::{Dialect, is_blank_or_comment};
 use crate::ingest::text::header::Header;
+use crate::ingest::text::unit_row::unit_row;
 use crate::ingest::text::{Cell, Decimal, Delimiter, Line, Lines, decode, number};
 
 /// Rows that are looked at.
 const SAMPLE: usize = 400;
-/// Orders of dates with the words of a profile.
-const ORDERS: [(DateOrder, &str); 3] = [
-    (DateOrder::YearFirst, "year-first"),
-    (DateOrder::MonthFirst, "month-first"),
-    (DateOrder::DayFirst, "day-first"),
-];
-
 /// What was seen.
 pub(super) struct Guess {
     /// Separator and decimal sign; none for a workbook.
@@ -237,24 +231,25 @@ fn names_before(grid: &Grid, data_at: usize, width: usize) -> (Option<usize>, Ve
         (2..=width).contains(&row.len()) && !row.iter().any(is_number)
     };
     let filled = |at: usize| grid.rows[at].iter().filter(|cell| !cell.is_empty()).count();
-    match data_at {
-        0 => (None, Vec::new()),
-        1 => (of_words(0).then_some(0), Vec::new()),
-        _ => {
-            let (above, last) = (data_at - 2, data_at - 1);
-            let units_shape =
-                of_words(last) && of_words(above) && grid.rows[above].len() >= grid.rows[last].len();
-            let are_units = units_shape
-                && filled(above) >= 2
-                && grid.rows[last].iter().all(|cell| cell.chars().count() <= 8)
-                && grid.lines[last] == grid.lines[above] + 1;
-            if are_units {
-                (Some(above), grid.rows[last].clone())
-            } else {
-                (of_words(last).then_some(last), Vec::new())
-            }
-        }
+    let Some(last) = data_at.checked_sub(1) else {
+        return (None, Vec::new());
+    };
+    let units = last
+        .checked_sub(1)
+        .filter(|&above| of_words(above) && filled(above) >= 2)
+        .and_then(|above| {
+            let cells = grid.rows[last].iter().map(String::as_str);
+            Some((above, unit_row(grid.rows[above].len(), cells)?))
+        });
+    match units {
+        Some((above, units)) => (Some(above), units),
+        None => (of_words(last).then_some(last), Vec::new()),
     }
+}
+
+/// Whether a column is headed by a unit of time alone: `s`, `min`. A letter in upper case stands for something else.
+fn is_unit_of_time(name: &str) -> bool {
+    matches!(name.trim(), "s" | "ms" | "us" | "min" | "h")
 }
 
 fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String>]) -> Option<TimeGuess> {
@@ -272,7 +267,7 @@ fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String
     let speaks = |name: &str| {
         let lower = name.to_lowercase();
         let known = Header::parse(name).meaning.named_quantity() == Some(Quantity::Time);
-        known || WORDS.iter().any(|word| lower.contains(word))
+        known || is_unit_of_time(name) || WORDS.iter().any(|word| lower.contains(word))
     };
     let mut candidates: Vec<usize> = (0..names.len()).filter(|&at| speaks(&names[at])).collect();
     // A letter such as T may be a temperature as well: words go before it.
@@ -305,7 +300,10 @@ fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String
         return Some(match epoch_unit {
             Some(unit) => TimeGuess::Epoch { index, unit },
             None => {
-                let parsed = Header::parse(&names[index]).raw_unit;
+                let parsed = match is_unit_of_time(&names[index]) {
+                    true => names[index].clone(),
+                    false => Header::parse(&names[index]).raw_unit,
+                };
                 let stated = unit.cloned().or((!parsed.is_empty()).then_some(parsed));
                 let unit =
                     stated.filter(|unit| crate::domain::unit::conversion(Quantity::Time, unit).is_ok());
@@ -329,10 +327,10 @@ fn time(decimal: Decimal, names: &[String], units: &[String], rows: &[Vec<String
     for &index in &candidates {
         for date in std::iter::once(None).chain(candidates.iter().copied().filter(|d| *d != index).map(Some))
         {
-            let orders: Vec<&'static str> = ORDERS
-                .iter()
-                .filter(|(order, _)| reads(index, date, *order))
-                .map(|(_, word)| *word)
+            let orders: Vec<&'static str> = DateOrder::ALL
+                .into_iter()
+                .filter(|order| reads(index, date, *order))
+                .map(DateOrder::key)
                 .collect();
             if !orders.is_empty() {
                 // Dates of a workbook are numbers, which have no order.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
-use crate::domain::Quantity;
+use crate::domain::{Quantity, unit};
 use crate::ingest::formats::error::ReadError;
 use crate::ingest::formats::sheet_cells;
 use crate::ingest::text::header::{Header, Meaning};
@@ -53,7 +53,7 @@ fn written(name: &str, guess: &Guess) -> Proposal {
     }
     if !has_response && open.is_empty() {
         open.push(
-            "no column is known as current, curvature or tip_displacement: say which column measures what"
+            "no column is known as current, curvature, tip_displacement or a modulus: say which column measures what"
                 .to_owned(),
         );
     }
@@ -178,14 +178,33 @@ fn time(text: &mut String, guess: &Guess, open: &mut Vec<String>) {
     );
 }
 
-/// One column that may have a meaning; tells whether it is a response.
+/// What a column means whose name is a unit alone, as `V` and `µA` below which PSTrace writes: the unit says it where
+/// only one quantity of a run is measured in it.
+fn headed_by_unit(name: &str) -> Option<Header> {
+    const SAID_BY_UNIT: [Quantity; 4] = [
+        Quantity::Voltage,
+        Quantity::Current,
+        Quantity::Curvature,
+        Quantity::TipDisplacement,
+    ];
+    let measures = |quantity: &&Quantity| unit::conversion(**quantity, name).is_ok();
+    let quantity = SAID_BY_UNIT.iter().find(measures)?;
+    let named = Header::with_unit(quantity.label(), name);
+    Some(Header {
+        raw_name: name.to_owned(),
+        ..named
+    })
+}
+
+/// One column that may have a meaning; tells whether it is a response or a modulus.
 fn column(text: &mut String, guess: &Guess, index: usize, name: &str, open: &mut Vec<String>) -> bool {
     if guess.time_columns().contains(&index) || !guess.is_number[index] {
         return false;
     }
     let header = match guess.units.get(index).filter(|unit| !unit.is_empty()) {
         Some(unit) if Header::parse(name).raw_unit.is_empty() => Header::with_unit(name, unit),
-        _ => Header::parse(name),
+        Some(_) => Header::parse(name),
+        None => headed_by_unit(name).unwrap_or_else(|| Header::parse(name)),
     };
     let reference = column_ref(guess, index);
     match &header.meaning {
@@ -196,7 +215,7 @@ fn column(text: &mut String, guess: &Guess, index: usize, name: &str, open: &mut
                 quantity.key(),
                 quoted(&header.raw_unit)
             );
-            quantity.is_response()
+            quantity.is_response() || quantity.is_modulus()
         }
         Meaning::Refused { quantity, .. } if *quantity != Quantity::Time => {
             open.push(format!(
@@ -208,7 +227,7 @@ fn column(text: &mut String, guess: &Guess, index: usize, name: &str, open: &mut
                 "[[column]]\ncolumn = {reference}\nquantity = \"{}\"\nunit = \"\"    # the file does not say\n",
                 quantity.key()
             );
-            quantity.is_response()
+            quantity.is_response() || quantity.is_modulus()
         }
         _ => {
             let _ = writeln!(

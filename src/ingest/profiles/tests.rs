@@ -243,6 +243,58 @@ fn proposals_read_the_file_they_were_made_from() {
 }
 
 #[test]
+fn a_row_of_units_is_no_row_of_names() {
+    let mut text = "Project:\tstrip\r\n\r\nInterval data:\tPoint No.\tRun duration\tStorage Modulus\r\n\t\t\t\r\n\t\t[min]\t[Pa]\r\n".to_owned();
+    (0..4).for_each(|k| text.push_str(&format!("\t{}\t{}\t{}\r\n", k + 1, 0.5 * f64::from(k), 2e6)));
+    let utf16: Vec<u8> = std::iter::once(0xfeff)
+        .chain(text.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let proposal = propose("sweep.csv", &utf16).unwrap();
+    assert!(
+        proposal.text.contains("header_line = 3\nlines_after_header = 2"),
+        "{}",
+        proposal.text
+    );
+    assert!(
+        proposal
+            .text
+            .contains("\"Storage Modulus\"\nquantity = \"storage_modulus\"\nunit = \"Pa\""),
+        "{}",
+        proposal.text
+    );
+}
+
+#[test]
+fn columns_headed_by_units_say_what_they_hold() {
+    let text = "made by hand\ns,V,\u{b5}A\n0,0.5,1.5\n1,0.5,1.25\n2,0.5,1\n".as_bytes();
+    let proposal = propose("cv.csv", text).unwrap();
+    assert!(proposal.open.is_empty(), "{:?}\n{}", proposal.open, proposal.text);
+    let reading = read_with(&proposal.text, "cv.csv", text);
+    let found: Vec<(Quantity, f64)> = reading.tables[0]
+        .channels
+        .iter()
+        .map(|c| (c.quantity, c.values[0]))
+        .collect();
+    assert_eq!(found, [(Quantity::Voltage, 0.5), (Quantity::Current, 1.5e-6)]);
+    assert_eq!(reading.tables[0].time_first_last_s, Some((0.0, 2.0)));
+}
+
+#[test]
+fn a_profile_of_a_modulus_log_is_complete() {
+    let log = b"made by hand\nTime (min);T (\xb0C);E' (MPa);E\" (MPa)\n0;25;70;7\n1;25,5;68;6,5\n2;26;66;6\n";
+    let proposal = propose("dma.csv", log).unwrap();
+    assert!(proposal.open.is_empty(), "{:?}", proposal.open);
+    let reading = read_with(&proposal.text, "dma.csv", log);
+    assert!(
+        reading.tables[0]
+            .channels
+            .iter()
+            .any(|c| c.quantity == Quantity::LossModulus && c.values[1] == 6.5)
+    );
+}
+
+#[test]
 fn profiles_of_a_folder_are_loaded_by_id() {
     let folder = tempfile::tempdir().unwrap();
     assert!(load(folder.path()).unwrap().is_empty());

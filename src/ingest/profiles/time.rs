@@ -52,13 +52,7 @@ pub(super) fn apply(
         } => {
             let date_at = date_column.as_ref().map(|_| places[1]);
             let moments = moments(cells, places[0], date_at, *order);
-            check_readable(
-                cells,
-                places[0],
-                &headers[places[0]],
-                &moments,
-                order_text(*order),
-            )?;
+            check_readable(cells, places[0], &headers[places[0]], &moments, order.words())?;
             let start = from_moments(
                 cells,
                 places[0],
@@ -250,12 +244,4 @@ fn offset_text(offset: jiff::tz::Offset) -> String {
     let minutes = offset.seconds() / 60;
     let sign = if minutes < 0 { '-' } else { '+' };
     format!("{sign}{:02}:{:02}", minutes.abs() / 60, minutes.abs() % 60)
-}
-
-fn order_text(order: DateOrder) -> &'static str {
-    match order {
-        DateOrder::YearFirst => "year first",
-        DateOrder::MonthFirst => "month first",
-        DateOrder::DayFirst => "day first",
-    }
 }

@@ -5,6 +5,9 @@ use jiff::Timestamp;
 use crate::domain::tag::keys;
 use crate::domain::{Issue, Tag, TagSource};
 
+/// Code of what is said of one measurement under two names that are tagged differently.
+pub const NAMES_CONTRADICT: &str = "names-contradict";
+
 /// A measured voltage agrees with a stated one within 10 mV or 2 %, whichever is more: what a potentiostat's
 /// offset and the rounding of a nominal value explain, and less than the steps of a campaign.
 const VOLTAGE_AGREES_V: f64 = 0.01;
@@ -38,14 +41,43 @@ pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
     let meant_to_overrule = chosen.source == TagSource::Hand
         || chosen.source == overruled.source
         || overruled.source == TagSource::EnvironmentDefault;
-    let wording = [keys::INSTRUMENT, keys::OPERATOR, keys::NOTE].contains(&chosen.key.as_str());
-    let issue = if meant_to_overrule || wording {
+    let issue = if meant_to_overrule || is_wording(chosen) {
         Issue::note("tag-disagreement", message)
     } else {
         Issue::warning("tag-disagreement", message)
             .mend("correct the wrong one, or set the tag by hand with `ieap tag`")
     };
     Some(issue.at(&chosen.key))
+}
+
+/// The issue of one measurement that lies under two names of which different things are stated, where they do. A value set
+/// by hand is there to overrule.
+pub(super) fn contradiction(chosen: &Tag, overruled: &Tag, (one, other): (String, String)) -> Option<Issue> {
+    if agree(chosen, overruled) {
+        return None;
+    }
+    if chosen.source == TagSource::Hand || is_wording(chosen) {
+        return disagreement(chosen, overruled);
+    }
+    let message = format!(
+        "`{}` is {} for {one} ({}) and {} for {other} ({}), and both hold the same readings: the first is used",
+        chosen.key,
+        chosen.value,
+        origin(chosen),
+        overruled.value,
+        origin(overruled)
+    );
+    let mend = "remove the file whose name or folder is wrong, correct its tags, or set the tag by hand with `ieap tag`";
+    Some(
+        Issue::warning(NAMES_CONTRADICT, message)
+            .at(&chosen.key)
+            .mend(mend),
+    )
+}
+
+/// Texts that two sources may well word differently.
+fn is_wording(tag: &Tag) -> bool {
+    [keys::INSTRUMENT, keys::OPERATOR, keys::NOTE].contains(&tag.key.as_str())
 }
 
 fn origin(tag: &Tag) -> String {

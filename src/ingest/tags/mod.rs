@@ -1,6 +1,7 @@
 //! Tags of a run: what each source says, which source is chosen, and where sources disagree.
 
 mod agreement;
+mod declared;
 mod sources;
 mod value;
 
@@ -12,7 +13,26 @@ use crate::domain::{Campaign, Issue, Tag, TagSource};
 use super::campaign_file::nearest;
 use super::scan::display_path;
 
+pub use declared::{MISSPELT, TagKey, UNDECLARED, objection, tag_key};
+
+/// Code of the issue of a needed tag that no source gives.
+pub const MISSING: &str = "tag-missing";
+
+/// Code of the issue of a sample that campaign.toml does not name.
+pub const UNKNOWN_SAMPLE: &str = "unknown-sample";
+pub use agreement::NAMES_CONTRADICT;
 pub use sources::{tag_files_for, tag_sources_digest, unreadable};
+
+/// Another name under which the readings of a run lie: what is stated of it is stated of the run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct OtherName {
+    /// The file of that name, relative to the campaign.
+    pub file: PathBuf,
+    /// Tags set by hand for it.
+    pub hand: Vec<Tag>,
+    /// Tags of the run sheets' rows that plan it.
+    pub planned: Vec<Tag>,
+}
 
 /// Everything that tags of one run can come from.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +57,10 @@ pub struct TagRequest<'a> {
     pub header: &'a [(String, String, String)],
     /// Nominal level of the voltage channel, V, where the file has one.
     pub channel_voltage_v: Option<f64>,
+    /// Whether the file has a voltage channel, of steps or not.
+    pub has_voltage: bool,
+    /// Other names of the same readings; empty where there are none.
+    pub other_names: &'a [OtherName],
     /// Means of ambient logs over the run (source [`TagSource::Ambient`]); empty where there are none.
     pub ambient: &'a [Tag],
 }
@@ -87,11 +111,18 @@ pub fn stem(data_file: &Path) -> String {
 /// then waits ([`Resolved::waits`]).
 pub fn resolve(request: &TagRequest) -> Resolved {
     let mut issues = Vec::new();
-    let mut offered = sources::stated(request, &mut issues);
+    let own = sources::stated(request, &mut issues);
+    let mut offered: Vec<Offered> = own.into_iter().map(|tag| Offered { tag, of: 0 }).collect();
+    for (at, tags) in sources::of_other_names(request, &mut issues)
+        .into_iter()
+        .enumerate()
+    {
+        offered.extend(tags.into_iter().map(|tag| Offered { tag, of: at + 1 }));
+    }
     offered.retain_mut(
-        |tag| match value::checked(tag, request.campaign.timezone.as_deref()) {
+        |offered| match value::checked(&offered.tag, request.campaign.timezone.as_deref()) {
             Ok(value) => {
-                tag.value = value;
+                offered.tag.value = value;
                 true
             }
             Err(issue) => {
@@ -100,10 +131,13 @@ pub fn resolve(request: &TagRequest) -> Resolved {
             }
         },
     );
+    let all = offered.iter().map(|offered| &offered.tag);
+    issues.extend(declared::undeclared(all, &request.campaign.extra_tags));
     // The environment's defaults come last, because the environment itself is a tag.
     let environment = strongest(&offered, keys::ENVIRONMENT).map(|tag| tag.value.clone());
-    offered.extend(sources::defaults(request.campaign, environment.as_deref()));
-    let (tags, disagreements) = choose(offered);
+    let defaults = sources::defaults(request.campaign, environment.as_deref());
+    offered.extend(defaults.into_iter().map(|tag| Offered { tag, of: 0 }));
+    let (tags, disagreements) = choose(request, offered);
     issues.extend(disagreements);
     let mut resolved = Resolved {
         tags,
@@ -121,32 +155,62 @@ pub fn resolve(request: &TagRequest) -> Resolved {
     resolved
 }
 
+/// A tag and the name of the readings that it is stated of: 0 for the run's own, then the other names in order.
+struct Offered {
+    tag: Tag,
+    of: usize,
+}
+
 /// The tag of the strongest source; of several of the same source the first offered.
-fn strongest<'a>(offered: &'a [Tag], key: &str) -> Option<&'a Tag> {
+fn strongest<'a>(offered: &'a [Offered], key: &str) -> Option<&'a Tag> {
     // min_by_key keeps the first of equals.
-    offered
+    let of_key = offered
         .iter()
-        .filter(|tag| tag.key == key)
-        .min_by_key(|tag| tag.source)
+        .map(|offered| &offered.tag)
+        .filter(|tag| tag.key == key);
+    of_key.min_by_key(|tag| tag.source)
 }
 
 /// Chosen tags first, then the overruled ones, and an issue for each that disagrees with the chosen one.
-fn choose(mut offered: Vec<Tag>) -> (Vec<Tag>, Vec<Issue>) {
-    // A stable sort: within a source, the nearer file stays first.
-    offered.sort_by_key(|tag| tag.source);
-    let (mut chosen, mut overruled): (Vec<Tag>, Vec<Tag>) = (Vec::new(), Vec::new());
+fn choose(request: &TagRequest, mut offered: Vec<Offered>) -> (Vec<Tag>, Vec<Issue>) {
+    // A stable sort: within a source the run's own name stays first, and its nearer file.
+    offered.sort_by_key(|offered| offered.tag.source);
+    let (mut chosen, mut overruled): (Vec<Offered>, Vec<Tag>) = (Vec::new(), Vec::new());
     let mut issues = Vec::new();
-    for tag in offered {
-        match chosen.iter().find(|other| other.key == tag.key) {
-            None => chosen.push(tag),
+    for next in offered {
+        match chosen.iter().find(|other| other.tag.key == next.tag.key) {
+            None => chosen.push(next),
             Some(winner) => {
-                issues.extend(agreement::disagreement(winner, &tag));
-                overruled.push(tag);
+                issues.extend(
+                    match winner.of == next.of || !is_of_a_name(&winner.tag) || !is_of_a_name(&next.tag) {
+                        true => agreement::disagreement(&winner.tag, &next.tag),
+                        false => {
+                            let names = (name(request, winner.of), name(request, next.of));
+                            agreement::contradiction(&winner.tag, &next.tag, names)
+                        }
+                    },
+                );
+                overruled.push(next.tag);
             }
         }
     }
-    chosen.append(&mut overruled);
-    (chosen, issues)
+    let mut tags: Vec<Tag> = chosen.into_iter().map(|offered| offered.tag).collect();
+    tags.append(&mut overruled);
+    (tags, issues)
+}
+
+/// Whether a tag is stated of a file by its name or place; the others are read from the readings and what lies in the file.
+fn is_of_a_name(tag: &Tag) -> bool {
+    tag.source <= TagSource::FileName
+}
+
+/// The name that a tag is stated of.
+fn name(request: &TagRequest, of: usize) -> String {
+    let file = match of.checked_sub(1) {
+        None => request.data_files.first(),
+        Some(at) => request.other_names.get(at).map(|other| &other.file),
+    };
+    file.map_or_else(String::new, |file| display_path(file))
 }
 
 fn check_sample(request: &TagRequest, resolved: &mut Resolved) {
@@ -170,9 +234,7 @@ fn check_sample(request: &TagRequest, resolved: &mut Resolved) {
             listed(&known)
         ),
     };
-    let issue = Issue::error("unknown-sample", message)
-        .at(keys::SAMPLE)
-        .mend(mend);
+    let issue = Issue::error(UNKNOWN_SAMPLE, message).at(keys::SAMPLE).mend(mend);
     resolved.issues.push(issue);
     resolved.missing.push(keys::SAMPLE.to_owned());
 }
@@ -223,6 +285,11 @@ fn missing_tag(request: &TagRequest, key: &str) -> Issue {
     let (reason, value, quote) = match key {
         keys::SAMPLE => ("no source says which sample was measured", first_sample, "\""),
         keys::ENVIRONMENT => ("no source says in which environment it was measured", "air", "\""),
+        _ if request.has_voltage => (
+            "no source gives the step voltage, and none could be taken from the voltage channel",
+            "2.5",
+            "",
+        ),
         _ => (
             "no source gives the step voltage, and the file has no voltage channel",
             "2.5",
@@ -231,7 +298,7 @@ fn missing_tag(request: &TagRequest, key: &str) -> Issue {
     };
     let mend =
         format!("such as: ieap tag \"{run}\" {key}={value}, or {key} = {quote}{value}{quote} in {run}.toml");
-    Issue::error("tag-missing", format!("`{key}` is missing: {reason}"))
+    Issue::error(MISSING, format!("`{key}` is missing: {reason}"))
         .at(key)
         .mend(mend)
 }

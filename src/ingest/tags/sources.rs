@@ -5,13 +5,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::domain::tag::keys;
-use crate::domain::{Campaign, Issue, Quantity, Tag, TagSource};
-use crate::ingest::campaign_file::{line_and_column, nearest};
+use crate::domain::{Campaign, Issue, Tag, TagSource};
+use crate::ingest::campaign_file::line_and_column;
 use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::ingest::scan::display_path;
 
 use super::value::shortest;
-use super::{TagRequest, is_unreadable, tags_of};
+use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};
 
 /// Name of the file that tags every run of a folder.
 const FOLDER_TAGS: &str = "tags.toml";
@@ -59,7 +59,7 @@ pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> 
     let mut tags = request.hand.to_vec();
     tags.extend(in_tag_files(request.folder, request.data_files, issues));
     tags.extend_from_slice(request.planned);
-    tags.extend(in_name(request, issues));
+    tags.extend(in_name(request, request.stem, issues));
     for (key, value, header_name) in request.header {
         let pair = [(key.clone(), value.clone())];
         tags.extend(tags_of(TagSource::Header, header_name, pair));
@@ -85,6 +85,28 @@ fn in_tag_files(campaign: &Path, data_files: &[PathBuf], issues: &mut Vec<Issue>
         }
     }
     tags
+}
+
+/// Tags that are stated of each other name of the readings; a tags.toml that stands above both names says nothing new.
+pub(super) fn of_other_names(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Vec<Tag>> {
+    let own = request
+        .data_files
+        .iter()
+        .flat_map(|file| relative_tag_files(file));
+    let mut read: Vec<PathBuf> = own.map(|(path, _)| path).collect();
+    let mut of_name = |other: &OtherName| {
+        let mut tags = other.hand.clone();
+        for (path, source) in relative_tag_files(&other.file) {
+            if !read.contains(&path) {
+                tags.extend(in_file(request.folder, &path, source, issues));
+                read.push(path);
+            }
+        }
+        tags.extend_from_slice(&other.planned);
+        tags.extend(in_name(request, &stem(&other.file), issues));
+        tags
+    };
+    request.other_names.iter().map(&mut of_name).collect()
 }
 
 /// What campaign.toml says of the environment where nothing was measured.
@@ -169,7 +191,6 @@ fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec
     for (key, value) in table {
         match flat(&key, &value) {
             Some(text) => {
-                issues.extend(misspelt(&key, &shown));
                 pairs.push((key, text));
             }
             None => issues.push(not_flat(&shown, &key, value.type_str())),
@@ -212,22 +233,7 @@ fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
         .mend("write one line `key = value` for each tag, without [tables]")
 }
 
-/// A note on a free tag that looks like a misspelt key with a meaning.
-fn misspelt(key: &str, shown: &str) -> Option<Issue> {
-    let known = keys::CONDITIONS.into_iter().chain(keys::RECORD);
-    let names_column = key
-        .strip_suffix(keys::COLUMN)
-        .is_some_and(|quantity| Quantity::from_key(quantity).is_some());
-    if names_column || key == keys::NOTE || known.clone().any(|with_meaning| with_meaning == key) {
-        return None;
-    }
-    let meant = nearest(key, known)?;
-    let message = format!("`{key}` has no meaning of its own and is kept as a free tag");
-    let issue = Issue::note("tag-key-misspelt", message).at(format!("{shown}, {key}"));
-    Some(issue.mend(format!("write `{meant}` if that is meant")))
-}
-
-fn in_name(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
+fn in_name(request: &TagRequest, stem: &str, issues: &mut Vec<Issue>) -> Vec<Tag> {
     let Some(text) = request.name_pattern else {
         return Vec::new();
     };
@@ -252,15 +258,15 @@ fn in_name(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
         samples: &samples,
         environments: &environments,
     };
-    let pairs = match pattern.match_stem(request.stem, known) {
+    let pairs = match pattern.match_stem(stem, known) {
         NameMatch::None => return Vec::new(),
         NameMatch::One(pairs) => pairs,
         NameMatch::Several { agreed, open } => {
-            issues.extend(open.iter().map(|open| open_in_name(request.stem, open)));
+            issues.extend(open.iter().map(|open| open_in_name(stem, open)));
             agreed
         }
     };
-    tags_of(TagSource::FileName, request.stem, pairs)
+    tags_of(TagSource::FileName, stem, pairs)
 }
 
 fn open_in_name(stem: &str, (key, first, second): &(String, String, String)) -> Issue {

@@ -26,6 +26,7 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         id: "c".to_owned(),
         title: "c".to_owned(),
         timezone: Some("Europe/Tallinn".to_owned()),
+        date_order: None,
         notice: None,
         samples: vec![sample("CNaf-01"), sample("CNaf-02")],
         materials: Vec::new(),
@@ -41,6 +42,8 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         climate: Default::default(),
         monitoring: Default::default(),
         compare: Default::default(),
+        extra_tags: Vec::new(),
+        fit: Default::default(),
     }
 }
 
@@ -54,6 +57,7 @@ struct Given {
     header: Vec<(String, String, String)>,
     channel_voltage_v: Option<f64>,
     stem: Option<&'static str>,
+    other_names: Vec<OtherName>,
 }
 
 /// The tags of a run with these files of tags beside it.
@@ -77,6 +81,8 @@ fn resolve_with(files: &[(&str, &str)], given: Given) -> Resolved {
         planned: &given.planned,
         header: &given.header,
         channel_voltage_v: given.channel_voltage_v,
+        has_voltage: given.channel_voltage_v.is_some(),
+        other_names: &given.other_names,
         ambient: &[],
     })
 }
@@ -122,6 +128,7 @@ fn sources_are_chosen_in_the_order_of_the_contract_and_disagreements_are_said() 
             planned: vec![tag("4.5", TagSource::RunSheet, "runs/next.run-sheet.csv, P01")],
             header,
             channel_voltage_v: Some(3.0),
+            other_names: Vec::new(),
             stem: None,
         },
     );
@@ -233,11 +240,56 @@ fn a_value_or_a_key_that_means_nothing_leaves_the_other_sources() {
 }
 
 #[test]
+fn keys_that_are_neither_known_nor_declared_are_said_and_kept() {
+    let tag = |key: &str, source, detail: &str| Tag {
+        key: key.to_owned(),
+        value: "40".to_owned(),
+        source,
+        detail: detail.to_owned(),
+    };
+    let found = resolve_with(
+        &[("runs/tags.toml", "humidity = 40\nspecimen = 3\n")],
+        Given {
+            hand: vec![
+                tag("relative_humdity_percent", TagSource::Hand, "tester"),
+                tag("humidity", TagSource::Hand, "tester"),
+            ],
+            header: vec![("of_the_header".to_owned(), "x".to_owned(), "H".to_owned())],
+            ..Given::default()
+        },
+    );
+    let said: Vec<(&str, &str)> = found
+        .issues
+        .iter()
+        .filter(|issue| issue.code.starts_with("tag-key") || issue.code == UNDECLARED)
+        .map(|issue| (issue.code.as_str(), issue.place.as_str()))
+        .collect();
+    assert_eq!(
+        said,
+        [
+            (MISSPELT, "tester, relative_humdity_percent"),
+            (MISSPELT, "tester, humidity"),
+            (UNDECLARED, "runs/tags.toml, specimen"),
+        ]
+    );
+    assert!(
+        found
+            .issues
+            .iter()
+            .all(|issue| issue.severity == Severity::Warning)
+    );
+    assert_eq!(
+        (found.value("humidity"), found.value("specimen")),
+        (Some("40"), Some("3"))
+    );
+}
+
+#[test]
 fn values_of_every_flat_type_are_kept() {
     let text = "free = true\ncount = 7\nlevel = 1.50\nword = \"w\"\nstarted_at = 2026-11-20 10:00:00\n\
                 open_circuit = [[10.0, 20.0]]\nday = 2026-11-20\n";
     let found = resolve_with(&[("runs/tags.toml", text)], Given::default());
-    assert_eq!(codes(&found), [""; 0]);
+    assert!(codes(&found).iter().all(|code| *code == UNDECLARED));
     for (key, value) in [
         ("free", "true"),
         ("count", "7"),
@@ -364,6 +416,8 @@ proptest::proptest! {
             planned: &[],
             header: &[],
             channel_voltage_v: None,
+            has_voltage: false,
+            other_names: &[],
             ambient: &[],
         });
         proptest::prop_assert_eq!(found.value("environment"), Some("air"));
@@ -371,4 +425,40 @@ proptest::proptest! {
         let voltage: f64 = found.value("voltage_v").unwrap().parse().unwrap();
         proptest::prop_assert!(voltage.is_finite());
     }
+}
+
+#[test]
+fn tags_of_another_name_are_joined_and_what_contradicts_is_an_issue() {
+    let other = |file: &str| OtherName {
+        file: PathBuf::from(file),
+        ..OtherName::default()
+    };
+    let named = |stem, others: &[&str], files: &[(&str, &str)]| {
+        let given = Given {
+            stem: Some(stem),
+            other_names: others.iter().copied().map(other).collect(),
+            ..Given::default()
+        };
+        resolve_with(files, given)
+    };
+    // A name that says nothing has the tags of the one that does.
+    let joined = named("export (2)", &["runs/CNaf-01_air_2.5V.csv"], &[]);
+    assert_eq!((joined.issues.clone(), joined.missing.len()), (vec![], 0));
+    assert_eq!(joined.value("voltage_v"), Some("2.5"));
+    // A tags.toml above both names is one statement.
+    let shared = [("runs/tags.toml", "operator = \"A\"\n")];
+    assert!(
+        named("CNaf-01_air_2.5V", &["runs/set/copy.csv"], &shared)
+            .issues
+            .is_empty()
+    );
+    let found = named("CNaf-01_air_2.5V", &["runs/other/CNaf-01_vacuum_2.5V.csv"], &[]);
+    assert_eq!(codes(&found), [NAMES_CONTRADICT]);
+    let message = &found.issues[0].message;
+    assert!(
+        message.contains("air for runs/set/CNaf-01_air_2.5V.csv")
+            && message.contains("vacuum for runs/other/"),
+        "{message}"
+    );
+    assert_eq!(found.value("environment"), Some("air"));
 }

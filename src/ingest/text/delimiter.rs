@@ -47,14 +47,16 @@ impl Delimiter {
                     .count();
             }
         };
-        let (mut count, mut start, mut in_quotes) = (0, 0, false);
+        let (mut count, mut start, mut in_quotes, mut is_quoted) = (0, 0, false, false);
         for (at, &byte) in line.as_bytes().iter().enumerate() {
             if byte == mark && !in_quotes {
                 each(count, &line[start..at]);
                 count += 1;
-                start = at + 1;
+                (start, is_quoted) = (at + 1, false);
             } else if byte == b'"' {
-                in_quotes = !in_quotes;
+                // A mark inside a cell that did not begin with one is a letter of it: E" is a loss modulus.
+                is_quoted |= line[start..at].trim().is_empty();
+                in_quotes = is_quoted && !in_quotes;
             }
         }
         each(count, &line[start..]);
@@ -98,6 +100,8 @@ mod tests {
         assert_eq!(cells(Delimiter::Semicolon, "0,5; 1,2"), ["0,5", " 1,2"]);
         assert_eq!(cells(Delimiter::Tab, "\t1\t2"), ["", "1", "2"]);
         assert_eq!(cells(Delimiter::Blanks, "  1 \t 2  "), ["1", "2"]);
+        assert_eq!(cells(Delimiter::Comma, "t,E\" (MPa),T"), ["t", "E\" (MPa)", "T"]);
+        assert_eq!(cells(Delimiter::Comma, " \"E\"\", x\",1"), [" \"E\"\", x\"", "1"]);
     }
 
     #[test]

@@ -133,12 +133,25 @@ fn split(cell: &str) -> (String, String) {
         }
     }
     if let Some((name, unit)) = cell.split_once('/').filter(|(name, _)| !name.trim().is_empty()) {
-        return pair(name, unit);
+        return if is_channel(unit) {
+            pair(cell, "")
+        } else {
+            pair(name, unit)
+        };
     }
     if let Some((name, unit)) = cell.rsplit_once(',').filter(|(name, _)| !name.trim().is_empty()) {
         return pair(name, unit);
     }
     suffix(cell).unwrap_or_else(|| pair(cell, ""))
+}
+
+/// Whether what stands behind a stroke is an input of a device, as in `Dev0/Ai0`: a short word with a number.
+fn is_channel(text: &str) -> bool {
+    const INPUTS: [&str; 8] = ["ai", "ao", "di", "do", "ch", "ctr", "port", "line"];
+    let path = text.trim().to_ascii_lowercase();
+    let first = path.split('/').next().unwrap_or("");
+    let word = first.trim_end_matches(|c: char| c.is_ascii_digit());
+    word.len() < first.len() && INPUTS.contains(&word)
 }
 
 /// Where the bracket opens that the last character closes.
@@ -172,7 +185,7 @@ fn suffix(cell: &str) -> Option<(String, String)> {
 }
 
 /// The unit in the spelling that [`unit::conversion`] knows: names in lower case lose the case of their unit.
-fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
+pub(super) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
     unit::dimension(quantity)?;
     let proper = match (quantity, suffix.to_ascii_lowercase().as_str()) {
         (Quantity::Current, "a") => "A",
@@ -180,9 +193,9 @@ fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
         (Quantity::Current, "ua") => "uA",
         (Quantity::Current, "na") => "nA",
         (Quantity::Current, "pa") => "pA",
-        (Quantity::Voltage, "v") => "V",
-        (Quantity::Voltage, "mv") => "mV",
-        (Quantity::Voltage, "uv") => "uV",
+        (Quantity::Voltage | Quantity::ControlVoltage, "v") => "V",
+        (Quantity::Voltage | Quantity::ControlVoltage, "mv") => "mV",
+        (Quantity::Voltage | Quantity::ControlVoltage, "uv") => "uV",
         (Quantity::BlockingForce, "n") => "N",
         (Quantity::BlockingForce, "mn") => "mN",
         (Quantity::BlockingForce, "un") => "uN",
@@ -203,6 +216,9 @@ fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
             }
         }
         (Quantity::Frequency, "hz") => "Hz",
+        (Quantity::CurrentDensity, "a_per_cm2" | "a_cm2") => "A/cm2",
+        (Quantity::CurrentDensity, "ma_per_cm2" | "ma_cm2") => "mA/cm2",
+        (Quantity::CurrentDensity, "ua_per_cm2" | "ua_cm2") => "uA/cm2",
         (Quantity::Curvature, "per_cm" | "per cm") => "1/cm",
         (Quantity::Curvature, "per_m" | "per m") => "1/m",
         (Quantity::Curvature, "per_mm" | "per mm") => "1/mm",
@@ -230,8 +246,188 @@ fn interpret(name: &str, unit: &str) -> Meaning {
     }
 }
 
+/// Names with the quantities that they may stand for, the likeliest first; in small letters, blanks for `_` and `-`.
+/// German ones are those of instruments' software and of laboratories' own tables.
+const NAMES: [(&[&str], &[Quantity]); 20] = [
+    (&["t"], &[Quantity::Time, Quantity::Temperature]),
+    (
+        &[
+            "time",
+            "test time",
+            "elapsed time",
+            "time elapsed",
+            "corrected time",
+            "total time",
+            "run time",
+            "epoch time",
+            "elapsed",
+            "zeit",
+            "messzeit",
+            "laufzeit",
+            "temps",
+            "aeg",
+        ],
+        &[Quantity::Time],
+    ),
+    (
+        &[
+            "voltage",
+            "v",
+            "u",
+            "e",
+            "potential",
+            "we(1).potential",
+            "cell voltage",
+            "cell potential",
+            "ewe",
+            "ecell",
+            "vf",
+            "spannung",
+            "zellspannung",
+            "potenzial",
+            "tension",
+            "pinge",
+        ],
+        &[Quantity::Voltage],
+    ),
+    (
+        &[
+            "current",
+            "i",
+            "im",
+            "we(1).current",
+            "cell current",
+            "strom",
+            "stromst\u{e4}rke",
+            "stromstaerke",
+            "zellstrom",
+            "courant",
+            "vool",
+        ],
+        &[Quantity::Current, Quantity::CurrentDensity],
+    ),
+    (
+        &["current density", "j", "stromdichte", "densit\u{e9} de courant"],
+        &[Quantity::CurrentDensity],
+    ),
+    (
+        &[
+            "curvature",
+            "bending curvature",
+            "kappa",
+            "\u{3ba}",
+            "kr\u{fc}mmung",
+            "kruemmung",
+            "courbure",
+            "k\u{f5}verus",
+        ],
+        &[Quantity::Curvature],
+    ),
+    (
+        &[
+            "displacement",
+            "tip displacement",
+            "deflection",
+            "tip deflection",
+            "auslenkung",
+            "durchbiegung",
+            "d\u{e9}placement",
+        ],
+        &[Quantity::TipDisplacement],
+    ),
+    (
+        &[
+            "blocking force",
+            "force",
+            "blocked force",
+            "kraft",
+            "blockierkraft",
+        ],
+        &[Quantity::BlockingForce],
+    ),
+    (&["open circuit"], &[Quantity::OpenCircuit]),
+    (
+        &[
+            "temperature",
+            "temp",
+            "temp.",
+            "ambient temperature",
+            "temperatur",
+            "temp\u{e9}rature",
+        ],
+        &[Quantity::Temperature],
+    ),
+    (
+        &[
+            "relative humidity",
+            "humidity",
+            "rh",
+            "r.h.",
+            "feuchte",
+            "luftfeuchte",
+            "luftfeuchtigkeit",
+            "relative feuchte",
+            "relative luftfeuchte",
+            "rel. feuchte",
+            "r.f.",
+            "niiskus",
+        ],
+        &[Quantity::RelativeHumidity],
+    ),
+    (
+        &["pressure", "p", "ambient pressure", "druck"],
+        &[Quantity::Pressure],
+    ),
+    (
+        &["storage modulus", "e'", "e\u{2032}"],
+        &[Quantity::StorageModulus],
+    ),
+    (
+        &["loss modulus", "e''", "e\"", "e\u{2033}"],
+        &[Quantity::LossModulus],
+    ),
+    (&["complex modulus", "|e*|", "e*"], &[Quantity::ComplexModulus]),
+    (
+        &[
+            "loss factor",
+            "tan delta",
+            "tan(delta)",
+            "tan \u{3b4}",
+            "tan(\u{3b4})",
+        ],
+        &[Quantity::LossFactor],
+    ),
+    (&["speichermodul"], &[Quantity::StorageModulus]),
+    (&["verlustmodul"], &[Quantity::LossModulus]),
+    (&["verlustfaktor"], &[Quantity::LossFactor]),
+    (&["frequency", "frequenz"], &[Quantity::Frequency]),
+];
+
+/// Every known name of a column.
+pub(super) fn known_names() -> impl Iterator<Item = &'static str> {
+    let measured = NAMES.iter().flat_map(|(names, _)| names.iter().copied());
+    measured.chain(CONTROL_NAMES)
+}
+
+/// Names of what a source was told to apply.
+const CONTROL_NAMES: [&str; 13] = [
+    "control voltage",
+    "control potential",
+    "applied voltage",
+    "applied potential",
+    "potential applied",
+    "e applied",
+    "set voltage",
+    "set potential",
+    "voltage setpoint",
+    "potential setpoint",
+    "setpoint voltage",
+    "command voltage",
+    "commanded voltage",
+];
+
 /// Quantities that a name may stand for, the likeliest first; none for names ieap does not know.
-fn candidates(name: &str) -> &'static [Quantity] {
+pub(super) fn candidates(name: &str) -> &'static [Quantity] {
     let plain: String = name
         .trim()
         .trim_start_matches('<')
@@ -240,30 +436,21 @@ fn candidates(name: &str) -> &'static [Quantity] {
         .map(|c| if matches!(c, '_' | '-') { ' ' } else { c })
         .flat_map(char::to_lowercase)
         .collect();
-    let words: Vec<&str> = plain.split_whitespace().collect();
-    match words.join(" ").as_str() {
-        "t" => &[Quantity::Time, Quantity::Temperature],
-        "time" | "test time" | "elapsed time" | "time elapsed" | "corrected time" | "total time"
-        | "run time" | "epoch time" | "elapsed" | "zeit" => &[Quantity::Time],
-        "voltage" | "v" | "u" | "e" | "potential" | "we(1).potential" | "cell voltage" | "cell potential"
-        | "applied voltage" | "ewe" | "ecell" | "vf" | "spannung" => &[Quantity::Voltage],
-        "current" | "i" | "im" | "we(1).current" | "cell current" | "strom" => &[Quantity::Current],
-        "curvature" | "bending curvature" | "kappa" | "\u{3ba}" => &[Quantity::Curvature],
-        "displacement" | "tip displacement" | "deflection" | "tip deflection" => &[Quantity::TipDisplacement],
-        "blocking force" | "force" | "blocked force" => &[Quantity::BlockingForce],
-        "open circuit" => &[Quantity::OpenCircuit],
-        "temperature" | "temp" | "temp." | "ambient temperature" => &[Quantity::Temperature],
-        "relative humidity" | "humidity" | "rh" | "r.h." => &[Quantity::RelativeHumidity],
-        "pressure" | "p" | "ambient pressure" => &[Quantity::Pressure],
-        "storage modulus" | "e'" | "e\u{2032}" => &[Quantity::StorageModulus],
-        "loss modulus" | "e''" | "e\"" | "e\u{2033}" => &[Quantity::LossModulus],
-        "complex modulus" | "|e*|" | "e*" => &[Quantity::ComplexModulus],
-        "loss factor" | "tan delta" | "tan(delta)" | "tan \u{3b4}" | "tan(\u{3b4})" => {
-            &[Quantity::LossFactor]
-        }
-        "frequency" => &[Quantity::Frequency],
-        _ => &[],
+    // Quotes for primes, doubled where the cell was quoted.
+    let plain = plain
+        .replace("\"\"", "\"")
+        .replace('\u{201d}', "\"")
+        .replace('\u{2019}', "'");
+    if CONTROL_NAMES
+        .iter()
+        .any(|known| plain.split_whitespace().eq(known.split(' ')))
+    {
+        return &[Quantity::ControlVoltage];
     }
+    let words: Vec<&str> = plain.split_whitespace().collect();
+    let name = words.join(" ");
+    let known = NAMES.iter().find(|(names, _)| names.contains(&name.as_str()));
+    known.map_or(&[], |(_, quantities)| quantities)
 }
 
 #[cfg(test)]
@@ -284,6 +471,9 @@ mod tests {
             ("Potential (V)", Quantity::Voltage, "V"),
             ("WE(1).Potential (V)", Quantity::Voltage, "V"),
             ("Ewe/V", Quantity::Voltage, "V"),
+            ("Potential applied (V)", Quantity::ControlVoltage, "V"),
+            ("E Applied(V)", Quantity::ControlVoltage, "V"),
+            ("applied_voltage_mv", Quantity::ControlVoltage, "mV"),
             ("current_a", Quantity::Current, "A"),
             ("current_ua", Quantity::Current, "uA"),
             ("I/mA", Quantity::Current, "mA"),
@@ -308,9 +498,20 @@ mod tests {
             ("Storage modulus (GPa)", Quantity::StorageModulus, "GPa"),
             ("E'/MPa", Quantity::StorageModulus, "MPa"),
             ("E'' (MPa)", Quantity::LossModulus, "MPa"),
+            ("E\" (MPa)", Quantity::LossModulus, "MPa"),
+            ("\"E\"\"/MPa\"", Quantity::LossModulus, "MPa"),
             ("|E*| [MPa]", Quantity::ComplexModulus, "MPa"),
             ("tan delta", Quantity::LossFactor, ""),
             ("loss_factor", Quantity::LossFactor, ""),
+            ("Kr\u{fc}mmung [1/m]", Quantity::Curvature, "1/m"),
+            ("Strom/mA", Quantity::Current, "mA"),
+            ("Spannung (V)", Quantity::Voltage, "V"),
+            ("Auslenkung [mm]", Quantity::TipDisplacement, "mm"),
+            ("current density (mA/cm2)", Quantity::CurrentDensity, "mA/cm2"),
+            ("Stromdichte [A/m\u{b2}]", Quantity::CurrentDensity, "A/m\u{b2}"),
+            ("I (mA/cm2)", Quantity::CurrentDensity, "mA/cm2"),
+            ("j / mA cm-2", Quantity::CurrentDensity, "mA cm-2"),
+            ("current_density_ma_cm2", Quantity::CurrentDensity, "mA/cm2"),
             ("frequency_hz", Quantity::Frequency, "Hz"),
             ("Frequency (rad/s)", Quantity::Frequency, "rad/s"),
         ] {
@@ -341,14 +542,7 @@ mod tests {
 
     #[test]
     fn a_quantity_without_a_unit_that_fits_is_refused() {
-        for cell in [
-            "Time",
-            "current",
-            "Current (mA/cm2)",
-            "I (MA)",
-            "Voltage (s)",
-            "t",
-        ] {
+        for cell in ["Time", "current", "Current (mA/kg)", "I (MA)", "Voltage (s)", "t"] {
             assert!(
                 matches!(Header::parse(cell).meaning, Meaning::Refused { .. }),
                 "{cell}"
@@ -367,8 +561,9 @@ mod tests {
     fn other_columns_keep_their_names() {
         for cell in [
             "Index",
+            "Dev0/Ai0",
+            "cDAQ1Mod2/ai3",
             "Current range",
-            "Potential applied (V)",
             "Distance1 (mm)",
             "V (m)",
             "Q+",
@@ -376,7 +571,6 @@ mod tests {
             "/s",
             "(s)",
             "time stamp",
-            "current_density_ma_cm2",
         ] {
             let header = Header::parse(cell);
             assert_eq!((header.meaning, header.raw_name.as_str()), (Meaning::Other, cell));

@@ -9,6 +9,7 @@ use super::grid::{Dialect, is_blank_or_comment};
 use super::header::Header;
 use super::lines::Line;
 use super::number::{self, Cell, Decimal};
+use super::unit_row::unit_row;
 use crate::domain::Quantity;
 use crate::ingest::formats::error::{ReadError, quoted};
 
@@ -107,29 +108,55 @@ fn find_header(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Found> {
     while cells.last().is_some_and(|cell| cell.is_empty()) {
         cells.pop();
     }
-    let headers: Vec<Header> = cells.iter().map(|cell| Header::parse(cell)).collect();
-    let units = lines
-        .get(header_at + 1)
-        .and_then(|line| headers_with_units(&cells, &delimiter.header_cells(line.text)));
-    let after = header_at + 1 + usize::from(units.is_some());
+    let units = units_below(lines, header_at, delimiter, &cells);
+    let names: Vec<&str> = cells.iter().map(String::as_str).collect();
     Some(Found {
         delimiter,
-        headers: units.unwrap_or(headers),
+        headers: headers(&names, units.as_ref().map(|(_, units)| units.as_slice())),
         header_at,
-        data_at: after,
+        data_at: units.map_or(header_at, |(at, _)| at) + 1,
     })
 }
 
+/// The row of units below the names with its place; blank lines may stand between.
+fn units_below(
+    lines: &[Line<'_>],
+    header_at: usize,
+    delimiter: Delimiter,
+    names: &[String],
+) -> Option<(usize, Vec<String>)> {
+    let below = lines.iter().enumerate().skip(header_at + 1);
+    let (at, line) = below.clone().find(|(_, line)| !is_blank_or_comment(line.text))?;
+    let cells = delimiter.header_cells(line.text);
+    Some((at, unit_row(names.len(), cells.iter().map(String::as_str))?))
+}
+
+/// Headers of names; a name without a unit of its own takes that of the row of units.
+pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
+    let unit_of = |index: usize| {
+        units
+            .and_then(|units| units.get(index))
+            .map_or("", String::as_str)
+    };
+    let header = |(index, name): (usize, &&str)| match (Header::parse(name), unit_of(index)) {
+        (header, unit) if header.raw_unit.is_empty() && !unit.is_empty() => Header::with_unit(name, unit),
+        (header, _) => header,
+    };
+    names.iter().enumerate().map(header).collect()
+}
+
 /// The first line with a time column that can be used, else the first that speaks of time at all: a preamble may
-/// hold `Time;12:30:05`.
+/// hold `Time;12:30:05`. Units below the names make their time usable.
 fn header_line(lines: &[Line<'_>], delimiter: Delimiter) -> Option<usize> {
     let mut speaks_of_time = None;
     for (index, line) in lines.iter().take(HEADER_WITHIN).enumerate() {
         if is_blank_or_comment(line.text) {
             continue;
         }
-        match time_among(delimiter.header_cells(line.text).iter().map(String::as_str)) {
+        let cells = delimiter.header_cells(line.text);
+        match time_among(cells.iter().map(String::as_str)) {
             Some(true) => return Some(index),
+            Some(false) if units_below(lines, index, delimiter, &cells).is_some() => return Some(index),
             Some(false) => speaks_of_time = speaks_of_time.or(Some(index)),
             None => {}
         }
@@ -147,33 +174,6 @@ pub fn time_among<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Option<bo
     times
         .map(|meaning| meaning.quantity().is_some())
         .reduce(|a, b| a || b)
-}
-
-/// Headers whose units stand in the next row, where that row makes the time column usable and holds no number.
-fn headers_with_units(names: &[String], units: &[String]) -> Option<Vec<Header>> {
-    if units.len() > names.len()
-        || units
-            .iter()
-            .any(|unit| matches!(number::parse(unit, Decimal::Point), Cell::Number(_)))
-    {
-        return None;
-    }
-    let unit_of = |index: usize| units.get(index).map_or("", String::as_str);
-    let headers: Vec<Header> = names
-        .iter()
-        .enumerate()
-        .map(|(index, name)| match Header::parse(name) {
-            header if header.raw_unit.is_empty() => Header::with_unit(name, unit_of(index)),
-            header => header,
-        })
-        .collect();
-    let usable = |headers: &[Header]| {
-        headers
-            .iter()
-            .any(|h| h.meaning.quantity() == Some(Quantity::Time))
-    };
-    let as_they_are: Vec<Header> = names.iter().map(|name| Header::parse(name)).collect();
-    (usable(&headers) && !usable(&as_they_are)).then_some(headers)
 }
 
 /// Data lines after the last of the headers found.
@@ -253,8 +253,22 @@ fn choose<'c>(
                 reading(best, found),
                 reading(other, found)
             ),
+            mend: match best.decimal == other.decimal {
+                true => "export with semicolons or tabs between the columns",
+                false if is_comma_free(best, found) && is_comma_free(other, found) => {
+                    "export with a point as decimal sign"
+                }
+                false => {
+                    "export with a point as decimal sign, or with semicolons or tabs between the columns"
+                }
+            },
         }),
     }
+}
+
+/// Whether commas can stand for the decimal sign only.
+fn is_comma_free(candidate: &Candidate, found: &[Found]) -> bool {
+    found[candidate.found].delimiter != Delimiter::Comma
 }
 
 fn reading(candidate: &Candidate, found: &[Found]) -> String {
@@ -273,7 +287,8 @@ fn no_reading(found: &[Found], sample: &[Line<'_>]) -> ReadError {
     let widest = found
         .iter()
         .rev()
-        .max_by_key(|found| found.headers.len())
+        // Blanks also stand inside names: they count only where nothing else separates.
+        .max_by_key(|found| (found.delimiter != Delimiter::Blanks, found.headers.len()))
         .unwrap_or(&found[0]);
     let line = sample[0];
     let mut fields = Vec::new();
@@ -288,6 +303,17 @@ fn no_reading(found: &[Found], sample: &[Line<'_>]) -> ReadError {
             quoted(line.text),
             fields.len()
         ),
+        mend: match (widest.delimiter, fields.len() == widest.headers.len()) {
+            (_, true) => {
+                "write only numbers below the name of the time, with one decimal sign in the whole file"
+            }
+            (Delimiter::Comma, false) => {
+                "export with a point as decimal sign, or with semicolons or tabs between the columns"
+            }
+            (_, false) => {
+                "give every row as many fields as there are names, and only numbers below the name of the time"
+            }
+        },
     }
 }
 
@@ -300,100 +326,4 @@ fn no_header(lines: &[Line<'_>]) -> ReadError {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ingest::text::Lines;
-
-    fn layout(text: &str) -> Result<Layout, ReadError> {
-        decide(&Lines::new(text).collect::<Vec<_>>())
-    }
-
-    fn dialect(text: &str) -> (Delimiter, Decimal) {
-        let layout = layout(text).unwrap_or_else(|error| panic!("{text}: {error}"));
-        (layout.dialect.delimiter, layout.dialect.decimal)
-    }
-
-    #[test]
-    fn every_delimiter_with_its_decimal_sign() {
-        for (text, delimiter, decimal) in [
-            ("time_s,current_a\n0.5,1.5\n", Delimiter::Comma, Decimal::Point),
-            (
-                "time_s;current_a\n0.5;1.5\n",
-                Delimiter::Semicolon,
-                Decimal::Point,
-            ),
-            (
-                "time_s;current_a\n0,5;1,5\n",
-                Delimiter::Semicolon,
-                Decimal::Comma,
-            ),
-            ("time_s\tcurrent_a\n0,5\t1,5\n", Delimiter::Tab, Decimal::Comma),
-            ("Time (s)  I/mA\n0.5  1.5\n", Delimiter::Blanks, Decimal::Point),
-            (
-                "Time (s) ;  I/mA\n  0,5;  1\n",
-                Delimiter::Semicolon,
-                Decimal::Comma,
-            ),
-            (
-                "\"Time, s\",\"I/mA\"\n\"0,5\",\"1,5\"\n",
-                Delimiter::Comma,
-                Decimal::Comma,
-            ),
-        ] {
-            assert_eq!(dialect(text), (delimiter, decimal), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_late_decimal_comma_is_found() {
-        let mut text = "time_s;current_a\n".to_owned();
-        (0..400).for_each(|k| text.push_str(&format!("{k};0\n")));
-        text.push_str("400;0,5\n");
-        assert_eq!(dialect(&text).1, Decimal::Comma);
-    }
-
-    #[test]
-    fn two_readings_are_refused() {
-        for text in ["time_s,current_a\n0,5,1,5\n", "time_s;current_a\n0.5,0;1,5\n"] {
-            let error = layout(text).unwrap_err();
-            assert!(
-                matches!(error, ReadError::AmbiguousNumbers { line: 2, .. }),
-                "{error}"
-            );
-        }
-    }
-
-    #[test]
-    fn mixed_decimal_signs_are_refused() {
-        let error = layout("time_s;current_a\n0;1.5\n1;1,5\n").unwrap_err();
-        assert!(
-            error.to_string().contains("decimal point") && error.to_string().contains("decimal comma"),
-            "{error}"
-        );
-    }
-
-    #[test]
-    fn a_preamble_may_speak_of_time() {
-        let layout = layout("Date;17.7.2024\nTime;12:30:05\nTime (s);I/mA\n0;1\n").unwrap();
-        assert_eq!((layout.header_at, layout.data_at), (2, 3));
-    }
-
-    #[test]
-    fn units_may_stand_in_a_row_of_their_own() {
-        let layout = layout("preamble\n\ntime,current\ns,mA\n0,1\n").unwrap();
-        assert_eq!((layout.header_at, layout.data_at), (2, 4));
-        assert_eq!(layout.headers[1].meaning.quantity(), Some(Quantity::Current));
-    }
-
-    #[test]
-    fn a_missing_header_or_body_is_named() {
-        assert!(matches!(
-            layout("1,2\n3,4\n"),
-            Err(ReadError::NoHeader { line: 1, .. })
-        ));
-        assert!(matches!(
-            layout("time_s,current_a\n# no more\n"),
-            Err(ReadError::HeaderOnly { line: 1, .. })
-        ));
-    }
-}
+mod tests;

@@ -5,8 +5,10 @@ pub mod encoding;
 pub mod grid;
 pub mod header;
 pub mod layout;
+pub mod likely;
 pub mod lines;
 pub mod number;
+pub mod unit_row;
 
 pub use delimiter::Delimiter;
 pub use encoding::{Decoded, decode};

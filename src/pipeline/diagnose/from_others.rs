@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 
 use super::subject::Subject;
-use super::{BATCH, now, with_inputs};
+use super::{BATCH, not_condemned, now, with_inputs};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
+use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis};
-use crate::pipeline::{Context, Observer, PipelineError};
+use crate::pipeline::{Context, Observer, PipelineError, standing};
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};
 
 /// What a group is to be held against.
@@ -61,7 +62,7 @@ fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, P
         .filter(|stored| stored.kind == DiagnosisKind::Group)
         .collect();
     let found: Vec<GroupDiagnosis> = stored.iter().map(|stored| stored.found.clone()).collect();
-    let runs = context.store.runs()?;
+    let runs = standing::speaking(context)?;
     let campaign = &context.campaign;
     let shared = shared_effects(&found, &runs, campaign);
     let mut due = Vec::new();
@@ -124,14 +125,13 @@ fn held(
 ) -> (DiagnosisStamp, GroupDiagnosis) {
     let members = &due.subject.members;
     let mut found = due.stored.found.clone();
-    found.from_others = with_inputs(members, tasks, channels, |inputs| {
+    found.from_others = with_inputs(due.subject, tasks, channels, |inputs| {
+        let inputs = &not_condemned(inputs, &due.stored.found);
         let fill = |wanted: &FromOthers| {
             let values: Vec<f64> = wanted.parameters.iter().map(|(_, value)| *value).collect();
             let variant = wanted.variant.as_deref();
             // A fault in a kernel is that effect's failure, not the program's.
-            let fall = std::panic::catch_unwind(|| {
-                fall_from_others(inputs, options, &wanted.effect, variant, &values)
-            });
+            let fall = caught(|| fall_from_others(inputs, options, &wanted.effect, variant, &values));
             let fall = fall.unwrap_or_default();
             FromOthers {
                 fall: fall.map_or(f64::NAN, |found| found.fall),

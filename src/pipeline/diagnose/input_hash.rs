@@ -51,6 +51,10 @@ pub(super) fn input_hash(
     for &member in &subject.members {
         take_task(&mut hasher, &tasks[member]);
     }
+    for &member in &subject.right {
+        hasher.update(b"right");
+        take_task(&mut hasher, &tasks[member]);
+    }
     let apart = subject.set_apart.as_ref().map_or("", |issue| &issue.message);
     let model = options.model;
     hasher.update(

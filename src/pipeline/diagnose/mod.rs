@@ -13,6 +13,7 @@ use super::context::{CODE_VERSION, now};
 use super::diagnosis_document::current_findings;
 use super::{Context, Observer, PipelineError, fit_along};
 use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group, with_places};
+use crate::domain::fault::caught;
 use crate::domain::{Campaign, Channel, GroupDiagnosis};
 use crate::fit::{FitError, FitInput, distributed};
 use crate::ingest::derived;
@@ -88,12 +89,19 @@ pub struct DiagnoseSummary {
     pub up_to_date: usize,
     /// Groups and single runs left for the next turn.
     pub left: usize,
-    /// Groups and single runs whose diagnosis stopped on an internal fault.
+    /// Groups and single runs whose diagnosis stopped on an internal fault, now or before.
     pub failed: Vec<String>,
     /// Runs diagnosed now that may be claimed to be wrong as they came, with p and the level that they were tested at.
     pub claimed: Vec<ClaimedRun>,
     /// Keys of `group_by` that no run carries.
     pub unknown_keys: Vec<String>,
+}
+
+impl DiagnoseSummary {
+    /// Whether a fault of the program stopped a diagnosis.
+    pub fn has_fault(&self) -> bool {
+        !self.failed.is_empty()
+    }
 }
 
 /// A finding to be made, with the hash of all that it depends on.
@@ -129,11 +137,14 @@ impl DiagnoseRuns {
         retire_gone(context, &all)?;
         let asked = self.asked(&all)?;
         let library = library_hash();
-        let known: BTreeMap<(DiagnosisKind, String), String> = context
+        let known: BTreeMap<(DiagnosisKind, String), (String, bool)> = context
             .store
             .diagnoses()?
             .into_iter()
-            .map(|stored| ((stored.kind, stored.name), stored.input_hash))
+            .map(|stored| {
+                let is_fault = stored.found.sentence.starts_with(FAULT);
+                ((stored.kind, stored.name), (stored.input_hash, is_fault))
+            })
             .collect();
         let mut summary = DiagnoseSummary {
             unknown_keys,
@@ -144,9 +155,11 @@ impl DiagnoseRuns {
         let mut places: BTreeMap<String, usize> = BTreeMap::new();
         for subject in asked {
             let hash = input_hash(subject, &tasks, &options, &library);
-            let up_to_date = known.get(&(subject.kind, subject.name.clone())) == Some(&hash);
-            if up_to_date && !self.again {
+            let stored = known.get(&(subject.kind, subject.name.clone()));
+            if let Some((_, is_fault)) = stored.filter(|(known, _)| *known == hash && !self.again) {
                 summary.up_to_date += 1;
+                // It stands until the input or the library changes, and is said until then.
+                summary.failed.extend(is_fault.then(|| subject.name.clone()));
                 continue;
             }
             summary.diagnosed += 1;
@@ -291,30 +304,36 @@ fn diagnose_one(
             .extend((!issue.mend.is_empty()).then(|| issue.mend.clone()));
         return found;
     }
-    let diagnosed = std::panic::catch_unwind(|| {
+    let diagnosed = caught(|| {
         let places = members.iter().zip(channels).filter_map(|(&index, channels)| {
             let decision = fit_along::decision(&tasks[index], channels)?;
             Some((tasks[index].path.as_str(), decision))
         });
         let places: Vec<_> = places.collect();
-        with_inputs(members, tasks, channels, |inputs| {
+        with_inputs(subject, tasks, channels, |inputs| {
             let options = subject.options(options);
             let found = diagnose_group(&subject.name, inputs, &options);
-            with_places(found, &places, inputs, &options)
+            let inputs = not_condemned(inputs, &found);
+            let mut places = places;
+            places.retain(|(name, _)| inputs.iter().any(|input| input.name == *name));
+            with_places(found, &places, &inputs, &options)
         })
     });
-    diagnosed.unwrap_or_else(|_| {
-        GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, FAULT.to_owned())
+    diagnosed.unwrap_or_else(|reason| {
+        let sentence =
+            format!("{FAULT}: {reason}. Report it with the runs' files; other groups are not affected.");
+        GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, sentence)
     })
 }
 
 /// Calls `then` with the runs as a diagnosis takes them; `channels` are theirs as they are stored.
 fn with_inputs<R>(
-    members: &[usize],
+    subject: &Subject,
     tasks: &[FitTask],
     channels: &[Vec<Channel>],
     then: impl FnOnce(&[RunInput]) -> R,
 ) -> R {
+    let members = &subject.members;
     let responses: Vec<Vec<Channel>> = members
         .iter()
         .zip(channels)
@@ -331,13 +350,24 @@ fn with_inputs<R>(
                 area_cm2: tasks[index].area_cm2,
             },
             length_cm: tasks[index].length_cm,
+            is_right: subject.right.contains(&index),
         })
         .collect();
     then(&inputs)
 }
 
-/// What is said of a group whose diagnosis stopped.
-const FAULT: &str = "The diagnosis stopped on an internal fault: report it with the runs' files; other groups are not affected.";
+/// The runs that a finding is about.
+fn not_condemned<'a>(inputs: &[RunInput<'a>], found: &GroupDiagnosis) -> Vec<RunInput<'a>> {
+    let is_condemned = |input: &&RunInput| found.condemned.iter().any(|odd| odd.run == input.name);
+    inputs
+        .iter()
+        .filter(|input| !is_condemned(input))
+        .copied()
+        .collect()
+}
+
+/// How what is said of a group whose diagnosis stopped begins.
+const FAULT: &str = "The diagnosis stopped on an internal fault";
 
 fn save_batch(
     context: &mut Context,
@@ -349,7 +379,7 @@ fn save_batch(
     let mut rows = Vec::new();
     for ((hash, members, subjects), found) in batch.iter().zip(found) {
         for subject in subjects {
-            if found.sentence == FAULT {
+            if found.sentence.starts_with(FAULT) {
                 summary.failed.push(subject.name.clone());
             }
             let stamp = DiagnosisStamp {

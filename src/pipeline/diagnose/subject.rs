@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::analysis::groups::groups;
 use crate::diagnose::DiagnoseOptions;
 use crate::domain::{Issue, RunRecord};
-use crate::pipeline::{Context, PipelineError};
+use crate::pipeline::{Context, PipelineError, standing};
 use crate::store::{DiagnosisKind, FitTask};
 
 /// A group of runs, or one run alone.
@@ -18,6 +18,8 @@ pub(super) struct Subject {
     pub(super) members: Vec<usize>,
     /// Why it is set apart, where it is.
     pub(super) set_apart: Option<Issue>,
+    /// Those of its tasks of which a person said that the readings are right.
+    pub(super) right: Vec<usize>,
     /// Whether it is a run of a group of several.
     pub(super) of_several: bool,
 }
@@ -37,7 +39,7 @@ pub(super) fn subjects(
     context: &Context,
     tasks: &[FitTask],
 ) -> Result<(Vec<Subject>, Vec<String>), PipelineError> {
-    let runs = context.store.runs()?;
+    let runs = standing::to_diagnose(context)?;
     let places: BTreeMap<i64, usize> = tasks
         .iter()
         .enumerate()
@@ -45,16 +47,20 @@ pub(super) fn subjects(
         .collect();
     let group_by = &context.campaign.group_by;
     let ready = |run: &RunRecord| places.contains_key(&run.id);
+    let tasks_of = |members: &[usize], wanted: &dyn Fn(&RunRecord) -> bool| -> Vec<usize> {
+        let members = members
+            .iter()
+            .map(|&index| &runs[index])
+            .filter(|run| wanted(run));
+        members.filter_map(|run| places.get(&run.id).copied()).collect()
+    };
     let mut found: Vec<Subject> = groups(&runs, group_by, &ready)
         .into_iter()
         .map(|group| Subject {
             kind: DiagnosisKind::Group,
             name: group.name,
-            members: group
-                .runs
-                .iter()
-                .filter_map(|&index| places.get(&runs[index].id).copied())
-                .collect(),
+            members: tasks_of(&group.runs, &|_| true),
+            right: tasks_of(&group.runs, &|run| run.standing.is_vouched()),
             set_apart: group.set_apart,
             of_several: false,
         })
@@ -66,6 +72,8 @@ pub(super) fn subjects(
                 kind: DiagnosisKind::Run,
                 name: tasks[member].path.clone(),
                 members: vec![member],
+                // A run alone is held against no others.
+                right: Vec::new(),
                 set_apart: group.set_apart.clone(),
                 of_several: group.members.len() > 1,
             })

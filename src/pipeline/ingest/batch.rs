@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::prepare::{Group, Outcome, Prepared, PreparedFile, prepare};
+use super::prepare::{Group, Outcome, Prepared, PreparedFile, With, prepare};
 use crate::ingest::archive::{Archive, Incoming, Outcome as Stored};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::Store;
@@ -32,10 +32,12 @@ pub fn in_batches(
     let mut mended = Vec::new();
     let archive = Archive::new(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
-        let mut prepared: Vec<Prepared> = batch
-            .par_iter()
-            .map(|group| prepare(&context.folder, &context.profiles, group))
-            .collect();
+        let with = With {
+            folder: &context.folder,
+            profiles: &context.profiles,
+            date_order: context.campaign.date_order,
+        };
+        let mut prepared: Vec<Prepared> = batch.par_iter().map(|group| prepare(with, group)).collect();
         for path in archive_all(&archive, &context.store, &mut prepared)? {
             observer.warn(&format!("{path} was lost or damaged; it is whole again"));
             mended.push(path);

@@ -1,6 +1,7 @@
 //! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
 
 mod batch;
+mod copies;
 mod frame_folder;
 mod groups;
 mod left_out;
@@ -9,7 +10,9 @@ mod prepare;
 mod readers;
 mod retag;
 mod settle;
+mod start;
 pub(super) mod tagging;
+pub(super) mod unread;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -17,10 +20,13 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::context::now;
-use super::{Context, Observer, PipelineError, planned};
+use super::{Context, Observer, PipelineError, planned, standing};
 use crate::domain::{FileState, Issue, RunKind};
+use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
 use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
+use crate::pipeline::mends::Together;
+use crate::pipeline::status;
 use crate::store::FileRow;
 use batch::in_batches;
 use prepare::Group;
@@ -49,6 +55,8 @@ pub struct IngestSummary {
     pub renamed: Vec<(String, String)>,
     /// Files that hold the same bytes as a run's file, found now.
     pub aliases: Vec<String>,
+    /// Pairs of runs that hold the same readings, found now.
+    pub copies: usize,
     /// Files refused, now or before, with the reason.
     pub refused: Vec<(String, Issue)>,
     /// What cannot be read of tag files, now: the runs that they speak for wait.
@@ -63,6 +71,14 @@ pub struct IngestSummary {
     pub retagged: Vec<String>,
     /// Runs that lack tags, now.
     pub untagged: Vec<String>,
+    /// What runs wait for before they can be fitted, now: each mend with all runs that need it.
+    pub waiting_for: Vec<Together>,
+    /// The name pattern that would tag the most of the runs that lack tags; none where none would tag two.
+    pub proposed_pattern: Option<ProposedPattern>,
+    /// Runs whose voltage does not go in steps, such as sweeps, now: kept, not fitted, waiting for nothing.
+    pub no_steps: Vec<String>,
+    /// Tag keys that are neither known nor declared, now.
+    pub undeclared_tags: Vec<Together>,
     /// Climate logs.
     pub logs: LogSummary,
 }
@@ -136,7 +152,7 @@ impl Ingest<'_> {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
-        let readers = Readers::of(&context.profiles, &stored);
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, &stored);
         // Logs first, so that runs are tagged with them at once.
         self.take_logs(context, &logs, &mut summary, observer)?;
         let shelf = Shelf::open(&context.store)?;
@@ -153,6 +169,8 @@ impl Ingest<'_> {
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
         drop((groups, changes, seen, stored));
+        // What runs of the same readings are tagged with is known together.
+        summary.copies = copies::find_copies(context, observer)?;
         summary.retagged = retag::retag_runs(context, observer)?;
         climate::assess(context, &shelf)?;
         list_states(context, &mut summary)?;
@@ -189,7 +207,7 @@ impl Ingest<'_> {
         };
         let changes = scan::diff(&known(stored), &seen);
         summary.logs.files = seen.files.len();
-        let readers = Readers::of(&context.profiles, stored);
+        let readers = Readers::of(&context.profiles, context.campaign.date_order, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
         let group = |file: &Arc<SeenFile>| Group {
             run_name: file.display.clone(),
@@ -281,6 +299,15 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;
     summary.unreadable_tags = unreadable_tags(context)?;
+    let aside = standing::runs(context)?.set_aside;
+    summary
+        .untagged
+        .retain(|name| aside.iter().all(|run| run.path != *name));
+    summary.waiting_for = status::waiting_for(context)?;
+    let untagged = summary.untagged.iter().map(String::as_str);
+    summary.proposed_pattern = status::proposed_pattern(context, untagged);
+    summary.no_steps = context.store.runs_without_steps()?;
+    summary.undeclared_tags = status::undeclared_tags(context)?;
     Ok(())
 }
 

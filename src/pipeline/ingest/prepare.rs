@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::frame_folder;
-use crate::domain::{Channel, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin};
+use crate::domain::{Channel, DateOrder, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin};
 use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
-use crate::ingest::formats::ReadContext;
+use crate::ingest::folder_dates::order_beside;
+use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet;
 use crate::ingest::scan::{self, ReadFileError, SeenFile};
@@ -80,23 +81,34 @@ pub struct Prepared {
     pub files: Vec<PreparedFile>,
 }
 
+/// What files are read with.
+#[derive(Debug, Clone, Copy)]
+pub struct With<'a> {
+    /// The campaign folder.
+    pub folder: &'a Path,
+    /// Its saved profiles.
+    pub profiles: &'a [Profile],
+    /// Order of day, month and year that campaign.toml states.
+    pub date_order: Option<DateOrder>,
+}
+
 /// Reads every file of a group. Refusals are part of the outcome; a fault of a reader refuses its file only.
-pub fn prepare(campaign: &Path, profiles: &[Profile], group: &Group) -> Prepared {
+pub fn prepare(with: With<'_>, group: &Group) -> Prepared {
     Prepared {
         run_name: group.run_name.clone(),
         kind: group.kind,
         files: group
             .files
             .iter()
-            .map(|file| prepare_file(campaign, group.kind, profiles, file))
+            .map(|file| prepare_file(with, group.kind, file))
             .collect(),
     }
 }
 
-fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &SeenFile) -> PreparedFile {
-    let location = file.location(campaign);
+fn prepare_file(with: With<'_>, kind: RunKind, file: &SeenFile) -> PreparedFile {
+    let location = file.location(with.folder);
     if location.is_dir() {
-        return frame_folder::prepare(campaign, file, &location);
+        return frame_folder::prepare(with.folder, file, &location);
     }
     let bytes = match scan::read_stable(&location, LARGEST_FILE_BYTES) {
         Ok(bytes) => bytes,
@@ -121,7 +133,7 @@ fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &See
         }
     };
     let hash = archive::hash(&bytes);
-    let (outcome, profile) = read(kind, file, profiles, &bytes);
+    let (outcome, profile) = read(with, kind, file, &bytes);
     PreparedFile {
         file: file.clone(),
         hash: Some(hash),
@@ -132,10 +144,11 @@ fn prepare_file(campaign: &Path, kind: RunKind, profiles: &[Profile], file: &See
     }
 }
 
-fn read(kind: RunKind, file: &SeenFile, profiles: &[Profile], bytes: &[u8]) -> (Outcome, Option<Profile>) {
+fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcome, Option<Profile>) {
     let context = ReadContext {
         // A modulus log may have its humidity in a file of its own.
         needs_response: kind == RunKind::Actuation,
+        date_order: with.date_order,
         ..ReadContext::default()
     };
     let name = file.display.rsplit('/').next().unwrap_or(&file.display);
@@ -146,7 +159,19 @@ fn read(kind: RunKind, file: &SeenFile, profiles: &[Profile], bytes: &[u8]) -> (
         };
         return (outcome, None);
     }
-    let read = || profiles::read(profiles, name, bytes, &context);
+    let read_as = |date_order| {
+        let context = ReadContext {
+            date_order,
+            ..context
+        };
+        profiles::read(with.profiles, name, bytes, &context)
+    };
+    let read = || match read_as(context.date_order) {
+        Err(ReadError::AmbiguousDates { first, .. }) if context.date_order.is_none() => {
+            read_as(order_beside(&file.location(with.folder), &first))
+        }
+        read => read,
+    };
     let outcome = match std::panic::catch_unwind(std::panic::AssertUnwindSafe(read)) {
         Ok(Ok((reading, profile))) => return (Outcome::Read(Box::new(reading)), profile.cloned()),
         Ok(Err(error)) if error.is_pending() => Outcome::Pending(error.issue()),

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::frame_folder;
-use crate::domain::FileState;
+use crate::domain::{DateOrder, FileState};
 use crate::ingest::Reading;
 use crate::ingest::formats;
+use crate::ingest::formats::error::AMBIGUOUS_DATES;
 use crate::ingest::profiles::Profile;
 use crate::store::FileRow;
 use crate::strip;
@@ -15,7 +16,7 @@ use crate::strip;
 pub struct Readers {
     /// Stamp of each reader.
     stamps: BTreeSet<String>,
-    /// Marks the set of profiles; empty where there are none.
+    /// Marks the set of profiles and the order of dates; empty where campaign.toml states neither.
     profiles: String,
     /// What read each file last, by its path.
     last: BTreeMap<String, String>,
@@ -25,8 +26,8 @@ pub struct Readers {
 const BESIDE: &str = " beside profiles ";
 
 impl Readers {
-    /// The formats with these profiles; `stored` are the files as they were read last.
-    pub fn of(profiles: &[Profile], stored: &[FileRow]) -> Readers {
+    /// The formats with these profiles and that order of dates; `stored` are the files as they were read last.
+    pub fn of(profiles: &[Profile], date_order: Option<DateOrder>, stored: &[FileRow]) -> Readers {
         let formats = formats::ALL.iter().map(|f| stamp(f.id(), f.version()));
         let saved = profiles
             .iter()
@@ -35,12 +36,15 @@ impl Readers {
         profiles.iter().for_each(|profile| {
             hasher.update(profile.digest.as_bytes());
         });
+        if let Some(order) = date_order {
+            hasher.update(order.key().as_bytes());
+        }
         Readers {
             stamps: formats
                 .chain(saved)
                 .chain([stamp(frame_folder::FORMAT, strip::VERSION)])
                 .collect(),
-            profiles: match profiles.is_empty() {
+            profiles: match profiles.is_empty() && date_order.is_none() {
                 true => String::new(),
                 false => format!("{BESIDE}{}", &hasher.finalize().to_hex()[..12]),
             },
@@ -80,6 +84,8 @@ impl Readers {
         };
         let is_outdated = |file: &&FileRow| match file.state {
             FileState::Run | FileState::Log => !is_current(&file.reader),
+            // A file that came beside it may show the order of its dates.
+            FileState::Refused if is_open_date(file) => true,
             FileState::Refused | FileState::Pending | FileState::Sidecar => file.reader != all,
             FileState::Alias => false,
         };
@@ -89,6 +95,12 @@ impl Readers {
             .map(|file| file.path.as_str())
             .collect()
     }
+}
+
+/// Whether a file was refused because its dates leave their order open.
+fn is_open_date(file: &FileRow) -> bool {
+    let issue = file.issue.as_ref();
+    issue.is_some_and(|issue| issue.code == AMBIGUOUS_DATES)
 }
 
 /// Format and version of the reader of a run, as `id/version`; a profile's id holds its digest.

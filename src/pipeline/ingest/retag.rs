@@ -1,15 +1,18 @@
 //! Tags runs again whose tag files, hand tags, climate logs or campaign.toml changed. The readings are not touched.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use jiff::Timestamp as Moment;
 
 use super::batch::{MOST_FILES, together};
 use super::now;
+use super::start;
 use super::tagging::{TaggingInput, digest, tag_files, tagging, unreadable};
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{Issue, RunRecord, RunState, TagSource};
+use crate::ingest::formats::date::DATE_UNCERTAIN;
 use crate::ingest::tags::is_unreadable;
 use crate::ingest::{StartedAt, Timestamp};
 use crate::pipeline::climate::Shelf;
@@ -29,14 +32,25 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         .into_iter()
         .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
         .collect();
-    let mut due = BTreeMap::new();
+    let open_dates: BTreeSet<String> = context
+        .store
+        .issues_of_code(DATE_UNCERTAIN)?
+        .into_iter()
+        .filter(|(_, issue)| issue.place == keys::STARTED_AT)
+        .map(|(path, _)| path)
+        .collect();
+    let other_names = context.store.other_names()?;
+    let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
+    let mut due: BTreeMap<i64, Due> = BTreeMap::new();
     for (run_id, path, stored) in context.store.tag_digests()? {
         let files = context.store.file_paths(run_id)?;
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
         let window = windows.get(&run_id).copied().flatten();
-        let digest = digest(context, &shelf, &path, &tag_files(&path, &files), window)?;
-        if digest != stored {
-            due.insert(run_id, digest);
+        let files = tag_files(&path, &files);
+        let digest = digest(context, &shelf, (&path, &files), others_of(run_id), window)?;
+        let changed = digest != stored;
+        if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
+            due.insert(run_id, Due { digest, changed });
         }
     }
     if due.is_empty() {
@@ -49,9 +63,14 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
         let before = retagged.len();
         together(context, |context| {
             for run in batch {
-                match held_by(context, run) {
-                    Some(issues) => context.store.hold_tags(&now(), run.id, &due[&run.id], &issues)?,
-                    None if retag(context, &shelf, run)? => retagged.push(run.path.clone()),
+                let (due, others) = (&due[&run.id], others_of(run.id));
+                match held_by(context, run, others) {
+                    Some(issues) if due.changed => {
+                        context.store.hold_tags(&now(), run.id, &due.digest, &issues)?;
+                    }
+                    // Only its date could be told now: that waits for what cannot be read, too.
+                    Some(_) => {}
+                    None if retag(context, &shelf, run, others)? => retagged.push(run.path.clone()),
                     None => {}
                 }
             }
@@ -64,11 +83,19 @@ pub fn retag_runs(context: &mut Context, observer: &dyn Observer) -> Result<Vec<
     Ok(retagged)
 }
 
+/// Why a run is looked at again.
+struct Due {
+    /// Of its tag sources as they are now.
+    digest: String,
+    /// Whether the digest is another one than before.
+    changed: bool,
+}
+
 /// Why a run keeps the tags that it has until something is mended: what they came from cannot be read now, and the next
 /// source would give other tags. One that waits for tags is not held.
-fn held_by(context: &Context, run: &RunRecord) -> Option<Vec<Issue>> {
+fn held_by(context: &Context, run: &RunRecord, other_names: &[String]) -> Option<Vec<Issue>> {
     let files: Vec<&str> = run.files.iter().map(|file| file.path.as_str()).collect();
-    let mut issues = unreadable(context, &run.path, &tag_files(&run.path, &files));
+    let mut issues = unreadable(context, &run.path, &tag_files(&run.path, &files), other_names);
     let is_lost = run.tags.iter().any(|tag| context.sheets.is_from_damaged(tag));
     if run.state == RunState::Untagged || issues.is_empty() && !is_lost {
         return None;
@@ -79,24 +106,47 @@ fn held_by(context: &Context, run: &RunRecord) -> Option<Vec<Issue>> {
     Some(issues)
 }
 
+/// Whether the files beside a run, whose date leaves day and month open, show their order now.
+fn is_decided_beside(context: &Context, run_id: i64, files: &[PathBuf]) -> Result<bool, PipelineError> {
+    let origin = context.store.origin(run_id)?;
+    let stamps = origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let Some(file) = files.first() else {
+        return Ok(false);
+    };
+    let beside = context.folder.join(file);
+    Ok(stamps
+        .filter(|stamp| start::is_open(stamp))
+        .any(|stamp| start::settled(stamp, None, &beside).1.is_none()))
+}
+
 /// Tags a run anew; says whether that is news: a file that was mended to what it said before is none.
-fn retag(context: &mut Context, shelf: &Shelf, run: &RunRecord) -> Result<bool, PipelineError> {
+fn retag(
+    context: &mut Context,
+    shelf: &Shelf,
+    run: &RunRecord,
+    other_names: &[String],
+) -> Result<bool, PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
     let header = run.tags.iter().filter(|tag| tag.source == TagSource::Header);
     let (starts, others): (Vec<_>, Vec<_>) = header.partition(|tag| tag.key == keys::STARTED_AT);
     // The stored start carries its offset already.
-    let started_at = starts.first().map(|tag| StartedAt {
+    let stated = starts.first().map(|tag| StartedAt {
         raw: tag.detail.clone(),
         kind: Timestamp::Start,
         local: Some(tag.value.clone()),
         offset: None,
         basis: String::new(),
     });
+    // A date that the file leaves open is read anew, for what decides it may have changed.
+    let mut stamps = run.origin.clocks.iter().filter_map(|clock| clock.stamp.as_ref());
+    let open = stamps.find(|stamp| start::is_open(stamp)).cloned();
+    let started_at = open.or(stated);
     let input = TaggingInput {
         run_path: &run.path,
         kind: run.kind,
         file_paths: run.files.iter().map(|file| file.path.as_str()).collect(),
+        other_names,
         origin: &run.origin,
         channels: &channels,
         time_zero_is_step,

@@ -2,6 +2,7 @@
 
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
 use super::readers::{Readers, format_of, reader_of};
+use super::start::without_open_dates;
 use super::tagging::{TaggingInput, tagging};
 use super::{IngestSummary, file_row, now};
 use crate::domain::data_hash::data_hash;
@@ -304,6 +305,8 @@ fn new_run(
         run_path: &path,
         kind,
         file_paths: contents.iter().map(|content| content.path.as_str()).collect(),
+        // Which others hold these readings is known when all are in; then it is tagged again.
+        other_names: &[],
         origin: &origin,
         channels: &part.channels,
         time_zero_is_step: part.time_zero_is_step,
@@ -332,7 +335,7 @@ fn new_run(
             .collect(),
         issues: readings
             .iter()
-            .flat_map(|reading| reading.issues.clone())
+            .flat_map(|reading| without_open_dates(reading))
             .chain(join_issues.to_vec())
             .collect(),
         channels: part.channels,

@@ -6,16 +6,21 @@ use std::path::{Path, PathBuf};
 use super::left_out;
 use super::places::misplaced;
 use super::retag::window;
+use super::start;
+use super::unread::missing_responses;
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Tag, TagSource};
+use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Severity, Tag, TagSource};
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
-use crate::ingest::tags::{self, Resolved, TagRequest};
+use crate::ingest::tags::{self, OtherName, Resolved, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::climate::{Shelf, climate_of};
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{HandTag, Tagging};
+
+/// Code of the issue of a sample without dimensions.
+pub const NO_AREA: &str = "no-area";
 
 /// What the tags of a run are made from, beside campaign.toml and the tag files.
 #[derive(Debug)]
@@ -26,6 +31,8 @@ pub struct TaggingInput<'a> {
     pub kind: RunKind,
     /// Paths of its files, as the scan displays them.
     pub file_paths: Vec<&'a str>,
+    /// Other paths and runs that hold the same readings.
+    pub other_names: &'a [String],
     /// Clocks, flags and profiles that the readings rest on.
     pub origin: &'a RunOrigin,
     /// Readings.
@@ -46,9 +53,17 @@ pub struct TaggingInput<'a> {
 /// The database cannot be read.
 pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
     let hand = hand_tags(context, input.run_path)?;
-    let mut header = input.header_tags.clone();
-    header.extend(input.started_at.as_ref().and_then(start_tag));
     let files = tag_files(input.run_path, &input.file_paths);
+    let mut header = input.header_tags.clone();
+    let beside = context
+        .folder
+        .join(files.first().map_or(Path::new(""), PathBuf::as_path));
+    let started = input
+        .started_at
+        .as_ref()
+        .map(|started| start::settled(started, context.campaign.date_order, &beside));
+    let (started, open_date) = started.unzip();
+    header.extend(started.as_ref().and_then(start_tag));
     // A table of a file with several has the file's name; a joined run has the name of the stem.
     let named = files.first().map_or(Path::new(input.run_path), PathBuf::as_path);
     let channel_voltage_v = match input.kind {
@@ -56,6 +71,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         RunKind::Dma => None,
     };
     let planned = planned_tags(context, input.run_path, &files);
+    let other_names = other_names(context, input.other_names)?;
     let request = TagRequest {
         campaign: &context.campaign,
         folder: &context.folder,
@@ -67,6 +83,8 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         planned: &planned,
         header: &header,
         channel_voltage_v,
+        has_voltage: input.channels.iter().any(|c| c.is_whole(Quantity::Voltage)),
+        other_names: &other_names,
         ambient: &[],
     };
     let without_logs = tags::resolve(&request);
@@ -83,12 +101,20 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
             ..request
         }),
     };
-    resolved.issues.extend(doubts(context, input.run_path, &files));
-    let digest = digest(context, shelf, input.run_path, &files, window)?;
+    let doubts = doubts(context, input.run_path, &files, input.other_names);
+    resolved.issues.extend(doubts);
+    let digest = digest(
+        context,
+        shelf,
+        (input.run_path, &files),
+        input.other_names,
+        window,
+    )?;
     let mut tagging = match input.kind {
         RunKind::Actuation => conclude(context, input, resolved, digest),
         RunKind::Dma => conclude_dma(input, resolved, digest),
     };
+    tagging.issues.extend(open_date.flatten());
     tagging.issues.extend(climate.issues);
     (tagging.climate, tagging.climate_curves) = (climate.climate, climate.curves);
     Ok(tagging)
@@ -172,23 +198,29 @@ pub fn tag_files(run_path: &str, file_paths: &[&str]) -> Vec<PathBuf> {
 pub fn digest(
     context: &Context,
     shelf: &Shelf,
-    run_path: &str,
-    files: &[PathBuf],
+    (run_path, files): (&str, &[PathBuf]),
+    other_paths: &[String],
     window: Option<Window>,
 ) -> Result<String, PipelineError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(context.campaign_digest.as_bytes());
     hasher.update(&drive::VERSION.to_le_bytes());
+    hasher.update(&drive::jumps::VERSION.to_le_bytes());
     hasher.update(tags::tag_sources_digest(&context.folder, files).as_bytes());
     hasher.update(shelf.digest(window).as_bytes());
     for tag in planned_tags(context, run_path, files) {
         hasher.update(format!("planned {:?}", (tag.key, tag.value, tag.detail)).as_bytes());
     }
-    for doubt in doubts(context, run_path, files) {
+    for doubt in doubts(context, run_path, files, other_paths) {
         hasher.update(format!("doubt {doubt:?}").as_bytes());
     }
     for tag in hand_tags(context, run_path)? {
         hasher.update(format!("{:?}", (tag.key, tag.value)).as_bytes());
+    }
+    for other in other_names(context, other_paths)? {
+        let said = (&other.file, &other.hand, &other.planned);
+        hasher.update(format!("also {said:?}").as_bytes());
+        hasher.update(tags::tag_sources_digest(&context.folder, &[other.file]).as_bytes());
     }
     Ok(hasher.finalize().to_hex().to_string())
 }
@@ -199,10 +231,20 @@ fn planned_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<Tag
     name.map_or_else(Vec::new, |name| context.sheets.tags_of(&name))
 }
 
-/// Why it is not known whether a run sheet plans this file.
-fn doubts(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<Issue> {
-    let name = planned_name(context, run_path, files);
-    name.map_or_else(Vec::new, |name| context.sheets.doubts(&name))
+/// Why it is not known whether a run sheet plans this file, or another name of the readings.
+fn doubts(context: &Context, run_path: &str, files: &[PathBuf], other_paths: &[String]) -> Vec<Issue> {
+    let own = planned_name(context, run_path, files);
+    let others = other_paths
+        .iter()
+        .filter_map(|path| planned_name(context, path, &[parse_display_path(path)]));
+    let names: BTreeSet<String> = own.into_iter().chain(others).collect();
+    let mut found: Vec<Issue> = Vec::new();
+    for doubt in names.iter().flat_map(|name| context.sheets.doubts(name)) {
+        if !found.contains(&doubt) {
+            found.push(doubt);
+        }
+    }
+    found
 }
 
 /// The name by which run sheets plan a run; none for what is not planned.
@@ -212,10 +254,30 @@ fn planned_name(context: &Context, run_path: &str, files: &[PathBuf]) -> Option<
 }
 
 /// What keeps the tags of a run from being known: tag files and run sheets that cannot be read.
-pub fn unreadable(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<Issue> {
-    let mut issues = tags::unreadable(&context.folder, files);
-    issues.extend(doubts(context, run_path, files));
+pub fn unreadable(
+    context: &Context,
+    run_path: &str,
+    files: &[PathBuf],
+    other_paths: &[String],
+) -> Vec<Issue> {
+    let others = other_paths.iter().map(|path| parse_display_path(path));
+    let all: Vec<PathBuf> = files.iter().cloned().chain(others).collect();
+    let mut issues = tags::unreadable(&context.folder, &all);
+    issues.extend(doubts(context, run_path, files, other_paths));
     issues
+}
+
+/// What is stated of other names of the readings.
+fn other_names(context: &Context, paths: &[String]) -> Result<Vec<OtherName>, PipelineError> {
+    let named = |path: &String| {
+        let file = parse_display_path(path);
+        Ok(OtherName {
+            hand: hand_tags(context, path)?,
+            planned: planned_tags(context, path, std::slice::from_ref(&file)),
+            file,
+        })
+    };
+    paths.iter().map(named).collect()
 }
 
 fn hand_tags(context: &Context, run_path: &str) -> Result<Vec<Tag>, PipelineError> {
@@ -273,18 +335,29 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     let marked = resolved.value(keys::LEAVE_OUT_MARKED);
     left_out::by_mark(input.channels, &input.origin.flags, marked, &mut issues);
     let found = drive::find(input.channels, input.time_zero_is_step, tag_v, &open);
-    issues.extend(found.issues);
+    let is_sweep = found.issues.iter().any(|issue| issue.code == drive::NO_STEPS);
+    let has_steps = input.is_step_response && !is_sweep;
+    // Of another technique nobody asks for steps.
+    issues.extend(
+        found
+            .issues
+            .into_iter()
+            .filter(|issue| input.is_step_response || issue.code != drive::NO_STEPS),
+    );
+    if !has_steps {
+        issues = without_waiting(issues);
+    }
     let sample = resolved
         .value(keys::SAMPLE)
         .and_then(|id| context.campaign.sample(id));
     let area_cm2 = sample.and_then(|sample| sample.active_area_cm2());
-    if let Some(sample) = sample.filter(|_| area_cm2.is_none()) {
+    if let Some(sample) = sample.filter(|_| has_steps && area_cm2.is_none()) {
         let message = format!(
             "the sample {} has no dimensions, so its area is not known",
             sample.id
         );
         let mend = "give it length_mm and width_mm, or area_cm2, in campaign.toml";
-        issues.push(Issue::error("no-area", message).at(keys::SAMPLE).mend(mend));
+        issues.push(Issue::error(NO_AREA, message).at(keys::SAMPLE).mend(mend));
     }
     issues.extend(area_cm2.and_then(|area_cm2| improbable_density(input.channels, area_cm2)));
     if !input.is_step_response {
@@ -297,8 +370,13 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         .and_then(|sample| sample.length_mm)
         .map(|length_mm| length_mm / 10.0);
     issues.extend(lengthless(input.channels, length_cm));
+    if has_steps {
+        issues.extend(missing_responses(input.channels));
+    }
     let length_mm = sample.and_then(|sample| sample.length_mm);
     issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));
+    let stated = found.drive.as_ref().filter(|_| input.is_step_response);
+    issues.extend(stated.and_then(|drive| drive::jumps::unexplained(input.channels, drive)));
     let clock_offset_s = resolved
         .value(keys::CLOCK_OFFSET_S)
         .and_then(|text| text.parse().ok());
@@ -306,6 +384,7 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     let fittable =
         input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input);
     let state = match (resolved.waits(), fittable) {
+        _ if !has_steps => RunState::NoSteps,
         (true, _) => RunState::Untagged,
         (false, true) => RunState::Ready,
         (false, false) => RunState::NotFitted,
@@ -324,6 +403,22 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
         climate: Vec::new(),
         climate_curves: Vec::new(),
     }
+}
+
+/// Without the step voltage, which a run without steps does not have; that other tags are missing is only noted, for
+/// it waits for none.
+fn without_waiting(issues: Vec<Issue>) -> Vec<Issue> {
+    let kept = issues
+        .into_iter()
+        .filter(|issue| issue.code != tags::MISSING || issue.place != keys::VOLTAGE_V);
+    let noted = |issue: Issue| match issue.code.as_str() {
+        tags::MISSING | tags::UNKNOWN_SAMPLE => Issue {
+            severity: Severity::Note,
+            ..issue
+        },
+        _ => issue,
+    };
+    kept.map(noted).collect()
 }
 
 /// Current density beyond which a unit is more likely wrong than the strip that strong, A/cm2: the thesis's

@@ -28,6 +28,7 @@ pub use strip_spec::{StripParameters, StripSpec};
 pub use strip_table::strip_table;
 pub use table::run_table;
 
+use super::whole_file::put_bytes;
 use super::{Observer, PipelineError};
 
 /// The verb `simulate`.
@@ -125,20 +126,14 @@ impl Simulate {
     }
 
     fn write(&self, path: &Path, text: &str) -> Result<PathBuf, PipelineError> {
-        if path.exists() && !self.overwrite {
-            return Err(PipelineError::FileExists {
-                path: path.to_owned(),
-            });
-        }
-        let failed = |source| PipelineError::File {
-            path: path.to_owned(),
-            doing: "writing a simulated run",
-            source,
-        };
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(failed)?;
+            std::fs::create_dir_all(folder).map_err(|source| PipelineError::File {
+                path: folder.to_owned(),
+                doing: "making the folder of a simulated run",
+                source,
+            })?;
         }
-        std::fs::write(path, text).map_err(failed)?;
+        put_bytes(path, self.overwrite, text.as_bytes())?;
         Ok(path.to_owned())
     }
 }

@@ -1,6 +1,6 @@
 //! Axes: which range is shown, where ticks stand and what they say.
 
-use crate::report::number::{Prefix, fixed, si_prefix, superscript};
+use crate::report::number::{Prefix, decimal_exponent, fixed, si_prefix, significant, superscript};
 
 /// How numbers become positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +33,9 @@ impl Scale {
         }
     }
 }
+
+/// Shortest time that an axis about a step resolves, as a part of the longest: a number of 64 bits tells no more apart.
+const SHORTEST_UNIT: f64 = 1e-15;
 
 /// Room of what precedes a step, as a share of the room after it.
 const STRIP_BEFORE: f64 = 0.07;
@@ -98,8 +101,9 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis over the positive numbers `low..=high`.
+    /// A logarithmic axis over the positive numbers `low..=high`; where an end is not one, the other tells it.
     pub fn log(low: f64, high: f64, quantity: &str, unit: &str) -> Axis {
+        let (low, high) = positive(low, high);
         let (low, high) = (low.log10(), high.log10().max(low.log10() + 0.1));
         Axis {
             scale: Scale::Log,
@@ -121,6 +125,9 @@ impl Axis {
     /// (log10(1 + t / unit)), so that seconds and hours have equal room; what precedes the step stands linear in a narrow
     /// strip. `first_s` is not after the step, `last_s` after it.
     pub fn about_step(first_s: f64, unit_s: f64, last_s: f64, title: &str) -> Axis {
+        let (unit_s, last_s) = positive(unit_s, last_s);
+        let unit_s = unit_s.max(SHORTEST_UNIT * last_s);
+        let first_s = if first_s.is_finite() { first_s } else { 0.0 };
         let after = Scale::AboutStep { unit_s, before: 0.0 }.position(last_s);
         let before = match first_s < 0.0 {
             true => STRIP_BEFORE * after / -first_s,
@@ -177,18 +184,44 @@ fn shown_unit(unit: &str) -> &str {
     }
 }
 
-/// A range that is not empty.
+/// Largest magnitude that an axis shows, and the smallest positive number: the ends of what a number of 64 bits can hold,
+/// with room for margins, powers of ten and prefixes.
+const LARGEST: f64 = 1e290;
+const SMALLEST: f64 = 1e-290;
+/// A range below this part of its magnitude is a point: ticks in it would need more than nine decimals.
+const NARROWEST: f64 = 1e-9;
+
+/// A range that is not empty and in which numbers can be told apart.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     if !(low.is_finite() && high.is_finite()) {
         return (0.0, 1.0);
     }
-    match high > low {
+    let (low, high) = (low.min(high), high.max(low));
+    let (low, high) = (low.clamp(-LARGEST, LARGEST), high.clamp(-LARGEST, LARGEST));
+    let magnitude = low.abs().max(high.abs());
+    match high - low > (NARROWEST * magnitude).max(SMALLEST) {
         true => (low, high),
         false => {
-            let half = if low == 0.0 { 1.0 } else { 0.1 * low.abs() };
+            let half = if magnitude <= SMALLEST {
+                1.0
+            } else {
+                0.1 * magnitude
+            };
             (low - half, high + half)
         }
     }
+}
+
+/// The ends of a logarithmic range: positive, the first not above the last.
+fn positive(low: f64, high: f64) -> (f64, f64) {
+    let is_positive = |number: f64| number.is_finite() && number > 0.0;
+    let (low, high) = match (is_positive(low), is_positive(high)) {
+        (true, true) => (low.min(high), high),
+        (true, false) => (low, 10.0 * low),
+        (false, true) => (0.1 * high, high),
+        (false, false) => (0.1, 1.0),
+    };
+    (low.clamp(SMALLEST, LARGEST), high.clamp(SMALLEST, LARGEST))
 }
 
 /// The step of 1, 2 or 5 times a power of ten that gives at most `wanted` steps.
@@ -203,15 +236,28 @@ fn tick_step(span: f64, wanted: usize) -> f64 {
 
 /// Ticks at multiples of `step` (in the prefixed unit), labelled with the decimals the step needs.
 fn linear_ticks(low: f64, high: f64, step: f64, prefix: Prefix) -> Vec<Tick> {
-    let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+    let label = |number: f64| tick_label(number, step, low.abs().max(high.abs()) * prefix.factor);
     let first = (low * prefix.factor / step - 1e-6).ceil() as i64;
     let last = (high * prefix.factor / step + 1e-6).floor() as i64;
     (first..=last.min(first + 100))
         .map(|multiple| Tick {
             at: multiple as f64 * step / prefix.factor,
-            label: fixed(multiple as f64 * step, decimals),
+            label: label(multiple as f64 * step),
         })
         .collect()
+}
+
+/// Decimals from which on, and the number from which on, ticks are written with a power of ten.
+const MOST_DECIMALS: i32 = 9;
+const LONGEST: f64 = 1e8;
+
+/// The label of a tick of an axis that reaches to `largest`: as many decimals as `step` needs.
+fn tick_label(number: f64, step: f64, largest: f64) -> String {
+    let place = decimal_exponent(step);
+    if number != 0.0 && (place < -MOST_DECIMALS || largest >= LONGEST) {
+        return significant(number, decimal_exponent(number.abs()) - place + 1);
+    }
+    fixed(number, (-place).clamp(0, MOST_DECIMALS) as usize)
 }
 
 /// Decades below which evenly spaced numbers look evenly spaced on a log axis.
@@ -240,7 +286,7 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
             }
         }
     }
-    match ticks.len() < 3 && high - low < NARROW {
+    match ticks.len() < 3 && (NARROWEST..NARROW).contains(&(high - low)) {
         true => narrow_log_ticks(low, high, plain),
         false => ticks,
     }
@@ -333,7 +379,48 @@ mod tests {
         );
     }
 
+    /// Any number of 64 bits, those that are no numbers too.
+    fn any_number() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            any::<f64>(),
+            prop::sample::select(vec![
+                0.0,
+                1e308,
+                -1e308,
+                5e-324,
+                f64::MAX,
+                f64::INFINITY,
+                f64::NAN
+            ])
+        ]
+    }
+
     proptest! {
+        #[test]
+        fn any_two_numbers_make_an_axis(low in any_number(), high in any_number(), unit_s in any_number()) {
+            let axes = [
+                Axis::linear(low, high, "q", "A", 5),
+                Axis::linear(low, high, "q", "", 5),
+                Axis::linear_rounded(low, high, "q", "", 5),
+                Axis::log(low, high, "q", ""),
+                Axis::whole(low, high),
+                Axis::about_step(low.min(0.0), unit_s, high, "t"),
+            ];
+            for axis in axes {
+                prop_assert!(axis.low.is_finite() && axis.high.is_finite(), "{axis:?}");
+                prop_assert!(axis.ticks.len() <= 110, "{axis:?}");
+                prop_assert!(axis.ticks.iter().all(|tick| tick.label.chars().count() < 40), "{axis:?}");
+            }
+        }
+
+        #[test]
+        fn numbers_that_nearly_agree_make_an_axis(number in any_number(), bits in 0u64..3) {
+            let next = f64::from_bits(number.to_bits().saturating_add(bits));
+            for axis in [Axis::linear(number, next, "q", "A", 5), Axis::log(number, next, "q", "")] {
+                prop_assert!(axis.low < axis.high, "{axis:?}");
+            }
+        }
+
         #[test]
         fn any_range_gets_a_few_rising_ticks(low in -1e9..1e9f64, span in 1e-9..1e9f64, wanted in 2usize..9) {
             let axis = Axis::linear(low, low + span, "q", "A", wanted);

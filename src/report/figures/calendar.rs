@@ -1,9 +1,9 @@
-//! A time axis of dates in UTC, from hours to years.
+//! A time axis of dates by a clock, from hours to years.
 
-use jiff::tz::TimeZone;
 use jiff::{Timestamp, ToSpan, Zoned};
 
 use super::axis::{Axis, Scale, Tick};
+use crate::report::zone::Zone;
 
 /// Steps between ticks, with the format of their labels: (hours, days, months).
 const STEPS: [((i64, i64, i64), &str); 12] = [
@@ -21,8 +21,8 @@ const STEPS: [((i64, i64, i64), &str); 12] = [
     ((0, 0, 12), "%Y"),
 ];
 
-/// An axis from `low_s` to `high_s` (s since 1970 UTC) with about `wanted` ticks at most.
-pub fn calendar_axis(low_s: f64, high_s: f64, wanted: usize) -> Axis {
+/// An axis from `low_s` to `high_s` (s since 1970 UTC) with about `wanted` ticks at most, by the clock of `zone`.
+pub fn calendar_axis(low_s: f64, high_s: f64, wanted: usize, zone: &Zone) -> Axis {
     let (low_s, high_s) = match high_s > low_s {
         true => (low_s, high_s),
         false => (low_s - 1800.0, low_s + 1800.0),
@@ -38,26 +38,35 @@ pub fn calendar_axis(low_s: f64, high_s: f64, wanted: usize) -> Axis {
         (false, true) => "%Y",
         (false, false) => "%d %b %Y",
     };
-    let from = moment(low_s).map_or_else(String::new, |low| low.strftime(from).to_string());
+    let from = moment(low_s, zone).map_or_else(String::new, |low| low.strftime(from).to_string());
     Axis {
         scale: Scale::Calendar,
         low: low_s,
         high: high_s,
-        ticks: ticks(low_s, high_s, *step, format),
+        ticks: ticks((low_s, high_s), *step, format, zone),
         title: match from.is_empty() {
-            true => "Time (UTC)".to_owned(),
-            false => format!("Time (UTC), from {from}"),
+            true => format!("Time ({})", zone.name()),
+            false => format!("Time ({}), from {from}", zone.name()),
         },
         shown_factor: 1.0,
     }
 }
 
-fn moment(at_s: f64) -> Option<Zoned> {
-    Some(Timestamp::from_second(at_s as i64).ok()?.to_zoned(TimeZone::UTC))
+fn moment(at_s: f64, zone: &Zone) -> Option<Zoned> {
+    Some(
+        Timestamp::from_second(at_s as i64)
+            .ok()?
+            .to_zoned(zone.zone().clone()),
+    )
 }
 
-fn ticks(low_s: f64, high_s: f64, (hours, days, months): (i64, i64, i64), format: &str) -> Vec<Tick> {
-    let Some(low) = moment(low_s) else {
+fn ticks(
+    (low_s, high_s): (f64, f64),
+    (hours, days, months): (i64, i64, i64),
+    format: &str,
+    zone: &Zone,
+) -> Vec<Tick> {
+    let Some(low) = moment(low_s, zone) else {
         return Vec::new();
     };
     // Months start on their first day, days at midnight.
@@ -94,7 +103,7 @@ mod tests {
 
     fn axis(from: &str, to: &str) -> (usize, String, String) {
         let seconds = |text: &str| text.parse::<Timestamp>().unwrap().as_second() as f64;
-        let axis = calendar_axis(seconds(from), seconds(to), 7);
+        let axis = calendar_axis(seconds(from), seconds(to), 7, &Zone::utc());
         let first = axis
             .ticks
             .first()
@@ -115,6 +124,6 @@ mod tests {
             assert!((2..=30).contains(&count), "{from}: {count}");
             assert_eq!(label, first, "{title}");
         }
-        assert!(!calendar_axis(0.0, 0.0, 7).ticks.is_empty());
+        assert!(!calendar_axis(0.0, 0.0, 7, &Zone::utc()).ticks.is_empty());
     }
 }

@@ -11,6 +11,7 @@ use super::group::series;
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, pixels, text_style};
 use super::thin;
 use crate::domain::{ClimateCurve, ClimateQuantity};
+use crate::report::zone::Zone;
 
 /// Width of the figure of one run, px.
 const RUN_WIDTH: u32 = 530;
@@ -110,7 +111,7 @@ pub struct Drawn<'a> {
     pub style: usize,
 }
 
-/// All sensors of one quantity over time, with a mark at each of `runs` (start and end, s since 1970 UTC). None
+/// All sensors of one quantity over time on the clock of `zone`, with a mark at each of `runs` (start and end, s since 1970 UTC). None
 /// without readings.
 ///
 /// # Errors
@@ -119,8 +120,8 @@ pub fn overview(
     quantity: ClimateQuantity,
     sensors: &[Drawn<'_>],
     runs: &[(f64, f64)],
-    title: &str,
-    desc: &str,
+    zone: &Zone,
+    (title, desc): (&str, &str),
 ) -> Result<Option<String>, String> {
     let times = || sensors.iter().flat_map(|sensor| sensor.times_s.iter().copied());
     if times().next().is_none() {
@@ -128,7 +129,7 @@ pub fn overview(
     }
     let (low, high) = range(times());
     let margin = 0.01 * (high - low);
-    let x = calendar_axis(low - margin, high + margin, 9);
+    let x = calendar_axis(low - margin, high + margin, 9, zone);
     let y = value_axis(
         quantity,
         sensors.iter().flat_map(|sensor| sensor.values.iter().copied()),
@@ -268,15 +269,15 @@ mod tests {
             ClimateQuantity::RelativeHumidity,
             &[sensor],
             &[(1.7e9, 1.70001e9)],
-            "t",
-            "d",
+            &Zone::utc(),
+            ("t", "d"),
         );
         let drawn = drawn.unwrap().unwrap();
         let line = drawn.split("s k-1").nth(1).unwrap().split("/>").next().unwrap();
         assert_eq!(line.matches(['M', 'm']).count(), 2, "{line}");
         assert!(drawn.contains("Time (UTC)"));
         assert_eq!(
-            overview(ClimateQuantity::Temperature, &[], &[], "t", "d").unwrap(),
+            overview(ClimateQuantity::Temperature, &[], &[], &Zone::utc(), ("t", "d")).unwrap(),
             None
         );
     }

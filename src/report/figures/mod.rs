@@ -14,6 +14,7 @@ pub mod group;
 pub mod law;
 pub mod modulus;
 pub mod panel;
+mod positions;
 pub mod profile;
 pub mod residual;
 pub mod response;

@@ -11,6 +11,7 @@ use super::canvas::{Area, Drawing, Ink, TENTHS, drawing, svg};
 use super::comparison::{ink, marker};
 use super::group::series;
 use super::panel::{Chart, Margins, TICK_SIZE, label, panel, pixels, text_style};
+use super::positions::Positions;
 use super::thin;
 use crate::domain::{Quantity, RunCurve};
 
@@ -286,7 +287,7 @@ fn plain_chart<'a, 'b>(
     let tenths = |pixels: u32| pixels as i32 * TENTHS;
     plotters::prelude::ChartBuilder::on(area)
         .margin(tenths(margins.top))
-        .build_cartesian_2d(x.low..x.high, y.low..y.high)
+        .build_cartesian_2d(Positions::from(x), Positions::from(y))
         .map_err(|error| error.to_string())
 }
 

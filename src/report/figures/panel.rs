@@ -1,6 +1,5 @@
 //! A panel: grid, ticks, axis titles and a chart to draw series in.
 
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{
     Cartesian2d, ChartBuilder, ChartContext, EmptyElement, IntoFont, PathElement, Text, TextStyle,
 };
@@ -10,6 +9,7 @@ use plotters::style::{Color, FontTransform};
 use super::axis::Axis;
 use super::canvas::{Area, Canvas, Ink, TENTHS};
 use super::group::{Group, grouped, open_panel};
+use super::positions::Positions;
 use super::thin::Pixels;
 
 /// Size of tick labels, px.
@@ -18,7 +18,7 @@ pub const TICK_SIZE: i32 = 11;
 pub const TITLE_SIZE: i32 = 12;
 
 /// Chart with linear coordinates; positions on log axes are logarithms.
-pub type Chart<'a, 'b> = ChartContext<'a, Canvas<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub type Chart<'a, 'b> = ChartContext<'a, Canvas<'b>, Cartesian2d<Positions, Positions>>;
 
 /// Room around the plotting area, px.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +58,7 @@ pub fn panel<'a, 'b>(
         .margin_right(tenths(margins.right))
         .margin_top(tenths(margins.top))
         .margin_bottom(tenths(margins.bottom))
-        .build_cartesian_2d(x.low..x.high, y.low..y.high)
+        .build_cartesian_2d(Positions::from(x), Positions::from(y))
         .map_err(|error| error.to_string())?;
     open_panel(&mut chart, x, y)?;
     let axis = |level: bool, axis: &Axis| Group::Axes {

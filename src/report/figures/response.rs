@@ -16,7 +16,7 @@ use super::group::{scatter, series};
 use super::panel::{Chart, Margins, panel, pixels};
 use super::thin;
 use crate::domain::RunCurve;
-use crate::report::number::fixed;
+use crate::report::number::significant;
 
 /// Width of one figure, px.
 const WIDTH: u32 = 530;
@@ -263,7 +263,7 @@ impl TimeView {
 fn since(step_s: f64) -> String {
     match step_s == 0.0 {
         true => "Time since the step".to_owned(),
-        false => format!("Time since the step at {} s", fixed(step_s, 2)),
+        false => format!("Time since the step at {} s", significant(step_s, 4)),
     }
 }
 

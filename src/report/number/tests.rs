@@ -96,10 +96,52 @@ fn a_score_never_pretends_to_be_one() {
     assert_eq!(score(-3.2), "−3.200");
 }
 
-/// A number and a positive error of any size.
+/// A number and a positive error of any size that the number moves by.
 fn number_and_error() -> impl Strategy<Value = (f64, f64)> {
     (-1.0..1.0f64, -9..9i32, 0.1..1.0f64, -9..9i32)
         .prop_map(|(value, power, error, of_error)| (value * 10f64.powi(power), error * 10f64.powi(of_error)))
+        .prop_filter("the number moves by it", |(value, error)| {
+            *error >= LEAST_UNCERTAINTY * value.abs()
+        })
+}
+
+/// Any number of 64 bits: subnormal ones, the largest, and those that are no numbers.
+fn any_number() -> impl Strategy<Value = f64> {
+    let ends = vec![
+        0.0,
+        -0.0,
+        5e-324,
+        1e-320,
+        -1e-308,
+        1e308,
+        f64::MAX,
+        f64::MIN,
+        f64::INFINITY,
+        f64::NAN,
+    ];
+    prop_oneof![4 => any::<f64>(), 1 => prop::sample::select(ends)]
+}
+
+#[test]
+fn the_ends_of_what_a_number_can_be_are_printed() {
+    assert_eq!(significant(5e-324, 3), "4.94·10⁻³²⁴");
+    assert_eq!(significant(f64::MAX, 3), "1.80·10³⁰⁸");
+    assert_eq!(significant(1.0, i32::MAX), "1.0000000000000000");
+    assert_eq!(measured(1e-320, 5e-321), "(1.0 ± 0.5)·10⁻³²⁰");
+    assert_eq!(measured(1e308, 2e307), "(1.00 ± 0.20)·10³⁰⁸");
+    assert_eq!(upper_bound(f64::MAX), "< 1.8·10³⁰⁸");
+    assert_eq!(lower_bound(5e-324), "> 4.9·10⁻³²⁴");
+    assert_eq!(with_unit(1e-300, "A"), "1.00·10⁻²⁸⁸ pA");
+    assert_eq!(fixed(f64::NAN, 2), "–");
+}
+
+#[test]
+fn an_uncertainty_that_the_value_does_not_move_by_is_not_told() {
+    assert_eq!(measured(2.0, 1e-300), "2.00");
+    assert_eq!(measured(1e300, 1e-300), "1.00·10³⁰⁰");
+    // One that is larger than the value by any factor is.
+    assert_eq!(measured(1e-300, 250.0), "0 ± 250");
+    assert_eq!(measured(2.0, 1e300), "(0.0 ± 1.0)·10³⁰⁰");
 }
 
 #[test]
@@ -125,7 +167,43 @@ fn read_back(digits: &str, exponent: Option<i32>) -> (f64, f64) {
     )
 }
 
+/// The longest text that one number may take: digits of 64 bits, a sign, a point, zeros of a plain number, a power of ten.
+const LONGEST: usize = 40;
+
 proptest! {
+    #[test]
+    fn any_number_is_printed_shortly(a in any_number(), b in any_number(), digits in any::<i32>()) {
+        let short = |text: &str| text.chars().count() <= 2 * LONGEST;
+        let (above, below) = measured_stacked(a, b.abs());
+        let all = [
+            measured(a, b), measured(a, b.abs()), above, below, interval(a, b), score(a), significant(a, digits),
+            upper_bound(a), lower_bound(a), plain(a), with_unit(a, "A"), rounded(a, b.abs()).concise(),
+        ];
+        for text in all {
+            prop_assert!(short(&text), "{text}");
+            prop_assert!(!text.contains("inf") && !text.contains("NaN"), "{text}");
+        }
+    }
+
+    #[test]
+    fn any_number_reads_back_as_printed(value in any_number(), digits in 1..13i32) {
+        let shown = rounded_to(value, digits);
+        if value.is_finite() {
+            let plain = shown.value.replace('−', "-");
+            // Read as text: the rounded number may lie beyond the largest.
+            let read: f64 = format!("{plain}e{}", shown.exponent.unwrap_or(0)).parse().expect("a number");
+            let near = 0.51 * 10f64.powi(1 - digits);
+            prop_assert!(read.is_infinite() || (read - value).abs() <= near * value.abs() + 5e-324, "{shown:?}");
+        } else {
+            prop_assert!(!shown.is_number());
+        }
+    }
+
+    #[test]
+    fn any_decimals_are_printed(value in any_number(), decimals in any::<usize>()) {
+        prop_assert!(!fixed(value, decimals).is_empty());
+    }
+
     #[test]
     fn a_rounded_value_is_within_half_a_last_digit((value, error) in number_and_error()) {
         let shown = rounded(value, error);

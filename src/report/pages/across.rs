@@ -49,6 +49,8 @@ struct Cell {
     interval: String,
     /// q.
     q: String,
+    /// The covariate that the readings tell apart from the others of the set; empty where there is none.
+    by: &'static str,
     /// The same in words, for those who hear the page.
     spoken: String,
 }
@@ -91,6 +93,7 @@ fn cell_text(cell: Option<&MatrixCell>, set: &[Covariate], parameter: &str) -> C
             change: "–".to_owned(),
             interval: String::new(),
             q: String::new(),
+            by: "",
             spoken: "not asked".to_owned(),
         };
     };
@@ -129,7 +132,14 @@ fn cell_text(cell: Option<&MatrixCell>, set: &[Covariate], parameter: &str) -> C
         (true, true) => format!("rise-{}", cell.strength),
         (true, false) => format!("fall-{}", cell.strength),
     };
-    let with = law_words::listed(set);
+    let by = match cell.is_told_apart {
+        true => cell.covariate.label(),
+        false => "",
+    };
+    let with = match by {
+        "" => law_words::listed(set),
+        by => by.to_owned(),
+    };
     Cell {
         span: set.len(),
         class,
@@ -137,6 +147,7 @@ fn cell_text(cell: Option<&MatrixCell>, set: &[Covariate], parameter: &str) -> C
         change: format!("{change}{arrow}"),
         interval,
         q: format!("q {q}"),
+        by,
     }
 }
 

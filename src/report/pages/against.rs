@@ -95,7 +95,7 @@ pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
         }
     }
     let mut caution = caution(site);
-    caution.extend(input.laws.tied.iter().map(words::tied));
+    caution.extend(input.laws.tied.iter().map(|set| words::tied(set, &input.laws)));
     let page = AgainstPage {
         heading: format!("Parameters against {}", name(against)),
         lead: "One mark a run: its value with the 95 % interval by the fit and, where the covariate was measured, the standard error of its place. Runs that give a bound or nothing are left out and counted.",
@@ -262,7 +262,7 @@ impl Section<'_> {
             .fold(f64::NEG_INFINITY, f64::max);
         let margin = 0.05 * (high - low);
         match self.against {
-            Against::Time => calendar_axis(low - margin, high + margin, 4),
+            Against::Time => calendar_axis(low - margin, high + margin, 4, &self.site.zone()),
             Against::Humidity => Axis::linear(low - margin, high + margin, "Relative humidity (%)", "", 6),
             _ => Axis::linear(low - margin, high + margin, "Step voltage (V)", "", 6),
         }

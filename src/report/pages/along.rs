@@ -136,6 +136,7 @@ fn table3(site: &Site) -> Option<Table3> {
     let table = named("table3")?.table(&TableInput {
         campaign: &input.campaign,
         runs: &input.runs,
+        set_aside: &input.set_aside,
         modulus_logs: &input.modulus_logs,
         files: &input.files,
         groups: &input.findings.groups,

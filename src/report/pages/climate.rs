@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::Content;
 use super::wording::{IssueText, RunLink, counted};
+use crate::domain::seconds::seconds;
 use crate::domain::tag::keys;
 use crate::domain::{ClimateQuantity, Exposure, RunRecord, SensorPair, SensorSummary};
 use crate::report::error::ReportError;
@@ -13,9 +14,12 @@ use crate::report::figures::Ink;
 use crate::report::figures::climate::{Drawn, overview};
 use crate::report::number::fixed;
 use crate::report::site::Site;
+use crate::report::zone::Zone;
 
 #[derive(Debug, Serialize)]
 struct ClimatePage {
+    /// Of all moments on the page.
+    zone: String,
     summary: Vec<String>,
     figures: Vec<Overview>,
     sensors: Vec<SensorRow>,
@@ -92,12 +96,14 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         overviews.extend(drawn(site, quantity, &mut figures)?);
     }
     let rules = &site.input.campaign.climate;
+    let zone = site.zone();
     let page = ClimatePage {
+        zone: zone.name().to_owned(),
         summary: summary(site),
         figures: overviews,
-        sensors: climate.sensors.iter().map(sensor).collect(),
+        sensors: climate.sensors.iter().map(|one| sensor(one, &zone)).collect(),
         pairs: climate.pairs.iter().map(pair).collect(),
-        exposures: climate.exposures.iter().map(exposure).collect(),
+        exposures: climate.exposures.iter().map(|one| exposure(one, &zone)).collect(),
         flagged: flagged(site),
         issues: climate.issues.iter().map(IssueText::from).collect(),
         rules: format!(
@@ -195,7 +201,13 @@ fn drawn(
     let heading = quantity.label().to_owned();
     let title = format!("{heading} of all sensors over time");
     let desc = "Readings of each sensor as a line; black marks at the bottom are runs.";
-    let drawn = overview(quantity, &series, &site.input.run_spans_s, &title, desc);
+    let drawn = overview(
+        quantity,
+        &series,
+        &site.input.run_spans_s,
+        &site.zone(),
+        (&title, desc),
+    );
     let svg = drawn.map_err(|reason| ReportError::Figure {
         figure: id.clone(),
         reason,
@@ -217,9 +229,8 @@ fn drawn(
     }))
 }
 
-fn sensor(sensor: &SensorSummary) -> SensorRow {
+fn sensor(sensor: &SensorSummary, zone: &Zone) -> SensorRow {
     let unit = sensor.quantity.unit();
-    let day = |moment: &str| moment.replace('T', " ").replace(":00Z", "").replace('Z', "");
     let mut stated: Vec<String> = Vec::new();
     stated.extend(
         Some(&sensor.place)
@@ -242,10 +253,10 @@ fn sensor(sensor: &SensorSummary) -> SensorRow {
         quantity: sensor.quantity.label().to_owned(),
         readings: format!("{} in {}", sensor.readings, counted(sensor.files, "file")),
         span: match is_used {
-            true => format!("{} to {}", day(&sensor.from), day(&sensor.to)),
+            true => format!("{} to {}", zone.short(&sensor.from), zone.short(&sensor.to)),
             false => String::new(),
         },
-        interval: format!("{} s", fixed(sensor.interval_s, 0)),
+        interval: format!("{} s", seconds(sensor.interval_s)),
         range: match is_used {
             true => format!(
                 "{} … {} … {} {unit}",
@@ -291,12 +302,11 @@ fn pair(pair: &SensorPair) -> PairRow {
     }
 }
 
-fn exposure(exposure: &Exposure) -> ExposureRow {
+fn exposure(exposure: &Exposure, zone: &Zone) -> ExposureRow {
     let hours = |hours: f64| format!("{} h", fixed(hours, 1));
-    let day = |moment: &str| moment.replace('T', " ").replace('Z', "");
     ExposureRow {
         sample: exposure.sample.clone(),
-        span: format!("{} to {}", day(&exposure.from), day(&exposure.to)),
+        span: format!("{} to {}", zone.short(&exposure.from), zone.short(&exposure.to)),
         sensor: exposure.sensors.join(", "),
         above: match &exposure.reason {
             None => format!("{} above {} %", hours(exposure.above_h), exposure.above_percent),

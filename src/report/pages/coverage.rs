@@ -65,7 +65,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let more = all.len().saturating_sub(SHOWN);
     all.truncate(SHOWN);
     let mut alarms = caution(site);
-    alarms.extend(input.laws.tied.iter().map(words::tied));
+    alarms.extend(input.laws.tied.iter().map(|set| words::tied(set, &input.laws)));
     let mut summary = summary(site);
     summary.extend(
         chosen

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::Content;
 use super::finding_alone::{AloneRow, alone_rows};
 use super::finding_gain::{GainSection, extension, gain_section, in_legend};
-use super::finding_words::{equation, lead, shift_words, test_words, verdict_word};
+use super::finding_words::{equation, lead, shift_words, test_words, verdict_of};
 use super::wording::{EstimateText, RunLink, listed};
 use crate::analysis::ParameterInfo;
 use crate::domain::campaign::Adopted;
@@ -164,7 +164,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let drawn_of = found.residuals.len();
     let page = FindingPage {
         name: found.group.clone(),
-        verdict: verdict_word(found.verdict),
+        verdict: verdict_of(found),
         key: found.verdict.key(),
         summary: summary(found, findings),
         runs: found.runs.iter().map(|path| named_run(site, path)).collect(),

@@ -55,6 +55,10 @@ pub fn gain_section(found: &GroupDiagnosis) -> Option<GainSection> {
             format!("What the {subject} would gain"),
             "It fits best of all that is known here and was not accepted: it is no cause, and no fit or table uses it.",
         ),
+        _ if !gain.proof.is_clear() => (
+            format!("Whether the {subject} gains"),
+            "That it predicts better what was left out is not clear: the 95 % interval of the fall of the deviance reaches zero.",
+        ),
         _ => (format!("What the {subject} gains"), ""),
     };
     let mut blocks = vec![proof(gain, found.runs.len(), subject)];
@@ -118,9 +122,12 @@ fn block(heading: &str, what: &str, gain: &HeldOutGain, subject: &str) -> GainBl
 fn sentence(what: &str, gain: &HeldOutGain, subject: &str) -> String {
     let (better, all) = gain.better_parts();
     let which = match (better == all, gain.deviance > 0.0) {
-        (true, _) => "all better than the base model does".to_owned(),
-        (false, true) => format!("{better} of {all} better than the base model does, and better in the sum"),
-        (false, false) => format!("{better} of {all} better than the base model does, and worse in the sum"),
+        (true, _) if gain.is_clear() => "all better than the base model does".to_owned(),
+        (_, true) if !gain.is_clear() => format!(
+            "{better} of {all} better than the base model does, and in the sum not clearly so (its 95 % interval reaches zero)"
+        ),
+        (_, true) => format!("{better} of {all} better than the base model does, and better in the sum"),
+        (_, false) => format!("{better} of {all} better than the base model does, and worse in the sum"),
     };
     let doubt = match gain.deviance > 0.0 && error_rises(gain) {
         true => {
@@ -204,6 +211,33 @@ mod tests {
         );
         assert!(said(gain(8.0, &[5.0, 3.0], [0.1, 0.2])).contains("farther off"));
         assert!(!said(gain(-8.0, &[-5.0, -3.0], [0.1, 0.2])).contains("farther off"));
+    }
+
+    #[test]
+    fn a_gain_that_may_be_none_is_not_told_as_one() {
+        let unclear = HeldOutGain {
+            standard_error: 6.0,
+            ..gain(8.0, &[7.0, 1.0], [0.2, 0.1])
+        };
+        let text = sentence("it", &unclear, "extended model");
+        assert!(
+            text.contains("not clearly so") && !text.contains("all better"),
+            "{text}"
+        );
+        let mut found = GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new());
+        found.verdict = Verdict::Partial;
+        found.gain = Some(Gain {
+            held_out: "run".to_owned(),
+            proof: unclear,
+            nameless_deviance: 0.0,
+            predictions: Vec::new(),
+            residual_rms_sigma_before: 2.0,
+            residual_rms_sigma_after: 1.0,
+            later: None,
+        });
+        let section = gain_section(&found).unwrap();
+        assert!(section.heading.starts_with("Whether") && section.caution.contains("not clear"));
+        assert!(!super::super::finding_words::verdict_of(&found).contains("found"));
     }
 
     #[test]

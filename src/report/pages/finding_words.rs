@@ -23,6 +23,14 @@ pub fn verdict_word(verdict: Verdict) -> &'static str {
     }
 }
 
+/// The verdict about a group, no stronger than its proof.
+pub fn verdict_of(found: &GroupDiagnosis) -> &'static str {
+    match found.verdict {
+        Verdict::Partial if !found.gains_clearly() => "wrong, a cause fits in part, not proved",
+        verdict => verdict_word(verdict),
+    }
+}
+
 /// The first line of a group's page.
 pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
     let runs = match found.runs.len() {
@@ -48,6 +56,10 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
             "The simulation of {runs} lacks something, and {} causes explain it equally well: {}.",
             found.set.len(),
             causes(&found.set)
+        ),
+        Verdict::Partial if !found.gains_clearly() => format!(
+            "The simulation is wrong for {runs}; {} fits a part of it, but is not proved to predict better what was left out.",
+            causes(&taken)
         ),
         Verdict::Partial => format!(
             "The simulation of {runs} lacks {}, and something else that is not explained.",
@@ -145,6 +157,11 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
             .filter(|found| wanted.contains(&found.verdict))
             .count()
     };
+    let unproved = groups
+        .iter()
+        .filter(|found| found.verdict == Verdict::Partial && !found.gains_clearly())
+        .count();
+    let in_part = count(&[Verdict::Partial]) - unproved;
     let part = |verdicts: &[Verdict], words: &str| {
         let n = count(verdicts);
         (n > 0).then(|| format!("in {n} {words}"))
@@ -152,7 +169,8 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
     let wrong = [
         part(&[Verdict::Named], "one cause is found"),
         part(&[Verdict::Set], "a few causes remain possible"),
-        part(&[Verdict::Partial], "a cause is found for a part of it"),
+        (in_part > 0).then(|| format!("in {in_part} a cause is found for a part of it")),
+        (unproved > 0).then(|| format!("in {unproved} a cause fits a part of it and is not proved")),
         part(&[Verdict::Unknown], "the cause is unknown"),
     ];
     let details: Vec<String> = wrong.into_iter().flatten().collect();

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::Content;
 use super::across;
-use super::finding_words::{campaign_lead, probability, verdict_word};
+use super::finding_words::{campaign_lead, probability, verdict_of};
 use super::wording::{RunLink, counted};
 use crate::analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
 use crate::domain::{FromOthers, GroupDiagnosis};
@@ -128,7 +128,7 @@ fn group_row(site: &Site, place: usize) -> GroupRow {
             name: found.group.clone(),
         },
         runs: counted(found.runs.len(), "run"),
-        verdict: verdict_word(found.verdict),
+        verdict: verdict_of(found),
         key: found.verdict.key(),
         sentence: found.sentence.clone(),
         set: found.set.clone(),
@@ -218,7 +218,7 @@ fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
         },
         link: site.run_of(&found.group).map(|run| RunLink::to(site, run)),
         path: found.group.clone(),
-        verdict: verdict_word(found.verdict),
+        verdict: verdict_of(found),
         set: found.set.clone(),
         p: probability(found.p_misfit),
         q: probability(found.q_misfit),

@@ -30,6 +30,8 @@ struct HumidityPage {
     summary: Vec<String>,
     /// What the design leaves open.
     tied: Vec<String>,
+    /// Fits that are in doubt.
+    doubted: Vec<String>,
     matrices: Vec<MatrixTable>,
     maps: Vec<MapTable>,
     untying: Vec<String>,
@@ -114,7 +116,10 @@ struct Asked {
 
 /// Whether a report of that input has the page.
 pub fn is_shown(input: &Input) -> bool {
-    !input.laws.dependences.is_empty() || !input.contrasts.is_empty() || !input.next_runs.is_empty()
+    !input.laws.dependences.is_empty()
+        || !input.laws.doubted.is_empty()
+        || !input.contrasts.is_empty()
+        || !input.next_runs.is_empty()
 }
 
 /// Makes the page.
@@ -123,7 +128,8 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
     let page = HumidityPage {
         summary: summary(site),
-        tied: laws.tied.iter().map(words::tied).collect(),
+        tied: laws.tied.iter().map(|set| words::tied(set, laws)).collect(),
+        doubted: laws.doubted.iter().map(words::doubted).collect(),
         matrices: across::matrix_tables(site),
         maps: across::map_tables(site),
         untying: across::untying(site),
@@ -209,8 +215,8 @@ fn studies(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<Vec<St
     let mut studies: Vec<Study> = Vec::new();
     let laws = &site.input.laws;
     let of_humidity = laws.dependences.iter().filter(|found| {
-        let names = std::iter::once(&found.covariate).chain(&found.confounded_with);
-        let mut names = names.filter(|one| **one == Covariate::RelativeHumidity);
+        let names = std::iter::once(found.covariate).chain(found.tied_to());
+        let mut names = names.filter(|one| *one == Covariate::RelativeHumidity);
         names.next().is_some() && found.covariate != Covariate::Sample
     });
     for found in of_humidity {

@@ -7,10 +7,8 @@ use serde::Serialize;
 use super::Content;
 use super::across;
 use super::comparison::{caution, contrast_sentences};
-use super::wording::{
-    IssueText, RunLink, counted, has_warnings, humidity_label, listed, moment, voltage_labels,
-};
-use crate::domain::{FileState, Issue, RunState, Severity};
+use super::wording::{IssueText, RunLink, counted, has_warnings, humidity_label, listed, voltage_labels};
+use crate::domain::{FileState, Issue, RunState, Severity, Standing};
 use crate::report::error::ReportError;
 use crate::report::site::Site;
 
@@ -41,6 +39,7 @@ struct Index {
     refused: Vec<RefusedRow>,
     refused_more: Vec<String>,
     waiting: Vec<RefusedRow>,
+    set_aside: Vec<AsideRow>,
     untagged: Vec<RunIssues>,
     problems: Vec<Problem>,
 }
@@ -84,6 +83,16 @@ struct RefusedRow {
     issue: Option<IssueText>,
 }
 
+/// A run that no result is made from.
+#[derive(Debug, Serialize)]
+struct AsideRow {
+    link: RunLink,
+    /// `dropped`, `condemned` or `copy`.
+    standing: &'static str,
+    reason: String,
+    mend: String,
+}
+
 #[derive(Debug, Serialize)]
 struct RunIssues {
     link: RunLink,
@@ -119,6 +128,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         refused_more: more(site),
         refused: first_of_each_reason(files(site, FileState::Refused)),
         waiting: files(site, FileState::Pending),
+        set_aside: set_aside(site),
         untagged: untagged(site),
         problems: problems(site),
     };
@@ -146,7 +156,11 @@ fn findings(site: &Site) -> Vec<String> {
     let runs = &site.input.runs;
     let conditions = &site.conditions;
     if runs.is_empty() {
-        return vec!["No run has been taken in yet.".to_owned()];
+        let said = match site.input.set_aside.is_empty() {
+            true => "No run has been taken in yet.",
+            false => "Every run is set aside: see below.",
+        };
+        return vec![said.to_owned()];
     }
     let fitted = runs.iter().filter(|run| run.fit.is_some()).count();
     let mut sentences = vec![format!(
@@ -193,6 +207,17 @@ fn needs_a_hand(site: &Site) -> Option<String> {
         let verb = if untagged == 1 { "lacks" } else { "lack" };
         parts.push(format!("{} {verb} a tag", counted(untagged, "run")));
     }
+    let condemned = site.input.set_aside.iter();
+    let condemned = condemned
+        .filter(|run| matches!(run.standing, Standing::Condemned { .. }))
+        .count();
+    if condemned > 0 {
+        let verb = if condemned == 1 { "is" } else { "are" };
+        parts.push(format!(
+            "{} {verb} set aside for wrong readings",
+            counted(condemned, "run")
+        ));
+    }
     if not_converged > 0 {
         parts.push(format!("{} did not converge", counted(not_converged, "fit")));
     }
@@ -215,8 +240,10 @@ fn counts(site: &Site) -> Vec<Count> {
             "with warnings",
         ),
         count(waiting, "waiting for a fit"),
+        count(site.input.set_aside.len(), "runs set aside"),
         count(of_state(RunState::Untagged), "lacking a tag"),
         count(of_state(RunState::NotFitted), "not a step response"),
+        count(of_state(RunState::NoSteps), "no steps of the voltage"),
         count(files(site, FileState::Refused).len(), "files refused"),
         count(files(site, FileState::Pending).len(), "files waiting"),
         count(site.input.superseded.len(), "earlier revisions kept"),
@@ -269,11 +296,11 @@ fn matrix_runs(site: &Site, runs: &[usize]) -> Vec<MatrixRun> {
 
 fn news(site: &Site) -> Vec<NewsRow> {
     let row = |news: &crate::report::News| {
-        let run = site.input.runs.iter().position(|run| run.path == news.run_path);
+        let run = site.run_of(&news.run_path);
         NewsRow {
             link: run.map(|run| RunLink::to(site, run)),
             path: news.run_path.clone(),
-            when: moment(&news.at),
+            when: site.zone().moment(&news.at),
         }
     };
     site.input.news.iter().take(NEWS).map(row).collect()
@@ -331,6 +358,16 @@ fn more(site: &Site) -> Vec<String> {
         .collect()
 }
 
+fn set_aside(site: &Site) -> Vec<AsideRow> {
+    let row = |(place, run): (usize, &crate::domain::RunRecord)| AsideRow {
+        link: RunLink::to(site, site.input.runs.len() + place),
+        standing: run.standing.key(),
+        reason: run.standing.reason(),
+        mend: run.standing.mend(&run.path),
+    };
+    site.input.set_aside.iter().enumerate().map(row).collect()
+}
+
 fn untagged(site: &Site) -> Vec<RunIssues> {
     let runs = site.input.runs.iter().enumerate();
     runs.filter(|(_, run)| run.state == RunState::Untagged)
@@ -367,7 +404,7 @@ fn problems(site: &Site) -> Vec<Problem> {
 /// Issues worth a place on this page: those of a run whose tags are complete, and of its fit.
 fn worrying(run: &crate::domain::RunRecord) -> Vec<Issue> {
     let mut issues = match run.state {
-        RunState::Untagged => vec![],
+        RunState::Untagged | RunState::NoSteps => vec![],
         RunState::Ready | RunState::NotFitted => run.issues.clone(),
     };
     if let Some(fit) = &run.fit {

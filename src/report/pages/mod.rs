@@ -38,6 +38,7 @@ use super::error::ReportError;
 use super::input::Input;
 use super::site::Site;
 use crate::analysis::comparison::against::Against;
+use crate::domain::Fault;
 
 pub use finding::content as finding_content;
 pub use run::DrawnRun;
@@ -51,6 +52,8 @@ pub struct Content {
     pub context: Value,
     /// SVG by the id under which the context names it.
     pub figures: BTreeMap<String, String>,
+    /// Sections that could not be made, each with its run; a box stands in their place.
+    pub faults: Vec<Fault>,
 }
 
 impl Content {
@@ -67,7 +70,11 @@ impl Content {
             page: page.to_owned(),
             source,
         })?;
-        Ok(Content { context, figures })
+        Ok(Content {
+            context,
+            figures,
+            faults: Vec::new(),
+        })
     }
 }
 

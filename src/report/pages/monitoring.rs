@@ -7,9 +7,7 @@ use serde::Serialize;
 use super::Content;
 use super::wording::{RunLink, counted};
 use crate::analysis::ParameterInfo;
-use crate::analysis::laws::fitted::value_at;
-use crate::analysis::laws::words::symbol;
-use crate::analysis::monitoring::series::SHOWN_BELOW;
+use crate::analysis::laws::words::{moves, symbol};
 use crate::analysis::monitoring::{Watched, words};
 use crate::report::error::ReportError;
 use crate::report::figures::axis::Axis;
@@ -183,10 +181,10 @@ fn panel(site: &Site, watched: &Watched, figure: Option<String>) -> Panel {
             unit => format!(" ({unit})"),
         };
         format!(
-            "over {}{unit}: {} by a factor of {}",
+            "over {}{unit}: {}, {}",
             axis.label(),
+            moves(law.size, watched.series.is_log),
             law.law.key(),
-            significant(law.size.value.exp(), 3)
         )
     });
     Panel {
@@ -225,29 +223,16 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
             }
         })
         .collect();
-    let law = study
-        .trends
-        .first()
-        .filter(|_| study.p_trend.is_some_and(|p| p <= SHOWN_BELOW));
+    let law = study.trends.first().filter(|_| study.is_shown());
     let mut curve = Curve::default();
     if let Some(law) = law {
-        let mean = |size: f64| {
-            let all = series
-                .x
-                .iter()
-                .map(|&x| value_at(law.law, size, x, study.span, law.bend, series.is_log));
-            all.sum::<f64>() / series.x.len() as f64
-        };
         let last_step = study
             .steps
             .last()
             .map_or(study.span.low, |step| series.x[step.at]);
         for k in 0..DRAWN {
             let x = last_step + (study.span.high - last_step) * k as f64 / (DRAWN - 1) as f64;
-            let at = |size: f64| {
-                let own = value_at(law.law, size, x, study.span, law.bend, series.is_log);
-                on_scale(study.start + mean(law.size.value) - mean(size) + own)
-            };
+            let at = |size: f64| on_scale(series.course(study, law, size)(x));
             let ends = [law.size.low_95, law.size.high_95].map(|end| at(end.unwrap_or(law.size.value)));
             curve.x.push(x);
             curve.y.push(at(law.size.value));

@@ -14,6 +14,7 @@ use crate::analysis::conditions::{material, nominal_voltage_v};
 use crate::domain::tag::keys;
 use crate::domain::{ClimateCurve, Issue, RunCurve, RunRecord};
 use crate::report::error::ReportError;
+use crate::report::fault::REPORT_IT;
 use crate::report::number::significant;
 use crate::report::site::Site;
 
@@ -26,6 +27,8 @@ pub struct DrawnRun {
     pub curves: Vec<RunCurve>,
     /// The climate around it.
     pub climate: Vec<ClimateCurve>,
+    /// Why there are none of these; none where they could be had.
+    pub failed: Option<String>,
 }
 
 /// A run as its page shows it. What the page says of all its runs is taken out of it before it is printed.
@@ -64,6 +67,35 @@ pub struct RunSection {
     pub tags: Vec<TagGroup>,
 }
 
+impl RunSection {
+    /// The box that stands for a run whose section could not be made.
+    pub fn failed(site: &Site, run: usize, reason: &str) -> RunSection {
+        let fault = Issue::error(
+            "section-fault",
+            format!("this section could not be made: {reason}"),
+        );
+        RunSection {
+            slug: site.run_slug(run).to_owned(),
+            name: site.run_name(run).to_owned(),
+            condition: String::new(),
+            summary: Vec::new(),
+            responses: Vec::new(),
+            drawn: String::new(),
+            along: None,
+            parameters: Vec::new(),
+            remarks: Vec::new(),
+            fit: Vec::new(),
+            alone: String::new(),
+            group: None,
+            issues: vec![IssueText::from(&fault.mend(REPORT_IT))],
+            climate: None,
+            evidence: Evidence::default(),
+            readings: Vec::new(),
+            tags: Vec::new(),
+        }
+    }
+}
+
 /// What was measured along the strip, and where it is shown.
 #[derive(Debug, Serialize)]
 struct AlongLine {
@@ -84,7 +116,13 @@ pub fn section(
     figures: &mut BTreeMap<String, String>,
 ) -> Result<RunSection, ReportError> {
     let run = drawn.run;
-    let record = &site.input.runs[run];
+    let record = site.input.record(run);
+    if let Some(reason) = &drawn.failed {
+        return Err(ReportError::Curves {
+            run: record.path.clone(),
+            reason: reason.clone(),
+        });
+    }
     let name = site.run_name(run);
     let id = format!("{place}-");
     let subject = Subject {
@@ -105,10 +143,10 @@ pub fn section(
         slug: site.run_slug(run).to_owned(),
         name: name.to_owned(),
         condition: condition(site, run),
-        summary: fits::summary(record),
+        summary: summary(record),
         responses,
         drawn: words,
-        along: record.is_along().then(|| AlongLine {
+        along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
             places: super::along::places(record),
             href: site.strip_href(run),
             decision: super::along::decision(record),
@@ -129,9 +167,23 @@ pub fn section(
     })
 }
 
+/// What the fit says; of a run that no result is made from, that instead: its fit describes readings that are not used.
+fn summary(record: &RunRecord) -> Vec<String> {
+    let (standing, reason) = (&record.standing, record.standing.reason());
+    if !standing.speaks() {
+        let mend = format!("To change that: {}.", standing.mend(&record.path));
+        return vec![format!("Set aside, in no result: {reason}."), mend];
+    }
+    let mut summary = fits::summary(record);
+    if standing.is_vouched() {
+        summary.insert(0, format!("Used on a person's word: {reason}."));
+    }
+    summary
+}
+
 /// `CNaf in air at 34 % RH stepped to 2.5 V`, as far as it is known.
 pub(super) fn condition(site: &Site, run: usize) -> String {
-    let material = material(&site.input.runs[run], &site.input.campaign);
+    let material = material(site.input.record(run), &site.input.campaign);
     let parts: Vec<String> = material
         .map(str::to_owned)
         .into_iter()
@@ -161,7 +213,7 @@ fn surroundings(site: &Site, run: usize, named: bool) -> Vec<String> {
     if named {
         parts.push(format!("in {}", surroundings.environment));
     }
-    let percent = site.input.runs[run].tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
+    let percent = site.input.record(run).tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
     if let Some(percent) = percent {
         parts.push(format!("at {} % RH", significant(percent, 3)));
     } else if surroundings.humidity_varies {
@@ -171,7 +223,7 @@ fn surroundings(site: &Site, run: usize, named: bool) -> Vec<String> {
 }
 
 fn stepped(site: &Site, run: usize) -> String {
-    let voltage = nominal_voltage_v(&site.input.runs[run]);
+    let voltage = nominal_voltage_v(site.input.record(run));
     voltage.map_or_else(String::new, |voltage| {
         format!("stepped to {}", voltage_label(voltage))
     })

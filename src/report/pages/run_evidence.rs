@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::run_clocks::{self as clocks, FlagRow, OffsetRow};
-use super::wording::{in_unit, moment, voltage_label};
+use super::wording::{in_unit, voltage_label};
 use crate::domain::{ChannelSummary, Drive, Level, Quantity, RunCurve, RunRecord, RunStatus};
 use crate::report::number::{plain, significant};
 use crate::report::site::Site;
@@ -15,7 +15,7 @@ const SEGMENTS: usize = 6;
 const HASH_DIGITS: usize = 16;
 
 /// What a run rests on, apart from its tags and channels.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Evidence {
     /// Each with what it is a fact of.
     pub facts: Vec<Fact>,
@@ -58,7 +58,7 @@ struct Revision {
 /// Gathers the evidence of `record`.
 pub fn evidence(site: &Site, record: &RunRecord) -> Evidence {
     Evidence {
-        facts: facts(record),
+        facts: facts(site, record),
         offsets: clocks::offsets(record),
         flags: clocks::flags(record),
         files: record.files.iter().map(file).collect(),
@@ -171,7 +171,7 @@ fn size(bytes: u64) -> String {
     }
 }
 
-fn facts(record: &RunRecord) -> Vec<Fact> {
+fn facts(site: &Site, record: &RunRecord) -> Vec<Fact> {
     let drive = record.drive.as_ref();
     let mut facts = vec![
         ("Ended", status(record)),
@@ -184,7 +184,7 @@ fn facts(record: &RunRecord) -> Vec<Fact> {
     if let Some(area_cm2) = record.area_cm2 {
         facts.push(("Active area", format!("{} cm²", significant(area_cm2, 3))));
     }
-    facts.push(("Taken in", moment(&record.ingested_at)));
+    facts.push(("Taken in", site.zone().moment(&record.ingested_at)));
     facts.push(("Data hash", short_hash(&record.data_hash)));
     facts.extend(clocks::clocks(record).into_iter().map(|clock| ("Times", clock)));
     facts
@@ -203,7 +203,7 @@ fn history(site: &Site, record: &RunRecord) -> Vec<Revision> {
     revisions.sort_by_key(|run| std::cmp::Reverse(run.revision));
     let revision = |run: &RunRecord| Revision {
         revision: run.revision,
-        ingested: moment(&run.ingested_at),
+        ingested: site.zone().moment(&run.ingested_at),
         hashes: run.files.iter().map(|file| short_hash(&file.hash)).collect(),
         current: run.revision == record.revision,
     };

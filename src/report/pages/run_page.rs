@@ -13,8 +13,9 @@ use super::run_tables::{ParametersTable, RunsTable, parameters_table, runs_table
 use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
 use super::wording::{IssueText, RunLink, counted};
 use crate::analysis::conditions::material;
-use crate::domain::Severity;
+use crate::domain::{Fault, Severity};
 use crate::report::error::ReportError;
+use crate::report::fault::{guarded, reason_of};
 use crate::report::site::Site;
 
 /// Links to other samples in the same condition: of more, the first stand there.
@@ -51,11 +52,21 @@ struct Page {
 /// [`ReportError`]: a fault of the program.
 pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
-    let sections: Result<Vec<RunSection>, ReportError> = drawn
-        .iter()
-        .enumerate()
-        .map(|(place, run)| section(site, place, run, &mut figures))
-        .collect();
+    let mut faults = Vec::new();
+    let mut one = |(place, drawn): (usize, &DrawnRun)| {
+        let made = guarded(|| section(site, place, drawn, &mut figures));
+        made.or_else(|error| {
+            let fault = Fault {
+                place: site.run_href(drawn.run),
+                runs: vec![site.input.runs[drawn.run].path.clone()],
+                reason: reason_of(error)?,
+            };
+            let box_of_it = RunSection::failed(site, drawn.run, &fault.reason);
+            faults.push(fault);
+            Ok(box_of_it)
+        })
+    };
+    let sections: Result<Vec<RunSection>, ReportError> = drawn.iter().enumerate().map(&mut one).collect();
     let runs: Vec<usize> = drawn.iter().map(|drawn| drawn.run).collect();
     let several = runs.len() > 1;
     let mut page = Page {
@@ -79,20 +90,23 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         true => page.say_once(site, drawn),
         false => page.say_all(site, drawn),
     }
-    Content::new("run.html", &page, figures)
+    Ok(Content {
+        faults,
+        ..Content::new("run.html", &page, figures)?
+    })
 }
 
 impl Page {
     /// Everything of the only run stands with it.
     fn say_all(&mut self, site: &Site, drawn: &[DrawnRun]) {
         for (section, drawn) in self.runs.iter_mut().zip(drawn) {
-            let record = &site.input.runs[drawn.run];
+            let record = site.input.record(drawn.run);
             if let Some(fit) = &record.fit {
                 section.fit.splice(3..3, r_squared(fit));
             }
             section.readings = in_full(channels(record, &drawn.curves));
             section.remarks = remarks(section);
-            section.tags = grouped(tags(record));
+            section.tags = grouped(tags(record, &site.zone()));
         }
     }
 
@@ -122,8 +136,11 @@ impl Page {
             runs.iter_mut().for_each(|section| section.group = None);
         }
         self.share_channels(site, drawn);
-        let record = |drawn: &DrawnRun| &site.input.runs[drawn.run];
-        let mut own: Vec<Vec<TagText>> = drawn.iter().map(|drawn| tags(record(drawn))).collect();
+        let record = |drawn: &DrawnRun| site.input.record(drawn.run);
+        let mut own: Vec<Vec<TagText>> = drawn
+            .iter()
+            .map(|drawn| tags(record(drawn), &site.zone()))
+            .collect();
         self.tags = grouped(take_common(&mut own));
         for (section, tags) in self.runs.iter_mut().zip(own) {
             section.tags = grouped(tags);
@@ -132,7 +149,7 @@ impl Page {
 
     /// Channels are named once where all runs have the same ones with as many readings.
     fn share_channels(&mut self, site: &Site, drawn: &[DrawnRun]) {
-        let of = |drawn: &DrawnRun| channels(&site.input.runs[drawn.run], &drawn.curves);
+        let of = |drawn: &DrawnRun| channels(site.input.record(drawn.run), &drawn.curves);
         let all: Vec<Vec<ChannelText>> = drawn.iter().map(of).collect();
         let named = |channels: &[ChannelText]| -> Vec<Fact> {
             let pair = |channel: &ChannelText| (channel.quantity.clone(), channel.what.clone());
@@ -227,7 +244,7 @@ fn lead(site: &Site, page: usize) -> String {
     if page.runs.len() == 1 {
         return String::new();
     }
-    let record = &site.input.runs[page.runs[0]];
+    let record = site.input.record(page.runs[0]);
     let material = material(record, &site.input.campaign).map(|material| format!("{material}: "));
     let more = match page.parts {
         1 => String::new(),

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::run_fit::{residual_over_noise, symbol_of};
-use super::wording::{EstimateText, moment, voltage_label};
+use super::wording::{EstimateText, voltage_label};
 use crate::analysis::ParameterInfo;
 use crate::analysis::conditions::nominal_voltage_v;
 use crate::domain::tag::keys;
@@ -70,12 +70,13 @@ type Filled = (Column, Vec<String>);
 
 /// The table of `runs`.
 pub fn runs_table(site: &Site, runs: &[usize]) -> RunsTable {
-    let records: Vec<&RunRecord> = runs.iter().map(|&run| &site.input.runs[run]).collect();
+    let records: Vec<&RunRecord> = runs.iter().map(|&run| site.input.record(run)).collect();
+    let zone = site.zone();
     let mut filled = vec![filled("Voltage", "", true, &records, |run| {
         nominal_voltage_v(run).map(voltage_label)
     })];
     filled.push(self::filled("Start", "", false, &records, |run| {
-        run.tag(keys::STARTED_AT).map(moment)
+        run.tag(keys::STARTED_AT).map(|start| zone.moment(start))
     }));
     filled.extend(differing_tags(&records));
     for quantity in [Quantity::Current, Quantity::Curvature] {
@@ -199,7 +200,7 @@ fn shortened<'a>(names: &[&'a str]) -> Vec<&'a str> {
 /// The fitted parameters of `runs`; none where no run is fitted.
 pub fn parameters_table(site: &Site, runs: &[usize]) -> Option<ParametersTable> {
     let mut columns: Vec<(&str, &'static str, f64)> = Vec::new();
-    for fit in runs.iter().filter_map(|&run| site.input.runs[run].fit.as_ref()) {
+    for fit in runs.iter().filter_map(|&run| site.input.record(run).fit.as_ref()) {
         for parameter in &fit.parameters {
             let known = ParameterInfo::of(&parameter.key);
             let (unit, factor) = known.map_or(("", 1.0), |known| known.shown_in(fit));
@@ -236,7 +237,7 @@ pub fn parameters_table(site: &Site, runs: &[usize]) -> Option<ParametersTable> 
     };
     let names: Vec<&str> = runs.iter().map(|&run| site.run_name(run)).collect();
     let row = |(&run, name): (&usize, &str)| {
-        let record = &site.input.runs[run];
+        let record = site.input.record(run);
         ParameterRow {
             name: name.to_owned(),
             cells: columns.iter().map(|column| cell(record, column)).collect(),

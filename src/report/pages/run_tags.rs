@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
+use crate::domain::tag::keys;
 use crate::domain::{RunRecord, TagSource};
+use crate::report::zone::Zone;
 
 /// Where a sidecar lies, whose name is the file's with `.toml`.
 const BESIDE: &str = "beside the file";
@@ -29,8 +31,8 @@ pub struct TagGroup {
     tags: Vec<(String, String)>,
 }
 
-/// The tags in stored order; after the first of a key, others are overruled, and left out where they say the same.
-pub fn tags(record: &RunRecord) -> Vec<TagText> {
+/// The tags in stored order, moments by the clock of `zone`; after the first of a key, others are overruled, and left out where they say the same.
+pub fn tags(record: &RunRecord, zone: &Zone) -> Vec<TagText> {
     let mut texts: Vec<TagText> = Vec::new();
     for (index, tag) in record.tags.iter().enumerate() {
         let ruling = record.tags[..index].iter().find(|earlier| earlier.key == tag.key);
@@ -43,7 +45,10 @@ pub fn tags(record: &RunRecord) -> Vec<TagText> {
                 },
                 overruled: ruling.is_some(),
                 key: tag.key.clone(),
-                value: tag.value.clone(),
+                value: match tag.key.as_str() {
+                    keys::STARTED_AT => zone.moment(&tag.value),
+                    _ => tag.value.clone(),
+                },
             });
         }
     }

@@ -45,6 +45,9 @@ struct Row {
     environment: String,
     humidity: String,
     voltage: String,
+    /// Letters of footnotes about the whole row.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    voltage_footnotes: Vec<String>,
     links: Vec<RunLink>,
     cells: Vec<ShownParameter>,
     starts_environment: bool,
@@ -75,6 +78,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         named.table(&TableInput {
             campaign: &input.campaign,
             runs: &input.runs,
+            set_aside: &input.set_aside,
             modulus_logs: &input.modulus_logs,
             files: &input.files,
             groups: &input.findings.groups,
@@ -99,6 +103,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             environment,
             humidity,
             voltage: cells[3].text(),
+            voltage_footnotes: row.cells[3].notes.iter().map(|&note| note_letter(note)).collect(),
             links: links(site, &row.cells[MATERIAL]),
             cells: parameters(&table, row, cells),
             starts_environment,

@@ -146,6 +146,7 @@ pub fn why_unfitted(run: &RunRecord) -> &'static str {
         RunState::Ready => "the run is not fitted yet",
         RunState::Untagged => "a needed tag is missing",
         RunState::NotFitted => "the run is not a step response that the model describes",
+        RunState::NoSteps => "the voltage does not go in steps",
     }
 }
 
@@ -224,14 +225,6 @@ pub fn has_warnings(run: &RunRecord) -> bool {
     worrying(&run.issues) || run.fit.as_ref().is_some_and(fit_worries)
 }
 
-/// `20 Nov 2026, 06:00 UTC` from RFC 3339; text that is no such time stays as it is.
-pub fn moment(rfc_3339: &str) -> String {
-    rfc_3339
-        .parse::<jiff::Timestamp>()
-        .map(|time| time.strftime("%-d %b %Y, %H:%M UTC").to_string())
-        .unwrap_or_else(|_| rfc_3339.to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -272,7 +265,5 @@ mod tests {
         assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
         assert_eq!(voltage_labels(&[-0.7, -0.65]), ["−0.70", "−0.65"]);
         assert_eq!(voltage_labels(&[1.2, 2.0]), ["1.2", "2.0"]);
-        assert_eq!(moment("2026-11-20T06:00:00Z"), "20 Nov 2026, 06:00 UTC");
-        assert_eq!(moment("<b>"), "<b>");
     }
 }

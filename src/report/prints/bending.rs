@@ -1,5 +1,6 @@
-//! The thesis's figure 23: curvature over time, one panel a material and surroundings, one line a voltage. Panels of
-//! one material share their vertical axis: how much less bends back in dry gas is the point of the figure.
+//! The thesis's figure 23: bending over time, one panel a material and surroundings, one line a voltage. Panels of
+//! one material share their vertical axis: how much less bends back in dry gas is the point of the figure. The thesis
+//! shows the displacement; the curvature is what the strip does whatever its length.
 
 use super::FigureInput;
 use super::grid::{Panel, grid};
@@ -14,8 +15,17 @@ const HEIGHT: u32 = 180;
 /// Panels side by side at most.
 const MOST_COLUMNS: usize = 3;
 
-/// Draws it.
-pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
+/// Draws the curvature.
+pub fn curvature(input: &FigureInput, width: u32) -> Result<Drawing, String> {
+    draw(input, width, Quantity::Curvature)
+}
+
+/// Draws the displacement at the free length, from the curvature where that was measured.
+pub fn displacement(input: &FigureInput, width: u32) -> Result<Drawing, String> {
+    draw(input, width, Quantity::TipDisplacement)
+}
+
+fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, String> {
     let conditions = &input.site.conditions;
     let mut panels = Vec::new();
     for (material, name) in conditions.materials.iter().enumerate() {
@@ -25,7 +35,7 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
             for voltage in 0..conditions.voltages_v.len() {
                 let condition = conditions.at(material, surroundings, voltage);
                 for &run in condition.map_or(&[][..], |condition| &condition.runs) {
-                    drawn.extend(lines(input, run, Quantity::Curvature, voltage)?);
+                    drawn.extend(lines(input, run, quantity, voltage)?);
                 }
             }
             if drawn.iter().any(|line| !line.measured.is_empty()) {
@@ -37,7 +47,7 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
             .flat_map(|line| line.measured.iter().chain(&line.fitted).copied())
             .collect();
         for (surroundings, drawn) in of_material {
-            let (x, y) = axes(&points);
+            let (x, y) = axes(&points, quantity);
             panels.push(Panel {
                 title: format!(
                     "{name}, {}",
@@ -46,6 +56,9 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
                 draw: Box::new(move |area| draw_lines(area, &x, &y, &drawn)),
             });
         }
+    }
+    if panels.is_empty() && quantity == Quantity::TipDisplacement {
+        return Err("no run with a curvature is of a sample whose length is known: give samples length_mm in campaign.toml".to_owned());
     }
     let legend: Vec<(String, usize)> = conditions
         .voltages_v
@@ -57,7 +70,7 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
     grid(width, columns, HEIGHT, &legend, &panels)
 }
 
-fn axes(points: &[(f64, f64)]) -> (Axis, Axis) {
+fn axes(points: &[(f64, f64)], quantity: Quantity) -> (Axis, Axis) {
     let range = |pick: fn(&(f64, f64)) -> f64| {
         points
             .iter()
@@ -70,8 +83,12 @@ fn axes(points: &[(f64, f64)]) -> (Axis, Axis) {
     let margin = 0.04 * (high - low);
     // Hours are read, thousands of seconds are not; short runs keep their seconds.
     let x = Axis::linear(from.max(-0.02 * to), 1.01 * to, "Time after the step", "s", 4);
+    let title = match quantity {
+        Quantity::TipDisplacement => "Displacement",
+        _ => quantity.label(),
+    };
     (
         x,
-        Axis::linear(low - margin, high + margin, "Curvature", "1/cm", 4),
+        Axis::linear(low - margin, high + margin, title, quantity.unit(), 4),
     )
 }

@@ -66,7 +66,7 @@ impl NamedFigure {
 }
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 8] = [
+pub const FIGURES: [NamedFigure; 9] = [
     NamedFigure {
         name: "figure4",
         alias: "shapes",
@@ -113,7 +113,15 @@ pub const FIGURES: [NamedFigure; 8] = [
         about: "Curvature in dry and in humid environments at each voltage, measured and simulated",
         width_mm: 170.0,
         of_strips: false,
-        draw: bending::draw,
+        draw: bending::curvature,
+    },
+    NamedFigure {
+        name: "figure23-displacement",
+        alias: "displacement",
+        about: "Displacement at the free length in dry and in humid environments at each voltage, measured and simulated",
+        width_mm: 170.0,
+        of_strips: false,
+        draw: bending::displacement,
     },
     NamedFigure {
         name: "figure24",

@@ -5,6 +5,7 @@ use plotters::series::LineSeries;
 use plotters::style::Color;
 
 use super::FigureInput;
+use crate::domain::tag::keys;
 use crate::domain::{Level, Quantity, RunCurve, RunRecord};
 use crate::report::figures::axis::Axis;
 use crate::report::figures::canvas::Area;
@@ -33,26 +34,46 @@ pub struct Line {
     pub fitted: Vec<(f64, f64)>,
 }
 
-/// Responses of a run of that quantity: currents per area in mA cm⁻², curvatures in cm⁻¹.
+/// Responses of a run of that quantity: currents per area in mA cm⁻², curvatures in cm⁻¹, displacements in mm.
+///
+/// Fits are of curvatures, so that displacements are those of the strip's circle at its free length.
 ///
 /// # Errors
 /// The curves cannot be read.
 pub fn lines(input: &FigureInput, run: usize, quantity: Quantity, style: usize) -> Result<Vec<Line>, String> {
     let record = &input.site.input.runs[run];
     let curves = input.curves.curves(record.id)?;
-    let scale = match quantity {
-        // Without an area there is nothing to normalise by, and no place beside the others.
-        Quantity::Current => match record.area_cm2 {
-            Some(area_cm2) => MILLI / area_cm2,
-            None => return Ok(vec![]),
-        },
-        _ => 1.0,
-    };
     let step_s = step_s(record);
-    let of_quantity = curves.iter().filter(|curve| curve.quantity == quantity);
-    Ok(of_quantity
-        .map(|curve| line(curve, style, step_s, scale))
-        .collect())
+    let of = |drawn: Quantity, shown: &dyn Fn(f64) -> f64| -> Vec<Line> {
+        let of_quantity = curves.iter().filter(|curve| curve.quantity == drawn);
+        of_quantity
+            .map(|curve| line(curve, style, step_s, shown))
+            .collect()
+    };
+    Ok(match quantity {
+        // Without an area or a length there is nothing to relate to, and no place beside the others.
+        Quantity::Current => (record.area_cm2).map_or(vec![], |area_cm2| {
+            of(Quantity::Current, &|ampere| ampere * MILLI / area_cm2)
+        }),
+        Quantity::TipDisplacement => length_cm(input, record).map_or(vec![], |length_cm| {
+            of(Quantity::Curvature, &|per_cm| displacement_mm(per_cm, length_cm))
+        }),
+        _ => of(quantity, &|value| value),
+    })
+}
+
+/// Free length of the run's sample, cm.
+fn length_cm(input: &FigureInput, run: &RunRecord) -> Option<f64> {
+    let sample = run.tag(keys::SAMPLE)?;
+    let sample = input.site.input.campaign.sample(sample)?;
+    sample.length_mm.map(|length_mm| length_mm / 10.0)
+}
+
+/// Displacement beside a point `length_cm` ahead of the clamp, mm: the thesis's (3) turned round on the first quarter of
+/// the circle, which gives a displacement that the curvature was made of back. NaN where the circle does not reach it.
+fn displacement_mm(curvature_per_cm: f64, length_cm: f64) -> f64 {
+    let turn = curvature_per_cm * length_cm;
+    10.0 * turn * length_cm / (1.0 + ((1.0 - turn) * (1.0 + turn)).sqrt())
 }
 
 /// When the voltage first leaves the baseline, s.
@@ -63,10 +84,10 @@ fn step_s(run: &RunRecord) -> f64 {
     first.map_or(0.0, |segment| segment.start_s)
 }
 
-fn line(curve: &RunCurve, style: usize, step_s: f64, scale: f64) -> Line {
+fn line(curve: &RunCurve, style: usize, step_s: f64, shown: &dyn Fn(f64) -> f64) -> Line {
     let points = |values: &[f64]| -> Vec<(f64, f64)> {
         let pairs = curve.time_s.iter().zip(values);
-        let points = pairs.map(|(time_s, value)| (time_s - step_s, value * scale));
+        let points = pairs.map(|(time_s, value)| (time_s - step_s, shown(*value)));
         points
             .filter(|point| point.0.is_finite() && point.1.is_finite())
             .collect()
@@ -113,4 +134,19 @@ pub fn draw_lines(area: &Area, x: &Axis, y: &Axis, lines: &[Line]) -> Result<(),
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_displacement_comes_back_from_the_curvature_it_was_made_of() {
+        for (d_cm, length_cm) in [(0.02, 0.5), (-0.3, 0.5), (0.5, 0.5)] {
+            let curvature = 2.0 * d_cm / (length_cm * length_cm + d_cm * d_cm);
+            let back = displacement_mm(curvature, length_cm);
+            assert!((back - 10.0 * d_cm).abs() < 1e-7, "{back} of {d_cm}");
+        }
+        assert!(displacement_mm(2.1, 0.5).is_nan());
+    }
 }

@@ -26,6 +26,14 @@ pub(in crate::store) enum Subject {
     Diagnoses,
     /// A diagnosis.
     Diagnosis(i64),
+    /// Runs whose readings diagnoses found to be wrong.
+    Condemned,
+    /// What people said of runs.
+    RunWords,
+    /// Marks of readings, by which runs with the same ones are found.
+    Marks,
+    /// Runs whose readings stand in other runs.
+    SameReadings,
     /// Which climate logs are current.
     Logs,
     /// A climate log but for its readings.
@@ -102,6 +110,10 @@ impl Subject {
             Subject::Analysis(_) => "analysis",
             Subject::Diagnoses => "diagnoses",
             Subject::Diagnosis(_) => "diagnosis",
+            Subject::Condemned => "condemned",
+            Subject::RunWords => "run words",
+            Subject::Marks => "marks",
+            Subject::SameReadings => "same readings",
             Subject::Logs => "logs",
             Subject::Log(_) => "log",
             Subject::Series(..) => "series",
@@ -117,7 +129,16 @@ impl Subject {
     pub fn keys(&self) -> Vec<Value> {
         use Subject as S;
         match self {
-            S::Runs | S::Diagnoses | S::Logs | S::Assessment | S::Alarms | S::Changes => Vec::new(),
+            S::Runs
+            | S::Diagnoses
+            | S::Condemned
+            | S::RunWords
+            | S::Marks
+            | S::SameReadings
+            | S::Logs
+            | S::Assessment
+            | S::Alarms
+            | S::Changes => Vec::new(),
             S::Run(id)
             | S::Readings(id)
             | S::ClimateCurves(id)
@@ -159,6 +180,10 @@ impl Subject {
                 &["SELECT id FROM diagnosis WHERE superseded_at IS NULL ORDER BY kind, name"]
             }
             Subject::Diagnosis(_) => &DIAGNOSIS,
+            Subject::Condemned => &["SELECT * FROM diagnosis_condemned ORDER BY diagnosis_id, run_id"],
+            Subject::RunWords => &["SELECT * FROM run_word ORDER BY id"],
+            Subject::Marks => &["SELECT * FROM run_marks ORDER BY run_id"],
+            Subject::SameReadings => &["SELECT * FROM same_readings ORDER BY run_id, in_run_id"],
             Subject::Logs => &["SELECT id FROM climate_log WHERE superseded_at IS NULL ORDER BY path"],
             Subject::Log(_) => &LOG,
             Subject::Series(..) => &[
@@ -181,6 +206,10 @@ impl Subject {
         let mut all = vec![
             S::Runs,
             S::Diagnoses,
+            S::Condemned,
+            S::RunWords,
+            S::Marks,
+            S::SameReadings,
             S::Logs,
             S::Assessment,
             S::Alarms,
@@ -223,6 +252,10 @@ impl fmt::Display for Subject {
         match self {
             Subject::Runs => write!(f, "the list of runs"),
             Subject::Diagnoses => write!(f, "the list of diagnoses"),
+            Subject::Condemned => write!(f, "the list of runs that diagnoses condemned"),
+            Subject::RunWords => write!(f, "what was said of runs"),
+            Subject::Marks => write!(f, "the marks of readings"),
+            Subject::SameReadings => write!(f, "the list of runs with the same readings"),
             Subject::Logs => write!(f, "the list of climate logs"),
             Subject::Assessment => write!(f, "what the climate logs come to"),
             Subject::Alarms => write!(f, "the list of alarms that were told"),

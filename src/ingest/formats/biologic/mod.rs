@@ -11,7 +11,11 @@ pub use mpt::BiologicMpt;
 
 use super::assemble::RowFlag;
 use super::cells::CellTable;
-use crate::ingest::text::header::Header;
+use crate::domain::Quantity;
+use crate::ingest::text::header::{Header, Meaning};
+
+/// Value of the column `mode` where the potential is held.
+const POTENTIOSTATIC: f64 = 2.0;
 
 /// Marks of the readings whose column `error` is set. In the public files these readings lie at the end of their current
 /// range or are the first after a change, but what the bit means is not published: nothing is left out of fits for it.
@@ -28,6 +32,22 @@ fn marks(headers: &[Header], cells: &CellTable) -> Vec<RowFlag> {
         excludes: false,
     })
     .collect()
+}
+
+/// Takes the control for what it is where `mode` says that it does not control throughout: at rest it is 0 and no voltage
+/// is applied, so that it is no drive.
+fn judge_control(headers: &mut [Header], cells: &CellTable) {
+    let Some(mode) = headers.iter().position(|header| header.raw_name == "mode") else {
+        return;
+    };
+    let modes = &cells.columns[mode].numbers;
+    let is_control = |header: &&mut Header| header.meaning.quantity() == Some(Quantity::ControlVoltage);
+    if modes.iter().any(|mode| *mode != POTENTIOSTATIC) {
+        headers
+            .iter_mut()
+            .filter(is_control)
+            .for_each(|header| header.meaning = Meaning::Other);
+    }
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ impl Format for BiologicMpr {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -274,6 +274,7 @@ fn table(ids: &[u16], rows: &[u8], width: usize, issues: &mut Vec<Issue>) -> (Ra
         }
         cells.end_row(number + 1, headers.len());
     }
+    super::judge_control(&mut headers, &cells);
     let raw = Raw {
         flags: super::marks(&headers, &cells),
         ..Raw::of_instrument(String::new(), headers, cells)

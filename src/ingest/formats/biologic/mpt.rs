@@ -22,8 +22,6 @@ use crate::ingest::{Reading, Timestamp};
 /// Reader of EC-Lab text.
 pub struct BiologicMpt;
 
-/// Value of the column `mode` where the potential is held.
-const POTENTIOSTATIC: f64 = 2.0;
 const WHOLE_LAST_LINE: &str = "the last number has the three-digit exponent that EC-Lab writes; the format declares no \
                                number of rows";
 
@@ -41,7 +39,7 @@ impl Format for BiologicMpt {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -142,6 +140,7 @@ fn raw(names: &Line<'_>, rows: &[Line<'_>], issues: &mut Vec<Issue>) -> Result<R
     if let Some(index) = headers.iter().position(|header| header.raw_name == "time/s") {
         read_dates(&mut cells, index, rows, issues);
     }
+    super::judge_control(&mut headers, &cells);
     Ok(Raw {
         flags: super::marks(&headers, &cells),
         ..Raw::of_instrument(String::new(), headers, cells)
@@ -178,7 +177,7 @@ fn is_step_response(technique: Option<&str>, raw: &Raw) -> bool {
     let mode = raw.headers.iter().position(|header| header.raw_name == "mode");
     mode.is_some_and(|index| {
         let modes = &raw.cells.columns[index].numbers;
-        modes.iter().all(|mode| *mode == POTENTIOSTATIC)
+        modes.iter().all(|mode| *mode == super::POTENTIOSTATIC)
     })
 }
 

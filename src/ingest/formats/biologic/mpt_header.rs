@@ -7,7 +7,8 @@ use crate::ingest::text::header::{Header, Meaning};
 /// Settings stand in columns of this width, one for each step of the technique.
 const SETTING_WIDTH: usize = 20;
 /// Columns with a meaning for a run; the others keep their names, for `P/W` or `E/V` of a log mean other things.
-const KNOWN_COLUMNS: [&str; 8] = [
+const KNOWN_COLUMNS: [&str; 9] = [
+    "control voltage",
     "time",
     "Ewe",
     "<Ewe>",
@@ -57,10 +58,15 @@ fn header(cell: &str) -> Header {
         "ox/red" => ("ox/red", ""),
         _ => spelled.rsplit_once('/').unwrap_or((&spelled, "")),
     };
-    let header = Header::with_unit(name, unit);
+    // Of the control, `control/V` is a voltage; `control/mA` and `control/V/mA` are no drive of a strip, or not always.
+    let meant = match (name, unit) {
+        ("control", "V" | "mV") => "control voltage",
+        _ => name,
+    };
+    let header = Header::with_unit(meant, unit);
     Header {
         raw_name: cell.to_owned(),
-        meaning: match KNOWN_COLUMNS.contains(&name) {
+        meaning: match KNOWN_COLUMNS.contains(&meant) {
             true => header.meaning,
             false => Meaning::Other,
         },
@@ -140,7 +146,9 @@ mod tests {
 
     #[test]
     fn columns_keep_their_names_and_few_have_a_meaning() {
-        let headers = headers("mode\ttime/s\t<I/mA>\tP/W\tTemperature/\u{fffd}C\tQ charge/discharge/mA.h\t");
+        let headers = headers(
+            "mode\ttime/s\t<I/mA>\tcontrol/V\tcontrol/V/mA\tcontrol/mA\tP/W\tTemperature/\u{fffd}C\tQ charge/discharge/mA.h\t",
+        );
         let shown: Vec<_> = headers
             .iter()
             .map(|h| (h.raw_unit.as_str(), h.meaning.quantity()))
@@ -151,6 +159,9 @@ mod tests {
                 ("", None),
                 ("s", Some(Quantity::Time)),
                 ("mA", Some(Quantity::Current)),
+                ("V", Some(Quantity::ControlVoltage)),
+                ("mA", None),
+                ("mA", None),
                 ("W", None),
                 ("°C", Some(Quantity::Temperature)),
                 ("mA.h", None)

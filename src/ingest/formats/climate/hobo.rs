@@ -50,7 +50,7 @@ impl Format for Hobo {
         }
     }
 
-    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let text = LogText::of(bytes)?;
         let mut issues = Vec::new();
         let mut lines = text.lines();
@@ -75,6 +75,7 @@ impl Format for Hobo {
             time_at,
             clock_at: None,
             orders: ORDERS,
+            date_order: context.date_order,
             offset: offset(names[time_at]),
             delimiter: Delimiter::Comma,
             decimal: Decimal::Point,

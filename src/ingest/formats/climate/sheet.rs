@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 use super::table;
-use crate::domain::{Issue, RunStatus};
+use crate::domain::{DateOrder, Issue, RunStatus};
 use crate::ingest::Reading;
 use crate::ingest::formats::ReadError;
 use crate::ingest::formats::error::quoted;
@@ -16,7 +16,11 @@ use crate::ingest::text::Line;
 
 /// The log in a workbook, for the reader of that id and version; none where no sheet holds the table of a logger. Of
 /// several such sheets the first is read.
-pub fn log(reader: (&'static str, u32), sheets: &[Sheet]) -> Option<Result<Reading, ReadError>> {
+pub fn log(
+    reader: (&'static str, u32),
+    date_order: Option<DateOrder>,
+    sheets: &[Sheet],
+) -> Option<Result<Reading, ReadError>> {
     let mut logs = sheets.iter().filter_map(|sheet| {
         let days = columns_of_days(sheet);
         let texts: Vec<String> = sheet.rows.iter().map(|row| text(row, &days)).collect();
@@ -37,6 +41,7 @@ pub fn log(reader: (&'static str, u32), sheets: &[Sheet]) -> Option<Result<Readi
     Some(table::read_lines(
         reader,
         None,
+        date_order,
         &lines(sheet, &texts),
         status,
         issues,
@@ -141,7 +146,7 @@ mod tests {
     }
 
     fn read(sheets: &[Sheet]) -> Result<Reading, ReadError> {
-        log(("spreadsheet", 3), sheets).unwrap()
+        log(("spreadsheet", 3), None, sheets).unwrap()
     }
 
     #[test]
@@ -189,7 +194,7 @@ mod tests {
     #[test]
     fn other_sheets_are_no_log_and_a_second_log_is_pointed_out() {
         let rows: [&[SheetCell]; 2] = [&[word("Time (s)"), word("RH (%)")], &[SheetCell::Number(0.0)]];
-        assert!(log(("spreadsheet", 3), &[sheet("a", &rows)]).is_none());
+        assert!(log(("spreadsheet", 3), None, &[sheet("a", &rows)]).is_none());
         let rows: [&[SheetCell]; 2] = [
             &[word("Date Time"), word("RH (%)")],
             &[date(46082.5), SheetCell::Number(40.0)],

@@ -60,7 +60,7 @@ impl Format for ClimateTable {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -75,7 +75,7 @@ impl Format for ClimateTable {
         }
     }
 
-    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let text = LogText::of(bytes)?;
         let mut issues = Vec::new();
         let mut lines = text.lines();
@@ -85,7 +85,15 @@ impl Format for ClimateTable {
             _ => evidence,
         };
         let reader = (self.id(), self.version());
-        read_lines(reader, Some(text.encoding), &lines, (status, evidence), issues)
+        let date_order = context.date_order;
+        read_lines(
+            reader,
+            Some(text.encoding),
+            date_order,
+            &lines,
+            (status, evidence),
+            issues,
+        )
     }
 }
 
@@ -94,13 +102,15 @@ pub fn is_log(lines: &[Line<'_>]) -> bool {
     find_header(lines).is_some_and(|header| header.has_dates(lines))
 }
 
-/// Reads the lines of a logger's table for the reader of that id and version; its status is that of the lines.
+/// Reads the lines of a logger's table for the reader of that id and version; its status is that of the lines, and
+/// `date_order` counts where its dates fit several.
 ///
 /// # Errors
 /// No header, no row, dates that cannot be read, or that can be read in two orders.
 pub fn read_lines(
     reader: (&'static str, u32),
     encoding: Option<&'static str>,
+    date_order: Option<DateOrder>,
     lines: &[Line<'_>],
     status: (RunStatus, String),
     mut issues: Vec<Issue>,
@@ -120,6 +130,7 @@ pub fn read_lines(
         time_at: header.time_at,
         clock_at: header.clock_at,
         orders: ORDERS,
+        date_order,
         offset: offset(&header.names[header.time_at]),
         delimiter: header.delimiter,
         decimal: delimited::decimal_of(rows.iter().take(256), header.delimiter)?,
@@ -387,9 +398,41 @@ mod tests {
             Match::No
         );
         // Dates whose order cannot be told are refused, wherever the time of day stands.
-        let text = "Date;Time;RH (%)\n01.02.2026;10:00;40\n01.02.2026;11:00;40\n";
+        let text = "Date;Time;RH (%)\n01/02/2026;10:00;40\n01/02/2026;11:00;40\n";
         let refused = read("a.csv", text.as_bytes(), &ReadContext::default()).unwrap_err();
         assert!(matches!(refused, ReadError::AmbiguousDates { .. }), "{refused}");
+    }
+
+    #[test]
+    fn dots_are_day_first_and_what_is_stated_counts_where_the_rows_leave_it_open() {
+        let read = |text: &str, date_order| {
+            let context = ReadContext {
+                date_order,
+                ..ReadContext::default()
+            };
+            let reading = read("a.csv", text.as_bytes(), &context)?;
+            let start = reading.started_at.unwrap();
+            Ok::<_, ReadError>((start.local.unwrap(), start.basis))
+        };
+        let dots = "Datum;Temp (°C);RH (%)\n02.03.2026 10:00;21,5;40,1\n02.03.2026 10:10;21,6;40,2\n";
+        let (local, basis) = read(dots, None).unwrap();
+        assert_eq!(local, "2026-03-02T10:00:00");
+        assert!(basis.contains("as dates with dots are written"), "{basis}");
+        let slashes = dots.replace("02.03.2026", "02/03/2026");
+        let refused = read(&slashes, None).unwrap_err();
+        for mend in ["date_order", "ieap profile", "beside a file", "year first"] {
+            assert!(refused.mend().contains(mend), "{}", refused.mend());
+        }
+        let day = read(&slashes, Some(DateOrder::DayFirst)).unwrap();
+        assert_eq!(day.0, "2026-03-02T10:00:00");
+        let month = read(&slashes, Some(DateOrder::MonthFirst)).unwrap();
+        assert_eq!(month.0, "2026-02-03T10:00:00");
+        // What the rows themselves show counts more.
+        let certain = slashes.replace("02/03/2026 10:10", "13/03/2026 10:10");
+        assert_eq!(
+            read(&certain, Some(DateOrder::MonthFirst)).unwrap().0,
+            "2026-03-02T10:00:00"
+        );
     }
 
     #[test]

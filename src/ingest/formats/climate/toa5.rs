@@ -41,7 +41,7 @@ impl Format for Toa5 {
         }
     }
 
-    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let text = LogText::of(bytes)?;
         let mut issues = Vec::new();
         let mut lines = text.lines();
@@ -73,6 +73,7 @@ impl Format for Toa5 {
             time_at,
             clock_at: None,
             orders: &[DateOrder::YearFirst],
+            date_order: context.date_order,
             offset: None,
             delimiter: Delimiter::Comma,
             decimal: Decimal::Point,

@@ -24,6 +24,8 @@ pub struct Log<'a> {
     pub clock_at: Option<usize>,
     /// Orders that its dates may have.
     pub orders: &'static [DateOrder],
+    /// The order that counts where its dates leave several.
+    pub date_order: Option<DateOrder>,
     /// Offset from UTC, where the file states one.
     pub offset: Option<String>,
     /// Between the cells.
@@ -120,7 +122,7 @@ impl Log<'_> {
                 joined.iter().map(String::as_str).collect()
             }
         };
-        let moments = self.moments(&texts, first_row.number)?;
+        let (moments, reason) = self.moments(&texts, first_row.number)?;
         let column = &mut table.columns[self.time_at];
         column.numbers = moments.elapsed_s;
         column.filled = column.numbers.len();
@@ -154,7 +156,7 @@ impl Log<'_> {
                     true => Some("+00:00".to_owned()),
                     false => self.offset,
                 },
-                basis: format!("the first row, {}", order_in_words(moments.order)),
+                basis: format!("the first row, {}{reason}", moments.order.words()),
             }),
             header_tags: Vec::new(),
             tables: vec![table],
@@ -190,15 +192,21 @@ impl Log<'_> {
         (table, dates, clocks)
     }
 
-    /// The moments of all rows under the one order in which all are dates that follow each other.
-    fn moments(&self, texts: &[&str], line: usize) -> Result<Moments, ReadError> {
+    /// The moments of all rows under the one order in which all are dates that follow each other, and why that order
+    /// was taken where the rows leave several.
+    fn moments(&self, texts: &[&str], line: usize) -> Result<(Moments, &'static str), ReadError> {
         let reason = match moments(texts, self.orders) {
-            Ok(moments) => return Ok(moments),
+            Ok(moments) => return Ok((moments, "")),
             Err(NoOrder::Fits) => {
                 "no order of day, month and year makes all rows dates that follow each other".to_owned()
             }
             Err(NoOrder::Several(orders)) => {
-                let orders: Vec<&str> = orders.into_iter().map(order_in_words).collect();
+                if let Some((order, reason)) = self.taken(texts[0], &orders)
+                    && let Ok(moments) = moments(texts, &[order])
+                {
+                    return Ok((moments, reason));
+                }
+                let orders: Vec<&str> = orders.into_iter().map(DateOrder::words).collect();
                 format!("{} fit all rows alike", orders.join(" and "))
             }
         };
@@ -206,15 +214,21 @@ impl Log<'_> {
             line,
             column: quoted(&self.headers[self.time_at].raw_name),
             found: format!("{reason}, first {}", quoted(texts[0])),
+            first: texts[0].to_owned(),
         })
     }
-}
 
-fn order_in_words(order: DateOrder) -> &'static str {
-    match order {
-        DateOrder::YearFirst => "year first",
-        DateOrder::MonthFirst => "month first",
-        DateOrder::DayFirst => "day first",
+    /// Of several orders day first, where dots stand between the numbers; else the one that somebody states.
+    fn taken(&self, first: &str, orders: &[DateOrder]) -> Option<(DateOrder, &'static str)> {
+        let with_dots = first.chars().find(|c| matches!(c, '.' | '/' | '-')) == Some('.');
+        if with_dots && orders.contains(&DateOrder::DayFirst) {
+            return Some((DateOrder::DayFirst, ", as dates with dots are written"));
+        }
+        let stated = self.date_order.filter(|order| orders.contains(order))?;
+        Some((
+            stated,
+            ", as campaign.toml states or other files of the folder show",
+        ))
     }
 }
 

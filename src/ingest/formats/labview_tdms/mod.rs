@@ -57,7 +57,7 @@ impl Format for LabviewTdms {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -102,7 +102,7 @@ impl Format for LabviewTdms {
             encoding: None,
             status,
             status_evidence,
-            started_at: stamp::shared(structure.objects.iter().filter_map(started_at), &mut issues),
+            started_at: starts(&structure.objects, &mut issues),
             header_tags: header_tags(&structure.objects),
             tables,
             original_metadata: metadata(&structure.objects),
@@ -238,17 +238,47 @@ fn column(object: &mut Object) -> Vec<f64> {
     values
 }
 
-fn started_at(object: &Object) -> Option<StartedAt> {
-    let Some(Property::Time(time)) = object.property("wf_start_time") else {
+/// The start that waveforms state; where none does, moments of the file or a group that speak of a start by their name.
+fn starts(objects: &[Object], issues: &mut Vec<Issue>) -> Option<StartedAt> {
+    let of_waveforms: Vec<StartedAt> = objects
+        .iter()
+        .filter_map(|object| started_at(object, "wf_start_time"))
+        .collect();
+    if !of_waveforms.is_empty() {
+        return stamp::shared(of_waveforms, issues);
+    }
+    let is_whole = |object: &&Object| names(&object.path).is_none();
+    let moments = objects.iter().filter(is_whole).flat_map(|object| {
+        let named = object.properties.iter().filter(|(name, _)| names_start(name));
+        named.filter_map(|(name, _)| started_at(object, name))
+    });
+    stamp::shared(moments.collect::<Vec<_>>(), issues)
+}
+
+/// `DateTime`, `Start Time`, `Timestamp`, but no moment of an end or a change.
+fn names_start(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let is_other = ["end", "stop", "modif", "saved", "calib", "trigger"]
+        .iter()
+        .any(|word| name.contains(word));
+    !is_other && ["start", "date", "time"].iter().any(|word| name.contains(word))
+}
+
+/// The moment of a property; the zero of LabVIEW's clock, which stands where nobody set one, is none.
+fn started_at(object: &Object, property: &str) -> Option<StartedAt> {
+    let Some(Property::Time(time)) = object.property(property) else {
         return None;
     };
+    if time.seconds == 0 {
+        return None;
+    }
     let local = civil(*time)?;
     Some(StartedAt {
         raw: format!("{} s since 1904-01-01 UTC", time.seconds as f64 + time.fraction()),
         kind: Timestamp::Start,
         local: Some(local.to_string()),
         offset: Some("+00:00".to_owned()),
-        basis: "wf_start_time counts UTC seconds".to_owned(),
+        basis: format!("{property} counts UTC seconds"),
     })
 }
 

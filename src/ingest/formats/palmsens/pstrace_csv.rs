@@ -22,6 +22,8 @@ pub struct PstraceCsv;
 const EXPORTED: &str = "Date and time:";
 const MEASURED: &str = "Date and time measurement:";
 const IMPEDANCE_EXPORTED: &str = "File date:";
+/// Lines in which the row of units is looked for.
+const PREAMBLE: usize = 16;
 
 /// One curve: where its columns stand, its title and its start.
 struct Curve {
@@ -45,13 +47,27 @@ impl Format for PstraceCsv {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
         let text = head.text().unwrap_or_default();
-        match text.starts_with(EXPORTED) || text.starts_with(IMPEDANCE_EXPORTED) {
-            true => Match::Certain("the first line is Date and time or File date"),
+        let first = text
+            .lines()
+            .find(|line| !line.trim_matches([',', ' ']).is_empty());
+        let begins = first.unwrap_or("").trim_start_matches('"');
+        if begins.starts_with(EXPORTED) || begins.starts_with(IMPEDANCE_EXPORTED) {
+            return Match::Certain("the first line is Date and time or File date");
+        }
+        // Exports without the moment of their export begin with the titles of their curves.
+        let lines: Vec<&str> = text.lines().take(PREAMBLE).collect();
+        let units = lines.iter().position(|line| is_units(line));
+        match units.is_some_and(|at| {
+            lines[..at]
+                .iter()
+                .any(|line| line.starts_with(MEASURED) || is_titles(line))
+        }) {
+            true => Match::Certain("titles of curves such as `CV i vs E` above a row of units"),
             false => Match::No,
         }
     }
@@ -92,7 +108,7 @@ impl Format for PstraceCsv {
             reader_version: self.version(),
             is_step_response: curves
                 .iter()
-                .all(|curve| self::technique(&curve.title) == "Chronoamperometry"),
+                .all(|curve| matches!(self::technique(&curve.title), "Chronoamperometry" | "CA i vs t")),
             technique,
             encoding: Some(decoded.encoding),
             status,
@@ -116,8 +132,17 @@ impl Format for PstraceCsv {
     }
 }
 
+/// Titles of curves, `Cyclic Voltammetry: CV i vs E` or `CV i vs E Scan 1`, in every other cell.
+fn is_titles(text: &str) -> bool {
+    let first = text.split(',').next().unwrap_or("");
+    [" i vs E", " i vs t", " E vs t", " E vs i"]
+        .iter()
+        .any(|axes| first.contains(axes))
+}
+
 /// A row such as `s,µA` or `V,µA,V,µA`.
 fn is_units(text: &str) -> bool {
+    let text = text.trim_end_matches([',', ';', '\t', ' ']);
     let cells: Vec<&str> = text.split([',', ';', '\t']).map(str::trim).collect();
     cells.len() >= 2 && cells.iter().all(|cell| name_of(cell).is_some())
 }
@@ -161,12 +186,20 @@ fn curves(preamble: &[Line<'_>], units: &Line<'_>) -> Result<Vec<Curve>, ReadErr
                 .map(|text| (*text).to_owned()),
         }]);
     }
-    let titles_at = preamble.iter().position(|line| line.text.starts_with(MEASURED));
-    let titles: Vec<&str> = match titles_at.and_then(|at| at.checked_sub(1)) {
+    let measured_at = preamble.iter().position(|line| line.text.starts_with(MEASURED));
+    let titles_at = measured_at
+        .and_then(|at| at.checked_sub(1))
+        .or_else(|| preamble.iter().rposition(|line| is_titles(line.text)));
+    let titles: Vec<&str> = match titles_at {
         Some(at) => preamble[at].text.split(',').map(str::trim).collect(),
         None => Vec::new(),
     };
-    let units: Vec<&str> = units.text.split(',').map(str::trim).collect();
+    let units: Vec<&str> = units
+        .text
+        .trim_end_matches([',', ' '])
+        .split(',')
+        .map(str::trim)
+        .collect();
     if !units.len().is_multiple_of(2) {
         return Err(ReadError::NeverSeen {
             what: "an export of PSTrace with an odd number of columns",

@@ -1,7 +1,8 @@
 //! PalmSens session (.pssession): JSON in UTF-16 with one more byte order mark behind it.
 //!
 //! The unit is that of the array's unit TYPE: the symbol beside it says `A` where the type is `MicroAmpere` and the
-//! values are microamperes. Types other than volt, microampere, second and hertz are kept under their own names. Time
+//! values are microamperes. Types other than those of voltages, currents, times and frequencies are kept under their own
+//! names. What an array measures follows from its description, else from the quantity that its unit states. Time
 //! stamps are ticks of 100 ns since the year 1, local and UTC; their difference is the offset. The file is one JSON
 //! document, so a cut file cannot be read.
 
@@ -38,7 +39,7 @@ impl Format for PalmsensSession {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -124,11 +125,7 @@ fn parse(bytes: &[u8]) -> Result<Value, ReadError> {
 }
 
 fn raw(name: String, group: &ArrayGroup) -> Raw {
-    let headers: Vec<Header> = group
-        .arrays
-        .iter()
-        .map(|array| header(&array.description, &array.unit_type))
-        .collect();
+    let headers = headers(group);
     let rows = group
         .arrays
         .iter()
@@ -166,11 +163,41 @@ fn flags(group: &ArrayGroup) -> Vec<RowFlag> {
     group.arrays.iter().flat_map(of_array).collect()
 }
 
+/// What the arrays of a group measure. Where no description is the name of a quantity, the array whose unit states it is
+/// taken, if it is the only one of the group.
+fn headers(group: &ArrayGroup) -> Vec<Header> {
+    let mut headers: Vec<Header> = group
+        .arrays
+        .iter()
+        .map(|array| header(&array.description, &array.unit_type))
+        .collect();
+    for (stated, name) in [
+        ("Time", "time"),
+        ("Potential", "potential"),
+        ("Current", "current"),
+    ] {
+        let wanted = Header::with_unit(name, "").meaning.named_quantity();
+        if headers.iter().any(|header| header.meaning.quantity() == wanted) {
+            continue;
+        }
+        let mut of_quantity = (0..headers.len()).filter(|&at| group.arrays[at].quantity == stated);
+        if let (Some(only), None) = (of_quantity.next(), of_quantity.next()) {
+            headers[only].meaning = header(name, &group.arrays[only].unit_type).meaning;
+        }
+    }
+    headers
+}
+
 /// The unit follows from the type; the symbol in the file lacks its prefix.
 fn header(description: &str, unit_type: &str) -> Header {
     let unit = match unit_type {
         "Volt" => "V",
+        "MilliVolt" => "mV",
+        "Ampere" => "A",
+        "MilliAmpere" => "mA",
         "MicroAmpere" => "\u{b5}A",
+        "NanoAmpere" => "nA",
+        "PicoAmpere" => "pA",
         "Time" | "Second" => "s",
         "Hertz" => "Hz",
         other => {

@@ -8,6 +8,8 @@ use serde_json::{Map, Value};
 pub struct DataArray {
     /// What the software calls it, `current`, `potential`.
     pub description: String,
+    /// What it measures in the software's words, `Current`; empty where the unit does not say.
+    pub quantity: String,
     /// Type of the unit, the last part of `PalmSens.Units.MicroAmpere`.
     pub unit_type: String,
     /// Readings; NaN where one is no number.
@@ -125,10 +127,12 @@ fn by_length(title: &str, arrays: Vec<DataArray>) -> Vec<ArrayGroup> {
 }
 
 fn array(object: &Value) -> DataArray {
-    let unit = get(object, "unit").map_or(String::new(), |unit| text(unit, "type"));
+    let stated = get(object, "unit");
+    let unit = stated.map_or(String::new(), |unit| text(unit, "type"));
     let value = |reading: &Value| get(reading, "v").and_then(Value::as_f64).unwrap_or(f64::NAN);
     DataArray {
         description: text(object, "description"),
+        quantity: stated.map_or(String::new(), |unit| text(unit, "q")),
         unit_type: unit.rsplit('.').next().unwrap_or("").to_owned(),
         values: list(object, "datavalues").iter().map(value).collect(),
         marked: list(object, "datavalues")

@@ -48,7 +48,7 @@ impl Format for Parquet {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn is_generic(&self) -> bool {

@@ -1,8 +1,18 @@
-//! Makes a folder a campaign.
+//! Makes a folder a campaign: an empty one, or one of files that are there.
+
+mod from;
+mod look;
+mod plan;
+mod text;
 
 use std::path::{Path, PathBuf};
 
+pub use from::{InitFrom, Proposed};
+pub use look::{Seen, Taken};
+pub use plan::PlannedFile;
+
 use super::PipelineError;
+use super::whole_file::put_bytes;
 use crate::ingest::campaign_file;
 
 /// Writes a commented campaign.toml and makes the folders; gives the paths made. Files that are there stay.
@@ -32,7 +42,7 @@ pub fn init(folder: &Path) -> Result<Vec<PathBuf>, PipelineError> {
     let id = absolute
         .file_name()
         .map_or("campaign".into(), |name| name.to_string_lossy().into_owned());
-    std::fs::write(&file, campaign_file::template(&id)).map_err(failed(&file))?;
+    put_bytes(&file, false, campaign_file::template(&id).as_bytes())?;
     made.push(file);
     Ok(made)
 }

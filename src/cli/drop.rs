@@ -1,0 +1,120 @@
+//! `ieap drop` and `ieap undrop`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{CliError, DONE};
+use super::output::{Output, counted};
+use super::tag::{place, user_name};
+use super::{Global, folder};
+use crate::ingest::campaign_file;
+use crate::pipeline::standing::SetAside;
+use crate::pipeline::{Context, SpeakOfRuns};
+
+/// Take runs out of all results; they stay in the lists of runs with the reason, and `undrop` takes it back
+#[derive(Debug, Args)]
+pub struct DropArgs {
+    /// The runs: their names in the report, or paths to their files. The campaign folder may stand last
+    #[arg(value_name = "RUN", required_unless_present = "deleted")]
+    runs: Vec<String>,
+    /// Why: it is shown with the runs
+    #[arg(long, value_name = "TEXT")]
+    why: String,
+    /// Also every run whose files are gone from the folder
+    #[arg(long)]
+    deleted: bool,
+    /// Who says it [default: the user's name]
+    #[arg(long, value_name = "NAME")]
+    by: Option<String>,
+}
+
+/// Put runs back into all results; with --why also those that the program set aside: you looked, and they are right
+#[derive(Debug, Args)]
+pub struct UndropArgs {
+    /// The runs: their names in the report, or paths to their files. The campaign folder may stand last
+    #[arg(value_name = "RUN", required = true)]
+    runs: Vec<String>,
+    /// Why a run is right that the program set aside: it is shown with the run
+    #[arg(long, value_name = "TEXT")]
+    why: Option<String>,
+    /// Who says it [default: the user's name]
+    #[arg(long, value_name = "NAME")]
+    by: Option<String>,
+}
+
+pub fn run(args: &DropArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let said = SpeakOfRuns {
+        runs: args.runs.clone(),
+        deleted: args.deleted,
+        drops: true,
+        why: Some(args.why.clone()),
+        said_by: args.by.clone().unwrap_or_else(user_name),
+    };
+    speak(said, global, output)
+}
+
+pub fn run_undrop(args: &UndropArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let said = SpeakOfRuns {
+        runs: args.runs.clone(),
+        deleted: false,
+        drops: false,
+        why: args.why.clone(),
+        said_by: args.by.clone().unwrap_or_else(user_name),
+    };
+    speak(said, global, output)
+}
+
+fn speak(mut said: SpeakOfRuns, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let folder = take_places(&mut said.runs, said.deleted)?;
+    let mut context = Context::open_beside(&folder, global.i_know)?;
+    let spoken = said.run(&mut context)?;
+    let list = |title: &str, runs: &[SetAside], with_mend: bool| {
+        if !runs.is_empty() {
+            output.result(&format!("{} {title}:", counted(runs.len(), "run")));
+        }
+        for run in runs {
+            output.result(&format!("  {}: {}", run.run, run.reason));
+            if with_mend {
+                output.result(&format!("    {}", run.mend));
+            }
+        }
+    };
+    list("out of all results", &spoken.set_aside, true);
+    if !spoken.speaking.is_empty() {
+        output.result(&format!("{} in results:", counted(spoken.speaking.len(), "run")));
+        spoken
+            .speaking
+            .iter()
+            .for_each(|run| output.result(&format!("  {run}")));
+    }
+    list("on your word, against the program's", &spoken.overruled, false);
+    match spoken.speaking.is_empty() && spoken.set_aside.is_empty() {
+        true => output.result("no run's files are gone: nothing was dropped"),
+        false => output.message("The next `ieap run` (or the running `ieap watch`) makes the results anew."),
+    }
+    output.document(&json!({ "schema": "ieap/drop/1", "drop": spoken }))?;
+    Ok(DONE)
+}
+
+/// The campaign folder; of `runs` the names in it are left.
+fn take_places(runs: &mut Vec<String>, may_be_none: bool) -> Result<PathBuf, CliError> {
+    let is_campaign = |last: &String| Path::new(last).join(campaign_file::FILE_NAME).is_file();
+    let is_last = runs.len() > 1 || may_be_none;
+    let named = runs
+        .pop_if(|last| is_last && is_campaign(last))
+        .map(PathBuf::from);
+    let mut campaign = None;
+    for run in runs.iter_mut() {
+        let (folder, name) = place(run, named.as_deref())?;
+        let folder = std::fs::canonicalize(&folder).unwrap_or(folder);
+        if campaign.as_ref().is_some_and(|known| *known != folder) {
+            return Err(CliError::usage(
+                "the runs lie in several campaigns; name those of one at a time",
+            ));
+        }
+        (*run, campaign) = (name, Some(folder));
+    }
+    campaign.map_or_else(|| folder(named.as_deref()), Ok)
+}

@@ -1,0 +1,53 @@
+//! How fits were asked for, where it was not left to the program.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// What was said of how to fit; what is open is decided elsewhere.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AskedFit {
+    /// Model, with the effects that extend it.
+    pub model: Option<String>,
+    /// Id of the method that searches minima.
+    pub method: Option<String>,
+    /// Whether current and curvature are fitted together instead of one after the other.
+    pub simultaneous: Option<bool>,
+    /// Seed of a random method.
+    pub seed: Option<u64>,
+}
+
+impl AskedFit {
+    /// Whether nothing was said of model, method or steps; a seed alone asks for nothing.
+    pub fn is_open(&self) -> bool {
+        self.model.is_none() && self.method.is_none() && self.simultaneous.is_none()
+    }
+
+    /// The same with what is open taken from `other`.
+    #[must_use]
+    pub fn or(&self, other: &AskedFit) -> AskedFit {
+        AskedFit {
+            model: self.model.clone().or_else(|| other.model.clone()),
+            method: self.method.clone().or_else(|| other.method.clone()),
+            simultaneous: self.simultaneous.or(other.simultaneous),
+            seed: self.seed.or(other.seed),
+        }
+    }
+}
+
+impl fmt::Display for AskedFit {
+    /// `model lumped-3, method differential-evolution, both responses at once`.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let steps = |together: bool| match together {
+            true => "both responses at once",
+            false => "one response after the other",
+        };
+        let parts = [
+            self.model.as_ref().map(|model| format!("model {model}")),
+            self.method.as_ref().map(|method| format!("method {method}")),
+            self.simultaneous.map(|together| steps(together).to_owned()),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        formatter.write_str(&parts.join(", "))
+    }
+}

@@ -1,0 +1,94 @@
+//! The start that a file states: where its date leaves the order of day and month open, campaign.toml or the other
+//! files of the folder decide.
+
+use std::path::Path;
+
+use crate::domain::tag::keys;
+use crate::domain::{DateOrder, Issue};
+use crate::ingest::folder_dates::order_beside;
+use crate::ingest::formats::date::{DATE_UNCERTAIN, uncertain};
+use crate::ingest::formats::stamp;
+use crate::ingest::{Reading, StartedAt};
+
+/// Whether day and month of a start may stand in either order.
+pub fn is_open(started: &StartedAt) -> bool {
+    let reads = |order| stamp::civil(&started.raw, order).is_some();
+    started.local.is_none() && reads(DateOrder::DayFirst) && reads(DateOrder::MonthFirst)
+}
+
+/// The start with its date read in the order that campaign.toml states, else in the one that the files beside `file`
+/// show; an issue where neither speaks.
+pub fn settled(started: &StartedAt, stated: Option<DateOrder>, file: &Path) -> (StartedAt, Option<Issue>) {
+    if !is_open(started) {
+        return (started.clone(), None);
+    }
+    let said = stated.map(|order| (order, "as campaign.toml states (date_order)"));
+    let shown = || {
+        Some((
+            order_beside(file, &started.raw)?,
+            "as other files of the folder show",
+        ))
+    };
+    let Some((order, reason)) = said.or_else(shown) else {
+        return (
+            started.clone(),
+            Some(uncertain(&started.raw, &started.basis).at(keys::STARTED_AT)),
+        );
+    };
+    let settled = StartedAt {
+        local: stamp::civil(&started.raw, order).map(|local| local.to_string()),
+        basis: format!("{}, {reason}", order.words()),
+        ..started.clone()
+    };
+    (settled, None)
+}
+
+/// The issues of a reading without the one of an open date, which is said of the run's tags.
+pub fn without_open_dates(reading: &Reading) -> impl Iterator<Item = Issue> + '_ {
+    let is_open = reading.started_at.as_ref().is_some_and(is_open);
+    let issues = reading.issues.iter();
+    issues
+        .filter(move |issue| !is_open || issue.code != DATE_UNCERTAIN)
+        .cloned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Timestamp;
+
+    #[test]
+    fn an_open_date_is_settled_by_campaign_toml_then_by_the_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.dta");
+        let open = StartedAt {
+            raw: "3/10/2019 12:00:00".to_owned(),
+            kind: Timestamp::Start,
+            local: None,
+            offset: None,
+            basis: "day and month may stand in either order".to_owned(),
+        };
+        let (same, issue) = settled(&open, None, &file);
+        assert_eq!((same.local, issue.unwrap().code.as_str()), (None, DATE_UNCERTAIN));
+        let (stated, issue) = settled(&open, Some(DateOrder::DayFirst), &file);
+        assert_eq!(
+            (stated.local.as_deref(), issue),
+            (Some("2019-10-03T12:00:00"), None)
+        );
+        std::fs::write(folder.path().join("b.dta"), "DATE\t3/14/2019\n").unwrap();
+        let (shown, issue) = settled(&open, None, &file);
+        assert_eq!(
+            (shown.local.as_deref(), issue),
+            (Some("2019-03-10T12:00:00"), None)
+        );
+        assert!(shown.basis.contains("folder"), "{}", shown.basis);
+        let no_date = StartedAt {
+            raw: "soon".to_owned(),
+            ..open
+        };
+        assert_eq!(
+            settled(&no_date, Some(DateOrder::DayFirst), &file),
+            (no_date, None)
+        );
+    }
+}

@@ -1,0 +1,270 @@
+//! What files become in a campaign: where each goes, which tags its name gives, and what is still missing.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::look::{Looked, Seen, Taken};
+use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
+use crate::domain::tag::keys;
+use crate::ingest::name_pattern::{
+    KnownIds, NameMatch, NamePattern, ProposedPattern, environment_of, propose, tags_of_name,
+};
+use crate::ingest::tags;
+
+/// A file with what it becomes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlannedFile {
+    /// What it is.
+    #[serde(flatten)]
+    pub seen: Seen,
+    /// Where it is copied to, relative to the campaign; none where it is not.
+    pub to: Option<String>,
+    /// Tags that are known of it, by key.
+    pub tags: BTreeMap<String, String>,
+    /// Those among them that the name pattern does not give: they are written beside the copy.
+    pub beside: BTreeMap<String, String>,
+    /// Tags without which the run waits.
+    pub missing: Vec<&'static str>,
+}
+
+/// A sample that names speak of.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NamedSample {
+    /// Its id, as most names write it.
+    pub id: String,
+    /// Its material, as far as the id shows it.
+    pub material: String,
+    /// Runs that name it.
+    pub runs: usize,
+}
+
+/// What a folder becomes.
+#[derive(Debug)]
+pub struct Plan {
+    /// Its files.
+    pub files: Vec<PlannedFile>,
+    /// Samples by id.
+    pub samples: Vec<NamedSample>,
+    /// The pattern that explains the most names of runs.
+    pub pattern: Option<ProposedPattern>,
+}
+
+/// Plans a campaign of the files that were looked at.
+pub fn plan(looked: &Looked) -> Plan {
+    let stem_of = |seen: &Seen| tags::stem(Path::new(&seen.path));
+    let runs: Vec<&Seen> = looked
+        .files
+        .iter()
+        .filter(|seen| seen.taken == Taken::Run)
+        .collect();
+    let stems: Vec<String> = runs.iter().map(|seen| stem_of(seen)).collect();
+    let pattern = propose(&stems.iter().map(String::as_str).collect::<Vec<_>>());
+    let named: Vec<BTreeMap<String, String>> = runs
+        .iter()
+        .zip(&stems)
+        .map(|(seen, stem)| named(seen, stem))
+        .collect();
+    let logs = looked.files.iter().filter(|seen| seen.taken == Taken::ModulusLog);
+    let of_logs: Vec<String> = logs.filter_map(sample_of_name).collect();
+    let of_runs = named.iter().filter_map(|tags| tags.get(keys::SAMPLE));
+    let samples = Samples::of(of_runs.chain(&of_logs));
+    let compiled = pattern
+        .as_ref()
+        .and_then(|found| NamePattern::compile(&found.pattern).ok());
+    let mut of_runs = runs
+        .iter()
+        .zip(&stems)
+        .zip(named)
+        .map(|((seen, stem), mut known)| {
+            if let Some(sample) = known.get_mut(keys::SAMPLE) {
+                *sample = samples.id_of(sample);
+            }
+            let by_pattern = compiled
+                .as_ref()
+                .map_or(Vec::new(), |pattern| read(pattern, stem, &samples));
+            let stated = stated_beside(looked, seen);
+            let is_given = |(key, value): &(&String, &String)| {
+                stated.contains_key(*key)
+                    || by_pattern
+                        .iter()
+                        .any(|(by, read)| by == *key && same(key, read, value))
+            };
+            let beside = known.iter().filter(|pair| !is_given(pair));
+            let beside = beside.map(|(key, value)| (key.clone(), value.clone())).collect();
+            known.extend(stated);
+            planned(seen, known, beside)
+        });
+    let files = looked
+        .files
+        .iter()
+        .filter_map(|seen| match seen.taken {
+            Taken::Run => of_runs.next(),
+            Taken::ModulusLog => Some(modulus_log(looked, seen, &samples)),
+            _ => Some(planned(seen, stated_beside(looked, seen), BTreeMap::new())),
+        })
+        .collect();
+    Plan {
+        files,
+        samples: samples.into_list(),
+        pattern,
+    }
+}
+
+fn planned(seen: &Seen, tags: BTreeMap<String, String>, beside: BTreeMap<String, String>) -> PlannedFile {
+    let needed: &[&'static str] = match seen.taken {
+        Taken::Run if seen.has_drive => &[keys::SAMPLE, keys::ENVIRONMENT],
+        Taken::Run => &[keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V],
+        Taken::ModulusLog => &[keys::SAMPLE],
+        _ => &[],
+    };
+    let missing = needed.iter().copied().filter(|key| !tags.contains_key(*key));
+    PlannedFile {
+        to: seen
+            .taken
+            .folder()
+            .map(|folder| format!("{folder}/{}", seen.path)),
+        missing: missing.collect(),
+        seen: seen.clone(),
+        tags,
+        beside,
+    }
+}
+
+/// A modulus log, whose name may name a sample of the runs.
+fn modulus_log(looked: &Looked, seen: &Seen, samples: &Samples) -> PlannedFile {
+    let mut known = stated_beside(looked, seen);
+    let mut beside = BTreeMap::new();
+    let name = sample_of_name(seen).filter(|_| !known.contains_key(keys::SAMPLE));
+    if let Some(name) = name {
+        beside.insert(keys::SAMPLE.to_owned(), samples.id_of(&name));
+        known.insert(keys::SAMPLE.to_owned(), samples.id_of(&name));
+    }
+    planned(seen, known, beside)
+}
+
+fn sample_of_name(seen: &Seen) -> Option<String> {
+    let said = tags_of_name(&tags::stem(Path::new(&seen.path)));
+    let mut samples = said.into_iter().filter(|(key, _)| key == keys::SAMPLE);
+    samples.next().map(|(_, name)| name)
+}
+
+/// What the name says, and the environment that a folder's name says where the file's does not.
+fn named(seen: &Seen, stem: &str) -> BTreeMap<String, String> {
+    let mut tags: BTreeMap<String, String> = tags_of_name(stem).into_iter().collect();
+    let folders = seen.path.rsplit('/').skip(1);
+    let environment = folders.filter_map(environment_of).next();
+    if let Some(environment) = environment {
+        let known = tags.entry(keys::ENVIRONMENT.to_owned());
+        known.or_insert_with(|| environment.to_owned());
+    }
+    tags
+}
+
+fn read(pattern: &NamePattern, stem: &str, samples: &Samples) -> Vec<(String, String)> {
+    let ids = samples.ids();
+    let known = KnownIds {
+        samples: &ids,
+        environments: &BUILT_IN_ENVIRONMENTS,
+    };
+    match pattern.match_stem(stem, known) {
+        NameMatch::None => Vec::new(),
+        NameMatch::One(pairs) => pairs,
+        NameMatch::Several { agreed, .. } => agreed,
+    }
+}
+
+/// Whether two spellings of a tag's value are one value.
+fn same(key: &str, a: &str, b: &str) -> bool {
+    let numbers = || Some(a.parse::<f64>().ok()? == b.parse::<f64>().ok()?);
+    a == b || (keys::NUMERIC.contains(&key) && numbers() == Some(true))
+}
+
+/// Tags that files beside this one state already: its sidecar, `tags.toml` of its folder and of those above.
+fn stated_beside(looked: &Looked, seen: &Seen) -> BTreeMap<String, String> {
+    let sidecar = format!("{}.toml", seen.path);
+    let folders: Vec<&str> = seen
+        .path
+        .rmatch_indices('/')
+        .map(|(at, _)| &seen.path[..=at])
+        .chain([""])
+        .collect();
+    let is_of =
+        |path: &str| path == sidecar || folders.iter().any(|folder| path == format!("{folder}tags.toml"));
+    let mut stated = BTreeMap::new();
+    for file in looked.files.iter().filter(|file| is_of(&file.path)) {
+        let text = std::fs::read_to_string(&file.location).unwrap_or_default();
+        for (key, value) in toml::from_str::<toml::Table>(&text).unwrap_or_default() {
+            let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            stated.entry(key).or_insert(text);
+        }
+    }
+    stated
+}
+
+/// Samples under the spellings that names have for them.
+struct Samples {
+    /// By what all spellings share: each spelling with the number of runs.
+    spellings: BTreeMap<String, BTreeMap<String, usize>>,
+}
+
+impl Samples {
+    fn of<'a>(names: impl Iterator<Item = &'a String>) -> Samples {
+        let mut spellings: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
+        for name in names {
+            let of_one = spellings.entry(shared_spelling(name)).or_default();
+            *of_one.entry(name.clone()).or_insert(0) += 1;
+        }
+        Samples { spellings }
+    }
+
+    /// The spelling that most names have.
+    fn id_of(&self, name: &str) -> String {
+        let spellings = self.spellings.get(&shared_spelling(name));
+        spellings.and_then(most_frequent).unwrap_or(name).to_owned()
+    }
+
+    fn ids(&self) -> Vec<&str> {
+        self.spellings.values().filter_map(most_frequent).collect()
+    }
+
+    fn into_list(self) -> Vec<NamedSample> {
+        let sample = |spellings: &BTreeMap<String, usize>| {
+            let id = most_frequent(spellings)?;
+            let letters = id.find(|c: char| c.is_ascii_digit()).map_or(id, |at| &id[..at]);
+            let material = letters.trim_end_matches(['-', '_', ' ', '.', '#']);
+            Some(NamedSample {
+                id: id.to_owned(),
+                material: if material.is_empty() { id } else { material }.to_owned(),
+                runs: spellings.values().sum(),
+            })
+        };
+        self.spellings.values().filter_map(sample).collect()
+    }
+}
+
+fn most_frequent(spellings: &BTreeMap<String, usize>) -> Option<&str> {
+    let most = spellings.iter().max_by_key(|(_, count)| **count)?;
+    Some(most.0)
+}
+
+/// What spellings of one id share: letter case, separators, zeros before a number, the letter O for a zero.
+fn shared_spelling(name: &str) -> String {
+    let mut shared = String::new();
+    for c in name
+        .to_lowercase()
+        .chars()
+        .filter(|c| !matches!(c, '-' | '_' | ' '))
+    {
+        let after_number = shared
+            .chars()
+            .next_back()
+            .is_some_and(|last| last.is_ascii_digit());
+        match c {
+            'o' if after_number || shared.ends_with('0') => shared.push('0'),
+            c => shared.push(c),
+        }
+    }
+    shared
+}

@@ -1,0 +1,139 @@
+//! Writes a file that appears whole or not at all: the one door through which verbs write what a user asked for.
+//!
+//! The content goes into a temporary beside the file, is brought to the disk and takes the name in one step. A full disk or
+//! a kill leaves what stood there before, and no stump.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::PipelineError;
+
+/// Has `fill` write the temporary that becomes `path`. A device or a pipe has no name to take and is written as it is.
+///
+/// # Errors
+/// A file is there and `overwrite` is not set; the disk refuses; or what `fill` says.
+pub fn put_file<T>(
+    path: &Path,
+    overwrite: bool,
+    fill: impl FnOnce(&Path) -> Result<T, PipelineError>,
+) -> Result<T, PipelineError> {
+    let failed = |source: io::Error| match source.kind() {
+        io::ErrorKind::AlreadyExists => PipelineError::FileExists {
+            path: path.to_owned(),
+        },
+        _ => PipelineError::File {
+            path: path.to_owned(),
+            doing: "writing",
+            source,
+        },
+    };
+    if path.symlink_metadata().is_ok() && !overwrite {
+        return Err(failed(io::ErrorKind::AlreadyExists.into()));
+    }
+    // A link keeps standing: what it leads to is exchanged.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let known = fs::metadata(&target).ok();
+    if known.as_ref().is_some_and(|known| !known.is_file()) {
+        return fill(&target);
+    }
+    let part = temporary_beside(&target).map_err(failed)?;
+    let done = fill(&part)?;
+    let file = fs::File::open(&part).map_err(failed)?;
+    if let Some(known) = known {
+        file.set_permissions(known.permissions()).map_err(failed)?;
+    }
+    file.sync_all().map_err(failed)?;
+    let placed = match overwrite {
+        true => part.persist(&target),
+        false => part.persist_noclobber(&target),
+    };
+    placed.map_err(|kept| failed(kept.error))?;
+    Ok(done)
+}
+
+/// The same for content that is at hand.
+///
+/// # Errors
+/// A file is there and `overwrite` is not set, or the disk refuses.
+pub fn put_bytes(path: &Path, overwrite: bool, bytes: &[u8]) -> Result<(), PipelineError> {
+    put_file(path, overwrite, |part| {
+        let written = fs::OpenOptions::new()
+            .write(true)
+            .open(part)
+            .and_then(|mut file| file.write_all(bytes));
+        written.map_err(|source| PipelineError::File {
+            path: path.to_owned(),
+            doing: "writing",
+            source,
+        })
+    })
+}
+
+/// An empty file with the rights of a new one, under a name that no scan takes for data; it goes when it is dropped.
+fn temporary_beside(path: &Path) -> io::Result<tempfile::TempPath> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.map_or(PathBuf::from("."), Path::to_owned);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".ieap-").suffix(".part");
+    // Temporary files are their owner's alone; these are for everyone whom the user lets read.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    Ok(builder.tempfile_in(folder)?.into_temp_path())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect()
+    }
+
+    #[test]
+    fn a_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        let stopped = put_file(&path, false, |part| -> Result<(), PipelineError> {
+            fs::write(part, "half").unwrap();
+            Err(PipelineError::NoScale)
+        });
+        assert!(stopped.is_err() && names(folder.path()).is_empty());
+        put_bytes(&path, false, b"one").unwrap();
+        assert!(matches!(
+            put_bytes(&path, false, b"two"),
+            Err(PipelineError::FileExists { .. })
+        ));
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        put_bytes(&path, true, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_rights_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.txt"), folder.path().join("link"));
+        fs::write(&path, "one").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        put_bytes(&link, true, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert!(link.symlink_metadata().unwrap().is_symlink());
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_written_and_not_exchanged() {
+        assert!(put_bytes(Path::new("/dev/full"), true, b"x").is_err());
+        put_bytes(Path::new("/dev/null"), true, b"x").unwrap();
+        use std::os::unix::fs::FileTypeExt;
+        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+    }
+}

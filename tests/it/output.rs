@@ -1,0 +1,157 @@
+//! What becomes of results: a reader that stops reading, a disk that is full, threads that are not to be had.
+
+use std::io::Read;
+use std::path::Path;
+use std::process::Stdio;
+
+use crate::campaign::{CampaignFolder, command, ieap, run_table};
+
+/// A campaign with one fitted run.
+fn fitted() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.run_json();
+    folder
+}
+
+/// Verbs that print a result, long ones first.
+const PRINT: [&[&str]; 20] = [
+    &["completions", "bash"],
+    &["effects"],
+    &["--help"],
+    &["fit", "--json"],
+    &["fit"],
+    &["ingest"],
+    &["run", "--no-diagnose"],
+    &["report"],
+    &["status"],
+    &["status", "--alarms"],
+    &["table"],
+    &["table", "table5"],
+    &["explain", "table5"],
+    &["figure"],
+    &["figure", "currents", "-o", "-"],
+    &["inspect", "runs/a.csv"],
+    &["profile", "runs/a.csv"],
+    &["next"],
+    &["formats"],
+    &["models", "--json"],
+];
+
+#[test]
+fn a_reader_that_has_had_enough_is_no_fault() {
+    let folder = fitted();
+    for arguments in PRINT {
+        let plain = ieap(folder.path(), arguments).status;
+        let mut child = command(folder.path(), arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // Gone before the first byte.
+        drop(child.stdout.take());
+        let mut said = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(plain), "{arguments:?}: {said}");
+        assert!(
+            !said.contains("panicked") && !said.contains("pipe"),
+            "{arguments:?}: {said}"
+        );
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_are_lost_are_said_and_end_with_4() {
+    let folder = fitted();
+    for arguments in PRINT {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = command(folder.path(), arguments).stdout(full).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{arguments:?}: {said}");
+        assert_eq!(
+            said.matches("stdout: writing failed").count(),
+            1,
+            "{arguments:?}: {said}"
+        );
+    }
+}
+
+/// `ieap` with a limit on the size of files that it may write, bytes: a disk with that much room.
+#[cfg(target_os = "linux")]
+fn with_room_for(bytes: usize, folder: &Path, arguments: &str) -> (Option<i32>, String) {
+    let program = command(folder, &[]).get_program().to_owned();
+    // The limit is in blocks of 512 bytes.
+    let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" {arguments}", bytes / 512);
+    let output = std::process::Command::new("sh")
+        .current_dir(folder)
+        .args(["-c", &script])
+        .arg(program)
+        .output()
+        .unwrap();
+    (
+        output.status.code(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_does_not_fit_leaves_no_stump_and_what_was_there() {
+    // More readings than there is room for; the database's index of its log (32 kB) has room.
+    const ROOM: usize = 60_000;
+    let folder = CampaignFolder::new();
+    let mut table = "time_s,voltage_v,current_a\n".to_owned();
+    for k in 0..20_000u32 {
+        let noise = k.wrapping_mul(2_654_435_761) >> 8;
+        table += &format!(
+            "{},2.0,{:e}\n",
+            f64::from(k) / 8.0,
+            1e-3 + 1e-12 * f64::from(noise)
+        );
+    }
+    folder.write("runs/long.csv", table);
+    folder.ieap(&["ingest"]).expect(0);
+    folder.write("out/there.csv", "as it was\n");
+    for arguments in [
+        "export --what traces -o out/there.csv --overwrite",
+        "export --what traces -o out/new.csv",
+        "export --what traces -o out/new.parquet",
+        "export --what all --format csv -o out",
+    ] {
+        let (status, said) = with_room_for(ROOM, folder.path(), arguments);
+        assert_eq!(status, Some(4), "{arguments}: {said}");
+        assert!(said.contains("writing failed"), "{arguments}: {said}");
+    }
+    let left = std::fs::read_dir(folder.join("out")).unwrap();
+    let mut left: Vec<String> = left
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.starts_with('.') || name.starts_with("new") || name.starts_with("t"))
+        .collect();
+    left.sort();
+    // Tables that had room were written before the one that had not.
+    assert_eq!(left, ["tags.csv", "there.csv"]);
+    assert_eq!(
+        std::fs::read(folder.join("out/there.csv")).unwrap(),
+        b"as it was\n"
+    );
+    assert_eq!(
+        with_room_for(100_000_000, folder.path(), "export --what traces -o out/new.csv").0,
+        Some(0)
+    );
+}
+
+#[test]
+fn threads_are_bounded_and_their_number_is_said() {
+    let folder = fitted();
+    let ended = folder.ieap(&["status", "--threads", "1000000"]).expect(0);
+    assert!(ended.stderr.contains("of no use"), "{}", ended.stderr);
+    assert_eq!(folder.ieap(&["status", "--threads", "0"]).status, 2);
+    assert!(
+        folder
+            .ieap(&["status", "--threads", "3"])
+            .expect(0)
+            .stderr
+            .is_empty()
+    );
+}
