@@ -17,7 +17,7 @@ use crate::store::{self, FILE_NAME, Found, Store};
 pub enum HoldingsError {
     /// There was a database.
     #[error(
-        "{}: {found}, but {evidence}, so this campaign had a database. Put a backup of it back. If there is none, `ieap run --new-database` makes a new one from the files in the campaign; lost then are tags set by hand, earlier revisions and fits, which alarms were told, and runs whose files are gone.", path.display()
+        "{}: {found}, but {evidence}, so this campaign had a database. Put a backup of it back. If there is none, `ieap run --new-database` makes a new one from the files in the campaign; lost then are tags set by hand, which runs were dropped and why, earlier revisions and fits, which alarms were told, and runs whose files are gone.", path.display()
     )]
     DatabaseLost {
         /// Where it should be.

@@ -212,7 +212,7 @@ fn insert(
     for condemned in &found.condemned {
         let sql = "INSERT INTO diagnosis_condemned
                    SELECT ?1, run.id, ?3 FROM run JOIN diagnosis_run ON diagnosis_run.run_id = run.id
-                   WHERE diagnosis_run.diagnosis_id = ?1 AND run.path = ?2";
+                   WHERE diagnosis_run.diagnosis_id = ?1 AND +run.path = ?2";
         transaction
             .prepare_cached(sql)?
             .execute(params![id, condemned.run, condemned.reason])?;

@@ -62,9 +62,11 @@ impl Store {
                           run.electrode_resistance_ohm_per_sq, last.asked, last.id
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
-                            LEFT JOIN fit AS last ON last.id = (
-                                SELECT max(earlier.id) FROM run AS own JOIN fit AS earlier ON earlier.run_id = own.id
-                                WHERE own.path = run.path)
+                            LEFT JOIN (SELECT own.path, max(earlier.id) AS fit_id
+                                       FROM fit AS earlier NOT INDEXED
+                                       JOIN run AS own NOT INDEXED ON own.id = earlier.run_id
+                                       GROUP BY own.path) AS newest ON newest.path = run.path
+                            LEFT JOIN fit AS last ON last.id = newest.fit_id
                    WHERE run.superseded_at IS NULL AND run.state = 'ready' AND run.kind = 'actuation'
                      AND run.drive IS NOT NULL AND run.area_cm2 IS NOT NULL
                    ORDER BY run.path";

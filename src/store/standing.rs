@@ -36,8 +36,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn run_words(&self) -> Result<BTreeMap<String, RunWord>, StoreError> {
-        let sql = "SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word
-                   WHERE id IN (SELECT max(id) FROM run_word GROUP BY run_path)";
+        let sql = "SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY id";
         let _moment = self.snapshot()?;
         self.check_seal(&Subject::RunWords)?;
         let words = self.rows("reading what was said of runs", sql, [], |row| {
@@ -50,6 +49,7 @@ impl Store {
                 data_hash: row.get(5)?,
             })
         })?;
+        // Later words come later and stay.
         Ok(words
             .into_iter()
             .map(|word| (word.run_path.clone(), word))
