@@ -253,4 +253,32 @@ mod tests {
         assert_eq!(words["b"], first[1]);
         assert!(store.same_readings().unwrap().is_empty() && store.deleted_runs().unwrap().is_empty());
     }
+
+    #[test]
+    fn a_word_that_changed_behind_the_back_of_the_store_is_noticed() {
+        for tampering in [
+            "UPDATE run_word SET drops = 0",
+            "DELETE FROM run_word",
+            "DELETE FROM seal WHERE subject = 'run words'",
+        ] {
+            let mut store = Store::in_memory().unwrap();
+            let word = RunWord {
+                run_path: "a".into(),
+                drops: true,
+                why: Some("wet".into()),
+                said_by: "tester".into(),
+                said_at: "2026-01-01T00:00:00Z".into(),
+                data_hash: "0".into(),
+            };
+            store.add_run_words("now", std::slice::from_ref(&word)).unwrap();
+            assert_eq!(store.check_all().unwrap(), Vec::<String>::new());
+            store.connection.execute_batch(tampering).unwrap();
+            let damaged = |error| matches!(error, StoreError::Damaged { .. });
+            assert!(store.run_words().is_err_and(damaged), "{tampering}");
+            assert!(
+                store.add_run_words("now", &[word]).is_err_and(damaged),
+                "{tampering}"
+            );
+        }
+    }
 }
