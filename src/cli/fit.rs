@@ -6,7 +6,7 @@ use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
 use super::output::{Output, counted};
-use super::{CampaignArg, Global};
+use super::{CampaignArg, Global, ingest};
 use crate::domain::FileState;
 use crate::pipeline::estimate_words::in_words;
 use crate::pipeline::fits_document::{FitEntry, fits_document};
@@ -36,13 +36,11 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         opened => opened?,
     };
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest
-        .not_taken()
-        .for_each(|(path, issue)| output.issue(path, issue));
+    ingest::left_out(&ingest, output);
     let summary = fits.run(&mut context, output)?;
     say(&summary, output);
     tell(args, global, &context, output)?;
-    Ok(exit::after(summary.has_fault(), ingest.all_taken()))
+    Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
 }
 
 /// Beside a program that works on the campaign: what is fitted is told where nothing is to be done, since that only reads.
@@ -63,13 +61,18 @@ fn beside(
         )));
     }
     tell(args, global, &context, output)?;
-    let unsettled = context.store.unsettled_files().map_err(PipelineError::from)?;
-    Ok(
-        match unsettled.iter().any(|file| file.state == FileState::Refused) {
-            true => exit::SOME_REFUSED,
-            false => exit::DONE,
-        },
-    )
+    Ok(match left_out_inputs(&context)? {
+        true => exit::SOME_REFUSED,
+        false => exit::DONE,
+    })
+}
+
+/// Whether some inputs could not be used, as far as is stored.
+fn left_out_inputs(context: &Context) -> Result<bool, PipelineError> {
+    let unsettled = context.store.unsettled_files()?;
+    Ok(unsettled.iter().any(|file| file.state == FileState::Refused)
+        || !context.store.unread_files()?.is_empty()
+        || !context.store.unreadable_tag_files()?.is_empty())
 }
 
 /// The results for people or machines.

@@ -25,7 +25,7 @@ pub fn run(args: &IngestArgs, global: &Global, output: &Output) -> Result<u8, Cl
     let summary = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/ingest/1", "ingest": summary }))?;
-    Ok(exit::after(false, summary.all_taken()))
+    Ok(exit::after(false, !summary.left_out_inputs()))
 }
 
 /// How many entries of a kind are listed; `ieap status` lists all.
@@ -71,8 +71,31 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
     list(output, "run", no_steps, &summary.no_steps);
     told(output, &summary.undeclared_tags);
+    left_out(summary, output);
+}
+
+/// What could not be used: files that were refused or that the system could not give, tag files that cannot be read.
+pub(super) fn left_out(summary: &IngestSummary, output: &Output) {
     refused(output, "refused", &summary.refused);
     refused(output, NOT_READ, &summary.unread);
+    if summary.unreadable_tags.is_empty() {
+        return;
+    }
+    output.message(&format!(
+        "{} of tags cannot be read; the runs that they speak for keep the tags that they had, or wait:",
+        counted(summary.unreadable_tags.len(), "statement")
+    ));
+    for tags in summary.unreadable_tags.iter().take(SHOWN) {
+        let place = format!("{} ({})", tags.issue.place, counted(tags.runs, "run"));
+        let issue = Issue {
+            place: String::new(),
+            ..tags.issue.clone()
+        };
+        output.issue(&place, &issue);
+    }
+    if summary.unreadable_tags.len() > SHOWN {
+        output.message("  ... `ieap status` lists all");
+    }
 }
 
 /// What is said of files that the system could not give.

@@ -8,6 +8,7 @@ use super::fit_choice::FitChoiceArgs;
 use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest, report, signals};
 use crate::domain::Fault;
+use crate::pipeline::status::raw_files_lost;
 use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary, left};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
@@ -20,11 +21,17 @@ pub struct RunArgs {
     /// Leave the diagnosis for later (`ieap diagnose`)
     #[arg(long)]
     no_diagnose: bool,
+    /// Make a new database from the files in the campaign, where the old one is lost or damaged; it is moved aside
+    #[arg(long, conflicts_with = "new_archive")]
+    new_database: bool,
+    /// Make a new archive from the files in the campaign, where the old one is lost
+    #[arg(long)]
+    new_archive: bool,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
-    let mut context = args.campaign.open(global, output)?;
+    let mut context = open(args, global, output)?;
     let job = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,
@@ -35,7 +42,17 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let summary = done?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
-    Ok(status(&summary))
+    let mut all_taken = !summary.ingest.left_out_inputs();
+    if args.new_archive {
+        let lost = raw_files_lost(&context)?;
+        for file in &lost {
+            file.issues
+                .iter()
+                .for_each(|issue| output.issue(&file.path, issue));
+        }
+        all_taken &= lost.is_empty();
+    }
+    Ok(status(&summary, all_taken))
 }
 
 /// Said where the work under way did not end by itself in time.
@@ -67,11 +84,37 @@ fn interrupted(context: &Context, no_diagnose: bool, output: &Output) -> Result<
 
 /// Done, done without some of the files, or done but for what a fault of the program left out, which comes first; then comes
 /// a report that could not be written.
-pub fn status(summary: &RunSummary) -> u8 {
+fn status(summary: &RunSummary, all_taken: bool) -> u8 {
     match summary.report.refused {
         Some(_) if !summary.has_fault() => STORAGE,
-        _ => exit::after(summary.has_fault(), summary.ingest.all_taken()),
+        _ => exit::after(summary.has_fault(), all_taken),
     }
+}
+
+/// Opens the campaign, with a new database or a new archive where that is asked for, and says what that means.
+fn open(args: &RunArgs, global: &Global, output: &Output) -> Result<Context, CliError> {
+    let folder = args.campaign.folder()?;
+    let context = if args.new_database {
+        let (context, aside) = Context::open_with_new_database(&folder, global.i_know)?;
+        if let Some(aside) = aside {
+            output.message(&format!("The old database was moved aside: {}", aside.display()));
+        }
+        output.message(
+            "A new database is made. What only the old one held is not in it: tags set by hand, which runs were \
+             dropped and why, earlier revisions and fits, which alarms were told, and runs whose files are gone.",
+        );
+        context
+    } else if args.new_archive {
+        let context = Context::open_with_new_archive(&folder, global.i_know)?;
+        output.message(
+            "A new archive is made from the files in the campaign; `ieap status` lists what it lacks.",
+        );
+        context
+    } else {
+        return args.campaign.open(global, output);
+    };
+    super::say_what_is_not_understood(&context, output);
+    Ok(context)
 }
 
 /// What was done, and where the report is.

@@ -88,8 +88,15 @@ fn print(status: &Status, output: &Output) {
     set_aside(status, output);
     section(output, "file", "refused", &status.refused);
     section(output, "file", ingest::NOT_READ, &status.unread);
+    unreadable_tags(status, output);
     let waiting = "waiting (empty, header only, or still growing)";
     section(output, "file", waiting, &status.pending);
+    section(
+        output,
+        "raw file",
+        "lost from the archive",
+        &status.raw_files_lost,
+    );
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
     ingest::pattern(output, status.proposed_pattern.as_ref());
@@ -139,6 +146,22 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", outdated, &status.findings_out_of_date);
     if let Some(refused) = &status.report_refused {
         output.result(&format!("report that cannot be written anew:\n  {refused}"));
+    }
+}
+
+/// Tag files that cannot be read, and for how many runs each speaks.
+fn unreadable_tags(status: &Status, output: &Output) {
+    let found = &status.unreadable_tags;
+    if found.is_empty() {
+        return;
+    }
+    output.result(&format!(
+        "{} of tags cannot be read; the runs that they speak for keep the tags that they had, or wait:",
+        counted(found.len(), "statement")
+    ));
+    for tags in found {
+        issue(output, "  ", &tags.issue);
+        output.result(&format!("      it speaks for {}", counted(tags.runs, "run")));
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::holdings::HoldingsError;
 use super::simulate::SpecError;
 use crate::analysis::ExportError;
 use crate::fit::FitError;
@@ -28,6 +29,9 @@ pub enum PipelineError {
     /// The database refused.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The database and the archive are not there, or not those of one campaign.
+    #[error(transparent)]
+    Holdings(#[from] HoldingsError),
     /// The runs folder cannot be listed.
     #[error(transparent)]
     Scan(#[from] ScanError),
@@ -157,12 +161,25 @@ impl PipelineError {
         use PipelineError as E;
         match self {
             E::Store(_)
+            | E::Holdings(_)
             | E::Archive(_)
             | E::File { .. }
             | E::NotOurs { .. }
             | E::Export(ExportError::Write { .. }) => true,
             E::Report(error) => error.is_of_disk(),
             _ => false,
+        }
+    }
+
+    /// Whether that may pass by itself: space may be freed, a share may come back, a lock may be released. A database that
+    /// is gone, foreign or damaged stays so until somebody mends it.
+    pub fn may_pass(&self) -> bool {
+        use PipelineError as E;
+        match self {
+            E::Store(error) => !error.is_for_good(),
+            E::Holdings(_) => false,
+            E::Scan(_) => true,
+            other => other.is_storage(),
         }
     }
 

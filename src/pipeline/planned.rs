@@ -84,7 +84,7 @@ fn sorted(sheets: &RunSheets, runs: &[RunRecord]) -> Planned {
         .collect();
     let mut planned = Planned {
         sheets: sheets.sheets.iter().map(|sheet| sheet.path.clone()).collect(),
-        damaged_sheets: sheets.damaged.iter().cloned().collect(),
+        damaged_sheets: sheets.damaged.keys().cloned().collect(),
         ..Planned::default()
     };
     for sheet in &sheets.sheets {

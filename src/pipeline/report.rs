@@ -26,9 +26,9 @@ use crate::report;
 /// Folder of the report inside a campaign.
 pub const REPORT_FOLDER: &str = "report";
 /// Says what a report was made from, so that an unchanged one is not made again. A report with faults has none.
-const STAMP: &str = ".made-from";
+pub(super) const STAMP: &str = ".made-from";
 /// What a fault of the program left out of the report; there where something is.
-const FAULTS: &str = ".faults.json";
+pub(super) const FAULTS: &str = ".faults.json";
 
 /// The verb `report`.
 #[derive(Debug, Clone, Copy, Default)]

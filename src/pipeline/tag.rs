@@ -6,7 +6,7 @@ use super::context::now;
 use super::{Context, Observer, PipelineError, climate};
 use crate::domain::{FileState, Issue, RunState};
 use crate::ingest::tags::objection;
-use crate::pipeline::ingest::{IngestSummary, retag_runs};
+use crate::pipeline::ingest::{IngestSummary, retag_runs, unreadable_tags};
 use crate::store::HandTag;
 
 /// The verb `tag`.
@@ -54,10 +54,10 @@ impl SetTags {
             .add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
         let mut retagged = IngestSummary::default();
         retag_runs(context, &mut retagged, observer)?;
-        for (path, issue) in &retagged.unread {
+        for tags in unreadable_tags(context)? {
             observer.warn(&format!(
-                "{path}: {}; runs that it tags are tagged again later",
-                issue.message
+                "{}: {}; runs that it tags are tagged again later",
+                tags.issue.place, tags.issue.message
             ));
         }
         let shelf = climate::Shelf::open(&context.store)?;

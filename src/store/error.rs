@@ -40,7 +40,7 @@ pub enum StoreError {
     },
     /// The file is no database, or is damaged.
     #[error(
-        "{path}: this is not a readable SQLite database ({detail}). Move it away (with its -wal and -shm files); `ieap run` makes a new one from the files in the campaign."
+        "{path}: this is not a readable SQLite database ({detail}). Put a backup of it back. If there is none, `ieap run --new-database` moves it aside and makes a new one from the files in the campaign; what only the database held is lost then."
     )]
     NotADatabase {
         /// The database file.
@@ -62,7 +62,7 @@ pub enum StoreError {
     },
     /// The database says that it is empty, and holds tables.
     #[error(
-        "{path}: the database holds tables and no version of their schema (user_version is 0): another program wrote to it. Restore a backup, or move it away (with its -wal and -shm files); `ieap run` makes a new one from the files in the runs folder, but tags set by hand are lost."
+        "{path}: the database holds tables and no version of their schema (user_version is 0): another program wrote to it. Put a backup of it back. If there is none, `ieap run --new-database` moves it aside and makes a new one from the files in the campaign; what only the database held, such as tags set by hand, is lost then."
     )]
     NoVersion {
         /// The database file.
@@ -112,6 +112,14 @@ pub enum StoreError {
         /// Version found.
         found: &'static str,
     },
+    /// The file that is open is no longer the database of the campaign.
+    #[error(
+        "{path}: the file was deleted or replaced while this program had it open. What was stored until then is in the file that is gone. Put that file or a backup back, with no other ieap running, then start again."
+    )]
+    Replaced {
+        /// The database file, or its write-ahead log.
+        path: PathBuf,
+    },
     /// The database lies on a network share.
     #[error(
         "{path}: the campaign lies on a network file system ({kind}), where SQLite's write-ahead log is not safe. Copy the campaign to a local disk, or pass --i-know to go on at your own risk."
@@ -152,13 +160,21 @@ pub enum StoreError {
     },
     /// A stored value does not read back.
     #[error(
-        "the database holds a value that does not read back: {what} ({detail}). Restore a backup, or move campaign.db away and run `ieap run`."
+        "the database holds a value that does not read back: {what} ({detail}). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
     )]
     BadValue {
         /// Which value.
         what: &'static str,
         /// What was found.
         detail: String,
+    },
+    /// Stored rows are not those that were stored.
+    #[error(
+        "campaign.db is damaged: {what} is not as it was stored (its checksum does not match). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
+    )]
+    Damaged {
+        /// Which rows.
+        what: String,
     },
     /// Any other failure of SQLite.
     #[error("{path}: {doing} failed: {detail}")]
@@ -173,6 +189,23 @@ pub enum StoreError {
 }
 
 impl StoreError {
+    /// Whether trying again cannot help: the database is gone, damaged, or of another program.
+    pub fn is_for_good(&self) -> bool {
+        use StoreError as E;
+        matches!(
+            self,
+            E::NotADatabase { .. }
+                | E::NoVersion { .. }
+                | E::NotALock { .. }
+                | E::Older { .. }
+                | E::Migration { .. }
+                | E::Newer { .. }
+                | E::Replaced { .. }
+                | E::Damaged { .. }
+                | E::BadValue { .. }
+        )
+    }
+
     /// Names what was being done with the database at `path` when SQLite failed.
     pub(super) fn from_sql(
         path: &std::path::Path,

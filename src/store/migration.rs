@@ -7,9 +7,10 @@ use rusqlite_migration::{M, Migrations};
 
 use super::StoreError;
 use super::error::plain;
+use super::in_place::has_no_tables;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 11] = [
+const HISTORY: [&str; 12] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
@@ -21,6 +22,7 @@ const HISTORY: [&str; 11] = [
     include_str!("../../migrations/0010_standing.sql"),
     include_str!("../../migrations/0013_asked_fit.sql"),
     include_str!("../../migrations/0008_unread_files.sql"),
+    include_str!("../../migrations/0009_integrity.sql"),
 ];
 
 /// Schema version that this program writes.
@@ -43,10 +45,10 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
             known: NEWEST,
         });
     }
+    refuse_unversioned(connection, path, found)?;
     if found == NEWEST {
         return Ok(());
     }
-    refuse_unversioned(connection, path, found)?;
     if found > 0 {
         back_up(connection, path, found)?;
     }
@@ -80,14 +82,8 @@ fn is_of_schema(error: &rusqlite::Error) -> bool {
 
 /// Refuses a database that holds tables and says that it holds none.
 pub(super) fn refuse_unversioned(connection: &Connection, path: &Path, found: i64) -> Result<(), StoreError> {
-    let holds_tables = || {
-        let sql = "SELECT count(*) FROM sqlite_schema WHERE type = 'table'";
-        connection
-            .query_row(sql, [], |row| row.get::<_, i64>(0))
-            .map(|count| count > 0)
-    };
     let failed = |e| StoreError::from_sql(path, "reading the schema", e);
-    match found == 0 && holds_tables().map_err(failed)? {
+    match found == 0 && !has_no_tables(connection).map_err(failed)? {
         true => Err(StoreError::NoVersion {
             path: path.to_owned(),
         }),

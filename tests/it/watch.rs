@@ -46,6 +46,12 @@ impl Watching {
                 .unwrap()
                 .success()
         );
+        self.end()
+    }
+
+    /// Waits until it ends; gives exit status and what it said.
+    #[cfg(unix)]
+    pub fn end(&mut self) -> (i32, String) {
         let mut said = String::new();
         std::io::Read::read_to_string(&mut self.child.stderr.take().unwrap(), &mut said).unwrap();
         (self.child.wait().unwrap().code().unwrap_or(-1), said)

@@ -62,8 +62,12 @@ pub struct IngestSummary {
     pub refused: Vec<(String, Issue)>,
     /// Files that the system could not give, with what it said: nothing is decided about them, and every scan tries again.
     pub unread: Vec<(String, Issue)>,
+    /// What cannot be read of tag files, now: the runs that they speak for wait.
+    pub unreadable_tags: Vec<UnreadableTags>,
     /// Files that wait: empty, header only, or still growing.
     pub waiting: Vec<String>,
+    /// Raw files that the archive had lost, or held with other bytes, and that are whole again.
+    pub mended: Vec<String>,
     /// Files that are no longer there, found now.
     pub gone: Vec<String>,
     /// Runs whose tags changed.
@@ -82,15 +86,30 @@ pub struct IngestSummary {
     pub logs: LogSummary,
 }
 
-impl IngestSummary {
-    /// Files that were not taken in, with the reason: refused, or not to be had from the system.
-    pub fn not_taken(&self) -> impl Iterator<Item = &(String, Issue)> {
-        self.refused.iter().chain(&self.unread)
-    }
+/// A tag file, or a statement in it, that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct UnreadableTags {
+    /// Where, why, and how to mend it.
+    pub issue: Issue,
+    /// Runs that it speaks for: those that had tags keep them, the others wait.
+    pub runs: usize,
+}
 
-    /// Whether every file was taken in.
-    pub fn all_taken(&self) -> bool {
-        self.not_taken().next().is_none()
+/// What cannot be read of the tag files of a campaign.
+///
+/// # Errors
+/// The database cannot be read.
+pub(super) fn unreadable_tags(context: &Context) -> Result<Vec<UnreadableTags>, PipelineError> {
+    let found = context.store.unreadable_tag_files()?.into_iter();
+    Ok(found
+        .map(|(issue, runs)| UnreadableTags { issue, runs })
+        .collect())
+}
+
+impl IngestSummary {
+    /// Whether some inputs could not be used: refused, not to be had from the system, or tags that cannot be read.
+    pub fn left_out_inputs(&self) -> bool {
+        !self.refused.is_empty() || !self.unread.is_empty() || !self.unreadable_tags.is_empty()
     }
 
     /// Whether the database changed.
@@ -145,10 +164,11 @@ impl Ingest<'_> {
         context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
         let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
-        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
             let with = (&readers, &shelf);
             settle::settle(context, with, prepared, &changes, &mut summary, observer)
         })?;
+        summary.mended.extend(mended);
         observer.end();
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
@@ -202,11 +222,12 @@ impl Ingest<'_> {
         };
         let groups: Vec<Group> = ready.into_iter().map(group).collect();
         observer.begin("reading climate logs", groups.len() as u64);
-        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
             prepared.files.iter().try_for_each(|file| {
                 climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
             })
         })?;
+        summary.mended.extend(mended);
         observer.end();
         settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
@@ -348,6 +369,7 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.waiting.sort();
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;
+    summary.unreadable_tags = unreadable_tags(context)?;
     let aside = standing::runs(context)?.set_aside;
     summary
         .untagged

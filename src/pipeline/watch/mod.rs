@@ -77,8 +77,8 @@ impl Watch {
     /// from several threads. A disk that is full or a share that went offline is waited for.
     ///
     /// # Errors
-    /// The folder cannot be watched, campaign.toml is wrong at the start, or the disk or the database refused
-    /// for an hour.
+    /// The folder cannot be watched, campaign.toml is wrong at the start, the database or the archive is gone, replaced or
+    /// damaged, or the disk or the database refused for an hour.
     pub fn run(
         &self,
         context: &mut Context,
@@ -157,7 +157,8 @@ impl Shared<'_> {
             self.reload(context);
             sightings.begin();
             let ready = &mut |file: &SeenFile| sightings.is_ready(file, Instant::now());
-            let taken = Ingest { ready }.run(context, &unmeasured);
+            let in_place = context.check_in_place();
+            let taken = in_place.and_then(|()| Ingest { ready }.run(context, &unmeasured));
             let wait = match refusals.passed(taken, self.observer)? {
                 Some(summary) => {
                     sightings.note_unread(&summary.unread, Instant::now());
@@ -182,7 +183,8 @@ impl Shared<'_> {
         let mut first = true;
         while self.work.wait(self.stop) {
             self.reload(context);
-            let made = self.job.make(context, self.observer).and_then(|mut made| {
+            let made = context.check_in_place().and_then(|()| {
+                let mut made = self.job.make(context, self.observer)?;
                 let report = render(context, self.observer, &mut made.faults)?;
                 Ok((made, report))
             });
@@ -209,14 +211,17 @@ impl Shared<'_> {
             let begun = Instant::now();
             let may_go_on = || begun.elapsed() < TURN && !self.stop.is_asked();
             let diagnosis = self.job.diagnosis();
-            let before = context.store.changes()?;
-            let found = diagnosis.run_while(context, &unmeasured, &may_go_on, &mut |_| Ok(()));
+            let found = context.check_in_place().and_then(|()| {
+                let before = context.store.changes()?;
+                let summary = diagnosis.run_while(context, &unmeasured, &may_go_on, &mut |_| Ok(()))?;
+                Ok((summary, context.store.changes()? != before))
+            });
             match refusals.passed(found, self.observer)? {
-                Some(summary) => {
+                Some((summary, changed)) => {
                     if summary.diagnosed > 0 {
                         (self.hear)(&Watched::Diagnosed(&summary));
                     }
-                    if context.store.changes()? != before {
+                    if changed {
                         self.work.ring();
                     }
                     if summary.left > 0 {
@@ -254,7 +259,7 @@ impl Refusals {
                 self.0 = 0;
                 Ok(Some(done))
             }
-            Err(error) if may_pass(&error) && self.0 < MOST_REFUSALS => {
+            Err(error) if error.may_pass() && self.0 < MOST_REFUSALS => {
                 self.0 += 1;
                 observer.warn(&format!(
                     "{error}; the watch tries again in {} s",
@@ -265,11 +270,6 @@ impl Refusals {
             Err(error) => Err(error),
         }
     }
-}
-
-/// Whether an error may pass by itself: space may be freed, a share may come back, a lock may be released.
-fn may_pass(error: &PipelineError) -> bool {
-    error.is_storage() || matches!(error, PipelineError::Scan(_))
 }
 
 /// Waits for a reason to look again; tells whether to stop.
