@@ -203,6 +203,11 @@ pub fn among<'a>(
     sheets.map(|file| file.display.as_str()).collect()
 }
 
+/// Whether the name of a file says that it is a run sheet, whatever it holds.
+pub fn is_named_as_one(path: &str) -> bool {
+    has_name(path.rsplit('/').next().unwrap_or(path))
+}
+
 fn has_name(name: &str) -> bool {
     let name = name.to_lowercase();
     name == "run-sheet.csv" || name.ends_with(".run-sheet.csv")

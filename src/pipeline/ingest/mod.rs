@@ -175,9 +175,10 @@ impl Ingest<'_> {
         drop((groups, changes, seen, stored));
         // What runs of the same readings are tagged with is known together.
         summary.copies = copies::find_copies(context, observer)?;
+        // A run sheet that could not be read is in doubt when runs are tagged.
+        keep_unread(context, &mut summary)?;
         retag::retag_runs(context, &mut summary, observer)?;
         climate::assess(context, &shelf)?;
-        keep_unread(context, &mut summary)?;
         list_states(context, &mut summary)?;
         Ok(summary)
     }
