@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::exit::{self, CliError};
 use super::output::{Output, counted};
-use super::{CampaignArg, Global};
+use super::{CampaignArg, Global, ingest};
 use crate::domain::{Gain, Verdict};
 use crate::model::effects;
 use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
@@ -40,10 +40,7 @@ pub struct DiagnoseArgs {
 pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest
-        .refused
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
+    ingest::left_out(&ingest, output);
     fit_what_is_due(global, &mut context, output)?;
     let choice = DiagnoseChoice {
         model: args.model.clone(),
@@ -71,7 +68,7 @@ pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, 
     output.document(&document)?;
     Ok(exit::after(
         summary.has_fault() || !document.faults.is_empty(),
-        ingest.refused.is_empty(),
+        !ingest.left_out_inputs(),
     ))
 }
 

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::exit::{self, CliError};
 use super::output::Output;
-use super::{CampaignArg, Global};
+use super::{CampaignArg, Global, ingest};
 use crate::domain::seconds::seconds;
 use crate::pipeline::dma_document::{LogEntry, dma_document};
 use crate::pipeline::estimate_words::in_words;
@@ -23,10 +23,7 @@ pub struct DmaArgs {
 pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = args.campaign.open(global, output)?;
     let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest
-        .refused
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
+    ingest::left_out(&ingest, output);
     let summary = AnalyseModulus { again: args.again }.run(&mut context, output)?;
     output.message(&format!(
         "{} analysed, {} up to date, {} could not be analysed",
@@ -41,7 +38,7 @@ pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let document = dma_document(&context)?;
     document.logs.iter().for_each(|log| print(log, output));
     output.document(&document)?;
-    Ok(exit::after(summary.has_fault(), ingest.refused.is_empty()))
+    Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
 }
 
 fn print(log: &LogEntry, output: &Output) {

@@ -17,6 +17,9 @@ pub const STORAGE: u8 = 4;
 /// Done, and an alarm stands (`ieap status --alarms`).
 pub const ALARM: u8 = 5;
 
+/// Interrupted by a signal, as shells count it.
+pub const INTERRUPTED: u8 = 130;
+
 /// The status of work that was done: whether a fault of the program left out part of it, and whether every input was taken.
 pub fn after(has_fault: bool, all_taken: bool) -> u8 {
     match (has_fault, all_taken) {
@@ -31,6 +34,7 @@ pub fn after(has_fault: bool, all_taken: bool) -> u8 {
 pub struct CliError {
     status: u8,
     message: String,
+    is_second_instance: bool,
 }
 
 impl CliError {
@@ -39,6 +43,7 @@ impl CliError {
         CliError {
             status: USAGE,
             message: message.to_owned(),
+            is_second_instance: false,
         }
     }
 
@@ -47,7 +52,19 @@ impl CliError {
         CliError {
             status: INTERNAL,
             message: message.to_owned(),
+            is_second_instance: false,
         }
+    }
+
+    /// Whether another program works on the campaign.
+    pub fn is_second_instance(&self) -> bool {
+        self.is_second_instance
+    }
+
+    /// The same with a sentence more.
+    pub fn with(mut self, sentence: &str) -> CliError {
+        self.message.push_str(sentence);
+        self
     }
 
     /// The exit status it ends with.
@@ -72,6 +89,7 @@ impl From<PipelineError> for CliError {
         CliError {
             status,
             message: error.to_string(),
+            is_second_instance: error.is_second_instance(),
         }
     }
 }

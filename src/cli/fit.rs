@@ -5,11 +5,12 @@ use clap::Args;
 use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
 use super::fit_group::{self, GroupArgs};
-use super::output::Output;
-use super::{CampaignArg, Global};
+use super::output::{Output, counted};
+use super::{CampaignArg, Global, ingest};
+use crate::domain::FileState;
 use crate::pipeline::estimate_words::in_words;
 use crate::pipeline::fits_document::{FitEntry, fits_document};
-use crate::pipeline::{FitRuns, FitSummary, Ingest};
+use crate::pipeline::{Context, FitRuns, FitSummary, Ingest, PipelineError, files_due};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
 #[derive(Debug, Args)]
@@ -26,29 +27,66 @@ pub struct FitArgs {
 }
 
 pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = args.campaign.open(global, output)?;
-    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest
-        .refused
-        .iter()
-        .for_each(|(path, issue)| output.issue(path, issue));
-    let summary = FitRuns {
+    let fits = FitRuns {
         choice: args.fit.choice(global),
         again: args.again,
-    }
-    .run(&mut context, output)?;
+    };
+    let mut context = match args.campaign.open(global, output) {
+        Err(error) if error.is_second_instance() => return beside(args, &fits, global, output, error),
+        opened => opened?,
+    };
+    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
+    ingest::left_out(&ingest, output);
+    let summary = fits.run(&mut context, output)?;
     say(&summary, output);
-    let mut document = fits_document(&context)?;
+    tell(args, global, &context, output)?;
+    Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
+}
+
+/// Beside a program that works on the campaign: what is fitted is told where nothing is to be done, since that only reads.
+fn beside(
+    args: &FitArgs,
+    fits: &FitRuns,
+    global: &Global,
+    output: &Output,
+    refused: CliError,
+) -> Result<u8, CliError> {
+    let context = args.campaign.open_read_only(output)?;
+    let (files, runs) = (files_due(&context)?, fits.due(&context)?);
+    if files + runs > 0 {
+        return Err(refused.with(&format!(
+            " It has {} to take in and {} to fit before the results are current; `ieap table` shows those that are there.",
+            counted(files, "file"),
+            counted(runs, "run")
+        )));
+    }
+    tell(args, global, &context, output)?;
+    Ok(match left_out_inputs(&context)? {
+        true => exit::SOME_REFUSED,
+        false => exit::DONE,
+    })
+}
+
+/// Whether some inputs could not be used, as far as is stored.
+fn left_out_inputs(context: &Context) -> Result<bool, PipelineError> {
+    let unsettled = context.store.unsettled_files()?;
+    Ok(unsettled.iter().any(|file| file.state == FileState::Refused)
+        || !context.store.unread_files()?.is_empty()
+        || !context.store.unreadable_tag_files()?.is_empty())
+}
+
+/// The results for people or machines.
+fn tell(args: &FitArgs, global: &Global, context: &Context, output: &Output) -> Result<(), CliError> {
+    let mut document = fits_document(context)?;
     match args.group.groups(args.fit.choice(global))? {
         None => document.fits.iter().for_each(|fit| print(fit, output)),
         Some(groups) => {
-            let groups = groups.run(&context, output)?;
+            let groups = groups.run(context, output)?;
             groups.iter().for_each(|group| fit_group::print(group, output));
             document.groups = Some(groups);
         }
     }
-    output.document(&document)?;
-    Ok(exit::after(summary.has_fault(), ingest.refused.is_empty()))
+    output.document(&document)
 }
 
 /// What was fitted, and what went wrong on the way.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, DONE, SOME_REFUSED};
+use super::exit::{self, CliError};
 use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::Issue;
@@ -25,11 +25,7 @@ pub fn run(args: &IngestArgs, global: &Global, output: &Output) -> Result<u8, Cl
     let summary = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/ingest/1", "ingest": summary }))?;
-    Ok(if summary.refused.is_empty() {
-        DONE
-    } else {
-        SOME_REFUSED
-    })
+    Ok(exit::after(false, !summary.left_out_inputs()))
 }
 
 /// How many entries of a kind are listed; `ieap status` lists all.
@@ -75,8 +71,35 @@ pub fn print(summary: &IngestSummary, output: &Output) {
     let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
     list(output, "run", no_steps, &summary.no_steps);
     told(output, &summary.undeclared_tags);
-    refused(output, &summary.refused);
+    left_out(summary, output);
 }
+
+/// What could not be used: files that were refused or that the system could not give, tag files that cannot be read.
+pub(super) fn left_out(summary: &IngestSummary, output: &Output) {
+    refused(output, "refused", &summary.refused);
+    refused(output, NOT_READ, &summary.unread);
+    if summary.unreadable_tags.is_empty() {
+        return;
+    }
+    output.message(&format!(
+        "{} of tags cannot be read; the runs that they speak for keep the tags that they had, or wait:",
+        counted(summary.unreadable_tags.len(), "statement")
+    ));
+    for tags in summary.unreadable_tags.iter().take(SHOWN) {
+        let place = format!("{} ({})", tags.issue.place, counted(tags.runs, "run"));
+        let issue = Issue {
+            place: String::new(),
+            ..tags.issue.clone()
+        };
+        output.issue(&place, &issue);
+    }
+    if summary.unreadable_tags.len() > SHOWN {
+        output.message("  ... `ieap status` lists all");
+    }
+}
+
+/// What is said of files that the system could not give.
+pub const NOT_READ: &str = "that could not be read now, tried again at every look";
 
 /// The same of many runs: one line for all, with their number and one of them.
 fn told(output: &Output, all: &[Together]) {
@@ -104,12 +127,13 @@ pub fn pattern(output: &Output, proposed: Option<&ProposedPattern>) {
     ));
 }
 
-/// Refused files; those with the same reason and mend are told together, and of many only the first are listed.
-fn refused(output: &Output, refused: &[(String, Issue)]) {
+/// Files that were not taken in; those with the same reason and mend are told together, and of many only the first are
+/// listed.
+fn refused(output: &Output, title: &str, refused: &[(String, Issue)]) {
     if refused.is_empty() {
         return;
     }
-    output.message(&format!("{} refused:", counted(refused.len(), "file")));
+    output.message(&format!("{} {title}:", counted(refused.len(), "file")));
     let entries = refused
         .iter()
         .map(|(path, issue)| (path.as_str(), vec![issue.clone()]));

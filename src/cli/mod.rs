@@ -24,6 +24,7 @@ mod profile;
 mod report;
 mod run;
 mod serve;
+mod signals;
 mod simulate;
 mod status;
 mod table;

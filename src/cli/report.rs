@@ -3,10 +3,10 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{self, CliError};
+use super::exit::{self, CliError, STORAGE};
 use super::output::Output;
 use super::{CampaignArg, Global, run};
-use crate::pipeline::RenderReport;
+use crate::pipeline::{RenderReport, ReportSummary};
 
 /// Render the report from the database, without looking for new files
 #[derive(Debug, Args)]
@@ -21,8 +21,22 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let context = args.campaign.open(global, output)?;
     let summary = RenderReport { again: args.again }.run(&context, output)?;
-    run::say_faults(&summary.faults, output);
-    output.result(&format!("Report: {}", summary.index.display()));
+    print(&summary, output);
     output.document(&json!({ "schema": "ieap/report/1", "report": summary }))?;
-    Ok(exit::after(!summary.faults.is_empty(), true))
+    Ok(match summary.refused {
+        None => exit::after(!summary.faults.is_empty(), true),
+        Some(_) => STORAGE,
+    })
+}
+
+/// Where the report is and what it lacks, or why it was not made.
+pub fn print(summary: &ReportSummary, output: &Output) {
+    run::say_faults(&summary.faults, output);
+    match (&summary.refused, summary.rendered) {
+        (Some(refused), _) => output.error(&format!("the report was not written. {refused}")),
+        // A report that could not be made has no page to open.
+        (None, false) if summary.index.as_os_str().is_empty() => {}
+        (None, true) => output.result(&format!("Report: {}", summary.index.display())),
+        (None, false) => output.result(&format!("Report: {} (unchanged)", summary.index.display())),
+    }
 }

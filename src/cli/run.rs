@@ -3,12 +3,13 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{self, CliError};
+use super::exit::{self, CliError, INTERRUPTED, STORAGE};
 use super::fit_choice::FitChoiceArgs;
 use super::output::{Output, counted};
-use super::{CampaignArg, Global, diagnose, ingest};
+use super::{CampaignArg, Global, diagnose, ingest, report, signals};
 use crate::domain::Fault;
-use crate::pipeline::{Run, RunSummary};
+use crate::pipeline::status::raw_files_lost;
+use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary, left};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
 #[derive(Debug, Args)]
@@ -20,29 +21,126 @@ pub struct RunArgs {
     /// Leave the diagnosis for later (`ieap diagnose`)
     #[arg(long)]
     no_diagnose: bool,
+    /// Make a new database from the files in the campaign, where the old one is lost or damaged; it is moved aside
+    #[arg(long, conflicts_with = "new_archive")]
+    new_database: bool,
+    /// Make a new archive from the files in the campaign, where the old one is lost
+    #[arg(long)]
+    new_archive: bool,
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let mut context = args.campaign.open(global, output)?;
-    let summary = Run {
+    let interrupt = signals::listen(global.quiet, INTERRUPTED, CUT_OFF)?;
+    let mut context = open(args, global, output)?;
+    let job = Run {
         fit: args.fit.choice(global),
         skip_diagnosis: args.no_diagnose,
-    }
-    .run(&mut context, output)?;
+    };
+    let Some(done) = interrupt.run(|| job.run(&mut context, output)) else {
+        return interrupted(&context, args.no_diagnose, output);
+    };
+    let summary = done?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
-    Ok(status(&summary))
+    let mut all_taken = !summary.ingest.left_out_inputs();
+    if args.new_archive {
+        let lost = raw_files_lost(&context)?;
+        for file in &lost {
+            file.issues
+                .iter()
+                .for_each(|issue| output.issue(&file.path, issue));
+        }
+        all_taken &= lost.is_empty();
+    }
+    Ok(status(&summary, all_taken))
 }
 
-/// Done, done with refusals, or done but for what a fault of the program left out.
-pub fn status(summary: &RunSummary) -> u8 {
-    exit::after(summary.has_fault(), summary.ingest.refused.is_empty())
+/// Said where the work under way did not end by itself in time.
+const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap run` goes on from there.";
+
+/// Says what is left of a run that was interrupted.
+fn interrupted(context: &Context, no_diagnose: bool, output: &Output) -> Result<u8, CliError> {
+    output.end();
+    let left = left(context)?;
+    let mut parts = Vec::new();
+    if left.fits > 0 {
+        parts.push(format!("{} to fit", counted(left.fits, "run")));
+    }
+    if left.diagnoses > 0 && !no_diagnose {
+        parts.push(format!("{} to diagnose", counted(left.diagnoses, "group")));
+    }
+    if left.report {
+        parts.push("the report to be written anew".to_owned());
+    }
+    let left = match parts.is_empty() {
+        true => "new files, if there are any".to_owned(),
+        false => parts.join(", "),
+    };
+    output.message(&format!(
+        "Interrupted. What was made so far is kept. Left: {left}. `ieap run` goes on from there."
+    ));
+    Ok(INTERRUPTED)
+}
+
+/// Done, done without some of the files, or done but for what a fault of the program left out, which comes first; then comes
+/// a report that could not be written.
+fn status(summary: &RunSummary, all_taken: bool) -> u8 {
+    match summary.report.refused {
+        Some(_) if !summary.has_fault() => STORAGE,
+        _ => exit::after(summary.has_fault(), all_taken),
+    }
+}
+
+/// Opens the campaign, with a new database or a new archive where that is asked for, and says what that means.
+fn open(args: &RunArgs, global: &Global, output: &Output) -> Result<Context, CliError> {
+    let folder = args.campaign.folder()?;
+    let context = if args.new_database {
+        let (context, aside) = Context::open_with_new_database(&folder, global.i_know)?;
+        if let Some(aside) = aside {
+            output.message(&format!("The old database was moved aside: {}", aside.display()));
+        }
+        output.message(
+            "A new database is made. What only the old one held is not in it: tags set by hand, which runs were \
+             dropped and why, earlier revisions and fits, which alarms were told, and runs whose files are gone.",
+        );
+        context
+    } else if args.new_archive {
+        let context = Context::open_with_new_archive(&folder, global.i_know)?;
+        output.message(
+            "A new archive is made from the files in the campaign; `ieap status` lists what it lacks.",
+        );
+        context
+    } else {
+        return args.campaign.open(global, output);
+    };
+    super::say_what_is_not_understood(&context, output);
+    Ok(context)
 }
 
 /// What was done, and where the report is.
-pub fn print(summary: &RunSummary, output: &Output) {
+fn print(summary: &RunSummary, output: &Output) {
     ingest::print(&summary.ingest, output);
-    let fit = &summary.fit;
+    let made = Made {
+        fit: summary.fit.clone(),
+        modulus: summary.modulus.clone(),
+        alarms: summary.alarms.clone(),
+        faults: Vec::new(),
+    };
+    print_made(&made, output);
+    print_diagnosed(&summary.diagnose, output);
+    if !summary.set_aside.is_empty() {
+        let runs = counted(summary.set_aside.len(), "run");
+        output.result(&format!(
+            "set aside, in no result: {runs}; `ieap status` says why"
+        ));
+    }
+    say_faults(&summary.faults, output);
+    report::print(&summary.report, output);
+}
+
+/// Fits, modulus logs and alarms.
+pub fn print_made(made: &Made, output: &Output) {
+    let fit = &made.fit;
     output.result(&format!(
         "fits: {} new, {} up to date, {} could not be made",
         fit.fitted,
@@ -57,7 +155,7 @@ pub fn print(summary: &RunSummary, output: &Output) {
     for path in &fit.not_converged {
         output.message(&format!("  {path}: the search did not converge; see its page"));
     }
-    let modulus = &summary.modulus;
+    let modulus = &made.modulus;
     if modulus.analysed + modulus.up_to_date + modulus.failed.len() > 0 {
         output.result(&format!(
             "modulus logs: {} analysed, {} up to date, {} could not be analysed",
@@ -70,7 +168,18 @@ pub fn print(summary: &RunSummary, output: &Output) {
             .iter()
             .for_each(|(path, issue)| output.issue(path, issue));
     }
-    let diagnosed = &summary.diagnose;
+    if made.alarms.standing > 0 {
+        output.result(&format!(
+            "alarms: {} ({} new); see `ieap status --alarms`",
+            made.alarms.standing,
+            made.alarms.new.len()
+        ));
+    }
+    say_faults(&made.faults, output);
+}
+
+/// What was diagnosed, and what is to come.
+pub fn print_diagnosed(diagnosed: &DiagnoseSummary, output: &Output) {
     diagnose::say(diagnosed, output);
     let left = match diagnosed.left {
         0 => String::new(),
@@ -80,30 +189,6 @@ pub fn print(summary: &RunSummary, output: &Output) {
         "diagnoses: {} new, {} up to date{left}",
         diagnosed.diagnosed, diagnosed.up_to_date
     ));
-    if !summary.set_aside.is_empty() {
-        let runs = counted(summary.set_aside.len(), "run");
-        output.result(&format!(
-            "set aside, in no result: {runs}; `ieap status` says why"
-        ));
-    }
-    if summary.alarms.standing > 0 {
-        output.result(&format!(
-            "alarms: {} ({} new); see `ieap status --alarms`",
-            summary.alarms.standing,
-            summary.alarms.new.len()
-        ));
-    }
-    say_faults(&summary.faults, output);
-    say_faults(&summary.report.faults, output);
-    let state = if summary.report.rendered {
-        ""
-    } else {
-        " (unchanged)"
-    };
-    // A report that could not be made has no page to open.
-    if !summary.report.index.as_os_str().is_empty() {
-        output.result(&format!("Report: {}{state}", summary.report.index.display()));
-    }
 }
 
 /// What a fault of the program left out.

@@ -3,9 +3,9 @@
 use clap::Args;
 use serde_json::json;
 
-use super::CampaignArg;
 use super::exit::{ALARM, CliError, DONE};
 use super::output::{Output, counted};
+use super::{CampaignArg, ingest};
 use crate::domain::{Fault, Issue};
 use crate::pipeline::mends::together;
 use crate::pipeline::status::{Reasoned, Status, WAITS, status};
@@ -87,11 +87,19 @@ fn print(status: &Status, output: &Output) {
     }
     set_aside(status, output);
     section(output, "file", "refused", &status.refused);
+    section(output, "file", ingest::NOT_READ, &status.unread);
+    unreadable_tags(status, output);
     let waiting = "waiting (empty, header only, or still growing)";
     section(output, "file", waiting, &status.pending);
+    section(
+        output,
+        "raw file",
+        "lost from the archive",
+        &status.raw_files_lost,
+    );
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
-    super::ingest::pattern(output, status.proposed_pattern.as_ref());
+    ingest::pattern(output, status.proposed_pattern.as_ref());
     let no_steps = "whose voltage does not go in steps (a sweep, or another technique): kept, not fitted";
     section(output, "run", no_steps, &status.no_steps);
     let lacking = "fitted without a response that the file holds";
@@ -136,6 +144,25 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", "not diagnosed yet", &status.groups_not_diagnosed);
     let outdated = "with a finding that is out of date (`ieap diagnose` makes it anew)";
     list(output, "group", outdated, &status.findings_out_of_date);
+    if let Some(refused) = &status.report_refused {
+        output.result(&format!("report that cannot be written anew:\n  {refused}"));
+    }
+}
+
+/// Tag files that cannot be read, and for how many runs each speaks.
+fn unreadable_tags(status: &Status, output: &Output) {
+    let found = &status.unreadable_tags;
+    if found.is_empty() {
+        return;
+    }
+    output.result(&format!(
+        "{} of tags cannot be read; the runs that they speak for keep the tags that they had, or wait:",
+        counted(found.len(), "statement")
+    ));
+    for tags in found {
+        issue(output, "  ", &tags.issue);
+        output.result(&format!("      it speaks for {}", counted(tags.runs, "run")));
+    }
 }
 
 /// How many runs need the distributed model; those that do not are counted only.

@@ -1,16 +1,14 @@
 //! `ieap watch`.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::Args;
 
 use super::exit::{CliError, DONE};
 use super::fit_choice::FitChoiceArgs;
-use super::output::{Output, to_stderr};
-use super::{CampaignArg, Global, run};
-use crate::pipeline::{Run, Watch, WatchSettings};
+use super::output::Output;
+use super::{CampaignArg, Global, ingest, report, run, signals};
+use crate::pipeline::{Run, Watch, WatchSettings, Watched};
 
 /// Do what `run` does, then the same for every file that arrives, until stopped (Ctrl-C)
 #[derive(Debug, Args)]
@@ -38,10 +36,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
             .map(|poll_s| seconds("--poll-s", poll_s))
             .transpose()?,
     };
-    let stop = Arc::new(AtomicBool::new(false));
-    let (heard, quiet) = (stop.clone(), global.quiet);
-    ctrlc::set_handler(move || end(&heard, quiet))
-        .map_err(|error| CliError::internal(&format!("cannot listen for Ctrl-C: {error}")))?;
+    let stop = signals::listen(global.quiet, DONE, CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
     output.message(&format!(
         "Watching {}; stop with Ctrl-C.",
@@ -54,32 +49,32 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
             skip_diagnosis: args.no_diagnose,
         },
     };
-    watch.run(&mut context, output, &stop, &mut |summary| {
-        run::print(summary, output);
-        for claimed in &summary.diagnose.claimed {
-            output.message(&format!(
-                "{}: the simulation is wrong (p = {:.2e}, at or below the level {:.2e} of its turn)",
-                claimed.run, claimed.p_misfit, claimed.level
-            ));
-        }
-    })?;
+    watch.run(&mut context, output, &stop, &|watched| tell(watched, output))?;
     output.message("Stopped.");
     Ok(DONE)
 }
 
-/// Asks the watch to stop, and ends the program where a long diagnosis does not hear of it: what is saved is whole at any
-/// time, and the watch makes the rest when it starts again.
-fn end(stop: &AtomicBool, quiet: bool) {
-    stop.store(true, Ordering::SeqCst);
-    std::thread::sleep(GRACE);
-    if !quiet {
-        to_stderr("Stopped within a diagnosis, which is made when the watch starts again.");
-    }
-    std::process::exit(i32::from(DONE));
-}
+/// Said where the work under way did not end by itself in time.
+const CUT_OFF: &str = "Stopped; what was under way is made when the watch starts again.";
 
-/// How long a watch that is asked to stop may take for what it is at.
-const GRACE: Duration = Duration::from_secs(10);
+fn tell(watched: &Watched, output: &Output) {
+    match watched {
+        Watched::Taken(summary) => ingest::print(summary, output),
+        Watched::Made(made, rendered) => {
+            run::print_made(made, output);
+            report::print(rendered, output);
+        }
+        Watched::Diagnosed(summary) => {
+            run::print_diagnosed(summary, output);
+            for claimed in &summary.claimed {
+                output.message(&format!(
+                    "{}: the simulation is wrong (p = {:.2e}, at or below the level {:.2e} of its turn)",
+                    claimed.run, claimed.p_misfit, claimed.level
+                ));
+            }
+        }
+    }
+}
 
 fn seconds(option: &str, seconds: f64) -> Result<Duration, CliError> {
     Duration::try_from_secs_f64(seconds).map_err(|_| {

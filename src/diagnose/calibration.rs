@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::fit::{FoundAgain, NoiseAgain};
+use crate::numerics::interrupt;
 use crate::numerics::sums::dot;
 
 use super::group::Group;
@@ -115,6 +116,7 @@ impl Simulation {
 
     /// The p of one group in which nothing is wrong.
     fn p(&self, asked: &Asked, draw: u64) -> f64 {
+        interrupt::check();
         let group = asked.group;
         let mut generator = ChaCha8Rng::seed_from_u64(asked.seed);
         generator.set_stream(STREAM + draw);

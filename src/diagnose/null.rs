@@ -5,6 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
+use crate::numerics::interrupt;
 use crate::numerics::sums::dot;
 
 use super::calibration::Calibration;
@@ -113,6 +114,7 @@ impl Null {
         let mut gains = vec![0.0; directions.len()];
         let draws = (0..count)
             .map(|_| {
+                interrupt::check();
                 let unit: Vec<f64> = pivots
                     .iter()
                     .map(|_| StandardNormal.sample(&mut generator))

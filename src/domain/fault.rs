@@ -1,7 +1,7 @@
 //! Faults of the program that were stopped at a border: the part is missing and everything else was done.
 
 use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use serde::{Deserialize, Serialize};
 
@@ -27,12 +27,20 @@ impl Fault {
     }
 }
 
-/// Does `work`; a panic in it is an error that says why. What `work` was changing must not be used after one.
+/// What unwinds where work is given up because somebody asked for its end (`numerics::interrupt`): no fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Interrupted;
+
+/// Does `work`; a panic in it is an error that says why. What `work` was changing must not be used after one. An interruption
+/// is none and goes on to where the work was begun.
 ///
 /// # Errors
 /// The message of the panic.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| message(&*payload))
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.is::<Interrupted>() {
+        true => resume_unwind(payload),
+        false => message(&*payload),
+    })
 }
 
 /// What a panic says.

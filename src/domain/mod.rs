@@ -6,6 +6,7 @@ pub mod asked_fit;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
+pub mod data_hash;
 pub mod date_order;
 pub mod diagnosis;
 pub mod drive;

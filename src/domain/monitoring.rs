@@ -13,9 +13,15 @@ pub struct MonitoringRules {
     pub limits: Vec<Limit>,
     /// Program with its arguments that hears of a new alarm.
     pub command: Vec<String>,
+    /// How long the program may take, s.
+    pub command_time_limit_s: f64,
     /// Ids of alarms that are known and no longer counted.
     pub acknowledged: Vec<String>,
 }
+
+/// How long a program that hears of an alarm may take unless campaign.toml says otherwise, s: a mail or a call of a web
+/// service that works takes seconds, and one that does not is mostly given up by its own side within a minute.
+const COMMAND_TIME_LIMIT_S: f64 = 60.0;
 
 impl Default for MonitoringRules {
     /// 500 runs a chart: a false alarm of one of the three charts of one parameter about every 170 reference runs.
@@ -25,6 +31,7 @@ impl Default for MonitoringRules {
             false_alarm_runs: 500.0,
             limits: Vec::new(),
             command: Vec::new(),
+            command_time_limit_s: COMMAND_TIME_LIMIT_S,
             acknowledged: Vec::new(),
         }
     }

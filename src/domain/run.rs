@@ -281,3 +281,17 @@ pub struct SourceFile {
     /// Whether the file has gone since.
     pub missing: bool,
 }
+
+impl SourceFile {
+    /// A file that the system could not give; of its state nothing is known.
+    pub fn not_read(path: &str, issue: Issue) -> SourceFile {
+        SourceFile {
+            path: path.to_owned(),
+            size_bytes: 0,
+            modified_ns: 0,
+            state: FileState::Refused,
+            issue: Some(issue),
+            missing: false,
+        }
+    }
+}

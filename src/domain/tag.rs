@@ -74,6 +74,15 @@ pub mod keys {
     ];
 }
 
+/// Codes of the issues that say of a tag file or a run sheet that it, or a statement in it, cannot be read. A run that it
+/// speaks for waits: tags of weaker sources in their place would be other tags.
+pub const UNREADABLE: [&str; 4] = [
+    "tag-file-unreadable",
+    "tag-file-not-toml",
+    "tag-not-flat",
+    "run-sheet-damaged",
+];
+
 /// Where a tag came from, strongest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

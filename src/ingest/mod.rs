@@ -4,7 +4,6 @@ pub mod archive;
 pub mod campaign_file;
 pub mod climate_log;
 pub mod clocks;
-pub mod data_hash;
 pub mod derived;
 pub mod drive;
 pub mod filesystem;

@@ -1,5 +1,6 @@
 //! Least squares in a box by damped Gauss-Newton steps within a region of trust (Levenberg, Marquardt, More).
 
+use super::interrupt;
 use super::symmetric::{CAPACITY, Symmetric};
 
 /// Sum of squares and its local model at one place.
@@ -120,6 +121,7 @@ pub fn search(
         stop,
     };
     loop {
+        interrupt::check();
         if !local.square.is_finite() {
             return ended(at, local, evaluations, Stop::NotFinite);
         }

@@ -10,6 +10,7 @@ pub mod discrete_gauss;
 pub mod global;
 pub mod gram;
 pub mod grouped;
+pub mod interrupt;
 pub mod jacobi;
 pub mod levenberg;
 pub mod linear;

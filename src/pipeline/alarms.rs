@@ -1,7 +1,9 @@
 //! Alarms of long-term monitoring: found from the current fits, each told once.
 
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::time::Duration;
 
+use super::command::{self, Ended};
 use super::context::now;
 use super::fault::step;
 use super::{Context, Observer, PipelineError, standing};
@@ -9,6 +11,7 @@ use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Monitoring, monitor};
 use crate::domain::{Alarm, AlarmSign, Campaign};
+use crate::numerics::interrupt;
 
 /// The verb that `run` and `watch` end with.
 #[derive(Debug, Clone, Copy, Default)]
@@ -59,26 +62,24 @@ impl RaiseAlarms {
             context.store.save_alarm(&now(), alarm)?;
             observer.warn(&format!("alarm: {}", alarm.message));
             summary.new.push(alarm.message.clone());
-            let Some(status) = tell(&context.campaign, &context.folder, alarm) else {
+            let Some(ended) = tell(&context.campaign, &context.folder, alarm) else {
                 continue;
             };
-            if status != DONE {
-                observer.warn(&format!("the command of [monitoring] {status}"));
-                summary.failed_commands.push(status.clone());
+            let words = ended.words(&context.campaign.monitoring.command[0]);
+            if !ended.is_well() {
+                observer.warn(&format!("the command of [monitoring] {words}"));
+                summary.failed_commands.push(words.clone());
             }
-            context.store.save_alarm_command(&now(), &alarm.id, &status)?;
+            context.store.save_alarm_command(&now(), &alarm.id, &words)?;
+            interrupt::check();
         }
         Ok(summary)
     }
 }
 
-/// A command that ended well.
-const DONE: &str = "ended with 0";
-
-/// Runs the campaign's command in its folder, and says how it ended; none where there is no command. Of its
-/// output only stderr is shown: stdout is for results.
-fn tell(campaign: &Campaign, folder: &std::path::Path, alarm: &Alarm) -> Option<String> {
-    let (program, arguments) = campaign.monitoring.command.split_first()?;
+/// Runs the campaign's command in its folder, and says how it ended; none where there is no command.
+fn tell(campaign: &Campaign, folder: &Path, alarm: &Alarm) -> Option<Ended> {
+    let rules = &campaign.monitoring;
     let listed = |of: fn(&AlarmSign) -> &String| {
         let mut names: Vec<&str> = Vec::new();
         for sign in &alarm.shown_by {
@@ -88,27 +89,18 @@ fn tell(campaign: &Campaign, folder: &std::path::Path, alarm: &Alarm) -> Option<
         }
         names.join(" ")
     };
-    let ended = Command::new(program)
-        .args(arguments)
-        .current_dir(folder)
-        .env("IEAP_CAMPAIGN", &campaign.id)
-        .env("IEAP_ALARM_ID", &alarm.id)
-        .env("IEAP_ALARM_SAMPLE", &alarm.sample)
-        .env("IEAP_ALARM_PARAMETER", &alarm.parameter)
-        .env("IEAP_ALARM_CHART", &alarm.chart)
-        .env("IEAP_ALARM_PARAMETERS", listed(|sign| &sign.parameter))
-        .env("IEAP_ALARM_CHARTS", listed(|sign| &sign.chart))
-        .env("IEAP_ALARM_RUN", &alarm.run)
-        .env("IEAP_ALARM_MESSAGE", &alarm.message)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .status();
-    Some(match ended {
-        Ok(status) => match status.code() {
-            Some(0) => DONE.to_owned(),
-            Some(code) => format!("ended with {code}"),
-            None => "was ended by a signal".to_owned(),
-        },
-        Err(error) => format!("could not be run ({program}: {error})"),
-    })
+    let (parameters, charts) = (listed(|sign| &sign.parameter), listed(|sign| &sign.chart));
+    let variables = [
+        ("IEAP_CAMPAIGN", campaign.id.as_str()),
+        ("IEAP_ALARM_ID", alarm.id.as_str()),
+        ("IEAP_ALARM_SAMPLE", alarm.sample.as_str()),
+        ("IEAP_ALARM_PARAMETER", alarm.parameter.as_str()),
+        ("IEAP_ALARM_CHART", alarm.chart.as_str()),
+        ("IEAP_ALARM_PARAMETERS", parameters.as_str()),
+        ("IEAP_ALARM_CHARTS", charts.as_str()),
+        ("IEAP_ALARM_RUN", alarm.run.as_str()),
+        ("IEAP_ALARM_MESSAGE", alarm.message.as_str()),
+    ];
+    let limit = Duration::from_secs_f64(rules.command_time_limit_s);
+    (!rules.command.is_empty()).then(|| command::run(&rules.command, folder, &variables, limit))
 }

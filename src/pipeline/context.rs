@@ -6,10 +6,11 @@ use crate::domain::{Campaign, Issue};
 use crate::ingest::archive::Archive;
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet::RunSheets;
-use crate::ingest::{campaign_file, filesystem};
-use crate::store::{InstanceLock, Store, StoreError};
+use crate::ingest::{campaign_file, filesystem, scan};
+use crate::store::{self, InstanceLock, Store, StoreError};
 
-use super::PipelineError;
+use super::ingest::ReadFile;
+use super::{PipelineError, holdings};
 
 /// Version of this program, as fits and reports record it.
 pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -31,6 +32,8 @@ pub struct Context {
     pub campaign_digest: String,
     /// The database.
     pub store: Store,
+    /// How data files are read.
+    pub read_file: ReadFile,
     _lock: Option<InstanceLock>,
 }
 
@@ -42,35 +45,102 @@ impl Context {
     pub fn open(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
-        let lock = InstanceLock::take(folder)?;
+        let mut lock = InstanceLock::take(folder)?;
         // Whoever was killed while it archived left these; with the lock held nobody writes them now.
         Archive::new(folder).remove_partial()?;
+        holdings::refuse_lost_database(folder)?;
+        let store = open_locked(folder, &mut lock)?;
+        holdings::check_and_mark(folder, &store)?;
+        Context::with(folder, loaded, store, Some(lock))
+    }
+
+    /// The same with a new database; what lies in its place is moved aside, and its new name given.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub fn open_with_new_database(
+        folder: &Path,
+        allow_network: bool,
+    ) -> Result<(Context, Option<PathBuf>), PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let mut lock = InstanceLock::take(folder)?;
+        let archive = Archive::new(folder);
+        archive.remove_partial()?;
+        let aside = store::set_aside(folder, &now().replace([':', '-'], ""))?;
         let store = Store::open(folder)?;
+        archive.set_owner(&store.identity()?)?;
+        lock.found_sound();
+        Ok((Context::with(folder, loaded, store, Some(lock))?, aside))
+    }
+
+    /// The same with a new archive, or what is left of the old one; every file is read again, so that its bytes are
+    /// archived.
+    ///
+    /// # Errors
+    /// As [`Context::open`].
+    pub fn open_with_new_archive(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let mut lock = InstanceLock::take(folder)?;
+        holdings::refuse_lost_database(folder)?;
+        let mut store = open_locked(folder, &mut lock)?;
+        store.read_again(&now())?;
+        Archive::new(folder).set_owner(&store.identity()?)?;
         Context::with(folder, loaded, store, Some(lock))
     }
 
     /// Opens a campaign beside a working instance, for changes that do not read files or fit.
     ///
     /// # Errors
-    /// As [`Context::open`], but for the lock.
+    /// As [`Context::open`]; the lock is needed only where the database is to be brought up to date.
     pub fn open_beside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
+        holdings::refuse_lost_database(folder)?;
+        if let Err(StoreError::Older { .. }) = Store::open_read_only(folder) {
+            // Only who holds the lock brings a database up to date.
+            let mut lock = InstanceLock::take(folder)?;
+            open_locked(folder, &mut lock)?;
+        }
         let store = Store::open(folder)?;
+        holdings::check(folder, &store)?;
         Context::with(folder, loaded, store, None)
     }
 
     /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in.
     ///
     /// # Errors
-    /// campaign.toml or a profile is wrong or missing; the database cannot be read.
+    /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read.
     pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
+        holdings::refuse_lost_database(folder)?;
         let store = match Store::open_read_only(folder)? {
             Some(store) => store,
             None => Store::in_memory()?,
         };
         Context::with(folder, loaded, store, None)
+    }
+
+    /// The same campaign with a connection of its own, for another thread of this program.
+    ///
+    /// # Errors
+    /// As [`Context::open`], but for the lock.
+    pub fn beside(&self) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(&self.folder)?;
+        holdings::refuse_lost_database(&self.folder)?;
+        let store = Store::open(&self.folder)?;
+        holdings::check(&self.folder, &store)?;
+        Context::with(&self.folder, loaded, store, None)
+    }
+
+    /// Refuses to go on where the database or the archive was lost or replaced since they were opened.
+    ///
+    /// # Errors
+    /// They were, or the archive cannot be looked at.
+    pub fn check_in_place(&self) -> Result<(), PipelineError> {
+        self.store.check_in_place()?;
+        holdings::check(&self.folder, &self.store)
     }
 
     /// Reads campaign.toml and the profiles again, after they changed.
@@ -100,9 +170,20 @@ impl Context {
             campaign: loaded.campaign,
             warnings: loaded.warnings,
             store,
+            read_file: scan::read_stable,
             _lock: lock,
         })
     }
+}
+
+/// Opens the database for whoever holds the lock; after a disorderly end its structure is looked at first.
+fn open_locked(folder: &Path, lock: &mut InstanceLock) -> Result<Store, StoreError> {
+    let store = Store::open(folder)?;
+    if !lock.last_ended_in_order() {
+        store.check_structure()?;
+        lock.found_sound();
+    }
+    Ok(store)
 }
 
 /// Now, RFC 3339 in UTC to the second: what the database records.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::holdings::HoldingsError;
 use super::simulate::SpecError;
 use crate::analysis::ExportError;
 use crate::fit::FitError;
@@ -28,6 +29,9 @@ pub enum PipelineError {
     /// The database refused.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The database and the archive are not there, or not those of one campaign.
+    #[error(transparent)]
+    Holdings(#[from] HoldingsError),
     /// The runs folder cannot be listed.
     #[error(transparent)]
     Scan(#[from] ScanError),
@@ -69,6 +73,16 @@ pub enum PipelineError {
     FileExists {
         /// The file.
         path: PathBuf,
+    },
+    /// A folder that would be replaced holds what the program did not write.
+    #[error(
+        "{folder}: not replaced, and nothing in it was touched: {found} was not written by ieap. Move it out of the folder, or give the folder another name, then run again."
+    )]
+    NotOurs {
+        /// The folder.
+        folder: PathBuf,
+        /// What is not ours in it; the folder itself where it is no folder.
+        found: PathBuf,
     },
     /// A file cannot be read or written.
     #[error("{path}: {doing} failed: {source}")]
@@ -131,13 +145,41 @@ pub enum PipelineError {
 }
 
 impl PipelineError {
+    /// Whether the system could not give a file, which says nothing of the file itself.
+    pub fn is_of_system(&self) -> bool {
+        use PipelineError as E;
+        matches!(self, E::File { .. } | E::Frames(FramesError::Unreadable { .. }))
+    }
+
+    /// Whether another program works on the campaign.
+    pub fn is_second_instance(&self) -> bool {
+        matches!(self, PipelineError::Store(StoreError::SecondInstance { .. }))
+    }
+
     /// Whether the disk or the database refused, rather than the user's input being wrong.
     pub fn is_storage(&self) -> bool {
         use PipelineError as E;
         match self {
-            E::Store(_) | E::Archive(_) | E::File { .. } | E::Export(ExportError::Write { .. }) => true,
+            E::Store(_)
+            | E::Holdings(_)
+            | E::Archive(_)
+            | E::File { .. }
+            | E::NotOurs { .. }
+            | E::Export(ExportError::Write { .. }) => true,
             E::Report(error) => error.is_of_disk(),
             _ => false,
+        }
+    }
+
+    /// Whether that may pass by itself: space may be freed, a share may come back, a lock may be released. A database that
+    /// is gone, foreign or damaged stays so until somebody mends it.
+    pub fn may_pass(&self) -> bool {
+        use PipelineError as E;
+        match self {
+            E::Store(error) => !error.is_for_good(),
+            E::Holdings(_) => false,
+            E::Scan(_) => true,
+            other => other.is_storage(),
         }
     }
 

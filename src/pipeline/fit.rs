@@ -12,6 +12,7 @@ use crate::domain::fault::caught;
 use crate::domain::{Channel, Fit, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
+use crate::numerics::interrupt;
 use crate::store::{FitStamp, FitTask};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
@@ -60,12 +61,7 @@ impl FitRuns {
         let in_groups = plan.extended.iter().flat_map(|group| &group.runs);
         let chosen = plan.single.iter().chain(in_groups).map(|run| &run.chosen);
         let choices = held(chosen, &context.campaign);
-        let hashed = plan
-            .single
-            .into_iter()
-            .map(|run| (input_hash(&run.task, &run.chosen.options), run));
-        let (done, due): (Vec<Due>, Vec<Due>) =
-            hashed.partition(|(hash, run)| !self.again && run.task.done_input_hash.as_ref() == Some(hash));
+        let (done, due) = self.sorted(plan.single);
         let mut summary = FitSummary {
             up_to_date: done.len(),
             unknown_groups: plan.unknown_groups,
@@ -76,11 +72,34 @@ impl FitRuns {
         for batch in due.chunks(BATCH) {
             let outcomes = fit_batch(context, batch, observer)?;
             let stamped = batch.iter().map(|(hash, run)| (hash.as_str(), run)).zip(outcomes);
-            save(context, stamped.collect(), &mut summary)?;
+            // What was fitted before an interruption is kept.
+            let made = stamped.filter_map(|(run, outcome)| Some((run, outcome?)));
+            save(context, made.collect(), &mut summary)?;
+            interrupt::check();
         }
         observer.end();
         fit_extended::fit_groups(context, &plan.extended, self.again, observer, &mut summary)?;
         Ok(summary)
+    }
+}
+
+impl FitRuns {
+    /// Number of runs that would be fitted.
+    ///
+    /// # Errors
+    /// The model is not known, or the database fails.
+    pub fn due(&self, context: &Context) -> Result<usize, PipelineError> {
+        let plan = fit_plan(context, &self.choice.asked())?;
+        let (_, due) = self.sorted(plan.single);
+        Ok(due.len() + fit_extended::due(&plan.extended, self.again))
+    }
+
+    /// The runs of a plan whose fit is up to date, and the others.
+    fn sorted(&self, single: Vec<Planned>) -> (Vec<Due>, Vec<Due>) {
+        let hashed = single
+            .into_iter()
+            .map(|run| (input_hash(&run.task, &run.chosen.options), run));
+        hashed.partition(|(hash, run)| !self.again && run.task.done_input_hash.as_ref() == Some(hash))
     }
 }
 
@@ -89,11 +108,12 @@ type Due = (String, Planned);
 
 pub(super) type Outcome = Result<Fit, Issue>;
 
+/// The fits of a batch in its order; none for those that an interruption met.
 fn fit_batch(
     context: &Context,
     batch: &[Due],
     observer: &dyn Observer,
-) -> Result<Vec<Outcome>, PipelineError> {
+) -> Result<Vec<Option<Outcome>>, PipelineError> {
     let loaded = batch
         .iter()
         .map(|(_, run)| context.store.channels(run.task.run_id))
@@ -102,7 +122,7 @@ fn fit_batch(
         .par_iter()
         .zip(loaded)
         .map(|((_, run), channels)| {
-            let outcome = fit_one(&run.task, &channels, &run.chosen.options);
+            let outcome = interrupt::attempt(|| fit_one(&run.task, &channels, &run.chosen.options));
             observer.advance();
             outcome
         })

@@ -23,13 +23,7 @@ pub(super) fn fit_groups(
     observer: &dyn Observer,
     summary: &mut FitSummary,
 ) -> Result<(), PipelineError> {
-    let library = library_hash();
-    let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
-    let is_done = |(hash, group): &(String, &ExtendedGroup)| {
-        let mut done = group.runs.iter().map(|run| run.task.done_input_hash.as_ref());
-        !again && done.all(|done| done == Some(hash))
-    };
-    let (done, due): (Vec<_>, Vec<_>) = hashed.partition(is_done);
+    let (done, due) = sorted(groups, again);
     summary.up_to_date += done.iter().map(|(_, group)| group.runs.len()).sum::<usize>();
     if due.is_empty() {
         return Ok(());
@@ -54,6 +48,26 @@ pub(super) fn fit_groups(
     }
     observer.end();
     Ok(())
+}
+
+/// Number of runs in groups that would be fitted.
+pub(super) fn due(groups: &[ExtendedGroup], again: bool) -> usize {
+    let (_, due) = sorted(groups, again);
+    due.iter().map(|(_, group)| group.runs.len()).sum()
+}
+
+/// A group with the hash of all that its fits depend on.
+type Hashed<'g> = (String, &'g ExtendedGroup);
+
+/// The groups whose fits are up to date, and the others.
+fn sorted(groups: &[ExtendedGroup], again: bool) -> (Vec<Hashed<'_>>, Vec<Hashed<'_>>) {
+    let library = library_hash();
+    let hashed = groups.iter().map(|group| (input_hash(group, &library), group));
+    let is_done = |(hash, group): &Hashed<'_>| {
+        let mut done = group.runs.iter().map(|run| run.task.done_input_hash.as_ref());
+        !again && done.all(|done| done == Some(hash))
+    };
+    hashed.partition(is_done)
 }
 
 /// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.

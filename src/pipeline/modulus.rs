@@ -9,6 +9,7 @@ use crate::domain::fault::caught;
 use crate::domain::tag::keys;
 use crate::domain::{Channel, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
+use crate::numerics::interrupt;
 use crate::store::ModulusStamp;
 
 /// Logs whose readings are in memory at once.
@@ -74,6 +75,7 @@ impl AnalyseModulus {
         observer.begin("analysing modulus logs", due.len() as u64);
         let mut due = due.into_iter().peekable();
         while due.peek().is_some() {
+            interrupt::check();
             let tasks: Vec<Task> = due
                 .by_ref()
                 .take(BATCH)

@@ -9,7 +9,7 @@ use crate::analysis::plan::list::OpenRow;
 use crate::domain::tag::keys;
 use crate::domain::{FileState, RunRecord};
 use crate::ingest::run_sheet::{self, IS_DAMAGED, IS_SHEET, RunSheet, RunSheets, SheetRow};
-use crate::ingest::scan::{Changes, Scan};
+use crate::ingest::scan::{Changes, Scan, parse_display_path};
 use crate::store::FileRow;
 
 /// Rows of run sheets by whether they have been made.
@@ -84,7 +84,7 @@ fn sorted(sheets: &RunSheets, runs: &[RunRecord]) -> Planned {
         .collect();
     let mut planned = Planned {
         sheets: sheets.sheets.iter().map(|sheet| sheet.path.clone()).collect(),
-        damaged_sheets: sheets.damaged.iter().cloned().collect(),
+        damaged_sheets: sheets.damaged.keys().cloned().collect(),
         ..Planned::default()
     };
     for sheet in &sheets.sheets {
@@ -123,16 +123,23 @@ fn shown(sheet: &RunSheet, row: &SheetRow, run: Option<&str>, passed_over: bool)
     }
 }
 
-/// The sheets that earlier scans found and that are still there.
+/// The sheets that earlier scans found and that are still there, with those that could not be read yet.
 pub(super) fn known_sheets(context: &Context) -> Result<RunSheets, PipelineError> {
     let files = context.store.files()?;
     let there = files
         .iter()
         .filter(|file| is_known_sheet(file) && file.missing_since.is_none());
-    Ok(RunSheets::load(
-        &context.folder,
-        there.map(|file| file.path.as_str()),
-    ))
+    let unread = context.store.unread_files()?;
+    let is_there = |path: &str| {
+        let found = context.folder.join(parse_display_path(path)).try_exists();
+        !matches!(found, Ok(false))
+    };
+    let unread = unread
+        .iter()
+        .map(|(path, _)| path.as_str())
+        .filter(|path| run_sheet::is_named_as_one(path) && is_there(path));
+    let paths = there.map(|file| file.path.as_str()).chain(unread);
+    Ok(RunSheets::load(&context.folder, paths))
 }
 
 /// The sheets that a scan saw, before anything of it is stored.

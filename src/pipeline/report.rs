@@ -1,5 +1,7 @@
 //! Renders the report, where it is out of date, and puts it in place as a whole.
 
+use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::across_runs::campaign_laws;
@@ -7,25 +9,26 @@ use super::along::PageCurves;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::fault::{or_nothing, step};
+use super::own_folder::{self, Fresh};
 use super::standing::Runs;
-use super::swap::replace_folder;
 use super::{Context, Observer, PipelineError, next_runs, standing};
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
 use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::{monitoring, same_tags, sequence};
-use crate::domain::{Fault, RunRecord};
+use crate::domain::{Fault, RunRecord, SourceFile};
 use crate::model::effects::{self, Effect};
+use crate::numerics::interrupt;
 use crate::pipeline::ingest::run_window;
 use crate::report;
 
 /// Folder of the report inside a campaign.
 pub const REPORT_FOLDER: &str = "report";
 /// Says what a report was made from, so that an unchanged one is not made again. A report with faults has none.
-const STAMP: &str = ".made-from";
+pub(super) const STAMP: &str = ".made-from";
 /// What a fault of the program left out of the report; there where something is.
-const FAULTS: &str = ".faults.json";
+pub(super) const FAULTS: &str = ".faults.json";
 
 /// The verb `report`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -43,6 +46,8 @@ pub struct ReportSummary {
     pub rendered: bool,
     /// Number of pages written.
     pub pages: usize,
+    /// Why it was not made: the folder holds what the program did not write.
+    pub refused: Option<String>,
     /// What a fault of the program left out of it.
     pub faults: Vec<Fault>,
 }
@@ -56,65 +61,167 @@ pub fn report_faults(folder: &Path) -> Vec<Fault> {
 }
 
 impl RenderReport {
-    /// Renders into a folder beside the report and exchanges the two; the last good report stays until then.
+    /// Renders into a folder beside the report and exchanges the two; the last good report stays until then. Where the
+    /// folder holds a file that the program did not write nothing is touched, and the summary says so.
     ///
     /// # Errors
     /// The database cannot be read, or the report cannot be written.
     pub fn run(&self, context: &Context, observer: &dyn Observer) -> Result<ReportSummary, PipelineError> {
         let target = context.folder.join(REPORT_FOLDER);
         let index = target.join("index.html");
+        // What others write meanwhile is shown the next time, whole.
+        let _snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
-        let stamp = format!(
-            "{CODE_VERSION} {changes} {changed_at} {}\n",
-            context.campaign_digest
-        );
-        let current = std::fs::read_to_string(target.join(STAMP)).is_ok_and(|found| found == stamp);
-        if current && !self.again && index.exists() {
-            return Ok(ReportSummary {
-                index,
-                rendered: false,
-                pages: 0,
-                faults: Vec::new(),
-            });
+        let stamp = stamp(context, changes, &changed_at);
+        let current = stands(context, &stamp);
+        let unchanged = |refused| ReportSummary {
+            index: index.clone(),
+            rendered: false,
+            pages: 0,
+            refused,
+            faults: Vec::new(),
+        };
+        if current && !self.again {
+            return Ok(unchanged(None));
+        }
+        if let Some(refused) = not_ours(&context.folder)? {
+            return Ok(unchanged(Some(refused)));
         }
         let input = input(context, changes, &changed_at)?;
-        let fresh = context
-            .folder
-            .join(format!(".{REPORT_FOLDER}-{}", std::process::id()));
-        remove_leftovers(&context.folder);
-        let rendered = write_fresh(context, &input, &fresh, &stamp, observer).inspect_err(|_| {
-            let _ = std::fs::remove_dir_all(&fresh);
-        })?;
-        replace_folder(&fresh, &target).map_err(failed(&target, "putting the report in place"))?;
+        for kept in own_folder::remove_leftovers(&context.folder, FRESH) {
+            observer.warn(&format!(
+                "{}: looks like what a rendering left that was cut short, but carries no mark of ours; it stays. Remove it if it is not yours.",
+                kept.display()
+            ));
+        }
+        let fresh = Fresh::begin(&context.folder, FRESH)
+            .map_err(failed(&context.folder, "making the report's folder"))?;
+        let rendered = write_fresh(context, &input, &fresh, &stamp, observer)?;
+        match fresh.put(&target, &is_of_earlier_version) {
+            Ok(()) => {}
+            // Somebody's file came in while it was rendered.
+            Err(error @ PipelineError::NotOurs { .. }) => return Ok(unchanged(Some(error.to_string()))),
+            Err(error) => return Err(error),
+        }
         Ok(ReportSummary {
             index,
             rendered: true,
             pages: rendered.pages,
+            refused: None,
             faults: rendered.faults,
         })
     }
 }
 
+/// What a report of the campaign as it is would say that it was made from.
+fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
+    format!(
+        "{CODE_VERSION} {changes} {changed_at} {}\n",
+        context.campaign_digest
+    )
+}
+
+/// Whether a report with that stamp is there.
+fn stands(context: &Context, stamp: &str) -> bool {
+    let folder = context.folder.join(REPORT_FOLDER);
+    folder.join("index.html").exists()
+        && std::fs::read_to_string(folder.join(STAMP)).is_ok_and(|found| found == stamp)
+}
+
+/// Whether the report shows the campaign as it is.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn is_current(context: &Context) -> Result<bool, PipelineError> {
+    let (changes, changed_at) = context.store.changes()?;
+    Ok(stands(context, &stamp(context, changes, &changed_at)))
+}
+
+/// How the name of a report in the making begins.
+const FRESH: &str = ".report-";
+
+/// Why the report of a campaign cannot be exchanged: its folder holds what the program did not write.
+///
+/// # Errors
+/// The folder cannot be looked through.
+pub fn not_ours(campaign: &Path) -> Result<Option<String>, PipelineError> {
+    match own_folder::check(&campaign.join(REPORT_FOLDER), &is_of_earlier_version) {
+        Ok(()) => Ok(None),
+        Err(error @ PipelineError::NotOurs { .. }) => Ok(Some(error.to_string())),
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether a report without a list of its files is one that an earlier version wrote: it carries the stamp, has the
+/// names that reports ever had and nothing else, and every page begins as the layout does.
+fn is_of_earlier_version(folder: &Path) -> bool {
+    const BESIDE_PAGES: [&str; 7] = [
+        STAMP,
+        "style.css",
+        "site.js",
+        "runs.js",
+        "table5.csv",
+        "conditions.csv",
+        "dma.csv",
+    ];
+    const FOLDERS: [&str; 3] = ["runs", "findings", "along"];
+    let is_page = |path: &Path| path.extension().is_some_and(|end| end == "html") && begins_as_page(path);
+    let names = |folder: &Path| -> Option<Vec<(String, PathBuf)>> {
+        let entries = std::fs::read_dir(folder).ok()?;
+        let named = entries.map(|entry| {
+            let entry = entry.ok()?;
+            Some((entry.file_name().into_string().ok()?, entry.path()))
+        });
+        named.collect()
+    };
+    let pages_only =
+        |folder: &Path| names(folder).is_some_and(|all| all.iter().all(|(_, path)| is_page(path)));
+    folder.join(STAMP).is_file()
+        && names(folder).is_some_and(|all| {
+            all.iter().all(|(name, path)| match path.is_dir() {
+                true => FOLDERS.contains(&name.as_str()) && pages_only(path),
+                false => BESIDE_PAGES.contains(&name.as_str()) || is_page(path),
+            })
+        })
+}
+
+/// Whether a file begins with what every version of the layout began with.
+fn begins_as_page(path: &Path) -> bool {
+    /// Bytes within which the layout names its style sheet: the title is the only part before it that grows.
+    const HEAD_BYTES: u64 = 4096;
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+    let text = String::from_utf8_lossy(&head);
+    read.is_ok() && text.starts_with("<!DOCTYPE html>") && text.contains("style.css") && text.contains(" · ")
+}
+
 fn write_fresh(
     context: &Context,
     input: &report::Input,
-    fresh: &Path,
+    fresh: &Fresh,
     stamp: &str,
     observer: &dyn Observer,
 ) -> Result<report::Rendered, PipelineError> {
-    std::fs::create_dir_all(fresh).map_err(failed(fresh, "making the report's folder"))?;
     observer.begin("rendering", input.runs.len() as u64);
     let curves = PageCurves::new(&context.store, &input.runs, &context.campaign);
     // Several runs share a page; progress is told in runs.
-    let reach = |done: usize, pages: usize| observer.reach((done * input.runs.len() / pages.max(1)) as u64);
-    let rendered = report::render(input, &curves, fresh, &reach)?;
+    let reach = |done: usize, pages: usize| {
+        interrupt::check();
+        observer.reach((done * input.runs.len() / pages.max(1)) as u64);
+    };
+    let folder = fresh.path();
+    let rendered = report::render(input, &curves, folder, &reach);
     observer.end();
+    let rendered = rendered?;
     let (name, text) = match rendered.faults.is_empty() {
         true => (STAMP, stamp.to_owned()),
         false => (FAULTS, serde_json::json!(rendered.faults).to_string()),
     };
-    std::fs::write(fresh.join(name), text).map_err(failed(fresh, "stamping the report"))?;
-    sync(fresh);
+    std::fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
+    fresh
+        .finish()
+        .map_err(failed(folder, "listing the report's files"))?;
+    sync(folder);
     Ok(rendered)
 }
 
@@ -127,16 +234,6 @@ fn sync(folder: &Path) {
     }
     #[cfg(not(target_os = "linux"))]
     let _ = folder;
-}
-
-/// Removes what renderings that were cut short left behind.
-fn remove_leftovers(folder: &Path) {
-    let prefix = format!(".{REPORT_FOLDER}-");
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(&prefix) {
-            let _ = std::fs::remove_dir_all(entry.path());
-        }
-    }
 }
 
 pub(super) fn input(
@@ -183,12 +280,7 @@ pub(super) fn input(
         modulus_logs: standing::modulus_logs(context)?.0,
         set_aside,
         superseded: context.store.superseded_runs()?,
-        files: context
-            .store
-            .files()?
-            .iter()
-            .map(|file| file.source_file())
-            .collect(),
+        files: source_files(context)?,
         origin: report::Origin {
             program: format!("ieap {CODE_VERSION}"),
             database: format!("change {changes} of {changed_at}"),
@@ -207,6 +299,20 @@ pub(super) fn input(
         findings,
         runs,
     })
+}
+
+/// The files as they are known, with those that the system could not give among the refused ones.
+fn source_files(context: &Context) -> Result<Vec<SourceFile>, PipelineError> {
+    let stored = context.store.files()?;
+    let mut files: BTreeMap<String, SourceFile> = stored
+        .iter()
+        .map(|file| (file.path.clone(), file.source_file()))
+        .collect();
+    for (path, issue) in context.store.unread_files()? {
+        let unread = SourceFile::not_read(&path, issue);
+        files.insert(path, unread);
+    }
+    Ok(files.into_values().collect())
 }
 
 fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, PipelineError> {

@@ -1,4 +1,4 @@
-//! The main job, once: ingest, fit, diagnose, analyse modulus logs, render.
+//! The main job, once: ingest, fit, analyse modulus logs, raise alarms, render; then diagnose, and render again.
 
 use serde::Serialize;
 
@@ -10,7 +10,6 @@ use super::{
     ReportSummary,
 };
 use crate::domain::Fault;
-use crate::ingest::scan::SeenFile;
 
 /// The verb `run`.
 #[derive(Debug, Clone, Default)]
@@ -53,51 +52,86 @@ impl RunSummary {
     }
 }
 
+/// What is made of the runs before they are diagnosed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Made {
+    /// Fits.
+    pub fit: FitSummary,
+    /// Modulus logs.
+    pub modulus: ModulusSummary,
+    /// Alarms of long-term monitoring.
+    pub alarms: AlarmSummary,
+    /// Steps that a fault of the program stopped; the others were done.
+    pub faults: Vec<Fault>,
+}
+
+/// Renders the report; a fault of the program costs the report and is noted.
+///
+/// # Errors
+/// As of [`RenderReport::run`].
+pub(super) fn render(
+    context: &Context,
+    observer: &dyn Observer,
+    faults: &mut Vec<Fault>,
+) -> Result<ReportSummary, PipelineError> {
+    or_nothing(
+        step("report", || RenderReport::default().run(context, observer)),
+        faults,
+    )
+}
+
 impl Run {
     /// Does the main job once with every file that is there. A file that is still written when it is read is
     /// noticed (its size or time changes, or its last line is not whole) and taken as a new revision later.
     ///
-    /// # Errors
-    /// See the single steps.
-    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<RunSummary, PipelineError> {
-        self.run_ready(context, observer, &mut |_| true, &|| true)
-    }
-
-    /// The same with those files only that `ready` lets pass. The diagnosis ends early where `may_go_on` says no; what is
-    /// left of it is counted.
+    /// A diagnosis may take long: alarms are raised before it, and where there is something to diagnose a first report
+    /// stands before it begins.
     ///
     /// # Errors
     /// See the single steps.
-    pub fn run_ready(
-        &self,
-        context: &mut Context,
-        observer: &dyn Observer,
-        ready: &mut dyn FnMut(&SeenFile) -> bool,
-        may_go_on: &(dyn Fn() -> bool + Sync),
-    ) -> Result<RunSummary, PipelineError> {
-        let ingest = Ingest { ready }.run(context, observer)?;
-        let fits = FitRuns {
-            choice: self.fit.clone(),
-            again: false,
-        };
-        let mut fit = fits.run(context, observer)?;
+    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<RunSummary, PipelineError> {
+        let ingest = Ingest { ready: &mut |_| true }.run(context, observer)?;
+        let Made {
+            mut fit,
+            modulus,
+            mut alarms,
+            mut faults,
+        } = self.make(context, observer)?;
         let condemned = context.store.condemned_by_diagnosis()?;
+        let mut first = None;
         let diagnose = match self.skip_diagnosis {
             true => DiagnoseSummary::default(),
-            false => self.diagnosis().run_while(context, observer, may_go_on)?,
+            false => self
+                .diagnosis()
+                .run_while(context, observer, &|| true, &mut |context| {
+                    // What a fault stops here is tried again at the end, and told then.
+                    let rendered = render(context, observer, &mut Vec::new())?;
+                    if rendered.rendered {
+                        observer.say(&format!("a first report stands: {}", rendered.index.display()));
+                    }
+                    first = Some(rendered);
+                    Ok(())
+                })?,
         };
         if context.store.condemned_by_diagnosis()? != condemned {
-            // A run that shared its parameters with others does so no more.
-            let later = fits.run(context, observer)?;
+            // A run that shared its parameters with others does so no more, and what was watched with it is watched without.
+            let later = self.fits().run(context, observer)?;
             fit.fitted += later.fitted;
             fit.not_converged.extend(later.not_converged);
+            let later = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
+            alarms.standing = later.standing;
+            alarms.new.extend(later.new);
+            alarms.failed_commands.extend(later.failed_commands);
+            faults.dedup();
         }
-        let modulus = AnalyseModulus::default().run(context, observer)?;
-        let mut faults = Vec::new();
-        let alarms = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
         let set_aside = standing::runs(context)?.set_aside;
-        let report = step("report", || RenderReport::default().run(context, observer));
-        let report = or_nothing(report, &mut faults)?;
+        let last = render(context, observer, &mut faults)?;
+        // What the diagnosis left as it was need not be rendered twice.
+        let is_made = !last.index.as_os_str().is_empty();
+        let report = match first {
+            Some(first) if is_made && !last.rendered && last.refused.is_none() => first,
+            _ => last,
+        };
         Ok(RunSummary {
             ingest,
             fit,
@@ -110,7 +144,31 @@ impl Run {
         })
     }
 
-    fn diagnosis(&self) -> DiagnoseRuns {
+    /// Fits, analyses modulus logs and raises alarms.
+    ///
+    /// # Errors
+    /// See the single steps.
+    pub fn make(&self, context: &mut Context, observer: &dyn Observer) -> Result<Made, PipelineError> {
+        let fit = self.fits().run(context, observer)?;
+        let modulus = AnalyseModulus::default().run(context, observer)?;
+        let mut faults = Vec::new();
+        let alarms = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
+        Ok(Made {
+            fit,
+            modulus,
+            alarms,
+            faults,
+        })
+    }
+
+    /// The fits that belong to it.
+    fn fits(&self) -> FitRuns {
+        let choice = self.fit.clone();
+        FitRuns { choice, again: false }
+    }
+
+    /// The diagnosis that belongs to it.
+    pub fn diagnosis(&self) -> DiagnoseRuns {
         DiagnoseRuns {
             choice: DiagnoseChoice {
                 model: self.fit.model.clone(),

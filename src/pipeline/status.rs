@@ -10,6 +10,7 @@ use super::fault::or_nothing;
 use super::fit::is_of_failed_fit;
 use super::ingest::tagging::NO_AREA;
 use super::ingest::unread::RESPONSE_MISSING;
+use super::ingest::{UnreadableTags, unreadable_tags};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::mends::{Together, together};
 use super::planned::{Planned, planned};
@@ -20,8 +21,10 @@ use crate::domain::tag::keys;
 use crate::domain::{
     Alarm, ClimateAssessment, Fault, FileState, Issue, RunKind, RunRecord, RunState, Severity,
 };
+use crate::ingest::archive::{Archive, Archived, BlobFinding};
 use crate::ingest::name_pattern::{self, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
+use crate::store::RunContent;
 
 /// The state of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,8 +58,14 @@ pub struct Status {
     pub names_contradict: Vec<Reasoned>,
     /// Files that were refused.
     pub refused: Vec<Reasoned>,
+    /// Files that the system could not give when they were last tried.
+    pub unread: Vec<Reasoned>,
+    /// What cannot be read of tag files: the runs that they speak for wait.
+    pub unreadable_tags: Vec<UnreadableTags>,
     /// Files that wait: empty, header only, still growing.
     pub pending: Vec<Reasoned>,
+    /// Raw files that the archive lacks or holds with another size, by a file of the run or log that they are of.
+    pub raw_files_lost: Vec<Reasoned>,
     /// Number of files that hold the same bytes as a run's file.
     pub aliases: usize,
     /// These files, each with the run.
@@ -81,6 +90,8 @@ pub struct Status {
     pub alarms: Vec<Alarm>,
     /// Why nothing is watched; none where something is.
     pub monitoring: Option<String>,
+    /// Why the report cannot be written anew: its folder holds what the program did not write.
+    pub report_refused: Option<String>,
     /// What a fault of the program left out: of the report that stands, and of what is said here.
     pub faults: Vec<Fault>,
 }
@@ -209,7 +220,10 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             .collect(),
         names_contradict: contradicting(&runs),
         refused: file_list(FileState::Refused),
+        unread: unread(context)?,
+        unreadable_tags: unreadable_tags(context)?,
         pending: file_list(FileState::Pending),
+        raw_files_lost: raw_files_lost(context)?,
         aliases: file_list(FileState::Alias).len(),
         alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
         missing_files: missing.map(|file| file.path.clone()).collect(),
@@ -218,6 +232,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
+        report_refused: super::report::not_ours(&context.folder)?,
         faults,
         planned: planned(context, &standing::all(context)?)?,
         lumped_or_distributed: runs.iter().filter_map(LumpedOrDistributedEntry::of).collect(),
@@ -232,6 +247,30 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             .map(|run| run.path.clone())
             .collect(),
     })
+}
+
+/// Raw files that the archive lacks, by names and sizes.
+///
+/// # Errors
+/// The database or the archive cannot be read.
+pub fn raw_files_lost(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
+    let contents = context.store.contents()?;
+    let of = |content: &RunContent| Archived {
+        hash: content.hash.clone(),
+        path: content.archive_path.clone(),
+        size_bytes: content.size_bytes,
+    };
+    let wanted: Vec<Archived> = contents.iter().map(of).collect();
+    let path_of = |hash: &str| {
+        let at = contents.binary_search_by(|content| content.hash.as_str().cmp(hash));
+        at.map_or_else(|_| String::new(), |at| contents[at].path.clone())
+    };
+    let lost = Archive::new(&context.folder).missing(&wanted)?;
+    let reasoned = |finding: BlobFinding| Reasoned {
+        path: path_of(&finding.wanted.hash),
+        issues: vec![finding.issue()],
+    };
+    Ok(lost.into_iter().map(reasoned).collect())
 }
 
 fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, PipelineError> {
@@ -257,6 +296,15 @@ fn climate(context: &Context, runs: &[RunRecord]) -> Result<ClimateStatus, Pipel
             ["climate-not-covered", "climate-no-start"].contains(&issue.code.as_str())
         }),
     })
+}
+
+fn unread(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
+    let files = context.store.unread_files()?.into_iter();
+    let reasoned = files.map(|(path, issue)| Reasoned {
+        path,
+        issues: vec![issue],
+    });
+    Ok(reasoned.collect())
 }
 
 /// Tag keys that are neither known nor declared, each with the runs that have it.

@@ -6,7 +6,7 @@ use super::context::now;
 use super::{Context, Observer, PipelineError, climate};
 use crate::domain::{FileState, Issue, RunState};
 use crate::ingest::tags::objection;
-use crate::pipeline::ingest::retag_runs;
+use crate::pipeline::ingest::{IngestSummary, retag_runs, unreadable_tags};
 use crate::store::HandTag;
 
 /// The verb `tag`.
@@ -52,7 +52,14 @@ impl SetTags {
         context
             .store
             .add_hand_tags(&now, &self.pairs.iter().map(tag).collect::<Vec<_>>())?;
-        retag_runs(context, observer)?;
+        let mut retagged = IngestSummary::default();
+        retag_runs(context, &mut retagged, observer)?;
+        for tags in unreadable_tags(context)? {
+            observer.warn(&format!(
+                "{}: {}; runs that it tags are tagged again later",
+                tags.issue.place, tags.issue.message
+            ));
+        }
         let shelf = climate::Shelf::open(&context.store)?;
         climate::assess(context, &shelf)?;
         let mut runs = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);

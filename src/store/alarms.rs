@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use rusqlite::params;
 
-use super::{Store, StoreError};
+use super::{Store, StoreError, Subject};
 use crate::domain::Alarm;
 
 impl Store {
@@ -14,6 +14,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn told_alarms(&self) -> Result<BTreeSet<String>, StoreError> {
         let doing = "reading alarms";
+        self.check_seal(&Subject::Alarms)?;
         let mut statement = self
             .connection
             .prepare_cached("SELECT id FROM alarm")
@@ -31,6 +32,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn save_alarm(&mut self, now: &str, alarm: &Alarm) -> Result<(), StoreError> {
         self.write("storing an alarm", now, |transaction| {
+            transaction.changes(Subject::Alarms)?;
             transaction.execute(
                 "INSERT INTO alarm VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, NULL)",
                 params![
@@ -53,6 +55,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn save_alarm_command(&mut self, now: &str, id: &str, status: &str) -> Result<(), StoreError> {
         self.write("storing how a command ended", now, |transaction| {
+            transaction.changes(Subject::Alarms)?;
             transaction.execute("UPDATE alarm SET command_status = ?2 WHERE id = ?1", [id, status])?;
             Ok(())
         })

@@ -3,7 +3,7 @@
 use rusqlite::params;
 
 use super::blob::{pack_f64, unpack_f64};
-use super::{StepError, Store, StoreError, Transaction, from_key};
+use super::{StepError, Store, StoreError, Subject, Transaction, from_key};
 use crate::domain::{AlongCurve, Quantity};
 
 impl Store {
@@ -13,20 +13,18 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn fit_along(&self, run_id: i64) -> Result<Vec<AlongCurve>, StoreError> {
-        let doing = "reading a fit's curves along the strip";
+        let Some(fit_id) = self.current_fit(run_id)? else {
+            return Ok(Vec::new());
+        };
+        self.check_seal(&Subject::FitCurves(fit_id))?;
         let sql = "SELECT quantity, frames, position_blob, noise_blob, time_blob, measured_blob, fitted_blob
-                   FROM fit_along JOIN fit ON fit.id = fit_along.fit_id
-                   WHERE fit.run_id = ?1 AND fit.superseded_at IS NULL ORDER BY ordinal";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([run_id]).map_err(|e| self.failed(doing, e))?;
-        let mut curves = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            curves.push(read_along(row).map_err(self.named(doing))?);
-        }
-        Ok(curves)
+                   FROM fit_along WHERE fit_id = ?1 ORDER BY ordinal";
+        self.rows(
+            "reading a fit's curves along the strip",
+            sql,
+            [fit_id],
+            read_along,
+        )
     }
 }
 

@@ -4,7 +4,9 @@ use rusqlite::{OptionalExtension, Row, params};
 
 use super::blob::{pack_f64, unpack_f64};
 use super::files::upsert_file;
-use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
+use super::{
+    FileRow, RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json,
+};
 use crate::domain::{ClimateAssessment, ClimateQuantity, Issue, LogReadings, LogSeries, RunStatus};
 
 /// A log that was read from a file.
@@ -88,6 +90,10 @@ impl Store {
     /// See [`StoreError`].
     pub fn rename_log(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
         self.write("renaming a climate log", now, |transaction| {
+            transaction.changes(Subject::Logs)?;
+            for id in transaction.ids("SELECT id FROM climate_log WHERE path = ?1", old)? {
+                transaction.changes(Subject::Log(id))?;
+            }
             transaction.execute("UPDATE climate_log SET path = ?2 WHERE path = ?1", [old, new])?;
             upsert_file(transaction, file)
         })
@@ -117,6 +123,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn logs(&self) -> Result<Vec<LogRecord>, StoreError> {
+        self.check_logs()?;
         let sql = "SELECT path, format, issues FROM climate_log WHERE superseded_at IS NULL ORDER BY path";
         self.all_of(sql, [], |row| {
             Ok(LogRecord {
@@ -132,6 +139,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn log_series(&self) -> Result<Vec<LogSeries>, StoreError> {
+        self.check_logs()?;
         let sql = "SELECT id, ordinal, path, data_hash, sensor, quantity, not_used, readings, interval_s,
                           clock_start_s, clock_offset, clock_set_back, first_s, length_s
                    FROM climate_series JOIN climate_log ON climate_log.id = climate_series.log_id
@@ -144,6 +152,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn log_readings(&self, series: &LogSeries) -> Result<LogReadings, StoreError> {
+        self.check_seal(&Subject::Series(series.log_id, series.ordinal.into()))?;
         let sql = "SELECT coalesce(own.time_blob, shared.time_blob), own.value_blob FROM climate_series AS own
                    JOIN climate_series AS shared ON shared.log_id = own.log_id AND shared.ordinal = own.time_of
                    WHERE own.log_id = ?1 AND own.ordinal = ?2";
@@ -169,6 +178,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn climate_assessment(&self) -> Result<Option<(String, ClimateAssessment)>, StoreError> {
         let doing = "reading the climate";
+        self.check_seal(&Subject::Assessment)?;
         let sql = "SELECT inputs, document FROM climate_assessment";
         let row = self
             .connection
@@ -193,10 +203,21 @@ impl Store {
     ) -> Result<(), StoreError> {
         let document = to_json("the climate", assessment)?;
         self.write("storing the climate", now, |transaction| {
+            transaction.changes(Subject::Assessment)?;
             let sql = "INSERT OR REPLACE INTO climate_assessment VALUES (1, ?1, ?2)";
             transaction.execute(sql, [inputs, &document])?;
             Ok(())
         })
+    }
+
+    /// Holds the current logs against their seals.
+    fn check_logs(&self) -> Result<(), StoreError> {
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Logs)?;
+        let sql = "SELECT id FROM climate_log WHERE superseded_at IS NULL ORDER BY path";
+        let ids: Vec<i64> = self.all_of(sql, [], |row| Ok(row.get(0)?))?;
+        ids.into_iter()
+            .try_for_each(|id| self.check_seal(&Subject::Log(id)))
     }
 
     /// Rows of `sql`, read one by one.
@@ -206,17 +227,7 @@ impl Store {
         parameters: impl rusqlite::Params,
         read: impl Fn(&Row<'_>) -> Result<T, StepError>,
     ) -> Result<Vec<T>, StoreError> {
-        let doing = "reading climate logs";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query(parameters).map_err(|e| self.failed(doing, e))?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            found.push(read(row).map_err(self.named(doing))?);
-        }
-        Ok(found)
+        self.rows("reading climate logs", sql, parameters, read)
     }
 }
 
@@ -255,6 +266,11 @@ fn insert_log(transaction: &Transaction<'_>, now: &str, log: &NewLog) -> Result<
             content.archive_path,
             now
         ])?;
+    transaction.changes(Subject::Logs)?;
+    let current = "SELECT id FROM climate_log WHERE path = ?1 AND superseded_at IS NULL";
+    for id in transaction.ids(current, &content.path)? {
+        transaction.changes(Subject::Log(id))?;
+    }
     transaction
         .prepare_cached(
             "UPDATE climate_log SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL",
@@ -285,7 +301,9 @@ fn insert_log(transaction: &Transaction<'_>, now: &str, log: &NewLog) -> Result<
         log.data_hash,
         now
     ])?;
-    insert_series(transaction, transaction.last_insert_rowid(), &log.series)
+    let log_id = transaction.last_insert_rowid();
+    transaction.made(Subject::Log(log_id));
+    insert_series(transaction, log_id, &log.series)
 }
 
 fn insert_series(transaction: &Transaction<'_>, log_id: i64, series: &[NewSeries]) -> Result<(), StepError> {
@@ -304,6 +322,7 @@ fn insert_series(transaction: &Transaction<'_>, log_id: i64, series: &[NewSeries
             times.first().copied().unwrap_or(0.0),
             times.last().copied().unwrap_or(0.0),
         );
+        transaction.made(Subject::Series(log_id, ordinal as i64));
         transaction.prepare_cached(sql)?.execute(params![
             log_id,
             ordinal as i64,

@@ -1,9 +1,9 @@
 //! Diagnoses: what is current, what is new. Old ones stay.
 
-use rusqlite::params;
+use rusqlite::{OptionalExtension, params};
 
 use super::fits::finite;
-use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
+use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
 use crate::domain::{Candidate, EffectFinding, GroupDiagnosis};
 
 /// What a diagnosis is about.
@@ -83,19 +83,18 @@ impl Store {
     /// See [`StoreError`].
     pub fn diagnoses(&self) -> Result<Vec<StoredDiagnosis>, StoreError> {
         let doing = "reading diagnoses";
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Diagnoses)?;
+        let current = "SELECT id FROM diagnosis WHERE superseded_at IS NULL ORDER BY kind, name";
+        let ids: Vec<i64> = self.rows(doing, current, [], |row| Ok(row.get(0)?))?;
         let sql = "SELECT kind, name, input_hash, library, seed, draws, code_version, made_at, document
-                   FROM diagnosis WHERE superseded_at IS NULL AND NOT EXISTS (
+                   FROM diagnosis WHERE id = ?1 AND NOT EXISTS (
                        SELECT 1 FROM diagnosis_run JOIN run ON run.id = diagnosis_run.run_id
-                       WHERE diagnosis_run.diagnosis_id = diagnosis.id AND run.superseded_at IS NOT NULL)
-                   ORDER BY kind, name";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
+                       WHERE diagnosis_run.diagnosis_id = diagnosis.id AND run.superseded_at IS NOT NULL)";
         let mut found = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            found.push(read(row).map_err(self.named(doing))?);
+        for id in ids {
+            self.check_seal(&Subject::Diagnosis(id))?;
+            found.extend(self.rows(doing, sql, [id], read)?);
         }
         Ok(found)
     }
@@ -159,6 +158,14 @@ fn retire(
     kind: DiagnosisKind,
     name: &str,
 ) -> Result<(), StepError> {
+    transaction.changes(Subject::Diagnoses)?;
+    let current: Option<i64> = transaction
+        .prepare_cached("SELECT id FROM diagnosis WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL")?
+        .query_row(params![kind.key(), name], |row| row.get(0))
+        .optional()?;
+    if let Some(id) = current {
+        transaction.changes(Subject::Diagnosis(id))?;
+    }
     let sql =
         "UPDATE diagnosis SET superseded_at = ?3 WHERE kind = ?1 AND name = ?2 AND superseded_at IS NULL";
     transaction
@@ -193,15 +200,19 @@ fn insert(
         now,
     ])?;
     let id = transaction.last_insert_rowid();
+    transaction.made(Subject::Diagnosis(id));
     for (ordinal, run_id) in stamp.run_ids.iter().enumerate() {
         transaction
             .prepare_cached("INSERT INTO diagnosis_run VALUES (?1, ?2, ?3)")?
             .execute(params![id, ordinal as i64, run_id])?;
     }
+    if !found.condemned.is_empty() {
+        transaction.changes(Subject::Condemned)?;
+    }
     for condemned in &found.condemned {
         let sql = "INSERT INTO diagnosis_condemned
                    SELECT ?1, run.id, ?3 FROM run JOIN diagnosis_run ON diagnosis_run.run_id = run.id
-                   WHERE diagnosis_run.diagnosis_id = ?1 AND run.path = ?2";
+                   WHERE diagnosis_run.diagnosis_id = ?1 AND +run.path = ?2";
         transaction
             .prepare_cached(sql)?
             .execute(params![id, condemned.run, condemned.reason])?;

@@ -40,11 +40,45 @@ pub enum StoreError {
     },
     /// The file is no database, or is damaged.
     #[error(
-        "{path}: this is not a readable SQLite database ({detail}). Move it away (with its -wal and -shm files); `ieap run` makes a new one from the files in the campaign."
+        "{path}: this is not a readable SQLite database ({detail}). Put a backup of it back. If there is none, `ieap run --new-database` moves it aside and makes a new one from the files in the campaign; what only the database held is lost then."
     )]
     NotADatabase {
         /// The database file.
         path: PathBuf,
+        /// What SQLite says.
+        detail: String,
+    },
+    /// An older program made the database, and whoever only reads does not change it.
+    #[error(
+        "{path}: the database has schema {found}, this program needs schema {needed}. `ieap run` or `ieap report` brings it up to date, after a backup; end any other ieap that works on the campaign before."
+    )]
+    Older {
+        /// The database file.
+        path: PathBuf,
+        /// Schema version found.
+        found: i64,
+        /// Schema version needed.
+        needed: i64,
+    },
+    /// The database says that it is empty, and holds tables.
+    #[error(
+        "{path}: the database holds tables and no version of their schema (user_version is 0): another program wrote to it. Put a backup of it back. If there is none, `ieap run --new-database` moves it aside and makes a new one from the files in the campaign; what only the database held, such as tags set by hand, is lost then."
+    )]
+    NoVersion {
+        /// The database file.
+        path: PathBuf,
+    },
+    /// The schema could not be brought up to date.
+    #[error(
+        "{path}: the database could not be brought from schema {found} to {needed} ({detail}). It is as it was, and a copy lies beside it; restore a backup if it was changed by another program."
+    )]
+    Migration {
+        /// The database file.
+        path: PathBuf,
+        /// Schema version found.
+        found: i64,
+        /// Schema version needed.
+        needed: i64,
         /// What SQLite says.
         detail: String,
     },
@@ -78,6 +112,14 @@ pub enum StoreError {
         /// Version found.
         found: &'static str,
     },
+    /// The file that is open is no longer the database of the campaign.
+    #[error(
+        "{path}: the file was deleted or replaced while this program had it open. What was stored until then is in the file that is gone. Put that file or a backup back, with no other ieap running, then start again."
+    )]
+    Replaced {
+        /// The database file, or its write-ahead log.
+        path: PathBuf,
+    },
     /// The database lies on a network share.
     #[error(
         "{path}: the campaign lies on a network file system ({kind}), where SQLite's write-ahead log is not safe. Copy the campaign to a local disk, or pass --i-know to go on at your own risk."
@@ -96,6 +138,16 @@ pub enum StoreError {
         /// What the lock file says of its holder.
         holder: String,
     },
+    /// Something else lies where the lock file belongs.
+    #[error(
+        "{path}: this is not the lock file of a campaign ({found}), and it was left alone. Move it away, then run again."
+    )]
+    NotALock {
+        /// The lock file.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
     /// The lock file or a backup could not be written.
     #[error("{path}: {doing} failed: {source}")]
     File {
@@ -108,7 +160,7 @@ pub enum StoreError {
     },
     /// A stored value does not read back.
     #[error(
-        "the database holds a value that does not read back: {what} ({detail}). Restore a backup, or move campaign.db away and run `ieap run`."
+        "the database holds a value that does not read back: {what} ({detail}). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
     )]
     BadValue {
         /// Which value.
@@ -116,19 +168,44 @@ pub enum StoreError {
         /// What was found.
         detail: String,
     },
+    /// Stored rows are not those that were stored.
+    #[error(
+        "campaign.db is damaged: {what} is not as it was stored (its checksum does not match). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
+    )]
+    Damaged {
+        /// Which rows.
+        what: String,
+    },
     /// Any other failure of SQLite.
-    #[error("{path}: {doing} failed: {source}")]
+    #[error("{path}: {doing} failed: {detail}")]
     Sql {
         /// The database file.
         path: PathBuf,
         /// What was being done.
         doing: &'static str,
         /// What SQLite says.
-        source: rusqlite::Error,
+        detail: String,
     },
 }
 
 impl StoreError {
+    /// Whether trying again cannot help: the database is gone, damaged, or of another program.
+    pub fn is_for_good(&self) -> bool {
+        use StoreError as E;
+        matches!(
+            self,
+            E::NotADatabase { .. }
+                | E::NoVersion { .. }
+                | E::NotALock { .. }
+                | E::Older { .. }
+                | E::Migration { .. }
+                | E::Newer { .. }
+                | E::Replaced { .. }
+                | E::Damaged { .. }
+                | E::BadValue { .. }
+        )
+    }
+
     /// Names what was being done with the database at `path` when SQLite failed.
     pub(super) fn from_sql(
         path: &std::path::Path,
@@ -136,11 +213,13 @@ impl StoreError {
         source: rusqlite::Error,
     ) -> StoreError {
         let path = path.to_owned();
-        let detail = || source.to_string();
+        let detail = || plain(&source);
         match source.sqlite_error_code() {
             Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => StoreError::Locked { path, doing },
             Some(ErrorCode::ReadOnly | ErrorCode::PermissionDenied) => StoreError::ReadOnly { path, doing },
             Some(ErrorCode::DiskFull) => StoreError::DiskFull { path, doing },
+            // Where SQLite's shared memory cannot grow, it says no more than that the disk failed.
+            Some(ErrorCode::SystemIoFailure) if is_full(&path) => StoreError::DiskFull { path, doing },
             Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => StoreError::NotADatabase {
                 path,
                 detail: detail(),
@@ -149,7 +228,54 @@ impl StoreError {
                 path,
                 detail: detail(),
             },
-            _ => StoreError::Sql { path, doing, source },
+            _ => StoreError::Sql {
+                path,
+                doing,
+                detail: detail(),
+            },
         }
+    }
+}
+
+/// What SQLite says, without the statement that it says it of: a page of SQL helps no user.
+pub(super) fn plain(error: &rusqlite::Error) -> String {
+    match error {
+        rusqlite::Error::SqlInputError { msg, .. } => msg.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// Room below which a disk counts as full, bytes: a step of SQLite's log with its index takes less.
+#[cfg(unix)]
+const FULL_BELOW_BYTES: u64 = 256 * 1024;
+
+/// Whether the disk that a file lies on has no room left.
+#[cfg(unix)]
+fn is_full(file: &std::path::Path) -> bool {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let found = rustix::fs::statvfs(folder.unwrap_or(std::path::Path::new(".")));
+    found.is_ok_and(|disk| disk.f_bavail.saturating_mul(disk.f_frsize) < FULL_BELOW_BYTES)
+}
+
+#[cfg(not(unix))]
+fn is_full(_file: &std::path::Path) -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_statement_that_fails_is_not_printed() {
+        let connection = rusqlite::Connection::open_in_memory().unwrap();
+        let error = connection
+            .execute("INSERT INTO missing SELECT 1", [])
+            .unwrap_err();
+        let told = StoreError::from_sql(std::path::Path::new("c/campaign.db"), "storing", error);
+        assert_eq!(
+            told.to_string(),
+            "c/campaign.db: storing failed: no such table: missing"
+        );
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rusqlite::{Row, params};
 
-use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
+use super::{RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
 use crate::domain::{FileState, Issue, SourceFile};
 
 /// A file as the last scan saw it and what became of it.
@@ -18,6 +18,8 @@ pub struct FileRow {
     pub modified_ns: i64,
     /// Inode, or 0 where the system has none.
     pub inode: u64,
+    /// Time of the last change of anything of the file, ns since 1970; 0 where it is not known.
+    pub changed_ns: i64,
     /// BLAKE3 of the bytes, hexadecimal; none where they were not read.
     pub hash: Option<String>,
     /// What became of it.
@@ -62,21 +64,15 @@ impl Store {
     }
 
     fn files_where(&self, condition: &str) -> Result<Vec<FileRow>, StoreError> {
-        let doing = "listing files";
         let sql = format!(
-            "SELECT path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since
-             FROM source_file WHERE {condition} ORDER BY path"
+            "SELECT source_file.*, seal.sum FROM source_file LEFT JOIN seal ON subject = 'file' AND seal.id = path
+             WHERE {condition} ORDER BY path"
         );
-        let mut statement = self
-            .connection
-            .prepare_cached(&sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
-        let mut files = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            files.push(read_file(row).map_err(self.named(doing))?);
-        }
-        Ok(files)
+        self.rows("listing files", &sql, [], |row| {
+            let file = read_file(row)?;
+            self.check_sealed_row(&Subject::File(file.path.clone()), row)?;
+            Ok(file)
+        })
     }
 
     /// Records what became of files that hold no new run: refused, pending, aliases.
@@ -92,6 +88,68 @@ impl Store {
         })
     }
 
+    /// Notes when files that are otherwise as they are stored changed last, ns since 1970: they were stored before such
+    /// times were.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn note_change_times(&mut self, now: &str, files: &[(&str, i64)]) -> Result<(), StoreError> {
+        if files.is_empty() {
+            return Ok(());
+        }
+        self.write("noting change times", now, |transaction| {
+            let sql = "UPDATE source_file SET changed_ns = ?2 WHERE path = ?1";
+            for file in files {
+                transaction.changes(Subject::File(file.0.to_owned()))?;
+                transaction
+                    .prepare_cached(sql)?
+                    .execute(params![file.0, file.1])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Files that the system could not give when they were to be read, with what it said, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn unread_files(&self) -> Result<Vec<(String, Issue)>, StoreError> {
+        let doing = "listing files that were not read";
+        let mut statement = self
+            .connection
+            .prepare_cached("SELECT path, issue FROM unread_file ORDER BY path")
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get::<_, String>(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.map(|row| {
+            let (path, issue) = row.map_err(|e| self.failed(doing, e))?;
+            Ok((path, from_json("why a file was not read", &issue)?))
+        })
+        .collect()
+    }
+
+    /// Records these as all files that the system could not give; no change where they are known as such. They have no
+    /// seal: no result is made from them, and the next scan writes them anew.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_unread_files(&mut self, now: &str, files: &[(String, Issue)]) -> Result<(), StoreError> {
+        if self.unread_files()? == files {
+            return Ok(());
+        }
+        self.write("recording files that were not read", now, |transaction| {
+            transaction.execute("DELETE FROM unread_file", [])?;
+            for (path, issue) in files {
+                let issue = to_json("why a file was not read", issue)?;
+                transaction
+                    .prepare_cached("INSERT INTO unread_file VALUES (?1, ?2)")?
+                    .execute([path, &issue])?;
+            }
+            Ok(())
+        })
+    }
+
     /// Marks files as gone since `now`. Their runs stay.
     ///
     /// # Errors
@@ -103,6 +161,7 @@ impl Store {
         self.write("marking missing files", now, |transaction| {
             let sql = "UPDATE source_file SET missing_since = ?2 WHERE path = ?1 AND missing_since IS NULL";
             for path in paths {
+                transaction.changes(Subject::File(path.clone()))?;
                 transaction.prepare_cached(sql)?.execute(params![path, now])?;
             }
             Ok(())
@@ -119,6 +178,7 @@ impl Store {
         }
         self.write("forgetting files", now, |transaction| {
             for path in paths {
+                transaction.changes(Subject::File(path.clone()))?;
                 transaction
                     .prepare_cached("DELETE FROM source_file WHERE path = ?1")?
                     .execute([path])?;
@@ -127,22 +187,63 @@ impl Store {
         })
     }
 
+    /// Raw bytes that the database names: hash, size in bytes, path in the archive, and a file of a run or log that held
+    /// them, in the order of the hashes.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn contents(&self) -> Result<Vec<RunContent>, StoreError> {
+        let sql = "SELECT coalesce((SELECT min(path) FROM run_file WHERE hash = content.hash),
+                                   (SELECT min(path) FROM climate_log WHERE hash = content.hash), archive_path),
+                          hash, size_bytes, archive_path FROM content ORDER BY hash";
+        self.rows("listing raw files", sql, [], |row| {
+            Ok(RunContent {
+                path: row.get(0)?,
+                hash: row.get(1)?,
+                size_bytes: row.get::<_, i64>(2)?.unsigned_abs(),
+                archive_path: row.get(3)?,
+            })
+        })
+    }
+
+    /// Whether the database names raw bytes, or these bytes where a hash is given.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn names_content(&self, hash: Option<&str>) -> Result<bool, StoreError> {
+        let sql = "SELECT EXISTS (SELECT 1 FROM content WHERE ?1 IS NULL)
+                       OR EXISTS (SELECT 1 FROM content WHERE hash = ?1)";
+        self.connection
+            .prepare_cached(sql)
+            .and_then(|mut statement| statement.query_row([hash], |row| row.get(0)))
+            .map_err(|e| self.failed("looking for raw files", e))
+    }
+
+    /// Has every file read again at the next scan, as if its reader had changed.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn read_again(&mut self, now: &str) -> Result<(), StoreError> {
+        self.write("marking files to be read again", now, |transaction| {
+            let paths: Vec<String> = transaction
+                .prepare_cached("SELECT path FROM source_file")?
+                .query_map([], |row| row.get(0))?
+                .collect::<rusqlite::Result<_>>()?;
+            for path in paths {
+                transaction.changes(Subject::File(path))?;
+            }
+            transaction.execute("UPDATE source_file SET reader = ''", [])?;
+            Ok(())
+        })
+    }
+
     /// Other present paths of the same bytes, by hash.
     pub(super) fn aliases(&self) -> Result<BTreeMap<String, Vec<String>>, StoreError> {
-        let doing = "listing aliases";
-        let sql = "SELECT hash, path FROM source_file
-                   WHERE state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL ORDER BY path";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let rows = statement
-            .query_map([], |row| Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?)))
-            .map_err(|e| self.failed(doing, e))?;
+        let condition = "state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL";
         let mut aliases: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for row in rows {
-            let (hash, path) = row.map_err(|e| self.failed(doing, e))?;
-            aliases.entry(hash).or_default().push(path);
+        for file in self.files_where(condition)? {
+            let hash = file.hash.unwrap_or_default();
+            aliases.entry(hash).or_default().push(file.path);
         }
         Ok(aliases)
     }
@@ -155,9 +256,10 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         .as_ref()
         .map(|issue| to_json("a file's issue", issue))
         .transpose()?;
+    transaction.changes(Subject::File(file.path.clone()))?;
     let sql = "INSERT OR REPLACE INTO source_file
-        (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
+        (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since, changed_ns)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
     transaction.prepare_cached(sql)?.execute(params![
         file.path,
         file.size_bytes.cast_signed(),
@@ -168,6 +270,7 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         file.reader,
         issue,
         file.missing_since,
+        file.changed_ns,
     ])?;
     Ok(())
 }
@@ -179,6 +282,7 @@ fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {
         size_bytes: row.get::<_, i64>("size_bytes")?.cast_unsigned(),
         modified_ns: row.get("modified_ns")?,
         inode: row.get::<_, i64>("inode")?.cast_unsigned(),
+        changed_ns: row.get("changed_ns")?,
         hash: row.get("hash")?,
         state: from_key(
             "a file's state",

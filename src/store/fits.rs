@@ -4,7 +4,7 @@ use rusqlite::{OptionalExtension, ToSql, params};
 
 use super::along::insert_along;
 use super::blob::{pack_f64, unpack_f64};
-use super::{StepError, Store, StoreError, Transaction, from_json, from_key, to_json};
+use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
 use crate::domain::{
     AskedFit, ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve,
 };
@@ -52,17 +52,21 @@ impl Store {
     /// See [`StoreError`].
     pub fn fit_tasks(&self) -> Result<Vec<FitTask>, StoreError> {
         let doing = "listing runs to fit";
+        let _moment = self.snapshot()?;
         let sql = "SELECT run.id, run.path, run.drive, run.area_cm2, run.length_cm,
                           run.data_hash || coalesce((SELECT group_concat(':' || clock || '=' || offset_s, '')
                               FROM clock_offset WHERE run_id = run.id AND applied = 1), '')
                            || coalesce((SELECT group_concat(':' || key || '=' || value, '' ORDER BY key) FROM tag
-                              WHERE run_id = run.id AND chosen = 1 AND key IN ('leave_out', 'leave_out_marked')), ''),
+                              WHERE run_id = run.id AND chosen = 1 AND +key IN ('leave_out', 'leave_out_marked')), ''),
                           coalesce(fit.input_hash, fit_failure.input_hash),
-                          run.electrode_resistance_ohm_per_sq,
-                          (SELECT earlier.asked FROM run AS own JOIN fit AS earlier ON earlier.run_id = own.id
-                           WHERE own.path = run.path ORDER BY earlier.id DESC LIMIT 1)
+                          run.electrode_resistance_ohm_per_sq, last.asked, last.id
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
+                            LEFT JOIN (SELECT own.path, max(earlier.id) AS fit_id
+                                       FROM fit AS earlier NOT INDEXED
+                                       JOIN run AS own NOT INDEXED ON own.id = earlier.run_id
+                                       GROUP BY own.path) AS newest ON newest.path = run.path
+                            LEFT JOIN fit AS last ON last.id = newest.fit_id
                    WHERE run.superseded_at IS NULL AND run.state = 'ready' AND run.kind = 'actuation'
                      AND run.drive IS NOT NULL AND run.area_cm2 IS NOT NULL
                    ORDER BY run.path";
@@ -73,6 +77,9 @@ impl Store {
         let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
         let mut tasks = Vec::new();
         while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            self.check_seal(&Subject::Run(row.get(0).map_err(|e| self.failed(doing, e))?))?;
+            let last_fit: Option<i64> = row.get(9).map_err(|e| self.failed(doing, e))?;
+            last_fit.map_or(Ok(()), |id| self.check_seal(&Subject::Fit(id)))?;
             let read = || -> Result<FitTask, StepError> {
                 Ok(FitTask {
                     run_id: row.get(0)?,
@@ -124,20 +131,22 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn fit_curves(&self, run_id: i64) -> Result<Vec<RunCurve>, StoreError> {
-        let doing = "reading a fit's curves";
+        let Some(fit_id) = self.current_fit(run_id)? else {
+            return Ok(Vec::new());
+        };
+        self.check_seal(&Subject::FitCurves(fit_id))?;
         let sql = "SELECT quantity, readings, time_blob, measured_blob, fitted_blob, residual_blob
-                   FROM fit_curve JOIN fit ON fit.id = fit_curve.fit_id
-                   WHERE fit.run_id = ?1 AND fit.superseded_at IS NULL ORDER BY ordinal";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([run_id]).map_err(|e| self.failed(doing, e))?;
-        let mut curves = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            curves.push(read_curve(row).map_err(self.named(doing))?);
-        }
-        Ok(curves)
+                   FROM fit_curve WHERE fit_id = ?1 ORDER BY ordinal";
+        self.rows("reading a fit's curves", sql, [fit_id], read_curve)
+    }
+
+    /// Row id of the current fit of a run.
+    pub(super) fn current_fit(&self, run_id: i64) -> Result<Option<i64>, StoreError> {
+        self.check_seal(&Subject::Run(run_id))?;
+        self.connection
+            .prepare_cached("SELECT id FROM fit WHERE run_id = ?1 AND superseded_at IS NULL")
+            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)).optional())
+            .map_err(|e| self.failed("looking for a fit", e))
     }
 
     /// The current fit of a run (without curves) with the version of the program that made it.
@@ -187,6 +196,7 @@ impl Store {
         let Some((fit_id, mut fit, code_version, (noise, issues))) = found else {
             return Ok(None);
         };
+        self.check_seal(&Subject::Fit(fit_id))?;
         fit.noise = from_json("a fit's noise", &noise)?;
         fit.issues = from_json("a fit's issues", &issues)?;
         fit.parameters = self.parameters(fit_id)?;
@@ -247,6 +257,7 @@ pub(super) fn insert_failure(
     issue: &Issue,
 ) -> Result<(), StepError> {
     let issue = to_json("a fit's issue", issue)?;
+    transaction.changes(Subject::Run(run_id))?;
     transaction
         .prepare_cached("INSERT OR REPLACE INTO fit_failure VALUES (?1, ?2, ?3, ?4)")?
         .execute(params![run_id, input_hash, issue, now])?;
@@ -255,6 +266,11 @@ pub(super) fn insert_failure(
 
 /// Marks the current fit and failure of a run as no longer current.
 pub(super) fn retire_fit(transaction: &Transaction<'_>, now: &str, run_id: i64) -> Result<(), StepError> {
+    transaction.changes(Subject::Run(run_id))?;
+    let current = "SELECT id FROM fit WHERE run_id = ?1 AND superseded_at IS NULL";
+    for fit_id in transaction.ids(current, run_id)? {
+        transaction.changes(Subject::Fit(fit_id))?;
+    }
     transaction
         .prepare_cached("UPDATE fit SET superseded_at = ?2 WHERE run_id = ?1 AND superseded_at IS NULL")?
         .execute(params![run_id, now])?;
@@ -298,6 +314,8 @@ fn insert_fit(
         asked,
     ])?;
     let fit_id = transaction.last_insert_rowid();
+    transaction.made(Subject::Fit(fit_id));
+    transaction.made(Subject::FitCurves(fit_id));
     for (ordinal, parameter) in fit.parameters.iter().enumerate() {
         insert_parameter(transaction, fit_id, ordinal, parameter)?;
     }

@@ -3,7 +3,7 @@
 
 use rusqlite::{OptionalExtension, ToSql, params};
 
-use super::{Store, StoreError};
+use super::{Store, StoreError, Subject};
 use crate::domain::{ModulusLog, RunRecord};
 
 /// Which earlier state is meant.
@@ -110,7 +110,7 @@ impl Store {
     pub fn fit_origin(&self, run_id: i64) -> Result<Option<ResultOrigin>, StoreError> {
         let sql = "SELECT id, input_hash, code_version, made_at FROM fit
                    WHERE run_id = ?1 AND superseded_at IS NULL";
-        self.result_origin(sql, params![run_id])
+        self.result_origin(sql, params![run_id], Subject::Fit)
     }
 
     /// Where the current analysis of a modulus log came from.
@@ -120,10 +120,15 @@ impl Store {
     pub fn modulus_origin(&self, run_id: i64) -> Result<Option<ResultOrigin>, StoreError> {
         let sql = "SELECT id, input_hash, code_version, made_at FROM modulus_analysis
                    WHERE run_id = ?1 AND superseded_at IS NULL";
-        self.result_origin(sql, params![run_id])
+        self.result_origin(sql, params![run_id], Subject::Analysis)
     }
 
-    fn result_origin(&self, sql: &str, values: &[&dyn ToSql]) -> Result<Option<ResultOrigin>, StoreError> {
+    fn result_origin(
+        &self,
+        sql: &str,
+        values: &[&dyn ToSql],
+        subject: fn(i64) -> Subject,
+    ) -> Result<Option<ResultOrigin>, StoreError> {
         let read = |row: &rusqlite::Row<'_>| {
             Ok(ResultOrigin {
                 id: row.get(0)?,
@@ -132,9 +137,14 @@ impl Store {
                 made_at: row.get(3)?,
             })
         };
-        self.connection
+        let found = self
+            .connection
             .prepare_cached(sql)
             .and_then(|mut statement| statement.query_row(values, read).optional())
-            .map_err(|e| self.failed("reading where a result came from", e))
+            .map_err(|e| self.failed("reading where a result came from", e))?;
+        found
+            .iter()
+            .try_for_each(|origin| self.check_seal(&subject(origin.id)))?;
+        Ok(found)
     }
 }

@@ -6,11 +6,16 @@ use std::path::Path;
 
 use super::StoreError;
 
+/// What the file says after an orderly end.
+const ENDED: &str = "ended\n";
+
 /// Held while this program ingests, fits or renders. The system frees it when the program ends, however it
-/// ends; the file stays and tells who holds or held it.
+/// ends; the file stays and tells who holds it, or that the last one ended in order.
 #[derive(Debug)]
 pub struct InstanceLock {
-    _file: File,
+    file: File,
+    was_ended: bool,
+    is_sound: bool,
 }
 
 impl InstanceLock {
@@ -28,13 +33,15 @@ impl InstanceLock {
             let path = path.clone();
             move |source| StoreError::File { path, doing, source }
         };
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&path)
-            .map_err(failed("opening the lock file"))?;
+        let is_link = || std::fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink());
+        let mut file = match options().open(&path) {
+            Ok(file) => file,
+            Err(_) if is_link() => {
+                let found = "a link to another file";
+                return Err(StoreError::NotALock { path, found });
+            }
+            Err(source) => return Err(failed("opening the lock file")(source)),
+        };
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -47,13 +54,82 @@ impl InstanceLock {
             }
             Err(TryLockError::Error(source)) => return Err(failed("locking")(source)),
         }
-        let holder = format!("process {} on {}\n", std::process::id(), host_name());
+        let was_ended = ended_in_order(&mut file, &path)?;
+        let holder = format!("{MARK}{} on {}\n", std::process::id(), host_name());
         file.set_len(0)
             .and_then(|()| file.rewind())
             .map_err(failed("writing the lock file"))?;
         file.write_all(holder.as_bytes())
             .map_err(failed("writing the lock file"))?;
-        Ok(InstanceLock { _file: file })
+        Ok(InstanceLock {
+            file,
+            was_ended,
+            is_sound: was_ended,
+        })
+    }
+
+    /// Whether the instance before this one ended in order, or there was none. One that was killed, or lost its power, may
+    /// have left the disk with less than it believed.
+    pub fn last_ended_in_order(&self) -> bool {
+        self.was_ended
+    }
+
+    /// To be said when the database was found sound after a disorderly end; the trace of that end stays until then.
+    pub fn found_sound(&mut self) {
+        self.is_sound = true;
+    }
+}
+
+impl Drop for InstanceLock {
+    fn drop(&mut self) {
+        if !self.is_sound {
+            return;
+        }
+        // Where this fails the next instance looks at the database once more than it must.
+        let _ = self.file.set_len(0);
+        let _ = self.file.rewind();
+        let _ = self.file.write_all(ENDED.as_bytes());
+    }
+}
+
+/// What a lock file that was held begins with.
+const MARK: &str = "process ";
+
+/// What a lock writes is shorter, bytes.
+const LONGEST: u64 = 512;
+
+/// Without following a link, and without a change before the lock is had.
+fn options() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
+    }
+    options
+}
+
+/// Whether the file says that the last instance ended in order, or that there was none. A file that no lock wrote, one that
+/// was copied or linked there, is refused.
+fn ended_in_order(file: &mut File, path: &Path) -> Result<bool, StoreError> {
+    let mut head = Vec::new();
+    let read = file.take(LONGEST).read_to_end(&mut head);
+    read.map_err(|source| StoreError::File {
+        path: path.to_owned(),
+        doing: "reading the lock file",
+        source,
+    })?;
+    // A disk that lost its power may keep the length of a file and not its content.
+    let is_blank = (head.len() as u64) < LONGEST && head.iter().all(|&byte| byte == 0);
+    match head.as_slice() {
+        [] => Ok(true),
+        head if head == ENDED.as_bytes() => Ok(true),
+        head if is_blank || head.starts_with(MARK.as_bytes()) => Ok(false),
+        _ => Err(StoreError::NotALock {
+            path: path.to_owned(),
+            found: "it holds something else",
+        }),
     }
 }
 
@@ -82,5 +158,41 @@ mod tests {
         assert!(holder.contains(&std::process::id().to_string()));
         drop(first);
         InstanceLock::take(folder.path()).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_lock_file_is_refused_and_keeps_its_content() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, thesis) = (
+            folder.path().join(InstanceLock::FILE_NAME),
+            folder.path().join("thesis.tex"),
+        );
+        std::fs::write(&thesis, "mine").unwrap();
+        std::os::unix::fs::symlink(&thesis, &path).unwrap();
+        let by_link = InstanceLock::take(folder.path()).unwrap_err();
+        assert!(
+            by_link.to_string().contains("a link to another file"),
+            "{by_link}"
+        );
+        std::fs::remove_file(&path).unwrap();
+        std::fs::hard_link(&thesis, &path).unwrap();
+        let by_name = InstanceLock::take(folder.path()).unwrap_err();
+        assert!(matches!(by_name, StoreError::NotALock { .. }), "{by_name}");
+        assert_eq!(std::fs::read_to_string(&thesis).unwrap(), "mine");
+    }
+
+    #[test]
+    fn a_disorderly_end_is_noticed_until_the_database_was_found_sound() {
+        let folder = tempfile::tempdir().unwrap();
+        let in_order = || InstanceLock::take(folder.path()).unwrap().last_ended_in_order();
+        assert!(in_order() && in_order());
+        for left in ["process 1 on a", "\0\0\0\0"] {
+            std::fs::write(folder.path().join(InstanceLock::FILE_NAME), left).unwrap();
+            assert!(!in_order());
+            assert!(!in_order());
+            InstanceLock::take(folder.path()).unwrap().found_sound();
+            assert!(in_order());
+        }
     }
 }

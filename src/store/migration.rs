@@ -6,9 +6,11 @@ use rusqlite::Connection;
 use rusqlite_migration::{M, Migrations};
 
 use super::StoreError;
+use super::error::plain;
+use super::in_place::has_no_tables;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 10] = [
+const HISTORY: [&str; 12] = [
     include_str!("../../migrations/0001_initial.sql"),
     include_str!("../../migrations/0002_climate.sql"),
     include_str!("../../migrations/0003_modulus_logs.sql"),
@@ -19,6 +21,8 @@ const HISTORY: [&str; 10] = [
     include_str!("../../migrations/0012_no_steps.sql"),
     include_str!("../../migrations/0010_standing.sql"),
     include_str!("../../migrations/0013_asked_fit.sql"),
+    include_str!("../../migrations/0008_unread_files.sql"),
+    include_str!("../../migrations/0009_integrity.sql"),
 ];
 
 /// Schema version that this program writes.
@@ -41,6 +45,7 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
             known: NEWEST,
         });
     }
+    refuse_unversioned(connection, path, found)?;
     if found == NEWEST {
         return Ok(());
     }
@@ -51,14 +56,39 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
     Migrations::new(steps)
         .to_latest(connection)
         .map_err(|error| match error {
-            rusqlite_migration::Error::RusqliteError { err, .. } => {
+            rusqlite_migration::Error::RusqliteError { err, .. } if !is_of_schema(&err) => {
                 StoreError::from_sql(path, "bringing the schema up to date", err)
             }
-            other => StoreError::NotADatabase {
+            other => StoreError::Migration {
                 path: path.to_owned(),
-                detail: other.to_string(),
+                found,
+                needed: NEWEST,
+                detail: match other {
+                    rusqlite_migration::Error::RusqliteError { err, .. } => plain(&err),
+                    other => other.to_string(),
+                },
             },
         })
+}
+
+/// Whether an error says that the database is not what its version says, rather than that it cannot be written.
+fn is_of_schema(error: &rusqlite::Error) -> bool {
+    use rusqlite::ErrorCode::{ConstraintViolation, Unknown};
+    matches!(
+        error.sqlite_error_code(),
+        None | Some(Unknown | ConstraintViolation)
+    )
+}
+
+/// Refuses a database that holds tables and says that it holds none.
+pub(super) fn refuse_unversioned(connection: &Connection, path: &Path, found: i64) -> Result<(), StoreError> {
+    let failed = |e| StoreError::from_sql(path, "reading the schema", e);
+    match found == 0 && !has_no_tables(connection).map_err(failed)? {
+        true => Err(StoreError::NoVersion {
+            path: path.to_owned(),
+        }),
+        false => Ok(()),
+    }
 }
 
 /// Copies the database to `campaign.db.schema-<version>.backup` beside it.
@@ -125,6 +155,63 @@ mod tests {
             connection
                 .execute_batch("UPDATE source_file SET state = 'x'")
                 .is_err()
+        );
+    }
+
+    #[test]
+    fn errors_of_the_system_that_were_stored_as_refusals_are_forgotten_and_other_refusals_stay() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        let steps = |count: usize| {
+            HISTORY
+                .iter()
+                .take(count)
+                .map(|sql| M::up(sql))
+                .collect::<Vec<_>>()
+        };
+        let place = HISTORY.iter().position(|sql| sql.contains("TABLE unread_file"));
+        let before = place.unwrap();
+        Migrations::new(steps(before)).to_latest(&mut connection).unwrap();
+        for (path, code) in [("runs/a", "not-read"), ("runs/b", "no-reader")] {
+            let sql = "INSERT INTO source_file VALUES (?1, 1, 2, 3, NULL, 'refused', 'x/1', ?2, NULL)";
+            let issue =
+                format!(r#"{{"severity":"error","code":"{code}","place":"","message":"","mend":""}}"#);
+            connection.execute(sql, [path, &issue]).unwrap();
+        }
+        Migrations::new(steps(before + 1))
+            .to_latest(&mut connection)
+            .unwrap();
+        let left: String = connection
+            .query_row(
+                "SELECT group_concat(path || changed_ns) FROM source_file",
+                [],
+                |row| row.get(0),
+            )
+            .unwrap();
+        assert_eq!(left, "runs/b0");
+    }
+
+    #[test]
+    fn a_database_that_forgot_its_version_is_named_as_such_and_left_alone() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        migrate(&mut connection, Path::new("memory")).unwrap();
+        connection.pragma_update(None, "user_version", 0).unwrap();
+        let refused = migrate(&mut connection, Path::new("memory")).unwrap_err();
+        assert!(matches!(refused, StoreError::NoVersion { .. }), "{refused}");
+    }
+
+    #[test]
+    fn a_migration_that_fails_says_why_without_its_statements() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        let first = vec![M::up(HISTORY[0])];
+        Migrations::new(first).to_latest(&mut connection).unwrap();
+        connection.execute_batch("DROP TABLE source_file").unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let refused = migrate(&mut connection, &folder.path().join("campaign.db")).unwrap_err();
+        let told = refused.to_string();
+        assert!(told.contains("from schema 1 to"), "{told}");
+        assert!(
+            told.contains("no such table: source_file") && !told.contains("CREATE"),
+            "{told}"
         );
     }
 

@@ -13,6 +13,7 @@ mod error;
 mod files;
 mod fits;
 mod history;
+mod in_place;
 mod listed;
 mod lock;
 mod migration;
@@ -21,9 +22,11 @@ mod new_run;
 mod origin;
 mod run_climate;
 mod runs;
+mod seal;
 mod standing;
 mod tags;
 mod transaction;
+mod unreadable_tags;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -36,10 +39,13 @@ pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};
 pub use history::{Earlier, ResultOrigin};
+pub use in_place::{Found, found, set_aside};
 pub use lock::InstanceLock;
 pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
+use seal::{Seals, Subject};
 pub use tags::HandTag;
+pub use transaction::Snapshot;
 use transaction::Transaction;
 
 /// Name of the database inside a campaign.
@@ -48,14 +54,20 @@ pub const FILE_NAME: &str = "campaign.db";
 /// First SQLite without the WAL-reset corruption bug.
 const OLDEST_SQLITE: i32 = 3_051_003;
 
-/// How long a connection waits for another one's lock.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
+/// Prepared statements that a connection keeps: more than there are queries.
+const STATEMENTS: usize = 256;
+
+/// How long a connection waits for another one's lock: several times what the largest batch of files takes to store on a
+/// slow disk.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A campaign's database.
 #[derive(Debug)]
 pub struct Store {
     connection: Connection,
     path: PathBuf,
+    place: in_place::Place,
+    seals: Seals,
 }
 
 impl Store {
@@ -76,13 +88,21 @@ impl Store {
         .map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
-        Ok(Store { connection, path })
+        let seals = Seals::made(&mut connection)
+            .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
+        Ok(Store {
+            connection,
+            place: in_place::Place::of(&path),
+            path,
+            seals,
+        })
     }
 
     /// Opens the database for reading beside a working instance. `None` where there is none yet.
     ///
     /// # Errors
-    /// See [`StoreError`]; a schema that this program does not write is refused.
+    /// See [`StoreError`]; a schema that this program does not write is refused, and never changed: whoever reads holds
+    /// no lock.
     pub fn open_read_only(folder: &Path) -> Result<Option<Store>, StoreError> {
         check_sqlite()?;
         let path = folder.join(FILE_NAME);
@@ -103,15 +123,26 @@ impl Store {
             }
         });
         let (connection, found) = opened?;
+        migration::refuse_unversioned(&connection, &path, found)?;
         match found {
-            migration::NEWEST => Ok(Some(Store { connection, path })),
+            migration::NEWEST => Ok(Some(Store {
+                seals: Seals::of(&connection)
+                    .map_err(|e| StoreError::from_sql(&path, "opening to read", e))?,
+                connection,
+                path,
+                place: in_place::Place::default(),
+            })),
             0 => Ok(None),
             found if found > migration::NEWEST => Err(StoreError::Newer {
                 path,
                 found,
                 known: migration::NEWEST,
             }),
-            _ => Store::open(folder).map(Some),
+            found => Err(StoreError::Older {
+                path,
+                found,
+                needed: migration::NEWEST,
+            }),
         }
     }
 
@@ -125,7 +156,14 @@ impl Store {
             Connection::open_in_memory().map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
-        Ok(Store { connection, path })
+        let seals = Seals::made(&mut connection)
+            .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
+        Ok(Store {
+            connection,
+            path,
+            place: in_place::Place::default(),
+            seals,
+        })
     }
 
     /// The database file.
@@ -138,11 +176,32 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn changes(&self) -> Result<(u64, String), StoreError> {
+        self.check_seal(&Subject::Changes)?;
         self.connection
             .query_row("SELECT changes, changed_at FROM change_count", [], |row| {
                 Ok((row.get::<_, i64>(0)?.unsigned_abs(), row.get(1)?))
             })
             .map_err(|e| self.failed("counting changes", e))
+    }
+
+    /// Rows of `sql`, read one by one.
+    fn rows<T>(
+        &self,
+        doing: &'static str,
+        sql: &str,
+        parameters: impl rusqlite::Params,
+        read: impl Fn(&rusqlite::Row<'_>) -> Result<T, StepError>,
+    ) -> Result<Vec<T>, StoreError> {
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query(parameters).map_err(|e| self.failed(doing, e))?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            found.push(read(row).map_err(self.named(doing))?);
+        }
+        Ok(found)
     }
 
     fn failed(&self, doing: &'static str, error: rusqlite::Error) -> StoreError {
@@ -162,6 +221,7 @@ fn open_to_read(path: &Path, name: &str, flags: OpenFlags) -> Result<(Connection
     let failed = |e| StoreError::from_sql(path, "opening to read", e);
     let connection = Connection::open_with_flags(name, flags).map_err(failed)?;
     connection.busy_timeout(BUSY_TIMEOUT).map_err(failed)?;
+    connection.set_prepared_statement_cache_capacity(STATEMENTS);
     let version = migration::version(&connection).map_err(failed)?;
     Ok((connection, version))
 }
@@ -215,7 +275,7 @@ fn configure(connection: &Connection) -> rusqlite::Result<()> {
     connection.pragma_update(None, "journal_mode", "WAL")?;
     connection.pragma_update(None, "synchronous", "FULL")?;
     connection.pragma_update(None, "foreign_keys", "ON")?;
-    connection.set_prepared_statement_cache_capacity(64);
+    connection.set_prepared_statement_cache_capacity(STATEMENTS);
     Ok(())
 }
 

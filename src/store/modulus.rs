@@ -3,7 +3,7 @@
 use rusqlite::{OptionalExtension, ToSql, params};
 
 use super::fits::{finite, insert_failure, read_curve, read_estimate};
-use super::{StepError, Store, StoreError, Transaction, blob::pack_f64, from_json, to_json};
+use super::{StepError, Store, StoreError, Subject, Transaction, blob::pack_f64, from_json, to_json};
 use crate::domain::{Issue, ModulusAnalysis, ModulusLog, ModulusStep, Parameter, RunCurve};
 
 /// What an analysis was made from and by.
@@ -104,6 +104,7 @@ impl Store {
         let Some((id, mut analysis, issues)) = found else {
             return Ok(None);
         };
+        self.check_seal(&Subject::Analysis(id))?;
         analysis.issues = from_json("an analysis's issues", &issues)?;
         analysis.steps = self.modulus_steps(id)?;
         for (step, parameter) in self.modulus_estimates(id)? {
@@ -152,6 +153,11 @@ pub(super) fn retire_analysis(
     now: &str,
     run_id: i64,
 ) -> Result<(), StepError> {
+    transaction.changes(Subject::Run(run_id))?;
+    let current = "SELECT id FROM modulus_analysis WHERE run_id = ?1 AND superseded_at IS NULL";
+    for id in transaction.ids(current, run_id)? {
+        transaction.changes(Subject::Analysis(id))?;
+    }
     let sql = "UPDATE modulus_analysis SET superseded_at = ?2 WHERE run_id = ?1 AND superseded_at IS NULL";
     transaction.prepare_cached(sql)?.execute(params![run_id, now])?;
     transaction
@@ -184,6 +190,7 @@ fn insert(
         now,
     ])?;
     let id = transaction.last_insert_rowid();
+    transaction.made(Subject::Analysis(id));
     for (ordinal, step) in analysis.steps.iter().enumerate() {
         transaction
             .prepare_cached("INSERT INTO modulus_step VALUES (?1, ?2, ?3, ?4, ?5)")?

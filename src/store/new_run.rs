@@ -5,7 +5,7 @@ use rusqlite::params;
 use super::blob::{pack_f64, pack_u32};
 use super::origin::{insert_origin, insert_stated_offset};
 use super::run_climate::replace_climate;
-use super::{StepError, Transaction, to_json};
+use super::{StepError, Subject, Transaction, to_json};
 use crate::domain::{
     Channel, ClimateCurve, Drive, Issue, RunClimate, RunKind, RunOrigin, RunState, RunStatus, Tag,
 };
@@ -138,6 +138,9 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
         tagging.state == RunState::NoSteps,
     ])?;
     let run_id = transaction.last_insert_rowid();
+    transaction.made(Subject::Run(run_id));
+    transaction.made(Subject::Readings(run_id));
+    transaction.made(Subject::ClimateCurves(run_id));
     insert_contents(transaction, now, run_id, &run.contents)?;
     insert_channels(transaction, run_id, &run.channels)?;
     insert_origin(transaction, now, run_id, &run.origin)?;
@@ -147,6 +150,11 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
 
 /// Retires the current revision of a run; gives the newest revision number so far (0: none).
 fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
+    transaction.changes(Subject::Runs)?;
+    let current = "SELECT id FROM run WHERE path = ?1 AND superseded_at IS NULL";
+    for id in transaction.ids(current, path)? {
+        transaction.changes(Subject::Run(id))?;
+    }
     transaction
         .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE path = ?1 AND superseded_at IS NULL")?
         .execute(params![path, now])?;
@@ -244,7 +252,7 @@ pub(super) fn insert_tagging(
     insert_issues(transaction, run_id, "tag", first, &tagging.issues)
 }
 
-fn insert_issues(
+pub(super) fn insert_issues(
     transaction: &Transaction<'_>,
     run_id: i64,
     stage: &str,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rusqlite::{Row, params};
 
-use super::{StepError, Store, StoreError, Transaction, from_key};
+use super::{StepError, Store, StoreError, Subject, Transaction, from_key};
 use crate::domain::{
     Channel, ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };
@@ -15,6 +15,13 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn origin(&self, run_id: i64) -> Result<RunOrigin, StoreError> {
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Run(run_id))?;
+        self.origin_of_checked(run_id)
+    }
+
+    /// The same of a run that was held against its seal.
+    pub(super) fn origin_of_checked(&self, run_id: i64) -> Result<RunOrigin, StoreError> {
         let clocks =
             "SELECT file, is_reference, first_channel, channels, time_column, time_unit, printed_column,
                              stamp_raw, stamp_kind, stamp_local, stamp_offset, stamp_basis

@@ -3,7 +3,7 @@
 use rusqlite::params;
 
 use super::blob::{pack_f64, unpack_f64};
-use super::{StepError, Store, StoreError, Transaction, from_key};
+use super::{StepError, Store, StoreError, Subject, Transaction, from_key};
 use crate::domain::{ClimateCurve, ClimateQuantity, RunClimate};
 
 impl Store {
@@ -32,6 +32,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn run_climate_curves(&self, run_id: i64) -> Result<Vec<ClimateCurve>, StoreError> {
+        self.check_seal(&Subject::ClimateCurves(run_id))?;
         let sql = "SELECT sensor, quantity, time_blob, value_blob FROM run_climate_curve
                    WHERE run_id = ?1 ORDER BY ordinal";
         self.rows_of(run_id, sql, |row| {
@@ -52,6 +53,8 @@ pub(super) fn replace_climate(
     climate: &[RunClimate],
     curves: &[ClimateCurve],
 ) -> Result<(), StepError> {
+    transaction.changes(Subject::Run(run_id))?;
+    transaction.changes(Subject::ClimateCurves(run_id))?;
     for table in ["run_climate", "run_climate_curve"] {
         transaction
             .prepare_cached(&format!("DELETE FROM {table} WHERE run_id = ?1"))?

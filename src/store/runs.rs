@@ -11,7 +11,8 @@ use super::fits::retire_fit;
 use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
-use super::{FileRow, StepError, Store, StoreError, from_json, from_key, to_json};
+use super::{FileRow, StepError, Store, StoreError, Subject, from_json, from_key, to_json};
+use crate::domain::data_hash::data_hash;
 use crate::domain::left_out;
 use crate::domain::tag::keys;
 use crate::domain::{
@@ -40,6 +41,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn retag(&mut self, now: &str, run_id: i64, tagging: &Tagging) -> Result<(), StoreError> {
         self.write("storing tags", now, |transaction| {
+            transaction.changes(Subject::Run(run_id))?;
             transaction.execute("DELETE FROM tag WHERE run_id = ?1", [run_id])?;
             transaction.execute(
                 "DELETE FROM run_issue WHERE run_id = ?1 AND stage = 'tag'",
@@ -77,6 +79,14 @@ impl Store {
     /// See [`StoreError`].
     pub fn rename_run(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
         self.write("renaming a run", now, |transaction| {
+            transaction.changes(Subject::Runs)?;
+            for id in transaction.ids("SELECT id FROM run WHERE path = ?1", old)? {
+                transaction.changes(Subject::Run(id))?;
+            }
+            for name in [old, new] {
+                transaction.changes(Subject::HandTags(name.to_owned()))?;
+            }
+            transaction.changes(Subject::RunWords)?;
             transaction.execute(
                 "UPDATE run_file SET path = ?2 WHERE path = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
                 [old, new],
@@ -176,7 +186,7 @@ impl Store {
     pub fn run_times(&self) -> Result<Vec<(i64, Option<String>, Option<(f64, f64)>)>, StoreError> {
         let doing = "reading when runs were";
         let sql = "SELECT id,
-                     (SELECT value FROM tag WHERE run_id = run.id AND key = 'started_at' AND chosen = 1),
+                     (SELECT value FROM tag WHERE run_id = run.id AND +key = 'started_at' AND chosen = 1),
                      (SELECT min(first_time_s) FROM channel WHERE run_id = run.id),
                      (SELECT max(last_time_s) FROM channel WHERE run_id = run.id)
                    FROM run WHERE superseded_at IS NULL ORDER BY id";
@@ -229,7 +239,7 @@ impl Store {
             channels[index] = channels[index].as_current(area_cm2);
         }
         if let Some(tag) = self.chosen_tag(run_id, keys::LEAVE_OUT_MARKED)? {
-            left_out::leave_out_marked(&mut channels, &tag, &self.origin(run_id)?.flags);
+            left_out::leave_out_marked(&mut channels, &tag, &self.origin_of_checked(run_id)?.flags);
         }
         for (first, count, offset_s) in self.applied_offsets(run_id)? {
             let timed = first.min(channels.len())..(first + count).min(channels.len());
@@ -264,7 +274,7 @@ impl Store {
 
     fn chosen_tag(&self, run_id: i64, key: &str) -> Result<Option<String>, StoreError> {
         self.connection
-            .prepare_cached("SELECT value FROM tag WHERE run_id = ?1 AND key = ?2 AND chosen = 1")
+            .prepare_cached("SELECT value FROM tag WHERE run_id = ?1 AND +key = ?2 AND chosen = 1")
             .and_then(|mut statement| {
                 statement
                     .query_row(params![run_id, key], |row| row.get(0))
@@ -279,6 +289,9 @@ impl Store {
     /// See [`StoreError`].
     pub fn channels_as_read(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
         let doing = "reading channels";
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Run(run_id))?;
+        self.check_seal(&Subject::Readings(run_id))?;
         let sql =
             "SELECT quantity, raw_name, raw_unit, position_mm, time_of, time_blob, value_blob, excluded_blob
                    FROM channel WHERE run_id = ?1 ORDER BY ordinal";
@@ -292,7 +305,17 @@ impl Store {
             let channel = read_channel(row, &channels).map_err(self.named(doing))?;
             channels.push(channel);
         }
-        Ok(channels)
+        let stored: String = self
+            .connection
+            .prepare_cached("SELECT data_hash FROM run WHERE id = ?1")
+            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)))
+            .map_err(|e| self.failed(doing, e))?;
+        match stored == data_hash(&channels) {
+            true => Ok(channels),
+            false => Err(StoreError::Damaged {
+                what: format!("readings of run {run_id}"),
+            }),
+        }
     }
 
     /// Every current actuation run with tags, issues, channels (without readings) and its current fit, by path.
@@ -300,7 +323,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NULL AND kind = 'actuation'")
+        self.current(RunKind::Actuation)
     }
 
     /// Every current modulus log with tags, issues and channels (without readings), by path.
@@ -308,7 +331,7 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn dma_logs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NULL AND kind = 'dma'")
+        self.current(RunKind::Dma)
     }
 
     /// Every superseded revision of an actuation run, by path and revision.
@@ -316,26 +339,35 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
-        self.records("superseded_at IS NOT NULL AND kind = 'actuation'")
+        let sql = "SELECT id FROM run WHERE superseded_at IS NOT NULL ORDER BY path, revision";
+        self.records(sql, RunKind::Actuation)
     }
 
-    fn records(&self, condition: &str) -> Result<Vec<RunRecord>, StoreError> {
+    fn current(&self, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Runs)?;
+        self.records(
+            "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path",
+            kind,
+        )
+    }
+
+    /// The runs of a kind among those whose ids a query gives.
+    fn records(&self, ids: &str, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
         let doing = "reading runs";
-        let sql = format!(
-            "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
-                    area_cm2, data_hash, ingested_at, kind, no_steps FROM run WHERE {condition} ORDER BY path, revision"
-        );
-        let mut statement = self
-            .connection
-            .prepare_cached(&sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
+        let ids: Vec<i64> = self.rows(doing, ids, [], |row| Ok(row.get(0)?))?;
+        let sql = "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
+                          area_cm2, data_hash, ingested_at, kind, no_steps FROM run WHERE id = ?1";
         let aliases = self.aliases()?;
         let mut records = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            let mut record = read_record(row).map_err(self.named(doing))?;
-            self.complete(&mut record, &aliases)?;
-            records.push(record);
+        for id in ids {
+            self.check_seal(&Subject::Run(id))?;
+            for mut record in self.rows(doing, sql, [id], read_record)? {
+                if record.kind == kind {
+                    self.complete(&mut record, &aliases)?;
+                    records.push(record);
+                }
+            }
         }
         Ok(records)
     }
@@ -349,7 +381,7 @@ impl Store {
         record.files = self.run_files(record.id, aliases)?;
         record.tags = self.tags(record.id)?;
         record.channels = self.channel_summaries(record.id)?;
-        record.origin = self.origin(record.id)?;
+        record.origin = self.origin_of_checked(record.id)?;
         record.issues = self.run_issues(record.id)?;
         record.climate = self.run_climate(record.id)?;
         if let Some((fit, code_version)) = self.fit(record.id)? {
@@ -435,17 +467,7 @@ impl Store {
         sql: &str,
         read: impl Fn(&Row<'_>) -> Result<T, StepError>,
     ) -> Result<Vec<T>, StoreError> {
-        let doing = "reading a run";
-        let mut statement = self
-            .connection
-            .prepare_cached(sql)
-            .map_err(|e| self.failed(doing, e))?;
-        let mut rows = statement.query([run_id]).map_err(|e| self.failed(doing, e))?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
-            found.push(read(row).map_err(self.named(doing))?);
-        }
-        Ok(found)
+        self.rows("reading a run", sql, [run_id], read)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use rusqlite::params;
 
-use super::{Store, StoreError};
+use super::{Store, StoreError, Subject};
 
 /// A tag that a person set with `ieap tag`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,6 +29,7 @@ impl Store {
             let sql =
                 "INSERT INTO hand_tag (run_path, key, value, set_by, set_at) VALUES (?1, ?2, ?3, ?4, ?5)";
             for tag in tags {
+                transaction.changes(Subject::HandTags(tag.run_path.clone()))?;
                 transaction.prepare_cached(sql)?.execute(params![
                     tag.run_path,
                     tag.key,
@@ -47,6 +48,7 @@ impl Store {
     /// See [`StoreError`].
     pub fn hand_tags(&self, run_path: &str) -> Result<Vec<HandTag>, StoreError> {
         let doing = "reading hand tags";
+        self.check_seal(&Subject::HandTags(run_path.to_owned()))?;
         let sql = "SELECT run_path, key, value, set_by, set_at FROM hand_tag
                    WHERE id IN (SELECT max(id) FROM hand_tag WHERE run_path = ?1 GROUP BY key) AND value IS NOT NULL
                    ORDER BY key";

@@ -128,7 +128,12 @@ fn results_and_files_go_through_one_door_each() {
         // The report and traced frames lie in folders that are exchanged whole.
         (
             "fs::write(",
-            &["pipeline/report.rs", "pipeline/trace", "report/render.rs"],
+            &[
+                "pipeline/own_folder.rs",
+                "pipeline/report.rs",
+                "pipeline/trace",
+                "report/render.rs",
+            ],
         ),
         (" File::create(", &["analysis/disk_file.rs"]),
     ];

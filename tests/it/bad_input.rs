@@ -204,15 +204,16 @@ fn sidecars_that_contradict_or_are_no_toml_are_pointed_out() {
     folder.write("runs/b.csv.toml", "this = is = no toml");
     folder.write("runs/c.csv", run_table(3));
     folder.write("runs/c.csv.toml", "sample = \"S9\"\n");
-    let document = folder.ieap(&["fit", "--json"]).expect(0).json();
+    let document = folder.ieap(&["fit", "--json"]).expect(3).json();
     assert!(issue_codes(&document, "runs/a.csv").contains(&"tag-disagreement".to_owned()));
-    assert!(issue_codes(&document, "runs/b.csv").contains(&"tag-file-not-toml".to_owned()));
-    let not_fitted = &document["not_fitted"][0];
-    assert_eq!(
-        (&not_fitted["run"], &not_fitted["state"]),
-        (&"runs/c.csv".into(), &"untagged".into())
-    );
-    assert!(not_fitted.to_string().contains("S9"));
+    for (at, run, why) in [(0, "runs/b.csv", "tag-file-not-toml"), (1, "runs/c.csv", "S9")] {
+        let not_fitted = &document["not_fitted"][at];
+        assert_eq!(
+            (&not_fitted["run"], &not_fitted["state"]),
+            (&run.into(), &"untagged".into())
+        );
+        assert!(not_fitted.to_string().contains(why), "{not_fitted:#}");
+    }
 }
 
 #[test]

@@ -418,7 +418,9 @@ fn a_diagnosis_made_in_turns_ends_as_one_made_at_once() {
     for _ in 0..3 {
         let asked = AtomicUsize::new(0);
         let may_go_on = || asked.fetch_add(1, Ordering::SeqCst) < 2;
-        let summary = verb.run_while(&mut context, &Silent, &may_go_on).unwrap();
+        let summary = verb
+            .run_while(&mut context, &Silent, &may_go_on, &mut |_| Ok(()))
+            .unwrap();
         left.push(summary.left);
     }
     // A group of one run and that run alone are one question.

@@ -182,6 +182,7 @@ fn what_happened_while_nobody_watched_shows_in_the_next_scan() {
             size_bytes: file.size_bytes,
             modified_ns: file.modified_ns,
             inode: file.inode,
+            changed_ns: file.changed_ns,
             missing: false,
         })
         .collect();
@@ -423,6 +424,7 @@ fn folders_without_rights_are_issues_and_the_rest_goes_on() {
         size_bytes: 2,
         modified_ns: 1,
         inode: 1,
+        changed_ns: 0,
         missing: false,
     };
     let changes = diff(&[known], &found);

@@ -359,6 +359,16 @@ fn a_folder_of_frames_becomes_a_run_table_with_pictures() {
             "--no-overlays",
         ])
         .expect(0);
+    // What somebody put beside it is not overwritten with it.
+    std::fs::write(target.join("thesis.tex"), "x").unwrap();
+    let refused = folder
+        .ieap(&["trace", frames, "-o", out, "--overwrite"])
+        .expect(4);
+    assert!(
+        refused.stderr.contains("thesis.tex was not written"),
+        "{refused:?}"
+    );
+    std::fs::remove_file(target.join("thesis.tex")).unwrap();
     assert_eq!(
         std::fs::read_to_string(target.join("curvature.csv")).unwrap(),
         table

@@ -142,7 +142,9 @@ fn killed_while_many_files_come_in_nothing_is_lost_doubled_or_half_done() {
     assert_eq!(count("SELECT count(*) FROM content"), FILES);
     let half: Vec<_> = std::fs::read_dir(folder.join("archive"))
         .unwrap()
-        .flat_map(|entry| std::fs::read_dir(entry.unwrap().path()).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_dir())
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
         .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
         .filter(|name| name.starts_with(".part-"))
         .collect();

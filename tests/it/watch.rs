@@ -37,7 +37,7 @@ impl Watching {
 
     /// Asks it to stop; gives exit status and what it said.
     #[cfg(unix)]
-    fn stop(mut self) -> (i32, String) {
+    pub fn stop(mut self) -> (i32, String) {
         let pid = self.child.id().to_string();
         assert!(
             std::process::Command::new("kill")
@@ -46,6 +46,12 @@ impl Watching {
                 .unwrap()
                 .success()
         );
+        self.end()
+    }
+
+    /// Waits until it ends; gives exit status and what it said.
+    #[cfg(unix)]
+    pub fn end(&mut self) -> (i32, String) {
         let mut said = String::new();
         std::io::Read::read_to_string(&mut self.child.stderr.take().unwrap(), &mut said).unwrap();
         (self.child.wait().unwrap().code().unwrap_or(-1), said)

@@ -8,6 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::numerics::chance::f_chance;
 use crate::numerics::grouped::{Grouped, dot};
+use crate::numerics::interrupt;
 
 /// Draws at most.
 pub const DRAWS: usize = 999;
@@ -173,6 +174,7 @@ fn places_of(block: &[usize]) -> Vec<Vec<usize>> {
 }
 
 fn shuffle(from: &[f64], into: &mut [f64], places: &[usize], random: &mut ChaCha8Rng) {
+    interrupt::check();
     let mut order: Vec<f64> = places.iter().map(|&k| from[k]).collect();
     order.shuffle(random);
     for (&k, value) in places.iter().zip(order) {
@@ -217,6 +219,7 @@ pub fn random_choice_chance(hits: &[bool], extent: &dyn Fn(&[bool]) -> f64, seed
     const CHOICES: usize = 9999;
     let mut as_strong = 0;
     for _ in 0..CHOICES {
+        interrupt::check();
         for k in (1..drawn.len()).rev() {
             drawn.swap(k, random.random_range(0..=k));
         }

@@ -1,7 +1,9 @@
 //! The raw files by content: `archive/ab/abcdef....csv`, written once, never changed.
 
+mod check;
 mod durability;
 mod error;
+mod owner;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,6 +14,7 @@ use durability::Durability;
 use error::sorted;
 use tempfile::NamedTempFile;
 
+pub use check::{BlobFault, BlobFinding};
 pub use error::ArchiveError;
 
 /// Folder of the archive inside the campaign.
@@ -41,7 +44,7 @@ pub enum Outcome {
     Written,
     /// They were there already.
     AlreadyThere,
-    /// A file of that hash was there with another size; it was replaced by the right bytes.
+    /// A file of that hash was there with other bytes; it was replaced by the right ones.
     Repaired,
 }
 
@@ -141,7 +144,7 @@ impl Archive {
         let folder = self.folder_of(file.hash);
         fs::create_dir_all(&folder).map_err(|source| sorted(&folder, "create", 0, source))?;
         Ok(match self.locate(file.hash)? {
-            Some(path) if fs::metadata(&path).is_ok_and(|there| there.len() == file.bytes.len() as u64) => {
+            Some(path) if fs::read(&path).is_ok_and(|there| hash(&there) == file.hash) => {
                 (path, Outcome::AlreadyThere)
             }
             Some(path) => (path, Outcome::Repaired),
@@ -214,10 +217,9 @@ impl Archive {
     /// Where a folder cannot be read or a file cannot be removed.
     pub fn remove_partial(&self) -> Result<usize, ArchiveError> {
         let mut removed = 0;
-        for folder in list(&self.campaign.join(FOLDER))?
-            .into_iter()
-            .filter(|path| path.is_dir())
-        {
+        let archive = self.campaign.join(FOLDER);
+        let inside = list(&archive)?.into_iter().filter(|path| path.is_dir());
+        for folder in inside.chain([archive]) {
             for path in list(&folder)? {
                 let name = path.file_name().unwrap_or_default();
                 if name.to_string_lossy().starts_with(PARTIAL) {

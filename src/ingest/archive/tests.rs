@@ -178,3 +178,51 @@ fn refusals_of_the_system_are_sorted() {
     ));
     assert!(matches!(from(rustix::io::Errno::IO), ArchiveError::Failed { .. }));
 }
+
+#[test]
+fn bytes_that_changed_in_their_place_are_repaired_by_the_same_bytes() {
+    let (folder, archive) = archive();
+    let (stored, _) = archive.store(b"readings", Path::new("a.csv")).unwrap();
+    let (other, _) = archive.store(b"others", Path::new("b.csv")).unwrap();
+    let wanted = [stored.clone(), other.clone()];
+    assert_eq!(archive.verify(&wanted).unwrap(), []);
+    let replace = |archived: &Archived, bytes: &[u8]| {
+        let path = folder.path().join(&archived.path);
+        fs::remove_file(&path).unwrap();
+        fs::write(path, bytes).unwrap();
+    };
+    // Of the same size: names and sizes do not tell, hashes do.
+    replace(&stored, b"reAdings");
+    assert_eq!(archive.missing(&wanted).unwrap(), []);
+    let found = archive.verify(&wanted).unwrap();
+    assert_eq!(found.len(), 1);
+    assert!(matches!(&found[0].fault, BlobFault::Damaged { found } if *found == hash(b"reAdings")));
+    let (_, outcome) = archive.store(b"readings", Path::new("a.csv")).unwrap();
+    assert_eq!(outcome, Outcome::Repaired);
+    assert_eq!(archive.verify(&wanted).unwrap(), []);
+    replace(&other, b"other");
+    fs::remove_file(folder.path().join(&stored.path)).unwrap();
+    let faults: Vec<BlobFault> = archive
+        .missing(&wanted)
+        .unwrap()
+        .into_iter()
+        .map(|f| f.fault)
+        .collect();
+    assert_eq!(faults, [BlobFault::Missing, BlobFault::Size { found_bytes: 5 }]);
+}
+
+#[test]
+fn an_archive_says_which_database_it_belongs_to() {
+    let (folder, archive) = archive();
+    assert_eq!(archive.owner().unwrap(), None);
+    assert!(!archive.holds_anything().unwrap());
+    archive.set_owner("an-id").unwrap();
+    archive.set_owner("another-id").unwrap();
+    assert_eq!(archive.owner().unwrap().as_deref(), Some("another-id"));
+    assert!(!archive.holds_anything().unwrap());
+    assert_eq!(archive.entries().unwrap(), []);
+    fs::write(folder.path().join("archive/.part-x"), "left by a kill").unwrap();
+    assert_eq!(archive.remove_partial().unwrap(), 1);
+    archive.store(b"readings", Path::new("a.csv")).unwrap();
+    assert!(archive.holds_anything().unwrap());
+}

@@ -104,6 +104,7 @@ const KNOWN: [(&str, &[&str]); 14] = [
             "false_alarm_runs",
             "limit",
             "command",
+            "command_time_limit_s",
             "acknowledged",
         ],
     ),

@@ -19,6 +19,13 @@ impl Checker<'_> {
             "a number from 10 to 100000",
             |runs| (FEWEST_FALSE_ALARM_RUNS..=100_000.0).contains(&runs),
         )?;
+        self.holds(
+            raw.command_time_limit_s,
+            place,
+            "command_time_limit_s",
+            "a number of seconds from 0.1 to 3600",
+            |seconds| (0.1..=3600.0).contains(&seconds),
+        )?;
         let limits: Result<Vec<Limit>, Error> =
             raw.limit.into_iter().map(|limit| self.limit(limit)).collect();
         let defaults = MonitoringRules::default();
@@ -31,6 +38,7 @@ impl Checker<'_> {
             false_alarm_runs: raw.false_alarm_runs.unwrap_or(defaults.false_alarm_runs),
             limits: limits?,
             command: raw.command,
+            command_time_limit_s: raw.command_time_limit_s.unwrap_or(defaults.command_time_limit_s),
             acknowledged: raw.acknowledged,
         })
     }

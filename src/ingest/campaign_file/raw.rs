@@ -155,6 +155,7 @@ pub(super) struct Monitoring {
     pub limit: Vec<Limit>,
     #[serde(default)]
     pub command: Vec<String>,
+    pub command_time_limit_s: Option<f64>,
     #[serde(default)]
     pub acknowledged: Vec<String>,
 }

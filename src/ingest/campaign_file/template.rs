@@ -78,6 +78,7 @@ title = {id}                            # what stands above the report
 # reference = {{ environment = "air", voltage_v = 2.0, relative_humidity_percent = 35 }}
 # false_alarm_runs = 500                 # reference runs between two false alarms of a chart, on average
 # command = ["notify-lab", "--urgent"]   # hears of every new alarm, in variables IEAP_ALARM_...
+# command_time_limit_s = 60              # then it is ended
 # acknowledged = []                      # ids of alarms that are known
 # [[monitoring.limit]]
 # parameter = "alpha_per_c_cm"

@@ -8,7 +8,7 @@ mod read;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Read;
 use std::path::Path;
@@ -17,6 +17,7 @@ use std::sync::Arc;
 use crate::domain::tag::keys;
 use crate::domain::{Issue, Tag, TagSource};
 use crate::ingest::scan::{SeenFile, parse_display_path};
+use crate::ingest::text::decode;
 
 pub use read::{COLUMNS, read};
 
@@ -74,8 +75,32 @@ pub struct RunSheet {
 pub struct RunSheets {
     /// Sheets in the order of their paths.
     pub sheets: Vec<RunSheet>,
-    /// Paths of sheets that cannot be used now: what they stated before stays.
-    pub damaged: BTreeSet<String>,
+    /// Sheets that cannot be used now, by path: what they stated before stays.
+    pub damaged: BTreeMap<String, DamagedSheet>,
+}
+
+/// A sheet that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DamagedSheet {
+    /// Why.
+    pub issue: Issue,
+    /// Its text; none where it has none, or is not to be had.
+    text: Option<String>,
+}
+
+impl DamagedSheet {
+    fn new(bytes: &[u8], issue: Issue) -> DamagedSheet {
+        let text = (bytes.len() as u64 <= LARGEST_BYTES).then(|| decode(bytes).text.into_owned());
+        DamagedSheet {
+            issue,
+            text: text.filter(|text| !text.contains('\0')),
+        }
+    }
+
+    /// Whether it may plan a file of that name (without its ending): one that it does not name it does not plan.
+    fn may_plan(&self, stem: &str) -> bool {
+        self.text.as_ref().is_none_or(|text| text.contains(stem))
+    }
 }
 
 impl RunSheets {
@@ -85,13 +110,17 @@ impl RunSheets {
         let paths: BTreeSet<&str> = paths.into_iter().collect();
         for path in paths {
             let found = fs::read(campaign.join(parse_display_path(path)));
-            match found.ok().map(|bytes| read(&bytes)) {
-                Some(Ok(rows)) => sheets.sheets.push(RunSheet {
+            let outcome = match found {
+                Ok(bytes) => read(&bytes).map_err(|issue| DamagedSheet::new(&bytes, issue)),
+                Err(error) => Err(not_there_to_read(&error)),
+            };
+            match outcome {
+                Ok(rows) => sheets.sheets.push(RunSheet {
                     path: path.to_owned(),
                     rows,
                 }),
-                _ => {
-                    sheets.damaged.insert(path.to_owned());
+                Err(damaged) => {
+                    sheets.damaged.insert(path.to_owned(), damaged);
                 }
             }
         }
@@ -125,7 +154,27 @@ impl RunSheets {
             && tag
                 .detail
                 .rsplit_once(", ")
-                .is_some_and(|(path, _)| self.damaged.contains(path))
+                .is_some_and(|(path, _)| self.damaged.contains_key(path))
+    }
+
+    /// Why it is not known whether sheets plan the file of that name (without its ending): the sheets that cannot be used
+    /// now and may name it.
+    pub fn doubts(&self, stem: &str) -> Vec<Issue> {
+        let of = |(path, sheet): (&String, &DamagedSheet)| Issue {
+            place: path.clone(),
+            ..sheet.issue.clone()
+        };
+        let doubtful = self.damaged.iter().filter(|(_, sheet)| sheet.may_plan(stem));
+        doubtful.map(of).collect()
+    }
+}
+
+/// A sheet that the system does not give.
+fn not_there_to_read(error: &std::io::Error) -> DamagedSheet {
+    let issue = Issue::error(IS_DAMAGED, format!("the run sheet cannot be read: {error}"));
+    DamagedSheet {
+        issue: issue.mend("give your user the right to read it, or check the disk"),
+        text: None,
     }
 }
 
@@ -152,6 +201,11 @@ pub fn among<'a>(
     };
     let sheets = files.iter().filter(is_one);
     sheets.map(|file| file.display.as_str()).collect()
+}
+
+/// Whether the name of a file says that it is a run sheet, whatever it holds.
+pub fn is_named_as_one(path: &str) -> bool {
+    has_name(path.rsplit('/').next().unwrap_or(path))
 }
 
 fn has_name(name: &str) -> bool {

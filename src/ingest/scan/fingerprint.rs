@@ -1,4 +1,4 @@
-//! What tells one state of a file from another: number in its file system, and modification time.
+//! What tells one state of a file from another: number in its file system, times of its content and of its entry.
 
 use std::fs::Metadata;
 use std::time::UNIX_EPOCH;
@@ -27,6 +27,21 @@ pub(crate) fn modified_ns(metadata: &Metadata) -> i64 {
     };
     // The year 2262 is the end of such a count.
     sign * i64::try_from(nanoseconds).unwrap_or(i64::MAX)
+}
+
+/// Time of the last change of anything of the file, ns since 1970: no program can set it, so that it also tells a change
+/// after which the modification time was put back. 0 where the operating system gives none.
+#[cfg(unix)]
+pub(crate) fn changed_ns(metadata: &Metadata) -> i64 {
+    use std::os::unix::fs::MetadataExt;
+    let seconds = metadata.ctime().saturating_mul(1_000_000_000);
+    seconds.saturating_add(metadata.ctime_nsec())
+}
+
+/// Time of the last change of anything of the file; 0 where the operating system gives none.
+#[cfg(not(unix))]
+pub(crate) fn changed_ns(_metadata: &Metadata) -> i64 {
+    0
 }
 
 #[cfg(test)]

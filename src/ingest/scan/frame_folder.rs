@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 use std::time::SystemTime;
 
-use super::{SeenFile, Walk, display_path, identity, is_passing_name, modified_ns};
+use super::{SeenFile, Walk, changed_ns, display_path, identity, is_passing_name, modified_ns};
 use crate::ingest::frames::FILE_NAME;
 
 /// Whether a folder with these entries is a folder of frames.
@@ -23,7 +23,7 @@ impl Walk<'_> {
     ) -> io::Result<()> {
         let own = fs::metadata(path)?;
         let (mut size_bytes, mut modified) = (0, own.modified().unwrap_or(SystemTime::UNIX_EPOCH));
-        let mut latest_ns = modified_ns(&own);
+        let (mut latest_ns, mut latest_change_ns) = (modified_ns(&own), changed_ns(&own));
         for entry in entries
             .iter()
             .filter(|entry| !is_passing_name(&entry.file_name()))
@@ -31,6 +31,7 @@ impl Walk<'_> {
             let metadata = entry.metadata()?;
             size_bytes += metadata.len();
             latest_ns = latest_ns.max(modified_ns(&metadata));
+            latest_change_ns = latest_change_ns.max(changed_ns(&metadata));
             modified = modified.max(metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH));
         }
         self.found.folders.push(relative.to_path_buf());
@@ -40,6 +41,7 @@ impl Walk<'_> {
             size_bytes,
             modified_ns: latest_ns,
             inode: identity(&own).1,
+            changed_ns: latest_change_ns,
             age: self.now.duration_since(modified).ok(),
             link_target: None,
         };

@@ -17,7 +17,7 @@ use std::time::{Duration, SystemTime};
 
 use crate::domain::Issue;
 
-pub(crate) use fingerprint::{identity, modified_ns};
+pub(crate) use fingerprint::{changed_ns, identity, modified_ns};
 
 pub use display::{display_path, parse_display_path};
 pub use names::{is_own_product, is_passing_name, is_statement};
@@ -56,6 +56,9 @@ pub struct SeenFile {
     pub modified_ns: i64,
     /// Number of the file in its file system; 0 where the operating system gives none.
     pub inode: u64,
+    /// Time of the last change of anything of the file, rights and name included, ns since 1970; 0 where the operating
+    /// system gives none.
+    pub changed_ns: i64,
     /// Time since the modification; none where the modification time lies in the future.
     pub age: Option<Duration>,
     /// Where the bytes lie if the name is a link: an absolute path inside the campaign.
@@ -316,6 +319,7 @@ impl Walk<'_> {
             size_bytes: metadata.len(),
             modified_ns: modified_ns(metadata),
             inode: identity(metadata).1,
+            changed_ns: changed_ns(metadata),
             age: self.now.duration_since(modified).ok(),
             link_target,
         };

@@ -82,6 +82,7 @@ mod tests {
             size_bytes,
             modified_ns,
             inode: 1,
+            changed_ns: 0,
             age: age_s.map(Duration::from_secs),
             link_target: None,
         }

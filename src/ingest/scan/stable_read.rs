@@ -4,7 +4,7 @@ use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::{identity, modified_ns};
+use super::{changed_ns, identity, modified_ns};
 
 /// Largest file that is read unless the caller says otherwise: 1 GiB.
 pub const DEFAULT_LIMIT_BYTES: u64 = 1 << 30;
@@ -18,7 +18,7 @@ pub enum ReadFileError {
         /// The file.
         path: PathBuf,
     },
-    /// The operating system refused.
+    /// The user has not the right to read it.
     #[error("{}: the file cannot be opened ({source}); give your user the right to read it", path.display())]
     Denied {
         /// The file.
@@ -58,14 +58,25 @@ pub enum ReadFileError {
         /// Size after reading, or bytes read where that differs.
         after_bytes: u64,
     },
-    /// Reading failed midway.
-    #[error("{}: reading failed ({source}); check the disk or share, then try again", path.display())]
+    /// Opening or reading failed for a reason of the system: a disk, a share, too many open files.
+    #[error("{}: reading failed ({source}); check the disk or share", path.display())]
     Failed {
         /// The file.
         path: PathBuf,
         /// What the operating system said.
         source: io::Error,
     },
+}
+
+impl ReadFileError {
+    /// Whether this is no property of the file: the system could not give it now, or another thing stands in its place
+    /// since the folder was looked through. Another try may go well.
+    pub fn may_pass(&self) -> bool {
+        !matches!(
+            self,
+            ReadFileError::TooLarge { .. } | ReadFileError::StillGrowing { .. }
+        )
+    }
 }
 
 /// Reads the file at `path`, which must be no link, if it is not larger than `limit_bytes` and has the same
@@ -116,8 +127,9 @@ pub fn read_stable(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ReadFileErr
     }
 }
 
-fn fingerprint(metadata: &Metadata) -> (u64, i64, (u64, u64)) {
-    (metadata.len(), modified_ns(metadata), identity(metadata))
+fn fingerprint(metadata: &Metadata) -> (u64, i64, i64, (u64, u64)) {
+    let times = (modified_ns(metadata), changed_ns(metadata));
+    (metadata.len(), times.0, times.1, identity(metadata))
 }
 
 /// Opens without following a link.
@@ -138,7 +150,11 @@ fn open(path: &Path) -> Result<File, ReadFileError> {
     options.open(path).map_err(|source| match source.kind() {
         io::ErrorKind::NotFound => ReadFileError::Gone { path: path.into() },
         _ if is_link() => ReadFileError::IsLink { path: path.into() },
-        _ => ReadFileError::Denied {
+        io::ErrorKind::PermissionDenied => ReadFileError::Denied {
+            path: path.into(),
+            source,
+        },
+        _ => ReadFileError::Failed {
             path: path.into(),
             source,
         },

@@ -16,6 +16,8 @@ pub struct Known<'a> {
     pub modified_ns: i64,
     /// Inode; 0 where it is not known, and then not compared.
     pub inode: u64,
+    /// Time of the last change of anything of the file, ns since 1970; 0 where it is not known, and then not compared.
+    pub changed_ns: i64,
     /// Whether an earlier scan already found it gone.
     pub missing: bool,
 }
@@ -25,7 +27,7 @@ pub struct Known<'a> {
 pub struct Changes {
     /// Seen for the first time.
     pub new: Vec<Arc<SeenFile>>,
-    /// Other size, modification time or inode than stored, or back after it was gone: read it again.
+    /// Other size, time or inode than stored, or back after it was gone: read it again.
     pub changed: Vec<Arc<SeenFile>>,
     /// As stored.
     pub unchanged: Vec<Arc<SeenFile>>,
@@ -72,7 +74,11 @@ pub fn diff(known: &[Known<'_>], seen: &Scan) -> Changes {
 
 fn differs(known: &Known<'_>, seen: &SeenFile) -> bool {
     let other_inode = known.inode != 0 && seen.inode != 0 && known.inode != seen.inode;
-    known.size_bytes != seen.size_bytes || known.modified_ns != seen.modified_ns || other_inode
+    let other_change = known.changed_ns != 0 && seen.changed_ns != 0 && known.changed_ns != seen.changed_ns;
+    known.size_bytes != seen.size_bytes
+        || known.modified_ns != seen.modified_ns
+        || other_inode
+        || other_change
 }
 
 fn is_below(display: &str, folders: &[String]) -> bool {
@@ -92,6 +98,7 @@ mod tests {
             size_bytes,
             modified_ns,
             inode,
+            changed_ns: 0,
             missing,
         }
     }
@@ -103,6 +110,7 @@ mod tests {
             size_bytes,
             modified_ns,
             inode,
+            changed_ns: 0,
             age: None,
             link_target: None,
         }
@@ -157,6 +165,31 @@ mod tests {
                 list(before.clone(), now.clone(), unreadable),
                 expected,
                 "{before:?} {now:?} {unreadable:?}"
+            );
+        }
+    }
+
+    /// As `cp -p`, `touch -r` or a program that puts the time back leaves a file.
+    #[test]
+    fn a_change_that_left_size_time_and_inode_alone_is_seen_where_both_tell_its_time() {
+        for (stored_ns, seen_ns, expected) in [
+            (5, 5, "unchanged"),
+            (5, 6, "changed"),
+            (0, 6, "unchanged"), // stored before such times were
+            (5, 0, "unchanged"), // the file system gives none
+        ] {
+            let stored = Known {
+                changed_ns: stored_ns,
+                ..known("runs/a", 10, 100, 7, false)
+            };
+            let now = SeenFile {
+                changed_ns: seen_ns,
+                ..seen("runs/a", 10, 100, 7)
+            };
+            assert_eq!(
+                list(Some(stored), Some(now), &[]),
+                expected,
+                "{stored_ns} {seen_ns}"
             );
         }
     }

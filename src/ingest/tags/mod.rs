@@ -7,7 +7,7 @@ mod value;
 
 use std::path::{Path, PathBuf};
 
-use crate::domain::tag::keys;
+use crate::domain::tag::{UNREADABLE, keys};
 use crate::domain::{Campaign, Issue, Tag, TagSource};
 
 use super::campaign_file::nearest;
@@ -21,7 +21,7 @@ pub const MISSING: &str = "tag-missing";
 /// Code of the issue of a sample that campaign.toml does not name.
 pub const UNKNOWN_SAMPLE: &str = "unknown-sample";
 pub use agreement::NAMES_CONTRADICT;
-pub use sources::{tag_files_for, tag_sources_digest};
+pub use sources::{tag_files_for, tag_sources_digest, unreadable};
 
 /// Another name under which the readings of a run lie: what is stated of it is stated of the run.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -86,6 +86,16 @@ impl Resolved {
             .find(|tag| tag.key == key)
             .map(|tag| tag.value.as_str())
     }
+
+    /// Whether the run waits: a needed tag is missing, or something that states its tags cannot be read.
+    pub fn waits(&self) -> bool {
+        !self.missing.is_empty() || self.issues.iter().any(is_unreadable)
+    }
+}
+
+/// Whether an issue says that something which states tags cannot be read.
+pub fn is_unreadable(issue: &Issue) -> bool {
+    UNREADABLE.contains(&issue.code.as_str())
 }
 
 /// The name of a file without its last extension, as `name_pattern` wants it; bytes that are no UTF-8 match
@@ -97,7 +107,8 @@ pub fn stem(data_file: &Path) -> String {
 
 /// Gathers the tags of a run from every source and chooses, for each key, that of the strongest source.
 ///
-/// A source that cannot be read, or a value that cannot be used, is an issue, and the next source serves.
+/// A value that cannot be used is an issue, and the next source serves. So is a tag file that cannot be read, but the run
+/// then waits ([`Resolved::waits`]).
 pub fn resolve(request: &TagRequest) -> Resolved {
     let mut issues = Vec::new();
     let own = sources::stated(request, &mut issues);

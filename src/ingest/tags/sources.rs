@@ -11,7 +11,7 @@ use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::ingest::scan::display_path;
 
 use super::value::shortest;
-use super::{OtherName, TagRequest, stem, tags_of};
+use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};
 
 /// Name of the file that tags every run of a folder.
 const FOLDER_TAGS: &str = "tags.toml";
@@ -46,19 +46,18 @@ pub fn tag_sources_digest(campaign: &Path, data_files: &[PathBuf]) -> blake3::Ha
     hasher.finalize()
 }
 
+/// Why tag files of these data files (relative to the campaign), or statements in them, cannot be read; one issue each.
+pub fn unreadable(campaign: &Path, data_files: &[PathBuf]) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    in_tag_files(campaign, data_files, &mut issues);
+    issues.retain(is_unreadable);
+    issues
+}
+
 /// Tags of every source but the environment's defaults, strongest first, nearest file first.
 pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
     let mut tags = request.hand.to_vec();
-    let mut read = Vec::new();
-    for file in request.data_files {
-        for (path, source) in relative_tag_files(file) {
-            // Files of one run share their folders' tags.
-            if !read.contains(&path) {
-                tags.extend(in_file(request.folder, &path, source, issues));
-                read.push(path);
-            }
-        }
-    }
+    tags.extend(in_tag_files(request.folder, request.data_files, issues));
     tags.extend_from_slice(request.planned);
     tags.extend(in_name(request, request.stem, issues));
     for (key, value, header_name) in request.header {
@@ -70,6 +69,21 @@ pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> 
         tags.extend(tags_of(TagSource::Channel, "nominal level", pair));
     }
     tags.extend_from_slice(request.ambient);
+    tags
+}
+
+/// Tags of the files that state them, the nearest file first.
+fn in_tag_files(campaign: &Path, data_files: &[PathBuf], issues: &mut Vec<Issue>) -> Vec<Tag> {
+    let (mut tags, mut read) = (Vec::new(), Vec::new());
+    for file in data_files {
+        for (path, source) in relative_tag_files(file) {
+            // Files of one run share their folders' tags.
+            if !read.contains(&path) {
+                tags.extend(in_file(campaign, &path, source, issues));
+                read.push(path);
+            }
+        }
+    }
     tags
 }
 
@@ -151,10 +165,7 @@ fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec
         Ok(Some(bytes)) => bytes,
         Ok(None) => return Vec::new(),
         Err(error) => {
-            let issue = Issue::warning(
-                "tag-file-unreadable",
-                format!("the tags in it are not used: {error}"),
-            );
+            let issue = Issue::error("tag-file-unreadable", format!("it cannot be read: {error}"));
             issues.push(
                 issue
                     .at(shown)
@@ -165,10 +176,7 @@ fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec
     };
     let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes)).into_owned();
     if std::str::from_utf8(&bytes).is_err() {
-        let issue = Issue::warning(
-            "tag-file-unreadable",
-            "the tags in it are not used: it is not UTF-8",
-        );
+        let issue = Issue::error("tag-file-unreadable", "it cannot be read: it is not UTF-8");
         issues.push(issue.at(shown).mend("save it with the encoding UTF-8"));
         return Vec::new();
     }
@@ -209,18 +217,18 @@ fn flat(key: &str, value: &toml::Value) -> Option<String> {
 fn not_toml(shown: &str, text: &str, error: &toml::de::Error) -> Issue {
     let (line, column) = line_and_column(text, error.span().map_or(0, |span| span.start));
     let message = format!(
-        "the tags in it are not used: line {line}, column {column} is not TOML: {}",
+        "it cannot be read: line {line}, column {column} is not TOML: {}",
         error.message()
     );
     let mend = "correct that line: key = value, texts in quotes (\"air\"), numbers with a point (2.5)";
-    Issue::warning("tag-file-not-toml", message)
+    Issue::error("tag-file-not-toml", message)
         .at(format!("{shown}, line {line}, column {column}"))
         .mend(mend)
 }
 
 fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
-    let message = format!("`{key}` is not used: a {found} was found, one value is needed");
-    Issue::warning("tag-not-flat", message)
+    let message = format!("`{key}` cannot be read: a {found} was found, one value is needed");
+    Issue::error("tag-not-flat", message)
         .at(format!("{shown}, {key}"))
         .mend("write one line `key = value` for each tag, without [tables]")
 }

@@ -194,7 +194,7 @@ fn equal_numbers_and_a_channel_within_the_rule_are_no_disagreement() {
 }
 
 #[test]
-fn a_sidecar_that_cannot_be_read_leaves_the_other_sources() {
+fn a_sidecar_that_cannot_be_read_makes_its_run_wait() {
     let sidecar = "runs/set/CNaf-01_air_2.5V.csv.toml";
     for (text, code, place) in [
         (
@@ -212,6 +212,19 @@ fn a_sidecar_that_cannot_be_read_leaves_the_other_sources() {
             "tag-not-flat",
             "runs/set/CNaf-01_air_2.5V.csv.toml, note",
         ),
+    ] {
+        let found = resolve_with(&[(sidecar, text)], Given::default());
+        assert_eq!(codes(&found), [code], "{text}");
+        assert_eq!(found.issues[0].place, place);
+        assert_eq!(found.issues[0].severity, Severity::Error);
+        assert!(found.waits() && found.missing.is_empty(), "{text}");
+    }
+}
+
+#[test]
+fn a_value_or_a_key_that_means_nothing_leaves_the_other_sources() {
+    let sidecar = "runs/set/CNaf-01_air_2.5V.csv.toml";
+    for (text, code, place) in [
         ("voltage_v = \"2.5 V\"\n", "tag-unusable", "voltage_v"),
         (
             "sampel = \"CNaf-01\"\n",
@@ -222,7 +235,7 @@ fn a_sidecar_that_cannot_be_read_leaves_the_other_sources() {
         let found = resolve_with(&[(sidecar, text)], Given::default());
         assert_eq!(codes(&found), [code], "{text}");
         assert_eq!(found.issues[0].place, place);
-        assert_eq!((found.value("sample"), found.missing.len()), (Some("CNaf-01"), 0));
+        assert_eq!((found.value("sample"), found.waits()), (Some("CNaf-01"), false));
     }
 }
 

@@ -5,6 +5,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{Effort, Landscape, Method};
+use crate::numerics::interrupt;
 use crate::numerics::levenberg::{Minimum, Stop};
 use crate::numerics::symmetric::CAPACITY;
 
@@ -60,6 +61,7 @@ impl Method for DifferentialEvolution {
         let mut random = ChaCha8Rng::seed_from_u64(effort.seed);
         let mut evaluations = 0;
         let mut judge = |at: [f64; CAPACITY]| {
+            interrupt::check();
             evaluations += 1;
             let square = landscape.square(&at[..low.len()]);
             let square = if square.is_finite() { square } else { f64::INFINITY };

@@ -26,6 +26,9 @@ pub struct LogSummary {
     pub renamed: Vec<(String, String)>,
     /// Files that hold the same bytes as a log, found now.
     pub aliases: Vec<String>,
+    /// Files that the system could not give now, with what it said; told among all of [`super::super::IngestSummary`].
+    #[serde(skip)]
+    pub unread: Vec<(String, Issue)>,
 }
 
 impl LogSummary {
@@ -63,6 +66,7 @@ pub fn settle_log(
         return set_aside(context, readers, prepared, state, issue, observer);
     }
     let Outcome::Read(reading) = &prepared.outcome else {
+        summary.unread.extend(prepared.unread());
         return Ok(());
     };
     if is_known(context, readers, prepared, reading, changes, summary)? {

@@ -18,6 +18,7 @@ use crate::domain::{Campaign, Channel, GroupDiagnosis};
 use crate::fit::{FitError, FitInput, distributed};
 use crate::ingest::derived;
 use crate::model::ModelChoice;
+use crate::numerics::interrupt;
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
 use input_hash::input_hash;
 pub(super) use input_hash::{library_hash, take_task};
@@ -117,11 +118,12 @@ impl DiagnoseRuns {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<DiagnoseSummary, PipelineError> {
-        self.run_while(context, observer, &|| true)
+        self.run_while(context, observer, &|| true, &mut |_| Ok(()))
     }
 
     /// The same until `may_go_on` says no, which is asked before each group: what was begun until then is made and saved,
-    /// and the rest is counted in [`DiagnoseSummary::left`].
+    /// and the rest is counted in [`DiagnoseSummary::left`]. `begins` is called once before the first of them, where there
+    /// are any.
     ///
     /// # Errors
     /// As of [`DiagnoseRuns::run`].
@@ -130,6 +132,7 @@ impl DiagnoseRuns {
         context: &mut Context,
         observer: &dyn Observer,
         may_go_on: &(dyn Fn() -> bool + Sync),
+        begins: &mut dyn FnMut(&Context) -> Result<(), PipelineError>,
     ) -> Result<DiagnoseSummary, PipelineError> {
         let options = self.choice.options(&context.campaign)?;
         let tasks = context.store.fit_tasks()?;
@@ -171,6 +174,9 @@ impl DiagnoseRuns {
                 }
             }
         }
+        if !due.is_empty() {
+            begins(context)?;
+        }
         observer.begin("diagnosing", due.len() as u64);
         let mut made: Vec<Due> = Vec::new();
         for batch in due.chunks(BATCH) {
@@ -183,6 +189,7 @@ impl DiagnoseRuns {
                 pairs.filter_map(|(due, found)| Some((due, found?))).unzip();
             save_batch(context, &done, found, (&tasks, &options, &library), &mut summary)?;
             made.extend(done);
+            interrupt::check();
         }
         observer.end();
         let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
@@ -260,7 +267,8 @@ fn retire_gone(context: &mut Context, all: &[Subject]) -> Result<(), PipelineErr
     Ok(context.store.retire_diagnoses(&now(), &gone)?)
 }
 
-/// The diagnoses of a batch in its order; none for those before which `may_go_on` said no.
+/// The diagnoses of a batch in its order; none for those before which `may_go_on` said no, and those that an interruption
+/// met.
 fn diagnose_batch(
     context: &Context,
     batch: &[Due],
@@ -280,7 +288,8 @@ fn diagnose_batch(
         .par_iter()
         .zip(loaded)
         .map(|((_, members, subjects), channels)| {
-            let found = may_go_on().then(|| diagnose_one(subjects[0], members, tasks, &channels, options));
+            let diagnose = || diagnose_one(subjects[0], members, tasks, &channels, options);
+            let found = may_go_on().then(|| interrupt::attempt(diagnose)).flatten();
             observer.advance();
             found
         })

@@ -5,8 +5,10 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::prepare::{Group, Outcome, Prepared, PreparedFile, With, prepare};
-use crate::ingest::archive::{Archive, Incoming};
+use crate::ingest::archive::{Archive, Incoming, Outcome as Stored};
+use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::Store;
 
 /// Most files of a batch, but for one group that has more.
 pub const MOST_FILES: usize = 128;
@@ -17,7 +19,8 @@ const MOST_BYTES: u64 = 16 << 20;
 pub type Settle<'a> = dyn FnMut(&mut Context, Prepared, &dyn Observer) -> Result<(), PipelineError> + 'a;
 
 /// Reads all groups and hands each to `settle`, in order, after its raw bytes are safe in the archive. What `settle`
-/// stores and says counts when its batch is on the disk; where it fails, what came before is kept.
+/// stores and says counts when its batch is on the disk; where it fails, what came before is kept. Gives the raw files
+/// that the archive had lost, or held with other bytes, and that are whole again.
 ///
 /// # Errors
 /// The archive or the database refuses, or what `settle` says.
@@ -26,16 +29,22 @@ pub fn in_batches(
     groups: &[Group],
     observer: &dyn Observer,
     settle: &mut Settle<'_>,
-) -> Result<(), PipelineError> {
+) -> Result<Vec<String>, PipelineError> {
+    let mut mended = Vec::new();
     let archive = Archive::new(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
+        interrupt::check();
         let with = With {
             folder: &context.folder,
             profiles: &context.profiles,
             date_order: context.campaign.date_order,
+            read_file: context.read_file,
         };
         let mut prepared: Vec<Prepared> = batch.par_iter().map(|group| prepare(with, group)).collect();
-        archive_all(&archive, &mut prepared)?;
+        for path in archive_all(&archive, &context.store, &mut prepared)? {
+            observer.warn(&format!("{path} was lost or damaged; it is whole again"));
+            mended.push(path);
+        }
         let held = Held::new(observer);
         together(context, |context| {
             let mut groups = prepared.into_iter();
@@ -44,7 +53,7 @@ pub fn in_batches(
         held.release();
         batch.iter().for_each(|_| observer.advance());
     }
-    Ok(())
+    Ok(mended)
 }
 
 /// Does `work`, whose changes of the database wait for the disk together. Where it fails, what it changed before is
@@ -80,11 +89,27 @@ fn batches(groups: &[Group], threads: usize) -> impl Iterator<Item = &[Group]> {
     })
 }
 
-/// Archives the bytes of every file that was read, and lets go of all bytes.
-fn archive_all(archive: &Archive, prepared: &mut [Prepared]) -> Result<(), PipelineError> {
+/// Archives the bytes of every file that was read, and lets go of all bytes. Gives the paths of those that the database
+/// named before and the archive did not hold as they were.
+fn archive_all(
+    archive: &Archive,
+    store: &Store,
+    prepared: &mut [Prepared],
+) -> Result<Vec<String>, PipelineError> {
     let files = prepared.iter().flat_map(|group| &group.files);
     let incoming: Vec<Incoming<'_>> = files.filter_map(incoming).collect();
     let stored = archive.store_all(&incoming)?;
+    let mut mended = Vec::new();
+    for (archived, outcome) in &stored {
+        let was_lost = match outcome {
+            Stored::AlreadyThere => false,
+            Stored::Repaired => true,
+            Stored::Written => store.names_content(Some(&archived.hash))?,
+        };
+        if was_lost {
+            mended.push(archived.path.clone());
+        }
+    }
     let mut stored = stored.into_iter().map(|(archived, _)| archived);
     for file in prepared.iter_mut().flat_map(|group| &mut group.files) {
         if was_read(file) {
@@ -92,7 +117,7 @@ fn archive_all(archive: &Archive, prepared: &mut [Prepared]) -> Result<(), Pipel
         }
         file.bytes = Vec::new();
     }
-    Ok(())
+    Ok(mended)
 }
 
 fn was_read(file: &PreparedFile) -> bool {
@@ -158,6 +183,7 @@ mod tests {
             size_bytes,
             modified_ns: 0,
             inode: 0,
+            changed_ns: 0,
             age: None,
             link_target: None,
         };

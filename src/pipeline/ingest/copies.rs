@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::now;
 use crate::domain::{Channel, SameReadings};
 use crate::ingest::same_readings::{VERSION, marks, may_be_same, stands_in};
+use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
 
 /// Looks at every run that has no marks yet, against all others; gives how many pairs were found.
@@ -28,6 +29,7 @@ pub fn find_copies(context: &mut Context, observer: &dyn Observer) -> Result<usi
         .collect();
     let mut new = Vec::new();
     for &id in &fresh {
+        interrupt::check();
         let made = marks(&context.store.channels_as_read(id)?);
         all.insert(id, made.clone());
         new.push((id, made));
@@ -57,6 +59,7 @@ fn pairs(
     }
     let mut same = Vec::new();
     for &id in fresh {
+        interrupt::check();
         let near: BTreeSet<i64> = all[&id]
             .iter()
             .flat_map(|mark| holders[mark].iter().copied())

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::prepare::{Outcome, PreparedFile};
+use super::prepare::{Outcome, PreparedFile, not_read_now};
 use crate::domain::Issue;
 use crate::ingest::archive;
 use crate::ingest::formats::plain_table::PlainTable;
@@ -39,6 +39,9 @@ pub fn prepare(campaign: &Path, file: &SeenFile, folder: &Path) -> PreparedFile 
 fn traced(campaign: &Path, folder: &Path) -> Result<(Vec<u8>, Outcome), Outcome> {
     let refuse = |error: PipelineError| {
         let message = error.to_string().replace(&format!("{}/", campaign.display()), "");
+        if error.is_of_system() {
+            return Outcome::Unread(not_read_now(&message));
+        }
         Outcome::Refused(
             Issue::error("frames-not-traced", message)
                 .mend("mend frames.toml or the frames; `ieap trace` on the folder shows what is seen"),

@@ -32,6 +32,7 @@ use batch::in_batches;
 use prepare::Group;
 pub(super) use readers::Readers;
 
+pub use prepare::ReadFile;
 pub(super) use prepare::{Outcome, PreparedFile};
 pub use retag::{retag_runs, run_window};
 pub(super) use settle::{content_of, set_aside};
@@ -59,8 +60,14 @@ pub struct IngestSummary {
     pub copies: usize,
     /// Files refused, now or before, with the reason.
     pub refused: Vec<(String, Issue)>,
+    /// Files that the system could not give, with what it said: nothing is decided about them, and every scan tries again.
+    pub unread: Vec<(String, Issue)>,
+    /// What cannot be read of tag files, now: the runs that they speak for wait.
+    pub unreadable_tags: Vec<UnreadableTags>,
     /// Files that wait: empty, header only, or still growing.
     pub waiting: Vec<String>,
+    /// Raw files that the archive had lost, or held with other bytes, and that are whole again.
+    pub mended: Vec<String>,
     /// Files that are no longer there, found now.
     pub gone: Vec<String>,
     /// Runs whose tags changed.
@@ -79,7 +86,32 @@ pub struct IngestSummary {
     pub logs: LogSummary,
 }
 
+/// A tag file, or a statement in it, that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct UnreadableTags {
+    /// Where, why, and how to mend it.
+    pub issue: Issue,
+    /// Runs that it speaks for: those that had tags keep them, the others wait.
+    pub runs: usize,
+}
+
+/// What cannot be read of the tag files of a campaign.
+///
+/// # Errors
+/// The database cannot be read.
+pub(super) fn unreadable_tags(context: &Context) -> Result<Vec<UnreadableTags>, PipelineError> {
+    let found = context.store.unreadable_tag_files()?.into_iter();
+    Ok(found
+        .map(|(issue, runs)| UnreadableTags { issue, runs })
+        .collect())
+}
+
 impl IngestSummary {
+    /// Whether some inputs could not be used: refused, not to be had from the system, or tags that cannot be read.
+    pub fn left_out_inputs(&self) -> bool {
+        !self.refused.is_empty() || !self.unread.is_empty() || !self.unreadable_tags.is_empty()
+    }
+
     /// Whether the database changed.
     pub fn changed(&self) -> bool {
         let lists = [
@@ -119,6 +151,7 @@ impl Ingest<'_> {
             .into_iter()
             .partition(|file| of_logs(&file.path));
         let changes = scan::diff(&known(&stored), &seen);
+        note_change_times(context, &stored, &changes)?;
         let mut summary = IngestSummary {
             files: seen.files.len(),
             ..IngestSummary::default()
@@ -131,17 +164,20 @@ impl Ingest<'_> {
         context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
         let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
         observer.begin("reading", groups.len() as u64);
-        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
             let with = (&readers, &shelf);
             settle::settle(context, with, prepared, &changes, &mut summary, observer)
         })?;
+        summary.mended.extend(mended);
         observer.end();
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
         drop((groups, changes, seen, stored));
         // What runs of the same readings are tagged with is known together.
         summary.copies = copies::find_copies(context, observer)?;
-        summary.retagged = retag::retag_runs(context, observer)?;
+        // A run sheet that could not be read is in doubt when runs are tagged.
+        keep_unread(context, &mut summary)?;
+        retag::retag_runs(context, &mut summary, observer)?;
         climate::assess(context, &shelf)?;
         list_states(context, &mut summary)?;
         Ok(summary)
@@ -176,6 +212,7 @@ impl Ingest<'_> {
             }
         };
         let changes = scan::diff(&known(stored), &seen);
+        note_change_times(context, stored, &changes)?;
         summary.logs.files = seen.files.len();
         let readers = Readers::of(&context.profiles, context.campaign.date_order, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
@@ -186,11 +223,12 @@ impl Ingest<'_> {
         };
         let groups: Vec<Group> = ready.into_iter().map(group).collect();
         observer.begin("reading climate logs", groups.len() as u64);
-        in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
             prepared.files.iter().try_for_each(|file| {
                 climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
             })
         })?;
+        summary.mended.extend(mended);
         observer.end();
         settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
@@ -242,6 +280,36 @@ impl Ingest<'_> {
     }
 }
 
+/// Number of files that would be read, or that have gone, without a change of anything.
+///
+/// # Errors
+/// The folder cannot be listed, or the database cannot be read.
+pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
+    let logs = crate::analysis::climate::sensors::FOLDER;
+    let runs_folder = &context.campaign.runs_folder;
+    let mut optional = context.campaign.optional_folders().to_vec();
+    if holds_logs(logs, runs_folder) {
+        optional.push(logs);
+    }
+    let seen = scan::scan(
+        &context.folder,
+        runs_folder,
+        &optional,
+        scan::ScanLimits::default(),
+    )?;
+    let stored = context.store.files()?;
+    let changes = scan::diff(&known(&stored), &seen);
+    let listed = |path: &String| seen.issues.iter().any(|issue| issue.place == *path);
+    let gone = changes.gone.iter().filter(|path| !listed(path)).count();
+    let outdated = Readers::of(&context.profiles, context.campaign.date_order, &stored);
+    let outdated = outdated.outdated(&stored);
+    let unchanged = changes.unchanged.iter();
+    let again = unchanged
+        .filter(|file| outdated.contains(file.display.as_str()))
+        .count();
+    Ok(changes.new.len() + changes.changed.len() + gone + again)
+}
+
 fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
     fn known(file: &FileRow) -> Known<'_> {
         Known {
@@ -249,10 +317,45 @@ fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
             size_bytes: file.size_bytes,
             modified_ns: file.modified_ns,
             inode: file.inode,
+            changed_ns: file.changed_ns,
             missing: file.missing_since.is_some(),
         }
     }
     stored.iter().map(known).collect()
+}
+
+/// Completes what was stored before times of last changes were, without reading the files.
+fn note_change_times(
+    context: &mut Context,
+    stored: &[FileRow],
+    changes: &Changes,
+) -> Result<(), PipelineError> {
+    let unknown: BTreeSet<&str> = stored
+        .iter()
+        .filter(|file| file.changed_ns == 0)
+        .map(|file| file.path.as_str())
+        .collect();
+    let unchanged = changes.unchanged.iter().filter(|file| file.changed_ns != 0);
+    let times: Vec<(&str, i64)> = unchanged
+        .filter(|file| unknown.contains(file.display.as_str()))
+        .map(|file| (file.display.as_str(), file.changed_ns))
+        .collect();
+    Ok(context.store.note_change_times(&now(), &times)?)
+}
+
+/// Records what the system could not give: what failed now, and what failed before and was not tried again yet.
+fn keep_unread(context: &mut Context, summary: &mut IngestSummary) -> Result<(), PipelineError> {
+    summary.unread.append(&mut summary.logs.unread);
+    let waiting: BTreeSet<String> = summary.waiting.drain(..).collect();
+    let mut unread: BTreeMap<String, Issue> = summary.unread.drain(..).collect();
+    let before = context.store.unread_files()?;
+    unread.extend(before.into_iter().filter(|(path, _)| waiting.contains(path)));
+    summary.waiting = waiting
+        .into_iter()
+        .filter(|path| !unread.contains_key(path))
+        .collect();
+    summary.unread = unread.into_iter().collect();
+    Ok(context.store.save_unread_files(&now(), &summary.unread)?)
 }
 
 /// Lists what stands refused, waits or lacks tags after this round.
@@ -267,6 +370,7 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.waiting.sort();
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;
+    summary.unreadable_tags = unreadable_tags(context)?;
     let aside = standing::runs(context)?.set_aside;
     summary
         .untagged
@@ -292,6 +396,7 @@ pub(super) fn file_row(
         size_bytes: file.size_bytes,
         modified_ns: file.modified_ns,
         inode: file.inode,
+        changed_ns: file.changed_ns,
         hash,
         state,
         reader,

@@ -11,7 +11,7 @@ use crate::ingest::folder_dates::order_beside;
 use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet;
-use crate::ingest::scan::{self, ReadFileError, SeenFile};
+use crate::ingest::scan::{ReadFileError, SeenFile};
 use crate::ingest::{Reading, RunTable};
 
 /// Largest file that is read, bytes.
@@ -33,7 +33,7 @@ pub struct Group {
 pub struct PreparedFile {
     /// The file.
     pub file: SeenFile,
-    /// BLAKE3 of its bytes; none where it could not be opened or still grows.
+    /// BLAKE3 of its bytes; none where it could not be read or still grows.
     pub hash: Option<String>,
     /// Its bytes, until they are archived.
     pub bytes: Vec<u8>,
@@ -45,6 +45,16 @@ pub struct PreparedFile {
     pub profile: Option<Profile>,
 }
 
+impl PreparedFile {
+    /// Its path and what the system said, where it could not give the file.
+    pub fn unread(&self) -> Option<(String, Issue)> {
+        match &self.outcome {
+            Outcome::Unread(issue) => Some((self.file.display.clone(), issue.clone())),
+            _ => None,
+        }
+    }
+}
+
 /// What a reader made of a file.
 #[derive(Debug)]
 pub enum Outcome {
@@ -52,6 +62,8 @@ pub enum Outcome {
     Read(Box<Reading>),
     /// It cannot be read.
     Refused(Issue),
+    /// The system could not give it: nothing is known of it, and it is tried again.
+    Unread(Issue),
     /// It has nothing to read yet.
     Pending(Issue),
     /// It belongs to a run and holds none.
@@ -59,10 +71,11 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// How a file that holds nothing to store is recorded, and why; none for one that was read.
+    /// How a file that holds nothing to store is recorded, and why; none for one that was read, and for one of which
+    /// nothing is known.
     pub fn aside(&self) -> Option<(FileState, &Issue)> {
         match self {
-            Outcome::Read(_) => None,
+            Outcome::Read(_) | Outcome::Unread(_) => None,
             Outcome::Refused(issue) => Some((FileState::Refused, issue)),
             Outcome::Pending(issue) => Some((FileState::Pending, issue)),
             Outcome::Sidecar(issue) => Some((FileState::Sidecar, issue)),
@@ -81,6 +94,15 @@ pub struct Prepared {
     pub files: Vec<PreparedFile>,
 }
 
+/// Gives the bytes of a file that is not larger than the limit, bytes: `read_stable` of the scan, or what stands in for a disk.
+pub type ReadFile = fn(&Path, u64) -> Result<Vec<u8>, ReadFileError>;
+
+/// An error of the system about a file, which says nothing of the file itself.
+pub fn not_read_now(message: &str) -> Issue {
+    Issue::error("not-read-now", message)
+        .mend("nothing is decided about the file: it is tried again whenever the folder is looked through")
+}
+
 /// What files are read with.
 #[derive(Debug, Clone, Copy)]
 pub struct With<'a> {
@@ -90,6 +112,8 @@ pub struct With<'a> {
     pub profiles: &'a [Profile],
     /// Order of day, month and year that campaign.toml states.
     pub date_order: Option<DateOrder>,
+    /// What gives their bytes.
+    pub read_file: ReadFile,
 }
 
 /// Reads every file of a group. Refusals are part of the outcome; a fault of a reader refuses its file only.
@@ -110,17 +134,17 @@ fn prepare_file(with: With<'_>, kind: RunKind, file: &SeenFile) -> PreparedFile 
     if location.is_dir() {
         return frame_folder::prepare(with.folder, file, &location);
     }
-    let bytes = match scan::read_stable(&location, LARGEST_FILE_BYTES) {
+    let bytes = match (with.read_file)(&location, LARGEST_FILE_BYTES) {
         Ok(bytes) => bytes,
         Err(error) => {
             // Reports name files relative to the campaign, so that they are the same on every machine.
             let message = error
                 .to_string()
                 .replace(&format!("{}: ", location.display()), "");
-            let still_growing = matches!(error, ReadFileError::StillGrowing { .. });
-            let outcome = match still_growing {
-                true => Outcome::Pending(Issue::note("still-growing", message)),
-                false => Outcome::Refused(Issue::error("not-read", message)),
+            let outcome = match error {
+                ReadFileError::StillGrowing { .. } => Outcome::Pending(Issue::note("still-growing", message)),
+                error if error.may_pass() => Outcome::Unread(not_read_now(&message)),
+                _ => Outcome::Refused(Issue::error("not-read", message)),
             };
             return PreparedFile {
                 file: file.clone(),

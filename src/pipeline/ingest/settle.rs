@@ -5,9 +5,9 @@ use super::readers::{Readers, format_of, reader_of};
 use super::start::without_open_dates;
 use super::tagging::{TaggingInput, tagging};
 use super::{IngestSummary, file_row, now};
+use crate::domain::data_hash::data_hash;
 use crate::domain::{FileState, Issue, ProfileUse, RunClock, RunKind, RunOrigin, RunStatus};
 use crate::ingest::Reading;
-use crate::ingest::data_hash::data_hash;
 use crate::ingest::scan::{Changes, Scan};
 use crate::pipeline::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -22,6 +22,12 @@ pub fn settle(
     summary: &mut IngestSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
+    let unread: Vec<(String, Issue)> = prepared.files.iter().filter_map(PreparedFile::unread).collect();
+    if !unread.is_empty() {
+        // Without one of its files a run would be half a run: all of it waits.
+        summary.unread.extend(unread);
+        return Ok(());
+    }
     let (mut readable, kind) = (Vec::new(), prepared.kind);
     for file in prepared.files {
         match file.outcome.aside() {
@@ -32,7 +38,7 @@ pub fn settle(
     let is_known = match readable.as_slice() {
         [] => true,
         [single] => is_known(context, readers, single, changes, summary)?,
-        several => are_known(context, readers, &prepared.run_name, several)?,
+        several => are_known(context, readers, several)?,
     };
     match is_known {
         true => Ok(()),
@@ -53,14 +59,15 @@ pub fn settle(
 fn are_known(
     context: &mut Context,
     readers: &Readers,
-    run_name: &str,
     files: &[PreparedFile],
 ) -> Result<bool, PipelineError> {
-    let held = context.store.contents_of(run_name)?;
     let found: Vec<(String, String)> = files
         .iter()
         .filter_map(|file| Some((file.file.display.clone(), file.hash.clone()?)))
         .collect();
+    let Some(run_name) = run_of_files(context, &found)? else {
+        return Ok(false);
+    };
     let reader = files.first().and_then(|file| match &file.outcome {
         Outcome::Read(reading) => Some(reader_of(reading, file.profile.as_ref())),
         _ => None,
@@ -72,12 +79,25 @@ fn are_known(
         }
         _ => false,
     };
-    if held != found || context.store.reader_of(run_name)? != reader || !files.iter().all(same_reader) {
+    if context.store.reader_of(&run_name)? != reader || !files.iter().all(same_reader) {
         return Ok(false);
     }
     let rows: Vec<FileRow> = files.iter().filter_map(|file| run_row(readers, file)).collect();
     context.store.record_files(&now(), &rows)?;
     Ok(true)
+}
+
+/// The current run that was read from just these files, by path and hash.
+fn run_of_files(context: &Context, files: &[(String, String)]) -> Result<Option<String>, PipelineError> {
+    let Some((_, hash)) = files.first() else {
+        return Ok(None);
+    };
+    for (run, _) in context.store.runs_with_content(hash)? {
+        if context.store.contents_of(&run)? == files {
+            return Ok(Some(run));
+        }
+    }
+    Ok(None)
 }
 
 /// Records a file that was refused or waits. A run read from an earlier content of it stays.
@@ -133,7 +153,10 @@ fn is_known(
         }
         return Ok(same_reader);
     }
-    let moved = holders.len() == 1 && run_path == file_path && changes.gone.contains(file_path);
+    let moved = holders.len() == 1
+        && run_path == file_path
+        && changes.gone.contains(file_path)
+        && !context.store.has_run(&path)?;
     if moved {
         let (old, new) = (run_path.clone(), path.clone());
         context.store.rename_run(&now, &old, &new, &row(FileState::Run))?;
@@ -185,19 +208,11 @@ fn store_runs(
     } else {
         run_name
     };
+    let names = run_names(context, base, &parts, &contents)?;
     let runs: Vec<NewRun> = parts
         .into_iter()
-        .map(|part| {
-            new_run(
-                (context, shelf),
-                format!("{base}{}", part.suffix),
-                kind,
-                part,
-                files,
-                &contents,
-                &join_issues,
-            )
-        })
+        .zip(names)
+        .map(|(part, name)| new_run((context, shelf), name, kind, part, files, &contents, &join_issues))
         .collect::<Result<_, _>>()?;
     for run in &runs {
         let known = context.store.has_run(&run.path)?;
@@ -215,6 +230,34 @@ fn store_runs(
         .push(run.path.clone());
     }
     Ok(context.store.save_runs(&now(), &rows, &runs)?)
+}
+
+/// A name for each part: that of the file, with `#TABLE` where it has several. A name that another part has, or a run of
+/// other files (the table `Run` of `a.xlsx` beside a file `a.xlsx#Run`), gets a number: no run takes another's place.
+fn run_names(
+    context: &Context,
+    base: &str,
+    parts: &[RunPart],
+    contents: &[RunContent],
+) -> Result<Vec<String>, PipelineError> {
+    let mut names: Vec<String> = Vec::with_capacity(parts.len());
+    for part in parts {
+        let wanted = format!("{base}{}", part.suffix);
+        let (mut name, mut number) = (wanted.clone(), 1);
+        while names.contains(&name) || is_of_other_files(context, &name, contents)? {
+            number += 1;
+            name = format!("{wanted} ({number})");
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// Whether the current run of that name was read from none of these files.
+fn is_of_other_files(context: &Context, name: &str, contents: &[RunContent]) -> Result<bool, PipelineError> {
+    let held = context.store.contents_of(name)?;
+    let is_ours = |path: &String| contents.iter().any(|content| content.path == *path);
+    Ok(!held.is_empty() && !held.iter().any(|(path, _)| is_ours(path)))
 }
 
 /// What the archive holds of the files.
@@ -387,6 +430,7 @@ fn refused_entry(readers: &Readers, issue: &Issue) -> FileRow {
         size_bytes: 0,
         modified_ns: 0,
         inode: 0,
+        changed_ns: 0,
         hash: None,
         state: FileState::Refused,
         reader: readers.all(),

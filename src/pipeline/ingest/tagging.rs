@@ -94,13 +94,15 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         without_logs.value(keys::SAMPLE),
     );
     let climate = climate_of(context, shelf, window, surroundings)?;
-    let resolved = match climate.tags.is_empty() {
+    let mut resolved = match climate.tags.is_empty() {
         true => without_logs,
         false => tags::resolve(&TagRequest {
             ambient: &climate.tags,
             ..request
         }),
     };
+    let doubts = doubts(context, input.run_path, &files, input.other_names);
+    resolved.issues.extend(doubts);
     let digest = digest(
         context,
         shelf,
@@ -144,10 +146,10 @@ fn conclude_dma(input: &TaggingInput<'_>, resolved: Resolved, digest: String) ->
     if !has_modulus {
         issues.push(no_modulus(&channels));
     }
-    let state = match (resolved.missing.is_empty(), has_modulus) {
-        (false, _) => RunState::Untagged,
-        (true, true) => RunState::Ready,
-        (true, false) => RunState::NotFitted,
+    let state = match (resolved.waits(), has_modulus) {
+        (true, _) => RunState::Untagged,
+        (false, true) => RunState::Ready,
+        (false, false) => RunState::NotFitted,
     };
     Tagging {
         state,
@@ -209,6 +211,9 @@ pub fn digest(
     for tag in planned_tags(context, run_path, files) {
         hasher.update(format!("planned {:?}", (tag.key, tag.value, tag.detail)).as_bytes());
     }
+    for doubt in doubts(context, run_path, files, other_paths) {
+        hasher.update(format!("doubt {doubt:?}").as_bytes());
+    }
     for tag in hand_tags(context, run_path)? {
         hasher.update(format!("{:?}", (tag.key, tag.value)).as_bytes());
     }
@@ -222,13 +227,44 @@ pub fn digest(
 
 /// Tags of the run sheets' rows that plan this file. Modulus logs are not planned.
 fn planned_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Vec<Tag> {
-    match context.campaign.kind_of(run_path) {
-        RunKind::Actuation => {
-            let named = files.first().map_or(Path::new(run_path), PathBuf::as_path);
-            context.sheets.tags_of(&tags::stem(named))
+    let name = planned_name(context, run_path, files);
+    name.map_or_else(Vec::new, |name| context.sheets.tags_of(&name))
+}
+
+/// Why it is not known whether a run sheet plans this file, or another name of the readings.
+fn doubts(context: &Context, run_path: &str, files: &[PathBuf], other_paths: &[String]) -> Vec<Issue> {
+    let own = planned_name(context, run_path, files);
+    let others = other_paths
+        .iter()
+        .filter_map(|path| planned_name(context, path, &[parse_display_path(path)]));
+    let names: BTreeSet<String> = own.into_iter().chain(others).collect();
+    let mut found: Vec<Issue> = Vec::new();
+    for doubt in names.iter().flat_map(|name| context.sheets.doubts(name)) {
+        if !found.contains(&doubt) {
+            found.push(doubt);
         }
-        RunKind::Dma => Vec::new(),
     }
+    found
+}
+
+/// The name by which run sheets plan a run; none for what is not planned.
+fn planned_name(context: &Context, run_path: &str, files: &[PathBuf]) -> Option<String> {
+    let named = files.first().map_or(Path::new(run_path), PathBuf::as_path);
+    (context.campaign.kind_of(run_path) == RunKind::Actuation).then(|| tags::stem(named))
+}
+
+/// What keeps the tags of a run from being known: tag files and run sheets that cannot be read.
+pub fn unreadable(
+    context: &Context,
+    run_path: &str,
+    files: &[PathBuf],
+    other_paths: &[String],
+) -> Vec<Issue> {
+    let others = other_paths.iter().map(|path| parse_display_path(path));
+    let all: Vec<PathBuf> = files.iter().cloned().chain(others).collect();
+    let mut issues = tags::unreadable(&context.folder, &all);
+    issues.extend(doubts(context, run_path, files, other_paths));
+    issues
 }
 
 /// What is stated of other names of the readings.
@@ -347,11 +383,11 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     issues.extend(clocks::remarks(input.origin, clock_offset_s));
     let fittable =
         input.is_step_response && found.drive.is_some() && area_cm2.is_some() && has_response(input);
-    let state = match (resolved.missing.is_empty(), fittable) {
+    let state = match (resolved.waits(), fittable) {
         _ if !has_steps => RunState::NoSteps,
-        (false, _) => RunState::Untagged,
-        (true, true) => RunState::Ready,
-        (true, false) => RunState::NotFitted,
+        (true, _) => RunState::Untagged,
+        (false, true) => RunState::Ready,
+        (false, false) => RunState::NotFitted,
     };
     Tagging {
         state,

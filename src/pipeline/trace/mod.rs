@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Observer, PipelineError, swap};
+use super::own_folder::{self, Fresh};
+use super::{Observer, PipelineError};
 use crate::ingest::campaign_file;
 use crate::ingest::frames::{self, FrameFile, FrameSettings};
 
@@ -111,10 +112,8 @@ impl TraceFrames {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         };
-        let fresh = tempfile::Builder::new()
-            .prefix(".trace-")
-            .tempdir_in(&parent)
-            .map_err(failed(&parent, "making a folder"))?;
+        own_folder::check(&target, &is_of_earlier_version)?;
+        let fresh = Fresh::begin(&parent, ".trace-").map_err(failed(&parent, "making a folder"))?;
         let overlays = fresh.path().join(OVERLAYS);
         if self.overlays {
             std::fs::create_dir(&overlays).map_err(failed(&overlays, "making a folder"))?;
@@ -131,9 +130,10 @@ impl TraceFrames {
             let path = fresh.path().join(name);
             std::fs::write(&path, text).map_err(failed(&path, "writing the table"))?;
         }
-        let folder = fresh.keep();
-        open_to_all(&folder).map_err(failed(&folder, "setting its rights"))?;
-        swap::replace_folder(&folder, &target).map_err(failed(&target, "putting the folder in place"))?;
+        fresh
+            .finish()
+            .map_err(failed(fresh.path(), "listing what was written"))?;
+        fresh.put(&target, &is_of_earlier_version)?;
         Ok(self.summary(&target, files.len(), traced))
     }
 
@@ -225,11 +225,17 @@ pub(super) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::E
     move |source| PipelineError::File { path, doing, source }
 }
 
-/// A temporary folder is its maker's alone; what is handed over has the rights that a new folder has.
-fn open_to_all(folder: &Path) -> std::io::Result<()> {
-    let beside = folder.with_extension("rights");
-    std::fs::create_dir(&beside)?;
-    let rights = std::fs::metadata(&beside)?.permissions();
-    std::fs::remove_dir(&beside)?;
-    std::fs::set_permissions(folder, rights)
+/// Whether a folder without a list of its files is one that an earlier version wrote: its names and no others.
+fn is_of_earlier_version(folder: &Path) -> bool {
+    let names = |folder: &Path| -> Option<Vec<PathBuf>> {
+        let entries = std::fs::read_dir(folder).ok()?;
+        entries.map(|entry| Some(entry.ok()?.path())).collect()
+    };
+    let is_overlay = |path: &PathBuf| path.is_file() && path.extension().is_some_and(|end| end == "png");
+    let overlays_only = |folder: &Path| names(folder).is_some_and(|all| all.iter().all(is_overlay));
+    let is_ours = |path: &PathBuf| match path.is_dir() {
+        true => path.ends_with(OVERLAYS) && overlays_only(path),
+        false => path.ends_with(TABLE) || path.ends_with(ERRORS),
+    };
+    folder.join(TABLE).is_file() && names(folder).is_some_and(|all| all.iter().all(is_ours))
 }

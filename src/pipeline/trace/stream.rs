@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::table::{Row, Tables};
 use super::{RefusedFrame, ViewSummary};
 use crate::ingest::frames::{FrameFile, FrameSettings, InitialShape};
-use crate::ingest::scan::read_stable;
+use crate::ingest::scan::{ReadFileError, read_stable};
+use crate::numerics::interrupt;
 use crate::pipeline::{Observer, PipelineError};
 use crate::strip::{Gray, Initial, Positive, Scale, Trace, View, decode, overlay, trace};
 
@@ -62,6 +63,7 @@ pub fn trace_frames(source: &Source, observer: &dyn Observer) -> Result<Traced, 
     let indices: Vec<usize> = (0..source.files.len()).collect();
     observer.begin("tracing", source.files.len() as u64);
     for chunk in indices.chunks(few) {
+        interrupt::check();
         let traced: Vec<Result<Row, Failed>> = chunk
             .par_iter()
             .map(|&index| {
@@ -105,19 +107,24 @@ pub fn trace_frames(source: &Source, observer: &dyn Observer) -> Result<Traced, 
 enum Failed {
     /// The frame cannot be traced.
     Frame(String),
-    /// What was traced cannot be written.
+    /// The frame cannot be had from the system, or what was traced cannot be written.
     Disk(PipelineError),
 }
 
 /// The picture of a frame, with the hash of its file.
-fn picture(file: &FrameFile) -> Result<(Gray, String), String> {
-    let bytes = read_stable(&file.path, LARGEST_FRAME_BYTES).map_err(|error| {
+fn picture(file: &FrameFile) -> Result<(Gray, String), Failed> {
+    let bytes = read_stable(&file.path, LARGEST_FRAME_BYTES).map_err(|error| match error {
+        ReadFileError::Denied { path, source } | ReadFileError::Failed { path, source } => {
+            Failed::Disk(super::failed(&path, "reading the frame")(source))
+        }
         // The name stands beside it already.
-        error
-            .to_string()
-            .replace(&format!("{}: ", file.path.display()), "")
+        error => Failed::Frame(
+            error
+                .to_string()
+                .replace(&format!("{}: ", file.path.display()), ""),
+        ),
     })?;
-    let gray = decode(&bytes).map_err(|error| error.to_string())?;
+    let gray = decode(&bytes).map_err(|error| Failed::Frame(error.to_string()))?;
     Ok((gray, blake3::hash(&bytes).to_hex().to_string()))
 }
 
@@ -131,7 +138,7 @@ fn view_of(settings: &FrameSettings) -> View {
 
 fn frame(source: &Source, index: usize, initial: &Initial, size_px: (usize, usize)) -> Result<Row, Failed> {
     let file = &source.files[index];
-    let (gray, hash) = picture(file).map_err(Failed::Frame)?;
+    let (gray, hash) = picture(file)?;
     if (gray.width(), gray.height()) != size_px {
         return Err(Failed::Frame(format!(
             "{} x {} pixels, and the initial shape is from {} x {}: its scale and the place of its clamp may be others. Trace frames of one size together",
@@ -169,7 +176,7 @@ fn vectors(settings: &FrameSettings) -> usize {
 }
 
 /// A trace with columns and rows of its picture, or why there is none.
-type SizedTrace = Result<(Trace, (usize, usize)), String>;
+type SizedTrace = Result<(Trace, (usize, usize)), Failed>;
 
 /// The initial shape with the scale, what is said of the view, and columns and rows of its pictures: those of the first.
 fn initial(source: &Source) -> Result<(Initial, ViewSummary, (usize, usize)), PipelineError> {
@@ -180,7 +187,8 @@ fn initial(source: &Source) -> Result<(Initial, ViewSummary, (usize, usize)), Pi
         .map(|&index| {
             let (gray, _) = picture(&source.files[index])?;
             let size_px = (gray.width(), gray.height());
-            let traced = trace(&gray, &view_of(settings)).map_err(|error| error.to_string())?;
+            let traced =
+                trace(&gray, &view_of(settings)).map_err(|error| Failed::Frame(error.to_string()))?;
             Ok((traced, size_px))
         })
         .collect();
@@ -192,7 +200,10 @@ fn initial(source: &Source) -> Result<(Initial, ViewSummary, (usize, usize)), Pi
             Ok((traced, size)) if size == *size_px.get_or_insert(size) => good.push(traced),
             // Refused with its reason where its turn comes.
             Ok(_) => {}
-            Err(reason) => refusal = refusal.or(Some((source.files[index].name.clone(), reason))),
+            Err(Failed::Frame(reason)) => {
+                refusal = refusal.or(Some((source.files[index].name.clone(), reason)));
+            }
+            Err(Failed::Disk(error)) => return Err(error),
         }
     }
     let (scale, scale_from) = scale(source)?;

@@ -1,6 +1,6 @@
 //! The hash of a run's readings: what a fit depends on beside the drive and the sample.
 
-use crate::domain::{Channel, Quantity};
+use super::{Channel, Quantity};
 
 /// BLAKE3 of the interpreted channels, hexadecimal: quantities, times, values and exclusions.
 pub fn data_hash(channels: &[Channel]) -> String {

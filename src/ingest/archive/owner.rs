@@ -1,0 +1,72 @@
+//! Which database an archive belongs to: `archive/database-id`.
+
+use std::fs;
+use std::io::{self, Write};
+
+use super::error::{ArchiveError, sorted};
+use super::{Archive, FOLDER, PARTIAL, list};
+
+/// Name of the file inside the archive.
+const OWNER: &str = "database-id";
+
+impl Archive {
+    /// The id of the database that the archive belongs to; none where nothing says it.
+    ///
+    /// # Errors
+    /// Where the file is there and cannot be read.
+    pub fn owner(&self) -> Result<Option<String>, ArchiveError> {
+        let path = self.campaign.join(FOLDER).join(OWNER);
+        match fs::read_to_string(&path) {
+            Ok(text) => Ok(text.split_whitespace().next().map(str::to_owned)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(source) => Err(sorted(&path, "read", 0, source)),
+        }
+    }
+
+    /// Writes down which database the archive belongs to; the folder is made where it is not there.
+    ///
+    /// # Errors
+    /// Where there is no room, no right, or the disk fails.
+    pub fn set_owner(&self, id: &str) -> Result<(), ArchiveError> {
+        let folder = self.campaign.join(FOLDER);
+        let path = folder.join(OWNER);
+        let failed = |source| sorted(&path, "write", 0, source);
+        fs::create_dir_all(&folder).map_err(failed)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PARTIAL);
+        #[cfg(unix)]
+        let permissions = <fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o644);
+        #[cfg(unix)]
+        builder.permissions(permissions);
+        let mut file = builder.tempfile_in(&folder).map_err(failed)?;
+        let text =
+            format!("{id}\nThis archive belongs to the campaign.db with this id. Keep them together.\n");
+        file.write_all(text.as_bytes())
+            .and_then(|()| file.as_file().sync_all())
+            .map_err(failed)?;
+        file.persist(&path).map_err(|kept| failed(kept.error))?;
+        if cfg!(unix) {
+            fs::File::open(&folder)
+                .and_then(|folder| folder.sync_all())
+                .map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the archive holds a raw file.
+    ///
+    /// # Errors
+    /// Where a folder cannot be read.
+    pub fn holds_anything(&self) -> Result<bool, ArchiveError> {
+        let folders = list(&self.campaign.join(FOLDER))?.into_iter();
+        for folder in folders.filter(|path| path.is_dir()) {
+            if list(&folder)?
+                .iter()
+                .any(|path| super::hash_in_name(path).is_some())
+            {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}

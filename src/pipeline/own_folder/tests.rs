@@ -1,0 +1,140 @@
+//! Tests of folders that are exchanged as a whole.
+
+use super::*;
+
+fn never(_: &Path) -> bool {
+    false
+}
+
+/// Makes a folder with that file and puts it in place.
+fn put(root: &Path, file: &str) -> Result<(), PipelineError> {
+    let fresh = Fresh::begin(root, ".report-").unwrap();
+    let path = fresh.path().join(file);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, file).unwrap();
+    fresh.finish().unwrap();
+    fresh.put(&root.join("report"), &never)
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    entries(folder)
+        .unwrap()
+        .into_iter()
+        .map(|entry| entry.name)
+        .collect()
+}
+
+#[test]
+fn the_new_folder_stands_and_the_old_is_gone() {
+    let root = tempfile::tempdir().unwrap();
+    for turn in ["one", "runs/two", "three"] {
+        put(root.path(), turn).unwrap();
+        assert!(root.path().join("report").join(turn).exists());
+        assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
+    }
+    assert_eq!(names(&root.path().join("report")), [".written", "three"]);
+}
+
+#[test]
+fn whatever_else_lies_in_it_is_named_and_stays() {
+    let root = tempfile::tempdir().unwrap();
+    let report = root.path().join("report");
+    for other in ["notes.txt", "runs/mine.html", "chapter/thesis.tex", ".hidden"] {
+        put(root.path(), "runs/a.html").unwrap();
+        let path = report.join(other);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, "mine").unwrap();
+        let refused = put(root.path(), "runs/b.html").unwrap_err();
+        assert!(refused.to_string().contains(other), "{refused}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+        assert!(report.join("runs/a.html").exists());
+        assert_eq!(
+            names(root.path())
+                .iter()
+                .filter(|name| name.starts_with(".report"))
+                .count(),
+            0
+        );
+        fs::remove_dir_all(&report).unwrap();
+    }
+}
+
+#[test]
+fn a_folder_without_a_list_and_a_file_are_not_ours_and_an_empty_folder_is_nobodys() {
+    let root = tempfile::tempdir().unwrap();
+    let report = root.path().join("report");
+    fs::write(&report, "a file").unwrap();
+    assert!(matches!(
+        put(root.path(), "a"),
+        Err(PipelineError::NotOurs { .. })
+    ));
+    fs::remove_file(&report).unwrap();
+    fs::create_dir(&report).unwrap();
+    put(root.path(), "a").unwrap();
+    fs::remove_file(report.join(WRITTEN)).unwrap();
+    assert!(matches!(
+        put(root.path(), "a"),
+        Err(PipelineError::NotOurs { .. })
+    ));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_is_not_ours() {
+    let (root, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    std::os::unix::fs::symlink(elsewhere.path(), root.path().join("report")).unwrap();
+    assert!(matches!(
+        put(root.path(), "a"),
+        Err(PipelineError::NotOurs { .. })
+    ));
+    assert!(root.path().join("report").is_symlink());
+}
+
+#[test]
+fn a_file_that_comes_while_the_old_folder_is_removed_stays() {
+    let root = tempfile::tempdir().unwrap();
+    put(root.path(), "runs/a.html").unwrap();
+    let report = root.path().join("report");
+    let listed = listed(&report).unwrap();
+    fs::write(report.join("runs/late.txt"), "mine").unwrap();
+    remove_listed(&report, &listed).unwrap();
+    assert_eq!(names(&report), ["runs", "runs/late.txt"]);
+}
+
+#[test]
+fn only_leftovers_with_our_mark_go_and_what_only_looks_like_one_is_told() {
+    let root = tempfile::tempdir().unwrap();
+    let make = |name: &str, mark: Option<&str>, file: &str| {
+        let folder = root.path().join(name);
+        fs::create_dir(&folder).unwrap();
+        fs::write(folder.join(file), "x").unwrap();
+        mark.into_iter()
+            .for_each(|mark| fs::write(folder.join(PASSING), mark).unwrap());
+    };
+    make(".report-11", Some(".report-11"), "index.html");
+    make(".report-12.old", Some(".report-12"), "index.html");
+    fs::create_dir(root.path().join(".report-13")).unwrap();
+    make(".report-14", None, "thesis.tex");
+    make(".report-old", None, "thesis.tex");
+    // A copy of a folder that carried the mark.
+    make(".report-copy", Some(".report-11"), "index.html");
+    let kept = remove_leftovers(root.path(), ".report-");
+    assert_eq!(kept, [root.path().join(".report-14")]);
+    let mut left: Vec<String> = fs::read_dir(root.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    left.sort();
+    assert_eq!(left, [".report-14", ".report-copy", ".report-old"]);
+}
+
+#[test]
+fn what_file_managers_leave_is_no_obstacle() {
+    let root = tempfile::tempdir().unwrap();
+    put(root.path(), "runs/a.html").unwrap();
+    for name in [".DS_Store", "runs/Thumbs.db"] {
+        fs::write(root.path().join("report").join(name), "x").unwrap();
+    }
+    put(root.path(), "b.html").unwrap();
+    assert_eq!(names(root.path()), ["report", "report/.written", "report/b.html"]);
+}

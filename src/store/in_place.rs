@@ -1,0 +1,198 @@
+//! Whether there is a database, which one it is, and whether the open one is still the file of that name.
+
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+
+use rusqlite::{Connection, OpenFlags};
+
+use super::{FILE_NAME, Store, StoreError};
+
+/// Smallest page of SQLite, bytes: no database is smaller.
+const SMALLEST_BYTES: u64 = 512;
+
+/// What lies in the place of a campaign's database.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Found {
+    /// No file.
+    Nothing,
+    /// A file in which nothing was ever stored.
+    Empty {
+        /// Its size.
+        bytes: u64,
+    },
+    /// Something else: a database, or what is refused when it is opened.
+    Something,
+}
+
+/// Looks for the database of the campaign in `folder`; nothing is made or changed.
+pub fn found(folder: &Path) -> Found {
+    let path = folder.join(FILE_NAME);
+    match std::fs::metadata(&path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Found::Nothing,
+        Ok(file) if file.len() < SMALLEST_BYTES || is_blank(&path) => Found::Empty { bytes: file.len() },
+        _ => Found::Something,
+    }
+}
+
+fn is_blank(path: &Path) -> bool {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let opened = Connection::open_with_flags(path, flags);
+    opened.is_ok_and(|connection| has_no_tables(&connection).unwrap_or(false))
+}
+
+/// Whether a database holds nothing at all.
+pub(super) fn has_no_tables(connection: &Connection) -> rusqlite::Result<bool> {
+    connection.query_row("SELECT count(*) = 0 FROM sqlite_schema", [], |row| row.get(0))
+}
+
+/// Moves what lies in the place of the database aside, with its companions; gives the new name. `mark` tells it from
+/// others that were moved aside.
+///
+/// # Errors
+/// A file cannot be renamed.
+pub fn set_aside(folder: &Path, mark: &str) -> Result<Option<PathBuf>, StoreError> {
+    let (from, to) = (
+        folder.join(FILE_NAME),
+        folder.join(format!("{FILE_NAME}.set-aside-{mark}")),
+    );
+    let mut moved = None;
+    for companion in ["", "-wal", "-shm"] {
+        let with = |path: &Path| PathBuf::from(format!("{}{companion}", path.display()));
+        match std::fs::rename(with(&from), with(&to)) {
+            Ok(()) => moved = Some(to.clone()),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+            Err(source) => {
+                return Err(StoreError::File {
+                    path: with(&from),
+                    doing: "moving the database aside",
+                    source,
+                });
+            }
+        }
+    }
+    Ok(moved)
+}
+
+/// Device and inode of a file.
+type FileId = (u64, u64);
+
+/// The files that an open database consists of; none where the system has no such numbers, or in memory.
+#[derive(Debug, Default)]
+pub(super) struct Place {
+    file: Option<FileId>,
+    /// The write-ahead log, from when it is first seen.
+    log: Cell<Option<FileId>>,
+}
+
+impl Place {
+    /// Of the database that was just opened.
+    pub fn of(path: &Path) -> Place {
+        Place {
+            file: file_id(path),
+            log: Cell::new(None),
+        }
+    }
+}
+
+impl Store {
+    /// Refuses to go on where the database file, or its write-ahead log, was deleted or replaced since it was opened:
+    /// what is written into an unlinked file is lost.
+    ///
+    /// # Errors
+    /// [`StoreError::Replaced`].
+    pub fn check_in_place(&self) -> Result<(), StoreError> {
+        let Some(file) = self.place.file else {
+            return Ok(());
+        };
+        let log_path = PathBuf::from(format!("{}-wal", self.path.display()));
+        let log = file_id(&log_path);
+        let changed = match (self.place.log.get(), log) {
+            _ if file_id(&self.path) != Some(file) => Some(&self.path),
+            (Some(known), found) if found != Some(known) => Some(&log_path),
+            (_, found) => {
+                self.place.log.set(found);
+                None
+            }
+        };
+        match changed {
+            None => Ok(()),
+            Some(path) => Err(StoreError::Replaced { path: path.clone() }),
+        }
+    }
+
+    /// What tells this database from every other.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn identity(&self) -> Result<String, StoreError> {
+        self.connection
+            .query_row("SELECT id FROM identity", [], |row| row.get(0))
+            .map_err(|e| self.failed("reading the database's id", e))
+    }
+}
+
+#[cfg(unix)]
+fn file_id(path: &Path) -> Option<FileId> {
+    use std::os::unix::fs::MetadataExt;
+    let found = std::fs::metadata(path).ok()?;
+    Some((found.dev(), found.ino()))
+}
+
+#[cfg(not(unix))]
+fn file_id(_path: &Path) -> Option<FileId> {
+    None
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lies_in_the_place_of_a_database_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(found(folder.path()), Found::Nothing);
+        let path = folder.path().join(FILE_NAME);
+        for bytes in [0, 1, 100] {
+            std::fs::write(&path, vec![0; bytes]).unwrap();
+            assert_eq!(found(folder.path()), Found::Empty { bytes: bytes as u64 });
+        }
+        std::fs::remove_file(&path).unwrap();
+        Connection::open(&path)
+            .unwrap()
+            .pragma_update(None, "journal_mode", "WAL")
+            .unwrap();
+        assert!(matches!(found(folder.path()), Found::Empty { bytes } if bytes > 100));
+        std::fs::write(&path, vec![7; 5000]).unwrap();
+        assert_eq!(found(folder.path()), Found::Something);
+        std::fs::remove_file(&path).unwrap();
+        drop(Store::open(folder.path()).unwrap());
+        assert_eq!(found(folder.path()), Found::Something);
+    }
+
+    #[test]
+    fn nothing_is_written_into_a_file_that_lost_its_name() {
+        for lost in ["", "-wal"] {
+            let folder = tempfile::tempdir().unwrap();
+            let mut store = Store::open(folder.path()).unwrap();
+            store.record_files("now", &[]).unwrap();
+            store.mark_missing("now", &["a".to_owned()]).unwrap();
+            store.check_in_place().unwrap();
+            let path = folder.path().join(format!("{FILE_NAME}{lost}"));
+            let away = folder.path().join("away");
+            std::fs::rename(&path, &away).unwrap();
+            let refused = store.mark_missing("now", &["a".to_owned()]).unwrap_err();
+            assert!(matches!(refused, StoreError::Replaced { .. }), "{refused}");
+            assert!(store.begin_batch().is_err());
+            std::fs::copy(&away, &path).unwrap();
+            assert!(store.check_in_place().is_err(), "a copy is another file");
+        }
+    }
+
+    #[test]
+    fn each_database_has_an_id_of_its_own_and_keeps_it() {
+        let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let id = |folder: &Path| Store::open(folder).unwrap().identity().unwrap();
+        assert_eq!(id(one.path()), id(one.path()));
+        assert_ne!(id(one.path()), id(two.path()));
+    }
+}

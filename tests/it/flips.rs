@@ -1,0 +1,188 @@
+//! Flipped bytes of a database: told, or without any effect.
+
+use std::fs;
+use std::path::Path;
+
+use ieap::pipeline::export::{Export, Table};
+use ieap::pipeline::fits_document::fits_document;
+use ieap::pipeline::tables::{find_format, listed, table};
+use ieap::pipeline::{
+    Context, DiagnoseChoice, DiagnoseRuns, FitChoice, FitRuns, Ingest, PipelineError, Silent,
+};
+use ieap::store::Store;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::campaign::{CampaignFolder, counted, run_table};
+
+/// Of the flips.
+const SEED: u64 = 20_261_122;
+
+/// A campaign with fits, tags by hand, and a finding.
+fn campaign() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    for (name, seed) in [("a", 1), ("b", 2), ("c", 3)] {
+        folder.write(&format!("runs/{name}.csv"), run_table(seed));
+        folder.write(&format!("runs/{name}.csv.toml"), format!("cycle = {seed}\n"));
+    }
+    folder.write("runs/refused.csv", "no table\n");
+    folder.ieap(&["run", "--no-diagnose"]).expect(3);
+    folder.ieap(&["tag", "runs/a.csv", "note=by hand"]).expect(0);
+    let mut context = Context::open(folder.path(), false).unwrap();
+    let diagnosis = DiagnoseRuns {
+        choice: DiagnoseChoice {
+            draws: Some(20),
+            ..DiagnoseChoice::default()
+        },
+        ..DiagnoseRuns::default()
+    };
+    diagnosis.run(&mut context, &Silent).unwrap();
+    drop(context);
+    folder
+}
+
+/// What `fit --json`, every table and every export say.
+fn said(folder: &Path) -> Result<Vec<u8>, PipelineError> {
+    let mut context = Context::open(folder, false)?;
+    Ingest { ready: &mut |_| true }.run(&mut context, &Silent)?;
+    FitRuns {
+        choice: FitChoice::default(),
+        again: false,
+    }
+    .run(&mut context, &Silent)?;
+    let mut said = serde_json::to_vec(&fits_document(&context)?).unwrap();
+    let json = find_format("json")?;
+    for (name, _) in listed() {
+        said.extend((json.write)(&table(&context, name)?).into_bytes());
+    }
+    for table in Table::ALL {
+        let path = folder.join("exported.csv");
+        Export {
+            table,
+            path: path.clone(),
+            overwrite: true,
+        }
+        .run(&context)?;
+        said.extend(fs::read(&path).unwrap());
+    }
+    Ok(said)
+}
+
+fn put(folder: &Path, database: &[u8]) {
+    for companion in ["-wal", "-shm"] {
+        let _ = fs::remove_file(folder.join(format!("campaign.db{companion}")));
+    }
+    fs::write(folder.join("campaign.db"), database).unwrap();
+}
+
+#[test]
+fn a_flipped_byte_is_told_or_has_no_effect() {
+    let folder = campaign();
+    let whole = fs::read(folder.join("campaign.db")).unwrap();
+    let expected = said(folder.path()).unwrap();
+    put(folder.path(), &whole);
+    assert!(
+        said(folder.path()).unwrap() == expected,
+        "asked again, it says the same"
+    );
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let (mut told, mut harmless, mut silent) = (0, 0, Vec::new());
+    for _ in 0..counted(200, 10_000) {
+        let (at, flip) = (rng.random_range(0..whole.len()), rng.random_range(1..=255u8));
+        let mut flipped = whole.clone();
+        flipped[at] ^= flip;
+        put(folder.path(), &flipped);
+        match said(folder.path()) {
+            Err(error) => {
+                assert!(error.is_storage(), "byte {at} ^ {flip}: {error}");
+                told += 1;
+            }
+            Ok(said) if said == expected => harmless += 1,
+            Ok(_) => silent.push((at, flip)),
+        }
+    }
+    println!(
+        "{} bytes; {told} told, {harmless} without effect, {} silent",
+        whole.len(),
+        silent.len()
+    );
+    assert_eq!(silent, []);
+}
+
+#[test]
+fn a_number_that_changed_in_the_database_ends_with_status_4_and_a_way_to_mend() {
+    for tampering in [
+        "UPDATE fit_parameter SET value = value * 2 WHERE ordinal = 0",
+        "DELETE FROM fit_parameter WHERE ordinal = 1",
+        "UPDATE fit SET superseded_at = '2026-01-01T00:00:00Z'",
+        "UPDATE tag SET value = 'vacuum' WHERE key = 'environment'",
+        "UPDATE run SET area_cm2 = area_cm2 * 2",
+        "DELETE FROM tag WHERE ordinal = 0",
+        "UPDATE run SET superseded_at = '2026-01-01T00:00:00Z'",
+    ] {
+        let folder = CampaignFolder::new();
+        folder.write("runs/a.csv", run_table(1));
+        folder.write("runs/b.csv", run_table(1) + "#\n");
+        folder.ieap(&["run", "--no-diagnose"]).expect(0);
+        rusqlite::Connection::open(folder.join("campaign.db"))
+            .unwrap()
+            .execute_batch(tampering)
+            .unwrap();
+        for verb in [
+            &["fit", "--json"][..],
+            &["table", "fits"],
+            &["run", "--no-diagnose"],
+        ] {
+            let refused = folder.ieap(verb).expect(4);
+            assert!(refused.stderr.contains("checksum"), "{tampering} {refused:?}");
+            assert!(
+                refused.stderr.contains("--new-database"),
+                "{tampering} {refused:?}"
+            );
+        }
+        let store = Store::open_read_only(folder.path()).unwrap().unwrap();
+        assert!(!store.check_all().unwrap().is_empty(), "{tampering}");
+    }
+}
+
+#[test]
+fn readings_are_held_against_their_hash() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    // Sealed anew with the wrong readings: the seal is right, the hash of the readings is not.
+    let sql = "UPDATE channel SET value_blob = (SELECT value_blob FROM channel WHERE ordinal = 0) WHERE ordinal = 1;
+               DELETE FROM seal;";
+    database.execute_batch(sql).unwrap();
+    drop(database);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let refused = folder.ieap(&["fit", "--again"]).expect(4);
+    assert!(refused.stderr.contains("readings of run"), "{}", refused.stderr);
+}
+
+#[test]
+fn the_structure_is_looked_at_after_a_disorderly_end() {
+    let folder = campaign();
+    // An index that nothing reads: the number of entries on its first page.
+    let page: usize = rusqlite::Connection::open(folder.join("campaign.db"))
+        .unwrap()
+        .query_row(
+            "SELECT rootpage FROM sqlite_schema WHERE name = 'fit_parameter_key'",
+            [],
+            |row| Ok(row.get::<_, i64>(0)? as usize),
+        )
+        .unwrap();
+    let mut database = fs::read(folder.join("campaign.db")).unwrap();
+    database[(page - 1) * 4096 + 3] ^= 0x40;
+    put(folder.path(), &database);
+    folder.ieap(&["report"]).expect(0);
+    put(folder.path(), &database);
+    folder.write("campaign.db.lock", "process 1 on another\n");
+    let refused = folder.ieap(&["report"]).expect(4);
+    assert!(
+        refused.stderr.contains("not a readable SQLite database"),
+        "{}",
+        refused.stderr
+    );
+}
