@@ -160,15 +160,15 @@ fn starts(run: &RunReadings, per_volt: f64, branches: usize) -> Vec<Start> {
         start
     };
     let mut all = Vec::new();
-    for first in 0..TIMES.len() {
-        for second in first + 1..TIMES.len() {
+    for (at, &first) in TIMES.iter().enumerate() {
+        let later = &TIMES[at + 1..];
+        for (at, &second) in later.iter().enumerate() {
             if branches == 1 {
-                all.push(start(&[TIMES[first], TIMES[second]]));
+                all.push(start(&[first, second]));
                 continue;
             }
-            for third in second + 1..TIMES.len() {
-                all.push(start(&[TIMES[first], TIMES[second], TIMES[third]]));
-            }
+            let thirds = later[at + 1..].iter();
+            all.extend(thirds.map(|&third| start(&[first, second, third])));
         }
     }
     all

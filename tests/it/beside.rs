@@ -51,7 +51,7 @@ fn whoever_reads_does_not_bring_a_database_up_to_date() {
     let lock = InstanceLock::take(folder.path()).unwrap();
     for arguments in [
         &["status"][..],
-        &["table"],
+        &["table", "table5"],
         &["export", "--what", "all", "-o", "out"],
     ] {
         let refused = folder.ieap(arguments).expect(4);

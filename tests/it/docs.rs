@@ -297,23 +297,31 @@ fn pages() -> Vec<(String, String)> {
 fn every_command_and_every_file_on_a_page_works() {
     let whole = world();
     let (mut ran, mut read) = (0, 0);
+    let mut faults = Vec::new();
+    // All faults of all pages are told at once.
+    let mut tried = |what: &dyn Fn()| {
+        if let Err(fault) = std::panic::catch_unwind(std::panic::AssertUnwindSafe(what)) {
+            faults.push(fault.downcast_ref::<String>().cloned().unwrap_or_default());
+        }
+    };
     for (name, page) in pages() {
         let folder = CampaignFolder::new();
         copy_all(whole.path(), folder.path());
         let blocks = blocks(&page);
         for block in blocks.iter().filter(|block| is_toml(block)) {
-            read_toml(&folder, &name, &block.text);
+            tried(&|| read_toml(&folder, &name, &block.text));
             read += 1;
         }
         for block in blocks.iter().filter(|block| !is_toml(block) && is_table(block)) {
-            read_table(&folder, &name, &block.text);
+            tried(&|| read_table(&folder, &name, &block.text));
             read += 1;
         }
         for line in commands(&page, &blocks) {
-            obey(&folder, &name, &line);
+            tried(&|| obey(&folder, &name, &line));
             ran += 1;
         }
     }
+    assert!(faults.is_empty(), "{}", faults.join("\n\n"));
     // The pages are read: a change of their form must not leave the test without commands.
     assert!(ran > 60 && read > 10, "{ran} commands, {read} files");
 }

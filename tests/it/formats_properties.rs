@@ -65,7 +65,12 @@ fn cuts_by(name: &str, bytes: &[u8], read: &dyn Fn(&[u8]) -> Option<Reading>) ->
         if let Some(cut) = read(&bytes[..end]) {
             survived += 1;
             assert_prefix(name, end, &cut, &whole);
-            let rows: usize = cut.tables.iter().map(|table| table.rows).sum();
+            let rows = cut.tables.iter().map(|table| table.rows);
+            // Tables of PSTrace stand side by side, on the same lines.
+            let rows: usize = match cut.format {
+                "palmsens-csv" => rows.max().unwrap_or(0),
+                _ => rows.sum(),
+            };
             // EC-Lab ends its files without a line end, and the fixed width of its numbers shows the last one whole.
             let may_lack_end = usize::from(cut.format == "biologic-mpt");
             // Binary files and JSON have no lines.

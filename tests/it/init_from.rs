@@ -84,11 +84,11 @@ fn folder_of_files(folder: &Path) {
     write("Logger_M\u{e4}rz.csv", &log("02.03.2026"));
     // A modulus log, and something that nobody reads.
     let modulus: String = (0..40)
-        .map(|k| format!("{},{}\n", 10 * k, 60.0 - 0.1 * f64::from(k)))
+        .map(|k| format!("{},{},6\n", 10 * k, 60.0 - 0.1 * f64::from(k)))
         .collect();
     write(
         "CNaf-01_modulus.csv",
-        &format!("Time (s),Storage modulus (MPa)\n{modulus}"),
+        &format!("Time (s),Storage modulus (MPa),Loss modulus (MPa)\n{modulus}"),
     );
     write("notes.docx", "PK not really");
 }

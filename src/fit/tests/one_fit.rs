@@ -76,6 +76,9 @@ fn holds_together(fit: &Fit, run: &[Channel], drive: &Drive) -> bool {
     true
 }
 
+/// Parameters of a row of table 5, times of the readings, s, and relative noise.
+type Kind<'a> = ([f64; 8], &'a Arc<[f64]>, f64);
+
 /// Runs of which some are stated by the two steps and some, unevenly sampled ones, by both responses at once.
 fn runs() -> Vec<(Vec<Channel>, Drive)> {
     let even = times(0.0, 3600.0, 361);
@@ -84,12 +87,12 @@ fn runs() -> Vec<(Vec<Channel>, Drive)> {
         .chain(times(70.0, 3600.0, 354).iter())
         .copied()
         .collect();
-    let kinds = [
+    let kinds: [Kind; 3] = [
         (AIR_2V, &even, 0.01),
         (AIR_2V, &uneven, 0.003),
         (CPVF_AIR_1V, &uneven, 0.003),
     ];
-    let run = |(seed, (row, time_s, relative)): (u64, ([f64; 8], &Arc<[f64]>, f64))| {
+    let run = |(seed, (row, time_s, relative)): (u64, Kind)| {
         let drive = Drive::step(row[7]);
         (channels(&model(&row), &drive, time_s, relative, 0.0, seed), drive)
     };
