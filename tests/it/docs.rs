@@ -137,7 +137,7 @@ fn is_table(block: &Block) -> bool {
     };
     let is_head = |pair: &[&str]| fields(pair[0]) > 2 && fields(pair[1]) >= fields(pair[0]);
     let is_row = |line: &&str| numbers(line) > 1 || line.starts_with("P0");
-    lines.windows(2).any(is_head) && lines.last().is_some_and(|last| is_row(last))
+    lines.windows(2).any(is_head) && lines.last().is_some_and(is_row)
 }
 
 /// A folder to be in: a campaign that has been run, with `my-campaign/`, the campaigns of the repository, frames, a modulus

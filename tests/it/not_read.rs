@@ -70,7 +70,7 @@ fn a_passing_error_is_told_at_every_look_and_the_file_is_read_when_it_has_passed
         );
         mend(&folder, &file);
         let summary = ingest(&folder);
-        assert_eq!(summary.new, [file.clone()]);
+        assert_eq!(summary.new, std::slice::from_ref(&file));
         assert_eq!(summary.unread, []);
         assert!(!folder.ieap(&["status"]).expect(0).stdout.contains("tried again"));
     }

@@ -263,6 +263,9 @@ fn tick_label(number: f64, step: f64, largest: f64) -> String {
 /// Decades below which evenly spaced numbers look evenly spaced on a log axis.
 const NARROW: f64 = 0.6;
 
+/// Decades whose ticks can still be told apart on a panel of some hundred pixels.
+const MOST_DECADES: f64 = 100.0;
+
 /// Ticks at powers of ten; within less than two decades also between them.
 fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     let every = (((high - low) / 7.0).ceil() as i32).max(1);
@@ -274,7 +277,9 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     // One way of writing for the whole axis: plain numbers only where all of them are short.
     let plain = low.floor() >= -3.0 && high <= 4.0;
     let mut ticks = Vec::new();
-    for decade in low.floor() as i32..=high.ceil() as i32 {
+    // A tick a decade, unless they would blur: then those with a number.
+    let has_ticks = |decade: &i32| high - low < MOST_DECADES || decade.rem_euclid(every) == 0;
+    for decade in (low.floor() as i32..=high.ceil() as i32).filter(has_ticks) {
         for &factor in factors {
             let at = f64::from(decade) + factor.log10();
             if at >= low - 1e-9 && at <= high + 1e-9 {
