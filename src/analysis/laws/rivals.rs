@@ -3,7 +3,7 @@
 //! A design ties two covariates where they mostly changed together. A parameter may still follow one of them so closely,
 //! and the other so badly, that no doubt is left. Each rival is fitted alone, by the law that suits it best and with the
 //! error of its measurement allowed for; it is ruled out where it describes the readings worse by far, adds nothing beside
-//! the better covariate, and the readings would have shown half as large an effect of it.
+//! the better covariate, and the readings would have shown an effect of it as large as that of the better one.
 
 use super::chance_of::ask;
 use super::covariate::Covariate;
@@ -19,9 +19,6 @@ use crate::numerics::grouped::{Grouped, dot};
 const RULED_OUT: f64 = 10.0;
 /// A rival that adds to the better covariate what chance adds more rarely than this has a part of its own.
 const ADDS_BELOW: f64 = 0.05;
-/// A rival is ruled out only where the readings leave it less than this part of what the better covariate does: that nothing
-/// was seen of it is not enough where little could have been seen. Half, as effects of that size still matter to a reader.
-const LARGEST_PART: f64 = 0.5;
 /// Half the width of a 95 % interval, standard errors.
 const HALF_WIDTH: f64 = 1.959_963_984_540_054;
 /// Standard error of a humidity that states none, percent points: sensors are good to about 2 % (an even distribution).
@@ -185,10 +182,11 @@ impl Ground<'_> {
             model
         };
         let shapes = self.asking.shapes(self.table, rival);
+        // That nothing was seen of it is not enough where little could have been seen.
         let explained = square_left(self.null, &self.table.y) - own.square;
         let hidden = |column: &Vec<f64>| self.largest_part(&beside, column);
         let mut columns = shapes.iter().flat_map(|(_, columns)| columns);
-        if columns.any(|column| hidden(column) > LARGEST_PART.powi(2) * explained) {
+        if columns.any(|column| hidden(column) > explained) {
             return true;
         }
         let alternatives: Vec<Grouped> = shapes.iter().map(|(_, columns)| more(columns)).collect();
