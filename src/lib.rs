@@ -4,15 +4,16 @@
 //! [`fit`] (parameters with uncertainty) -> [`analysis`] (comparison across conditions) -> [`report`].
 //! [`pipeline`] holds the verbs, [`cli`] the command line; see ARCHITECTURE.md.
 
-pub mod analysis;
 pub mod cli;
-pub mod diagnose;
-pub mod domain;
-pub mod fit;
-pub mod ingest;
-pub mod model;
-pub mod numerics;
 pub mod pipeline;
-pub mod report;
-pub mod store;
-pub mod strip;
+
+pub use ieap_analysis as analysis;
+pub use ieap_diagnose as diagnose;
+pub use ieap_domain as domain;
+pub use ieap_fit as fit;
+pub use ieap_ingest as ingest;
+pub use ieap_model as model;
+pub use ieap_numerics as numerics;
+pub use ieap_report as report;
+pub use ieap_store as store;
+pub use ieap_strip as strip;

@@ -1,0 +1,149 @@
+//! Where each run stands on a covariate that parameters are shown against.
+
+use crate::conditions::{material, nominal_voltage_v};
+use crate::laws::covariate::Covariate;
+use crate::laws::facts::{Known, RunFacts};
+use ieap_domain::tag::keys;
+use ieap_domain::{Campaign, RunRecord};
+
+/// What parameters are shown against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Against {
+    /// Relative humidity, percent.
+    Humidity,
+    /// Nominal step voltage, V.
+    Voltage,
+    /// Environment.
+    Environment,
+    /// Material of the sample.
+    Material,
+    /// Sample.
+    Sample,
+    /// Start of the run, s since 1970 UTC.
+    Time,
+}
+
+/// Where the runs stand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    /// Names in the order in which they stand; empty for numbers.
+    pub names: Vec<String>,
+    /// Of each run the number with its standard error, or the index of its name; none where it is not stated.
+    pub of_run: Vec<Option<Known>>,
+}
+
+impl Against {
+    /// Every one, in the order of the pages.
+    pub const ALL: [Against; 6] = [
+        Against::Humidity,
+        Against::Voltage,
+        Against::Environment,
+        Against::Material,
+        Against::Sample,
+        Against::Time,
+    ];
+
+    /// Places of `runs`; none where fewer than two differ. `facts` hold what is known of the climate of runs.
+    pub fn places(self, runs: &[RunRecord], campaign: &Campaign, facts: &[RunFacts]) -> Option<Places> {
+        let exact = |value: f64| Known {
+            value,
+            standard_error: None,
+        };
+        let name_of = |run: &RunRecord| match self {
+            Against::Environment => run.tag(keys::ENVIRONMENT).map(str::to_owned),
+            Against::Material => material(run, campaign).map(str::to_owned),
+            _ => run.tag(keys::SAMPLE).map(str::to_owned),
+        };
+        let places = match self {
+            Against::Humidity => {
+                let mut of_run = vec![None; runs.len()];
+                for fact in facts {
+                    of_run[fact.run] = fact.numbers.get(&Covariate::RelativeHumidity).copied();
+                }
+                numbers(of_run)
+            }
+            Against::Voltage => numbers(runs.iter().map(|run| nominal_voltage_v(run).map(exact)).collect()),
+            Against::Time => numbers(runs.iter().map(|run| start_s(run).map(exact)).collect()),
+            Against::Environment | Against::Material | Against::Sample => {
+                let names: Vec<Option<String>> = runs.iter().map(name_of).collect();
+                let mut distinct: Vec<String> = names.iter().flatten().cloned().collect();
+                distinct.sort();
+                distinct.dedup();
+                let stated = self.stated(campaign);
+                distinct.sort_by_key(|name| {
+                    stated
+                        .iter()
+                        .position(|known| known == name)
+                        .unwrap_or(usize::MAX)
+                });
+                let place = |name: &Option<String>| {
+                    let name = name.as_ref()?;
+                    let at = distinct.iter().position(|known| known == name)?;
+                    Some(exact(at as f64))
+                };
+                Places {
+                    of_run: names.iter().map(place).collect(),
+                    names: distinct,
+                }
+            }
+        };
+        let mut known = places.of_run.iter().flatten().map(|known| known.value);
+        let first = known.next()?;
+        known.any(|value| value != first).then_some(places)
+    }
+
+    /// Names in the order of campaign.toml.
+    fn stated(self, campaign: &Campaign) -> Vec<&str> {
+        match self {
+            Against::Environment => campaign
+                .environments
+                .iter()
+                .map(|known| known.id.as_str())
+                .collect(),
+            Against::Material => campaign
+                .materials
+                .iter()
+                .map(|known| known.id.as_str())
+                .chain(campaign.samples.iter().map(|sample| sample.material.as_str()))
+                .collect(),
+            _ => campaign.samples.iter().map(|known| known.id.as_str()).collect(),
+        }
+    }
+}
+
+fn numbers(of_run: Vec<Option<Known>>) -> Places {
+    Places {
+        names: Vec::new(),
+        of_run,
+    }
+}
+
+fn start_s(run: &RunRecord) -> Option<f64> {
+    let start: jiff::Timestamp = run.tag(keys::STARTED_AT)?.parse().ok()?;
+    Some(start.as_second() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::laws::facts::facts;
+    use crate::sample_campaign::{campaign, run};
+
+    #[test]
+    fn runs_stand_by_number_and_by_name_and_what_does_not_differ_is_not_shown() {
+        let campaign = campaign();
+        let runs = [
+            run("a", "CPvf-01", "air", Some(34.0), 2.0),
+            run("b", "CNaf-01", "vacuum", None, 2.0),
+        ];
+        let facts = facts(&runs, &campaign, &[]);
+        let places = |against: Against| against.places(&runs, &campaign, &facts);
+        // One stated humidity is nothing to compare.
+        assert_eq!(places(Against::Humidity), None);
+        assert_eq!(places(Against::Voltage), None);
+        let environments = places(Against::Environment).unwrap();
+        assert_eq!(environments.names, ["vacuum", "air"]);
+        assert_eq!(environments.of_run[0].unwrap().value, 1.0);
+        assert_eq!(places(Against::Material).unwrap().names, ["CNaf", "CPvf"]);
+    }
+}

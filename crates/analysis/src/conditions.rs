@@ -1,0 +1,304 @@
+//! The conditions of a campaign: material x surroundings x voltage, and which runs were measured in each.
+
+use std::collections::BTreeMap;
+
+use ieap_domain::tag::keys;
+use ieap_domain::{Campaign, RunRecord};
+
+/// Two neighbouring humidities further apart than this (percentage points) are different levels.
+///
+/// Humidity is measured, not set: the thesis's single air condition spans 28-38 %. Levels are therefore the
+/// clusters of the measured values, not a grid.
+pub const HUMIDITY_GAP_PERCENT: f64 = 5.0;
+
+/// Voltages that agree when rounded to this step (V) are one condition: a measured level is never quite 2.5 V.
+pub const VOLTAGE_STEP_V: f64 = 0.01;
+
+/// A cluster of relative humidities.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HumidityLevel {
+    /// Smallest humidity among the runs, percent.
+    pub low_percent: f64,
+    /// Largest humidity among the runs, percent.
+    pub high_percent: f64,
+}
+
+/// An environment, at one humidity level where the humidity is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surroundings {
+    /// Environment id.
+    pub environment: String,
+    /// Humidity level; none where no run states a humidity.
+    pub humidity: Option<HumidityLevel>,
+    /// Whether the environment was measured at more than one level, so that its name alone does not say which.
+    pub humidity_varies: bool,
+}
+
+/// The runs of one material in one surroundings at one voltage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Condition {
+    /// Index in [`Conditions::materials`].
+    pub material: usize,
+    /// Index in [`Conditions::surroundings`].
+    pub surroundings: usize,
+    /// Index in [`Conditions::voltages_v`].
+    pub voltage: usize,
+    /// Indices of its runs, in the order of the runs; never empty.
+    pub runs: Vec<usize>,
+}
+
+/// The table of conditions: its axes and the conditions that were measured.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Conditions {
+    /// Materials that were measured, in campaign order; a sample that the campaign lacks stands for itself.
+    pub materials: Vec<String>,
+    /// Surroundings that were measured: campaign order of the environments, then rising humidity.
+    pub surroundings: Vec<Surroundings>,
+    /// Nominal voltages, V, rising.
+    pub voltages_v: Vec<f64>,
+    /// Measured conditions in the order material, surroundings, voltage.
+    pub measured: Vec<Condition>,
+    /// Indices of runs that belong to no condition, because a tag is missing or is no number.
+    pub unplaced: Vec<usize>,
+}
+
+impl Conditions {
+    /// The condition at these indices, if it was measured.
+    pub fn at(&self, material: usize, surroundings: usize, voltage: usize) -> Option<&Condition> {
+        self.measured.iter().find(|condition| {
+            (condition.material, condition.surroundings, condition.voltage)
+                == (material, surroundings, voltage)
+        })
+    }
+}
+
+/// Material of a run: that of its sample, or the sample's id where the campaign does not know the sample.
+pub fn material<'a>(run: &'a RunRecord, campaign: &'a Campaign) -> Option<&'a str> {
+    let sample = run.tag(keys::SAMPLE)?;
+    Some(
+        campaign
+            .sample(sample)
+            .map_or(sample, |known| known.material.as_str()),
+    )
+}
+
+/// Nominal voltage of a run, V: its tag, or that of the drive.
+pub fn nominal_voltage_v(run: &RunRecord) -> Option<f64> {
+    run.tag_number(keys::VOLTAGE_V)
+        .or_else(|| run.drive.as_ref().map(|drive| drive.nominal_step_v()))
+}
+
+/// What places one run in the table.
+struct Place<'a> {
+    run: usize,
+    material: &'a str,
+    environment: &'a str,
+    humidity_percent: Option<f64>,
+    voltage_step: i64,
+}
+
+/// Sorts `runs` into the conditions of `campaign`.
+pub fn conditions(runs: &[RunRecord], campaign: &Campaign) -> Conditions {
+    let mut table = Conditions::default();
+    let mut places = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        match place(index, run, campaign) {
+            Some(place) => places.push(place),
+            None => table.unplaced.push(index),
+        }
+    }
+    table.materials = materials(&places, campaign);
+    table.surroundings = surroundings(&places, campaign);
+    let mut steps: Vec<i64> = places.iter().map(|place| place.voltage_step).collect();
+    steps.sort_unstable();
+    steps.dedup();
+    let mut measured: BTreeMap<(usize, usize, usize), Vec<usize>> = BTreeMap::new();
+    for place in &places {
+        let key = (
+            position(&table.materials, |name| name == place.material),
+            position(&table.surroundings, |surroundings| surroundings.holds(place)),
+            position(&steps, |step| *step == place.voltage_step),
+        );
+        measured.entry(key).or_default().push(place.run);
+    }
+    table.measured = measured
+        .into_iter()
+        .map(|((material, surroundings, voltage), runs)| Condition {
+            material,
+            surroundings,
+            voltage,
+            runs,
+        })
+        .collect();
+    table.voltages_v = steps
+        .iter()
+        .map(|&step| step as f64 / (1.0 / VOLTAGE_STEP_V))
+        .collect();
+    table
+}
+
+fn place<'a>(index: usize, run: &'a RunRecord, campaign: &'a Campaign) -> Option<Place<'a>> {
+    Some(Place {
+        run: index,
+        material: material(run, campaign)?,
+        environment: run.tag(keys::ENVIRONMENT)?,
+        humidity_percent: run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT),
+        voltage_step: (nominal_voltage_v(run)? / VOLTAGE_STEP_V).round() as i64,
+    })
+}
+
+fn materials(places: &[Place], campaign: &Campaign) -> Vec<String> {
+    let stated = campaign.materials.iter().map(|material| material.id.as_str());
+    let order: Vec<&str> = stated
+        .chain(campaign.samples.iter().map(|sample| sample.material.as_str()))
+        .collect();
+    ordered(places.iter().map(|place| place.material), &order)
+}
+
+fn surroundings(places: &[Place], campaign: &Campaign) -> Vec<Surroundings> {
+    let order: Vec<&str> = campaign
+        .environments
+        .iter()
+        .map(|environment| environment.id.as_str())
+        .collect();
+    let environments = ordered(places.iter().map(|place| place.environment), &order);
+    environments
+        .into_iter()
+        .flat_map(|environment| levels(places, environment))
+        .collect()
+}
+
+/// One entry per humidity level of the environment; one without a level for runs that state none.
+fn levels(places: &[Place], environment: String) -> Vec<Surroundings> {
+    let here = || places.iter().filter(|place| place.environment == environment);
+    let mut stated: Vec<f64> = here().filter_map(|place| place.humidity_percent).collect();
+    stated.sort_by(f64::total_cmp);
+    let mut levels: Vec<Option<HumidityLevel>> = stated
+        .chunk_by(|a, b| b - a <= HUMIDITY_GAP_PERCENT)
+        .map(|cluster| {
+            Some(HumidityLevel {
+                low_percent: cluster[0],
+                high_percent: cluster[cluster.len() - 1],
+            })
+        })
+        .collect();
+    if here().any(|place| place.humidity_percent.is_none()) {
+        levels.push(None);
+    }
+    let humidity_varies = levels.len() > 1;
+    let surroundings = |humidity| Surroundings {
+        environment: environment.clone(),
+        humidity,
+        humidity_varies,
+    };
+    levels.into_iter().map(surroundings).collect()
+}
+
+impl Surroundings {
+    fn holds(&self, place: &Place) -> bool {
+        let humidity_fits = match (self.humidity, place.humidity_percent) {
+            (Some(level), Some(percent)) => (level.low_percent..=level.high_percent).contains(&percent),
+            (None, None) => true,
+            _ => false,
+        };
+        self.environment == place.environment && humidity_fits
+    }
+}
+
+/// Distinct names: those in `order` first and in that order, the others by name.
+fn ordered<'a>(names: impl Iterator<Item = &'a str>, order: &[&str]) -> Vec<String> {
+    let mut distinct: Vec<&str> = names.collect();
+    distinct.sort_by_key(|name| {
+        (
+            order
+                .iter()
+                .position(|known| known == name)
+                .unwrap_or(order.len()),
+            *name,
+        )
+    });
+    distinct.dedup();
+    distinct.into_iter().map(str::to_owned).collect()
+}
+
+/// Index of the entry that every place has by construction.
+fn position<T>(entries: &[T], fits: impl Fn(&T) -> bool) -> usize {
+    entries.iter().position(fits).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample_campaign::{campaign, run};
+
+    #[test]
+    fn runs_are_sorted_into_campaign_order() {
+        let runs = [
+            run("b", "CPvf-01", "air", Some(34.0), 2.5),
+            run("a", "CNaf-01", "air", Some(30.0), 1.2),
+            run("c", "CNaf-01", "vacuum", None, 2.5),
+            run("d", "CNaf-01", "air", Some(32.0), 1.2004),
+        ];
+        let table = conditions(&runs, &campaign());
+        assert_eq!(table.materials, ["CNaf", "CPvf"]);
+        assert_eq!(table.voltages_v, [1.2, 2.5]);
+        let names: Vec<&str> = table
+            .surroundings
+            .iter()
+            .map(|s| s.environment.as_str())
+            .collect();
+        assert_eq!(names, ["vacuum", "air"]);
+        assert_eq!(table.at(0, 1, 0).unwrap().runs, [1, 3]);
+        assert!(table.at(1, 0, 0).is_none());
+        assert!(table.unplaced.is_empty());
+    }
+
+    #[test]
+    fn humidity_levels_are_clusters_and_the_thesis_range_is_one() {
+        let humidities = [28.0, 31.0, 34.0, 38.0, 60.0, 61.0];
+        let runs: Vec<RunRecord> = humidities
+            .iter()
+            .map(|&rh| run("r", "CNaf-01", "air", Some(rh), 2.0))
+            .collect();
+        let table = conditions(&runs, &campaign());
+        let levels: Vec<(f64, f64)> = table
+            .surroundings
+            .iter()
+            .filter_map(|s| s.humidity.map(|level| (level.low_percent, level.high_percent)))
+            .collect();
+        assert_eq!(levels, [(28.0, 38.0), (60.0, 61.0)]);
+        assert!(table.surroundings.iter().all(|s| s.humidity_varies));
+    }
+
+    #[test]
+    fn a_run_without_a_tag_is_unplaced_and_never_lost() {
+        let mut untagged = run("u", "CNaf-01", "air", None, 2.0);
+        untagged.tags.retain(|tag| tag.key != keys::ENVIRONMENT);
+        let runs = [untagged, run("v", "unknown-sample", "my chamber", None, -0.0)];
+        let table = conditions(&runs, &campaign());
+        assert_eq!(table.unplaced, [0]);
+        assert_eq!(table.materials, ["unknown-sample"]);
+        assert_eq!(table.voltages_v, [0.0]);
+    }
+
+    #[test]
+    fn every_run_is_in_exactly_one_place() {
+        let runs: Vec<RunRecord> = (0..60)
+            .map(|k| {
+                let environment = ["vacuum", "inert", "air"][k % 3];
+                run(
+                    "r",
+                    "CNaf-01",
+                    environment,
+                    Some((k * 7 % 80) as f64),
+                    (k % 4) as f64 * 0.5,
+                )
+            })
+            .collect();
+        let table = conditions(&runs, &campaign());
+        let mut seen: Vec<usize> = table.measured.iter().flat_map(|c| c.runs.clone()).collect();
+        seen.extend(&table.unplaced);
+        seen.sort_unstable();
+        assert_eq!(seen, (0..60).collect::<Vec<_>>());
+    }
+}

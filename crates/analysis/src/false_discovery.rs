@@ -1,0 +1,172 @@
+//! What may be claimed where many groups are asked at once: q-values (Benjamini and Hochberg 1995; for answers that
+//! depend on each other in any way Benjamini and Yekutieli 2001).
+
+use ieap_domain::{GroupDiagnosis, Verdict};
+
+/// At most this part of what is claimed over a campaign is expected to be false.
+pub const CLAIMED_BELOW: f64 = 0.05;
+
+/// For each p the smallest rate of false discoveries at which it would be among those claimed.
+pub fn q_values(p: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..p.len()).collect();
+    order.sort_by(|&a, &b| p[a].total_cmp(&p[b]));
+    let mut q = vec![1.0; p.len()];
+    let mut smallest: f64 = 1.0;
+    for (rank, &index) in order.iter().enumerate().rev() {
+        // Rounding must not bring a q below its p.
+        let own = (p[index] * p.len() as f64 / (rank + 1) as f64).max(p[index]);
+        smallest = smallest.min(own);
+        q[index] = smallest;
+    }
+    q
+}
+
+/// The same where nothing is known of how the answers depend on each other.
+pub fn q_values_dependent(p: &[f64]) -> Vec<f64> {
+    let harmonic: f64 = (1..=p.len()).map(|k| (k as f64).recip()).sum();
+    q_values(p).into_iter().map(|q| (q * harmonic).min(1.0)).collect()
+}
+
+/// Fills in the q of every misfit and of every effect over `found`, and takes back what they do not carry.
+///
+/// The effects of a group are part of one family with those of all others; a group without an effect counts there
+/// with p = 1, for it was asked as well.
+pub fn judge_together(found: &mut [GroupDiagnosis]) {
+    let asked: Vec<usize> = (0..found.len())
+        .filter(|&k| found[k].p_misfit.is_some())
+        .collect();
+    let p: Vec<f64> = asked.iter().filter_map(|&k| found[k].p_misfit).collect();
+    for (&k, q) in asked.iter().zip(q_values(&p)) {
+        found[k].q_misfit = Some(q);
+    }
+    let mut places = Vec::new();
+    let mut p = Vec::new();
+    for &k in &asked {
+        if found[k].effects.is_empty() {
+            places.push(None);
+            p.push(1.0);
+        }
+        for (place, effect) in found[k].effects.iter().enumerate() {
+            places.push(Some((k, place)));
+            p.push(effect.p);
+        }
+    }
+    for (place, q) in places.iter().zip(q_values(&p)) {
+        if let Some((k, place)) = *place {
+            found[k].effects[place].q = Some(q);
+        }
+    }
+    let groups = asked.len();
+    found.iter_mut().for_each(|one| take_back(one, groups));
+}
+
+/// A finding that as many groups would show by chance is not claimed.
+fn take_back(one: &mut GroupDiagnosis, groups: usize) {
+    let wrong = one.verdict.names_a_cause() || one.verdict == Verdict::Unknown;
+    let too_much = |q: Option<f64>| q.is_some_and(|q| q > CLAIMED_BELOW);
+    if !wrong || !(too_much(one.q_misfit) || one.effects.iter().any(|effect| too_much(effect.q))) {
+        return;
+    }
+    one.verdict = Verdict::Undecided;
+    one.sentence = format!(
+        "The simulation may be wrong (p = {:.3}), but among the {groups} groups of this campaign one such result is expected by chance too often (q = {:.2}) to claim it; measure again.",
+        one.p_misfit.unwrap_or(1.0),
+        one.effects
+            .iter()
+            .filter_map(|effect| effect.q)
+            .chain(one.q_misfit)
+            .fold(0.0, f64::max),
+    );
+    one.effects.clear();
+    one.set.clear();
+    one.next_run = None;
+    one.shifts.clear();
+    for candidate in &mut one.candidates {
+        candidate.accepted = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use ieap_domain::EffectFinding;
+
+    fn group(verdict: Verdict, p: f64, effect_p: Option<f64>) -> GroupDiagnosis {
+        let finding = |p| EffectFinding {
+            effect: "faradaic-leak".into(),
+            variant: None,
+            parameters: Vec::new(),
+            p,
+            q: None,
+            twins: Vec::new(),
+        };
+        GroupDiagnosis {
+            verdict,
+            p_misfit: Some(p),
+            effects: effect_p.map(finding).into_iter().collect(),
+            set: effect_p.map(|_| "faradaic-leak".to_owned()).into_iter().collect(),
+            ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", "said before".into())
+        }
+    }
+
+    #[test]
+    fn q_of_the_worked_example_of_benjamini_and_hochberg() {
+        // Their table of 15 p-values: four are claimed at 5 %.
+        let p = [
+            0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344, 0.0459, 0.3240, 0.4262, 0.5719,
+            0.6528, 0.7590, 1.0,
+        ];
+        let q = q_values(&p);
+        assert_eq!(q.iter().filter(|q| **q <= 0.05).count(), 4);
+        assert!((q[0] - 0.0015).abs() < 1e-12 && (q[3] - 0.035625).abs() < 1e-12);
+    }
+
+    #[test]
+    fn any_dependence_costs_the_harmonic_sum() {
+        let p = [0.001, 0.02, 0.2, 0.9];
+        let (plain, dependent) = (q_values(&p), q_values_dependent(&p));
+        let harmonic = 1.0 + 1.0 / 2.0 + 1.0 / 3.0 + 1.0 / 4.0;
+        for (plain, dependent) in plain.iter().zip(&dependent) {
+            assert!((dependent - (plain * harmonic).min(1.0)).abs() < 1e-12);
+        }
+        assert!(q_values_dependent(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_finding_that_chance_would_bring_is_taken_back() {
+        let mut found = vec![group(Verdict::Consistent, 0.5, None); 30];
+        found.push(group(Verdict::Named, 0.008, Some(0.008)));
+        judge_together(&mut found);
+        let last = &found[30];
+        assert_eq!(
+            (last.verdict, last.effects.len(), last.set.len()),
+            (Verdict::Undecided, 0, 0)
+        );
+        assert!(last.sentence.contains("31 groups"), "{}", last.sentence);
+        assert_eq!(found[0].sentence, "said before");
+    }
+
+    #[test]
+    fn a_finding_that_its_q_carries_stays() {
+        let mut found = vec![group(Verdict::Consistent, 0.5, None); 9];
+        found.push(group(Verdict::Named, 0.001, Some(0.001)));
+        judge_together(&mut found);
+        assert_eq!(found[9].verdict, Verdict::Named);
+        assert!((found[9].effects[0].q.unwrap() - 0.01).abs() < 1e-12);
+    }
+
+    proptest! {
+        #[test]
+        fn q_is_at_least_p_and_keeps_the_order(p in prop::collection::vec(0.0..=1.0_f64, 1..60)) {
+            let q = q_values(&p);
+            for (a, &pa) in p.iter().enumerate() {
+                prop_assert!(q[a] >= pa && q[a] <= 1.0);
+                for (b, &pb) in p.iter().enumerate() {
+                    prop_assert!(pa > pb || q[a] <= q[b]);
+                }
+            }
+        }
+    }
+}

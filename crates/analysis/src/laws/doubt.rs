@@ -1,0 +1,240 @@
+//! Fits that a diagnosis found wrong: what the claimed misfit may do to a parameter is part of its error, and a fit of
+//! which nobody knows what is wrong is no evidence.
+
+use std::collections::BTreeMap;
+
+use crate::false_discovery::CLAIMED_BELOW;
+use ieap_domain::{GroupDiagnosis, RunRecord, Verdict};
+
+/// What the current findings say against fits of single runs.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Findings<'a> {
+    /// Of groups.
+    pub groups: &'a [GroupDiagnosis],
+    /// Of single runs.
+    pub runs: &'a [GroupDiagnosis],
+}
+
+/// What is done with the fits of a group whose misfit is claimed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Treatment {
+    /// Their errors hold what the extended model moves the parameters by.
+    Widened,
+    /// They take part in no question.
+    LeftOut,
+}
+
+/// A group whose fits are in doubt, with the runs that this is about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doubted {
+    /// Name of the group.
+    pub group: String,
+    /// What is done.
+    pub treatment: Treatment,
+    /// Runs, by name.
+    pub runs: Vec<String>,
+    /// Ids of the causes that the finding names; empty where it names none.
+    pub causes: Vec<String>,
+}
+
+/// Doubts of every run.
+#[derive(Debug, Clone, Default)]
+pub struct Doubts<'a> {
+    /// The finding that widens the errors of a run, or none where the run is left out, by the run's name.
+    of_runs: BTreeMap<&'a str, Option<&'a GroupDiagnosis>>,
+}
+
+impl<'a> Doubts<'a> {
+    /// What `findings` say of the fits of `runs`.
+    ///
+    /// The fits of an extended model hold what its finding said. A run that is right by itself, in a group that has no
+    /// named cause, is right: the runs of such a group differ, and that is what is asked across runs.
+    pub fn new(findings: Findings<'a>, runs: &[RunRecord]) -> Doubts<'a> {
+        let is_right_alone = |name: &str| {
+            let alone = findings.runs.iter().find(|found| found.group == name);
+            alone.is_some_and(|found| found.verdict == Verdict::Consistent)
+        };
+        let fits_base = |name: &str| {
+            let run = runs.iter().find(|run| run.path == name);
+            run.and_then(|run| run.fit.as_ref())
+                .is_some_and(|fit| !fit.is_of_group())
+        };
+        let mut of_runs = BTreeMap::new();
+        for group in findings.groups.iter().filter(|group| is_claimed(group)) {
+            let names_cause = group.verdict.names_a_cause() && !group.shifts.is_empty();
+            for name in group.runs.iter().filter(|name| fits_base(name)) {
+                if names_cause {
+                    of_runs.insert(name.as_str(), Some(group));
+                } else if !is_right_alone(name) {
+                    of_runs.insert(name.as_str(), None);
+                }
+            }
+        }
+        Doubts { of_runs }
+    }
+
+    /// Whether the run takes part in no question.
+    pub fn leaves_out(&self, run: &str) -> bool {
+        matches!(self.of_runs.get(run), Some(None))
+    }
+
+    /// What the misfit may do to the parameter of a run: the size of its shift on the scale of logarithms, or of the
+    /// values. 0 where nothing is known against the fit; none where it cannot be said.
+    pub fn shift(&self, run: &str, key: &str, is_log: bool) -> Option<f64> {
+        let Some(found) = self.of_runs.get(run) else {
+            return Some(0.0);
+        };
+        let (before, after) = both_ways(found.as_ref()?, key)?;
+        let shift = match is_log {
+            true => (before / after).ln(),
+            false => before - after,
+        };
+        shift.is_finite().then_some(shift.abs())
+    }
+
+    /// The groups in doubt, in the order of `findings`.
+    pub fn told(&self, findings: Findings) -> Vec<Doubted> {
+        let of_group = |group: &GroupDiagnosis| {
+            let with = |treatment: Treatment| {
+                let is_so = |name: &&String| match self.of_runs.get(name.as_str()) {
+                    Some(Some(_)) => treatment == Treatment::Widened,
+                    Some(None) => treatment == Treatment::LeftOut,
+                    None => false,
+                };
+                let runs: Vec<String> = group.runs.iter().filter(is_so).cloned().collect();
+                (!runs.is_empty()).then(|| Doubted {
+                    group: group.group.clone(),
+                    treatment,
+                    runs,
+                    causes: group.effects.iter().map(|effect| effect.effect.clone()).collect(),
+                })
+            };
+            [with(Treatment::Widened), with(Treatment::LeftOut)]
+        };
+        findings.groups.iter().flat_map(of_group).flatten().collect()
+    }
+}
+
+/// Whether the misfit of a group may be claimed.
+fn is_claimed(group: &GroupDiagnosis) -> bool {
+    let is_wrong = group.verdict.names_a_cause() || group.verdict == Verdict::Unknown;
+    is_wrong
+        && group
+            .q_misfit
+            .or(group.p_misfit)
+            .is_none_or(|chance| chance <= CLAIMED_BELOW)
+}
+
+/// A parameter of the base model and of the extended one, fitted to the group; sums and products of such as well.
+fn both_ways(found: &GroupDiagnosis, key: &str) -> Option<(f64, f64)> {
+    let of = |key: &str| {
+        let shift = found.shifts.iter().find(|shift| shift.key == key)?;
+        Some((shift.before, shift.after))
+    };
+    let branches = |name: &dyn Fn(usize) -> String| (1..).map_while(|k| of(&name(k))).collect::<Vec<_>>();
+    let sum = |terms: Vec<(f64, f64)>| {
+        let add = |all: (f64, f64), term: (f64, f64)| (all.0 + term.0, all.1 + term.1);
+        terms.into_iter().reduce(add)
+    };
+    let inverse = |(before, after): (f64, f64)| (before.recip(), after.recip());
+    match key {
+        "c_total_f_per_cm2" => sum(branches(&|k| format!("c{k}_f_per_cm2"))),
+        "r_parallel_ohm_cm2" => {
+            let conductances = branches(&|k| format!("r{k}_ohm_cm2")).into_iter().map(inverse);
+            sum(conductances.collect()).map(inverse)
+        }
+        _ => match key.strip_prefix("tau").and_then(|rest| rest.strip_suffix("_s")) {
+            Some(k) => {
+                let (r, c) = (of(&format!("r{k}_ohm_cm2"))?, of(&format!("c{k}_f_per_cm2"))?);
+                Some((r.0 * c.0, r.1 * c.1))
+            }
+            None => of(key),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample_campaign::{fit, known, run};
+    use ieap_domain::ParameterShift;
+
+    fn finding(group: &str, runs: &[&str], verdict: Verdict, q: f64) -> GroupDiagnosis {
+        let runs = runs.iter().map(|run| (*run).to_owned()).collect();
+        GroupDiagnosis {
+            verdict,
+            q_misfit: Some(q),
+            ..GroupDiagnosis::data_problem(group, runs, "lumped-2", String::new())
+        }
+    }
+
+    fn shift(key: &str, before: f64, after: f64) -> ParameterShift {
+        ParameterShift {
+            key: key.to_owned(),
+            before,
+            after,
+            standard_error: 0.01,
+        }
+    }
+
+    #[test]
+    fn what_a_claimed_misfit_may_do_is_part_of_the_error_and_what_is_not_known_takes_no_part() {
+        let mut runs: Vec<RunRecord> = ["a", "b", "c", "d"]
+            .iter()
+            .map(|name| run(name, "CNaf-01", "air", Some(34.0), 2.0))
+            .collect();
+        for run in &mut runs {
+            run.fit = Some(fit(&[("rss_ohm_cm2", known(2.0, 0.1))]));
+        }
+        runs[3].fit.as_mut().unwrap().model = "lumped-2 + faradaic-leak".to_owned();
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| runs[k].path.clone());
+        let mut named = finding("n", &[&a, &d], Verdict::Named, 0.001);
+        named.shifts = vec![
+            shift("rss_ohm_cm2", 2.0, 4.0),
+            shift("r1_ohm_cm2", 2.0, 2.0),
+            shift("r2_ohm_cm2", 2.0, 6.0),
+            shift("c1_f_per_cm2", 1.0, 1.0),
+        ];
+        let groups = [named, finding("u", &[&b, &c], Verdict::Unknown, 0.001)];
+        let alone = [finding(&c, &[&c], Verdict::Consistent, 0.9)];
+        let findings = Findings {
+            groups: &groups,
+            runs: &alone,
+        };
+        let doubts = Doubts::new(findings, &runs);
+        let widened = doubts.shift(&a, "rss_ohm_cm2", true).unwrap();
+        assert!((widened - 2.0_f64.ln()).abs() < 1e-12);
+        assert_eq!(doubts.shift(&a, "rss_ohm_cm2", false), Some(2.0));
+        // 1 and 1.5 in parallel to 2 and 6.
+        let parallel = doubts.shift(&a, "r_parallel_ohm_cm2", false).unwrap();
+        assert!((parallel - 0.5).abs() < 1e-12, "{parallel}");
+        assert_eq!(doubts.shift(&a, "tau1_s", true), Some(0.0));
+        assert_eq!(doubts.shift(&a, "lambda_per_s", true), None);
+        assert!(doubts.leaves_out(&b) && !doubts.leaves_out(&a));
+        assert!(!doubts.leaves_out(&c), "right by itself");
+        assert_eq!(doubts.shift(&d, "rss_ohm_cm2", true), Some(0.0), "extended");
+        let told = doubts.told(findings);
+        let what: Vec<_> = told
+            .iter()
+            .map(|one| (one.group.as_str(), one.treatment, one.runs.len()))
+            .collect();
+        assert_eq!(what, [("n", Treatment::Widened, 1), ("u", Treatment::LeftOut, 1)]);
+    }
+
+    #[test]
+    fn what_is_not_claimed_raises_no_doubt() {
+        let mut one = run("a", "CNaf-01", "air", Some(34.0), 2.0);
+        one.fit = Some(fit(&[("rss_ohm_cm2", known(2.0, 0.1))]));
+        for found in [
+            finding("g", &[&one.path], Verdict::Unknown, 0.2),
+            finding("g", &[&one.path], Verdict::Consistent, 0.001),
+        ] {
+            let groups = [found];
+            let findings = Findings {
+                groups: &groups,
+                runs: &[],
+            };
+            assert!(!Doubts::new(findings, std::slice::from_ref(&one)).leaves_out(&one.path));
+        }
+    }
+}

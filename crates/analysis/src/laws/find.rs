@@ -1,0 +1,264 @@
+//! Asks every question of a campaign, and judges the answers together.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::covariate::Covariate;
+use super::dependence::{Asking, Dependence};
+use super::design::{Level, Rows, rows};
+use super::doubt::{Doubted, Doubts, Findings};
+use super::facts::{RunFacts, facts};
+use super::offset::{LengthDoubt, length_doubts};
+use super::selection::{Attempt, Selection, selections};
+use super::table::Table;
+use super::values::{Values, keys, values};
+use crate::false_discovery::{CLAIMED_BELOW, q_values, q_values_dependent};
+use ieap_domain::{Campaign, Quantity, RunRecord};
+
+/// What laws are sought in.
+#[derive(Debug, Clone, Copy)]
+pub struct Evidence<'a> {
+    /// Current runs with their fits.
+    pub runs: &'a [RunRecord],
+    /// The campaign.
+    pub campaign: &'a Campaign,
+    /// Charge that passed in each run, C, where it is known.
+    pub charge_c: &'a [Option<f64>],
+    /// Every run that was tried, failed ones too.
+    pub attempts: &'a [Attempt],
+    /// What the diagnoses say against fits.
+    pub findings: Findings<'a>,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+/// Covariates that the design of a material ties together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TiedSet {
+    /// Material.
+    pub material: String,
+    /// Whether runs or samples are compared.
+    pub level: Level,
+    /// The covariates, two at least.
+    pub covariates: Vec<Covariate>,
+}
+
+/// What a campaign says across its runs.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CampaignLaws {
+    /// Facts of the runs.
+    pub facts: Vec<RunFacts>,
+    /// Covariates that cannot be told apart, by material.
+    pub tied: Vec<TiedSet>,
+    /// Covariates that differ, by material, those within samples first.
+    pub asked: BTreeMap<String, Vec<Covariate>>,
+    /// Every question of a parameter and a covariate with its answer.
+    pub dependences: Vec<Dependence>,
+    /// Lengths that were doubted.
+    pub lengths: Vec<LengthDoubt>,
+    /// Failed runs over the conditions.
+    pub selections: Vec<Selection>,
+    /// Groups whose fits are in doubt, and what was done with them.
+    pub doubted: Vec<Doubted>,
+    /// Number of questions that share the q-values.
+    pub questions: usize,
+}
+
+impl CampaignLaws {
+    /// What may be claimed.
+    pub fn claimed(&self) -> impl Iterator<Item = &Dependence> {
+        self.dependences.iter().filter(|found| found.q <= CLAIMED_BELOW)
+    }
+}
+
+/// Seeks the laws of a campaign. The outcome does not depend on the number of threads.
+pub fn find(evidence: &Evidence) -> CampaignLaws {
+    let facts = facts(evidence.runs, evidence.campaign, evidence.charge_c);
+    let doubts = Doubts::new(evidence.findings, evidence.runs);
+    let mut of_material: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (place, fact) in facts.iter().enumerate() {
+        let run = &evidence.runs[fact.run];
+        if run.fit.as_ref().is_some_and(|fit| fit.converged) && !doubts.leaves_out(&run.path) {
+            of_material.entry(fact.material.clone()).or_default().push(place);
+        }
+    }
+    let mut laws = CampaignLaws {
+        doubted: doubts.told(evidence.findings),
+        ..CampaignLaws::default()
+    };
+    for (material, places) in &of_material {
+        add_material(&mut laws, evidence, &doubts, (&facts, places), material);
+    }
+    laws.selections = selections(evidence.attempts, evidence.seed);
+    laws.facts = facts;
+    judge(&mut laws, shares_fits(evidence.runs));
+    laws
+}
+
+fn add_material(
+    laws: &mut CampaignLaws,
+    evidence: &Evidence,
+    doubts: &Doubts,
+    (facts, places): (&[RunFacts], &[usize]),
+    material: &str,
+) {
+    let [within, between] = rows(facts, places);
+    for level in [&within, &between] {
+        let several = level.sets.iter().filter(|set| set.len() > 1);
+        laws.tied.extend(several.map(|set| TiedSet {
+            material: material.to_owned(),
+            level: level.level,
+            covariates: set.clone(),
+        }));
+    }
+    let differing = within.columns.keys().chain(between.columns.keys());
+    laws.asked
+        .insert(material.to_owned(), differing.copied().collect());
+    let all: Vec<Values> = keys(evidence.runs, facts, places)
+        .iter()
+        .map(|key| values(evidence.runs, facts, places, key).in_doubt(doubts, evidence.runs, facts))
+        .collect();
+    let questions: Vec<(&Values, &Rows, Option<&[Covariate]>)> = all
+        .iter()
+        .flat_map(|values| {
+            let sets = [&within, &between]
+                .into_iter()
+                .flat_map(|rows| rows.sets.iter().map(move |set| (rows, Some(set.as_slice()))));
+            let samples = std::iter::once((&between, None));
+            sets.chain(samples).map(move |(rows, set)| (values, rows, set))
+        })
+        .collect();
+    let asker = Asker {
+        seed: evidence.seed,
+        facts,
+        material,
+        within: &within,
+    };
+    let answers: Vec<Option<Dependence>> = questions
+        .par_iter()
+        .map(|&(values, rows, set)| match set {
+            Some(set) => asker.asking(values, rows, Some(set)).about(set),
+            None => asker.asking(values, rows, None).about_samples(),
+        })
+        .collect();
+    let describe = |mut found: Dependence| {
+        let values = all.iter().find(|values| values.key == found.parameter);
+        let rows = if found.level == Level::Within {
+            &within
+        } else {
+            &between
+        };
+        if let Some(values) = values.filter(|_| is_described(&found)) {
+            asker.asking(values, rows, None).describe(&mut found);
+        }
+        found
+    };
+    let described: Vec<Dependence> = answers.into_par_iter().flatten().map(describe).collect();
+    laws.dependences.extend(described);
+    let tables: Vec<(&Values, Table)> = all
+        .iter()
+        .map(|values| (values, Table::new(values, &between, &within)))
+        .collect();
+    let runs: Vec<&RunRecord> = places
+        .iter()
+        .map(|&place| &evidence.runs[facts[place].run])
+        .collect();
+    laws.lengths
+        .extend(length_doubts(facts, material, &tables, from_displacement(&runs)));
+}
+
+/// What all questions about a material share.
+struct Asker<'a> {
+    seed: u64,
+    facts: &'a [RunFacts],
+    material: &'a str,
+    within: &'a Rows,
+}
+
+impl<'a> Asker<'a> {
+    fn asking(&self, values: &'a Values, rows: &'a Rows, set: Option<&[Covariate]>) -> Asking<'a> {
+        let names = format!("{:?}", set.unwrap_or_default());
+        Asking {
+            facts: self.facts,
+            material: self.material,
+            values,
+            rows,
+            within: self.within,
+            seed: seed(self.seed, &[self.material, &values.key, &names]),
+        }
+    }
+}
+
+/// Whether laws are sought: always for the humidity, which has a study of its own, else where chance is a poor
+/// explanation. What is not claimed in the end needs no law.
+fn is_described(found: &Dependence) -> bool {
+    match found.covariate {
+        Covariate::Sample => false,
+        Covariate::RelativeHumidity | Covariate::Temperature => true,
+        _ => found.p <= CLAIMED_BELOW,
+    }
+}
+
+/// Whether every run's curvature was made from a displacement, by the length.
+fn from_displacement(runs: &[&RunRecord]) -> bool {
+    let has = |run: &RunRecord, quantity| run.channels.iter().any(|channel| channel.quantity == quantity);
+    runs.iter()
+        .all(|run| has(run, Quantity::TipDisplacement) && !has(run, Quantity::Curvature))
+}
+
+fn seed(of_campaign: u64, names: &[&str]) -> u64 {
+    let mut hasher = blake3::Hasher::new();
+    for name in names {
+        hasher.update(name.as_bytes());
+        hasher.update(&[0]);
+    }
+    let hash = hasher.finalize();
+    let mut bytes = [0; 8];
+    bytes.copy_from_slice(&hash.as_bytes()[..8]);
+    of_campaign ^ u64::from_le_bytes(bytes)
+}
+
+/// Whether any runs were fitted together with one parameter set.
+fn shares_fits(runs: &[RunRecord]) -> bool {
+    runs.iter()
+        .filter_map(|run| run.fit.as_ref())
+        .any(|fit| fit.is_of_group())
+}
+
+/// Fills in the q of every answer. Laws over covariates, differences of samples, their lengths, and failures are
+/// families of their own: samples do differ, and where many such findings are right, wrong ones would pass with them
+/// among the others. Where runs share parameter sets (`is_shared`) nothing is known of how the answers depend on each
+/// other, and the rule of Benjamini and Yekutieli is used.
+fn judge(laws: &mut CampaignLaws, is_shared: bool) {
+    let (of_samples, of_laws): (Vec<&mut Dependence>, Vec<&mut Dependence>) = laws
+        .dependences
+        .iter_mut()
+        .partition(|found| found.covariate == Covariate::Sample);
+    let mut of_laws: Vec<(f64, &mut f64)> = of_laws.into_iter().map(|one| (one.p, &mut one.q)).collect();
+    let mut of_samples: Vec<(f64, &mut f64)> =
+        of_samples.into_iter().map(|one| (one.p, &mut one.q)).collect();
+    let mut of_lengths: Vec<(f64, &mut f64)> =
+        laws.lengths.iter_mut().map(|one| (one.p, &mut one.q)).collect();
+    let mut of_failures: Vec<(f64, &mut f64)> = laws
+        .selections
+        .iter_mut()
+        .map(|one| (one.p, &mut one.q))
+        .collect();
+    let mut questions = 0;
+    for family in [&mut of_laws, &mut of_samples, &mut of_lengths, &mut of_failures] {
+        questions += family.len();
+        let p: Vec<f64> = family.iter().map(|(p, _)| *p).collect();
+        let q = match is_shared {
+            true => q_values_dependent(&p),
+            false => q_values(&p),
+        };
+        for ((_, target), q) in family.iter_mut().zip(q) {
+            **target = q;
+        }
+    }
+    laws.questions = questions;
+    for found in &mut laws.dependences {
+        found.keep_rivals();
+    }
+}

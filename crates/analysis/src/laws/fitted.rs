@@ -1,0 +1,540 @@
+//! One law fitted to the values of one parameter, with its interval, and the laws compared.
+
+use super::shape::{self, Bend, Law, Span, at_progress, coefficient, is_of_amounts, progress};
+use ieap_numerics::grouped::{Grouped, dot};
+use ieap_numerics::student::quantile_95;
+
+/// Largest size looked at: a factor of about 160,000.
+const LARGEST: f64 = 12.0;
+/// Laws whose criterion is within this of the best are as good.
+pub const AS_GOOD: f64 = 2.0;
+/// Samples from which leaving one out says something.
+pub const FEWEST_LEFT_OUT: usize = 4;
+/// Times that the bends about the best one are looked at more finely.
+const FINER: usize = 2;
+/// Parts at most into which samples are put to be left out.
+const MOST_FOLDS: usize = 10;
+
+/// What laws are fitted to. Values are logarithms, or numbers as they are where some are not positive.
+#[derive(Debug, Clone)]
+pub struct Material<'a> {
+    /// Values.
+    pub y: &'a [f64],
+    /// Variances, those that all share counted in.
+    pub variance: &'a [f64],
+    /// Sample of each row (for leaving samples out).
+    pub sample: &'a [usize],
+    /// Group and other columns taken out of everything.
+    pub nuisance: &'a Grouped,
+    /// The number followed, its errors allowed for.
+    pub x: &'a [f64],
+    /// Its distinct levels, rising.
+    pub levels: &'a [f64],
+    /// Over which laws are stated.
+    pub span: Span,
+    /// Whether `y` is logarithms.
+    pub is_log: bool,
+    /// Independent readings that the criterion counts.
+    pub readings: f64,
+}
+
+/// A number with its 95 % interval; an open end is none.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Interval {
+    /// Value.
+    pub value: f64,
+    /// Lower end.
+    pub low_95: Option<f64>,
+    /// Upper end.
+    pub high_95: Option<f64>,
+}
+
+impl Interval {
+    /// The same through a rising or falling function.
+    pub fn map(self, of: impl Fn(f64) -> f64) -> Interval {
+        let (low, high) = (self.low_95.map(&of), self.high_95.map(&of));
+        let falls = low.zip(high).is_some_and(|(low, high)| low > high);
+        let (low_95, high_95) = if falls { (high, low) } else { (low, high) };
+        Interval {
+            value: of(self.value),
+            low_95,
+            high_95,
+        }
+    }
+}
+
+/// A fitted law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fitted {
+    /// The law.
+    pub law: Law,
+    /// Logarithm of the ratio of the value at the high end to that at the low end (for [`Law::Decay`], at the shortest
+    /// rest to that after an endless one); a difference on a plain scale.
+    pub size: Interval,
+    /// The law's own coefficient.
+    pub coefficient: Interval,
+    /// Threshold, knee, step or time constant in the covariate's unit, where the law has one.
+    pub bend_at: Option<Interval>,
+    /// Bend of the best fit.
+    pub bend: Bend,
+    /// Bayesian information criterion, with as many readings as are left free by groups and other columns.
+    pub bic: f64,
+    /// Root mean square of left-out samples' deviations, in standard deviations; none with too few samples.
+    pub left_out_rms: Option<f64>,
+}
+
+/// The law at `x`: logarithm of the ratio to its start, or difference.
+pub fn value_at(law: Law, size: f64, x: f64, span: Span, bend: Bend, is_log: bool) -> f64 {
+    at_progress(size, progress(law, x, span, bend), is_log && is_of_amounts(law))
+}
+
+/// Fits every law that the values allow, the best by the criterion first.
+pub fn compare(material: &Material, laws: &[Law]) -> Vec<Fitted> {
+    let mut fitted: Vec<Fitted> = laws.iter().filter_map(|&law| fit(material, law)).collect();
+    fitted.sort_by(|a, b| a.bic.total_cmp(&b.bic));
+    // Of laws that are as good the plainest one gives the name.
+    let as_good = fitted
+        .iter()
+        .take_while(|one| one.bic <= fitted[0].bic + AS_GOOD)
+        .count();
+    let plainest = (0..as_good).min_by_key(|&k| {
+        let law = fitted[k].law;
+        (law.paid_for(), laws.iter().position(|known| *known == law))
+    });
+    if let Some(plainest) = plainest {
+        let chosen = fitted.remove(plainest);
+        fitted.insert(0, chosen);
+    }
+    fitted
+}
+
+/// Criterion of no law at all.
+pub fn bic_of_none(material: &Material) -> f64 {
+    let left = material.nuisance.residual(material.y);
+    criterion(dot(&left, &left), material.readings, 0)
+}
+
+/// Bayesian information criterion of what leaves a `square`, for so many `parameters`.
+pub fn criterion(square: f64, readings: f64, parameters: usize) -> f64 {
+    let n = readings.max(1.0);
+    n * (square.max(1e-12) / n).ln() + parameters as f64 * n.ln()
+}
+
+/// A law at its best, without intervals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Least {
+    /// The law.
+    pub law: Law,
+    /// As in [`Fitted::size`].
+    pub size: f64,
+    /// Bend of the best fit.
+    pub bend: Bend,
+    /// Weighted square that it leaves.
+    pub square: f64,
+    /// As in [`Fitted::bic`].
+    pub bic: f64,
+}
+
+/// Of `laws` the one that describes the values best by the criterion; none where they allow none.
+pub fn least(material: &Material, laws: &[Law]) -> Option<Least> {
+    let each = laws.iter().filter_map(|&law| {
+        let found = search(material, law)?;
+        Some(Least {
+            law,
+            size: found.size,
+            bend: found.bends[found.best],
+            square: found.square,
+            bic: criterion(found.square, material.readings, law.paid_for()),
+        })
+    });
+    each.min_by(|a, b| a.bic.total_cmp(&b.bic))
+}
+
+/// A law's best bend and size, with every bend that was tried.
+struct Search {
+    freedom: usize,
+    left: Vec<f64>,
+    bends: Vec<Bend>,
+    shapes: Vec<Shape>,
+    best: usize,
+    size: f64,
+    square: f64,
+}
+
+fn search(material: &Material, law: Law) -> Option<Search> {
+    let mut bends = shape::bends(law, material.levels, material.span);
+    let freedom = material.nuisance.freedom().checked_sub(law.parameters())?;
+    // A bend needs readings about it: three more for each number beyond the first.
+    if bends.is_empty() || freedom + 2 < 3 * law.parameters() {
+        return None;
+    }
+    let left = material.nuisance.residual(material.y);
+    let all: Vec<usize> = (0..material.y.len()).collect();
+    let made = |bends: &[Bend]| -> Vec<Shape> {
+        bends
+            .iter()
+            .map(|&bend| Shape::new(material, law, bend))
+            .collect()
+    };
+    let mut shapes = made(&bends);
+    let best_of = |shapes: &[Shape]| -> Option<(f64, f64, usize)> {
+        let each = shapes.iter().enumerate().map(|(k, shape)| {
+            let (size, square) = shape.best(material, &left, &all);
+            (size, square, k)
+        });
+        each.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let (mut size, mut square, mut best) = best_of(&shapes)?;
+    for _ in 0..FINER {
+        let more = shape::finer(law, &bends, best);
+        shapes.extend(made(&more));
+        bends.extend(more);
+        (size, square, best) = best_of(&shapes)?;
+    }
+    Some(Search {
+        freedom,
+        left,
+        bends,
+        shapes,
+        best,
+        size,
+        square,
+    })
+}
+
+/// Fits one law; none where its bends are not to be had or nothing is left free.
+pub fn fit(material: &Material, law: Law) -> Option<Fitted> {
+    let Search {
+        freedom,
+        left,
+        bends,
+        shapes,
+        best: k,
+        size,
+        square,
+    } = search(material, law)?;
+    let all: Vec<usize> = (0..material.y.len()).collect();
+    let spread = (square / freedom as f64).max(1.0);
+    let allowed = square + quantile_95(freedom as f64).powi(2) * spread;
+    let profile = |size: f64| -> f64 {
+        let each = shapes
+            .iter()
+            .map(|shape| shape.square(material, &left, size, &all));
+        each.fold(f64::INFINITY, f64::min)
+    };
+    let ends = (
+        end(&profile, size, -1.0, allowed),
+        end(&profile, size, 1.0, allowed),
+    );
+    let size = Interval {
+        value: size,
+        low_95: ends.0,
+        high_95: ends.1,
+    };
+    let bend = bends[k];
+    let has_bend = law.parameters() > 1;
+    Some(Fitted {
+        law,
+        size,
+        coefficient: size.map(|size| coefficient(law, size, material.span, bend)),
+        bend_at: has_bend.then(|| bend_interval(material, law, &bends, &shapes, &left, k, allowed)),
+        bend,
+        bic: criterion(square, material.readings, law.paid_for()),
+        left_out_rms: left_out(material, &left, &shapes),
+    })
+}
+
+/// A law with one bend: its progress at every row and, where it goes by factors, what nuisance leaves of it.
+struct Shape {
+    progress: Vec<f64>,
+    column: Vec<f64>,
+    by_amount: bool,
+}
+
+impl Shape {
+    fn new(material: &Material, law: Law, bend: Bend) -> Shape {
+        let along: Vec<f64> = material
+            .x
+            .iter()
+            .map(|&x| progress(law, x, material.span, bend))
+            .collect();
+        Shape {
+            column: material.nuisance.residual(&along),
+            progress: along,
+            by_amount: material.is_log && is_of_amounts(law),
+        }
+    }
+
+    /// Sum of squares over `rows` with that size.
+    fn square(&self, material: &Material, left: &[f64], size: f64, rows: &[usize]) -> f64 {
+        match self.by_amount {
+            false => rows
+                .iter()
+                .map(|&r| (left[r] - size * self.column[r]).powi(2))
+                .sum(),
+            true => {
+                let curve: Vec<f64> = self
+                    .progress
+                    .iter()
+                    .map(|&g| at_progress(size, g, true))
+                    .collect();
+                let curve = material.nuisance.residual(&curve);
+                rows.iter().map(|&r| (left[r] - curve[r]).powi(2)).sum()
+            }
+        }
+    }
+
+    /// Best size over `rows`, with its sum of squares.
+    fn best(&self, material: &Material, left: &[f64], rows: &[usize]) -> (f64, f64) {
+        let plain: f64 = rows.iter().map(|&r| self.column[r].powi(2)).sum();
+        if plain <= 1e-14 {
+            return (0.0, self.square(material, left, 0.0, rows));
+        }
+        let linear = rows.iter().map(|&r| self.column[r] * left[r]).sum::<f64>() / plain;
+        if !self.by_amount {
+            return (linear, self.square(material, left, linear, rows));
+        }
+        let square = |size: f64| self.square(material, left, size, rows);
+        let coarse = (-24..=24).map(|k| 0.5 * f64::from(k));
+        let start = coarse
+            .chain([linear.clamp(-LARGEST, LARGEST)])
+            .min_by(|a, b| square(*a).total_cmp(&square(*b)))
+            .unwrap_or(0.0);
+        let size = golden(&square, start - 0.5, start + 0.5);
+        (size, square(size))
+    }
+}
+
+/// Smallest value of `of` between `low` and `high` by the golden section.
+fn golden(of: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
+    let (mut at_a, mut at_b) = (of(a), of(b));
+    for _ in 0..36 {
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - ratio * (high - low);
+            at_a = of(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + ratio * (high - low);
+            at_b = of(b);
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Where the profile reaches `allowed` in one direction; none where it does not within [`LARGEST`].
+fn end(profile: &dyn Fn(f64) -> f64, from: f64, direction: f64, allowed: f64) -> Option<f64> {
+    let (mut inside, mut step) = (from, 1e-4_f64);
+    let outside = loop {
+        let next = from + direction * step;
+        if profile(next) > allowed {
+            break next;
+        }
+        inside = next;
+        step *= 1.7;
+        if step > 2.0 * LARGEST {
+            return None;
+        }
+    };
+    let mut outside = outside;
+    for _ in 0..30 {
+        let middle = 0.5 * (inside + outside);
+        match profile(middle) > allowed {
+            true => outside = middle,
+            false => inside = middle,
+        }
+    }
+    Some(0.5 * (inside + outside))
+}
+
+fn bend_interval(
+    material: &Material,
+    law: Law,
+    bends: &[Bend],
+    shapes: &[Shape],
+    left: &[f64],
+    best: usize,
+    allowed: f64,
+) -> Interval {
+    let all: Vec<usize> = (0..material.y.len()).collect();
+    let span = material.span;
+    let in_unit = |at: f64| match law {
+        Law::Threshold | Law::Knee | Law::Step => span.low + at * span.length(),
+        _ => at * span.length(),
+    };
+    let held: Vec<f64> = bends
+        .iter()
+        .zip(shapes)
+        .filter(|(_, shape)| shape.best(material, left, &all).1 <= allowed)
+        .map(|(bend, _)| bend.at)
+        .collect();
+    let (low, high) = (
+        held.iter().copied().fold(f64::INFINITY, f64::min),
+        held.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    );
+    // The ends lie between what holds and what does not; where nothing beyond was tried, the end is open.
+    let below = bends
+        .iter()
+        .map(|bend| bend.at)
+        .filter(|at| *at < low)
+        .reduce(f64::max);
+    let above = bends
+        .iter()
+        .map(|bend| bend.at)
+        .filter(|at| *at > high)
+        .reduce(f64::min);
+    Interval {
+        value: in_unit(bends[best].at),
+        low_95: below.map(in_unit),
+        high_95: above.map(in_unit),
+    }
+}
+
+/// Leaves samples out in turn and predicts them.
+fn left_out(material: &Material, left: &[f64], shapes: &[Shape]) -> Option<f64> {
+    let samples = material.sample.iter().max().map_or(0, |last| last + 1);
+    if samples < FEWEST_LEFT_OUT {
+        return None;
+    }
+    let folds = samples.min(MOST_FOLDS);
+    let mut square = 0.0;
+    for fold in 0..folds {
+        let (out, kept): (Vec<usize>, Vec<usize>) =
+            (0..left.len()).partition(|&r| material.sample[r] % folds == fold);
+        let best = shapes
+            .iter()
+            .map(|shape| (shape, shape.best(material, left, &kept)))
+            .min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        square += best.0.square(material, left, best.1.0, &out);
+    }
+    Some((square / left.len() as f64).sqrt())
+}
+
+/// Root mean square of the deviations without a law, comparable with [`Fitted::left_out_rms`].
+pub fn rms_of_none(material: &Material) -> f64 {
+    let left = material.nuisance.residual(material.y);
+    (dot(&left, &left) / left.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    /// Eight samples at nine humidities with offsets; the law hidden in them.
+    fn hidden(law: Law, size: f64, bend: Bend, sigma: f64, seed: u64) -> (Vec<f64>, Vec<f64>, Vec<usize>) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let span = Span {
+            low: 10.0,
+            high: 90.0,
+        };
+        let (mut x, mut y, mut sample) = (Vec::new(), Vec::new(), Vec::new());
+        for s in 0..8 {
+            let offset = 0.4 * normal();
+            for k in 0..9 {
+                let humidity = 10.0 + 10.0 * f64::from(k);
+                x.push(humidity);
+                y.push(offset + value_at(law, size, humidity, span, bend, true) + sigma * normal());
+                sample.push(s);
+            }
+        }
+        (x, y, sample)
+    }
+
+    fn compared(x: &[f64], y: &[f64], sample: &[usize], sigma: f64, laws: &[Law]) -> Vec<Fitted> {
+        let variance = vec![sigma * sigma; y.len()];
+        let nuisance = Grouped::new(&variance, sample, &[]);
+        let mut levels = x.to_vec();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        let material = Material {
+            y,
+            variance: &variance,
+            sample,
+            nuisance: &nuisance,
+            x,
+            levels: &levels,
+            span: Span::of(x),
+            is_log: true,
+            readings: nuisance.freedom() as f64,
+        };
+        compare(&material, laws)
+    }
+
+    #[test]
+    fn the_law_that_was_hidden_is_chosen() {
+        let plain = Bend { at: 0.0, part: 1.0 };
+        let threshold = Bend { at: 0.6, part: 0.0 };
+        for (law, size, bend) in [
+            (Law::Exponential, 2.5, plain),
+            (Law::Linear, 2.5, plain),
+            (Law::Power, 1.1, plain),
+            (Law::Threshold, 1.5, threshold),
+        ] {
+            let (x, y, sample) = hidden(law, size, bend, 0.1, 5);
+            let found = compared(
+                &x,
+                &y,
+                &sample,
+                0.1,
+                &[Law::Exponential, Law::Linear, Law::Power, Law::Threshold],
+            );
+            assert_eq!(found[0].law, law, "{found:#?}");
+            let size_found = found[0].size;
+            assert!((size_found.value - size).abs() < 0.15, "{law:?} {size_found:?}");
+            assert!(found[0].left_out_rms.unwrap() < 1.1);
+        }
+    }
+
+    #[test]
+    fn a_trend_bends_where_it_was_bent() {
+        let knee = Bend { at: 0.5, part: 0.0 };
+        let (x, y, sample) = hidden(Law::Knee, -1.0, knee, 0.05, 9);
+        let found = compared(
+            &x,
+            &y,
+            &sample,
+            0.05,
+            Law::of(super::super::covariate::Covariate::Cycle),
+        );
+        assert_eq!(found[0].law, Law::Knee);
+        let at = found[0].bend_at.unwrap();
+        assert!(
+            at.low_95.unwrap() <= 50.0 && at.high_95.unwrap() >= 50.0,
+            "{at:?}"
+        );
+    }
+
+    #[test]
+    fn intervals_hold_the_truth_as_often_as_they_say() {
+        let plain = Bend { at: 0.0, part: 1.0 };
+        let tries = if std::env::var_os("IEAP_LONG").is_some() {
+            1000
+        } else {
+            150
+        };
+        for law in [Law::Exponential, Law::Linear] {
+            let mut held = 0;
+            for seed in 0..tries {
+                let (x, y, sample) = hidden(law, 0.6, plain, 0.3, 100 + seed);
+                let found = compared(&x, &y, &sample, 0.3, &[law])[0].size;
+                held += u64::from(found.low_95.unwrap() <= 0.6 && 0.6 <= found.high_95.unwrap());
+            }
+            let part = held as f64 / tries as f64;
+            println!(
+                "{law:?}: {:.1} % of {tries} intervals hold the truth",
+                100.0 * part
+            );
+            assert!(
+                (0.95 - part).abs() < 3.5 * (0.05 * 0.95 / tries as f64).sqrt(),
+                "{law:?} {part}"
+            );
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! The course of a series between its jumps: a trend, a step to another level, both, or neither.
+//!
+//! One question asks whether anything happens at all. Then laws are compared, a step among them, and where a step is
+//! shown beside every smooth trend also each trend with it, by one criterion in which the search for the place is paid.
+
+use super::series::{Change, SHOWN_BELOW, Series, Study};
+use crate::laws::chance_of::ask;
+use crate::laws::fitted::{self, AS_GOOD, Fitted, Interval, Material};
+use crate::laws::shape::{Bend, Law, STEP_PAID, progress};
+use ieap_numerics::correlation::Autoregression;
+use ieap_numerics::grouped::{Grouped, dot, shared_variance};
+use ieap_numerics::student::quantile_95;
+
+/// Readings from which a step is asked for, and the memory of the scatter is known.
+const FEWEST_FOR_STEP: usize = 10;
+/// Readings on either side of a step, at least.
+const STEP_SIDE: usize = 3;
+/// Places at most at which a step is looked for, and a trend drawn from.
+const MOST_PLACES: usize = 60;
+/// Laws of a trend, the plainest first.
+const TRENDS: [Law; 5] = [
+    Law::Linear,
+    Law::SquareRoot,
+    Law::Exponential,
+    Law::Approach,
+    Law::Knee,
+];
+
+/// A step that is shown beside every smooth trend.
+struct Beside {
+    column: Vec<f64>,
+    at: Interval,
+    p: f64,
+}
+
+impl Series {
+    /// Adds what happens over the axis, beside the jumps between segments.
+    pub(super) fn add_course(&self, study: &mut Study, segment: &[usize], seed: u64) {
+        let shapes: Vec<Vec<f64>> = [
+            (Law::Exponential, 0.0),
+            (Law::SquareRoot, 0.0),
+            (Law::Threshold, 0.6),
+        ]
+        .into_iter()
+        .map(|(law, at)| {
+            let along = |&x: &f64| progress(law, x, study.span, Bend { at, part: 1.0 });
+            self.x.iter().map(along).collect()
+        })
+        .collect();
+        let places = self.places();
+        study.p_trend = self.chance_of_any(segment, &shapes, &places, seed);
+        let mut flexible = shapes.clone();
+        let (mut variance, mut memory) = self.scatter(segment, &flexible);
+        let beside = study
+            .is_shown()
+            .then(|| self.beside(segment, &shapes, &variance, &places, seed))
+            .flatten();
+        if let Some(beside) = &beside {
+            flexible.push(beside.column.clone());
+            (variance, memory) = self.scatter(segment, &flexible);
+        }
+        let nuisance = Grouped::new(&variance, segment, &[]);
+        let material = Material {
+            y: &self.y,
+            variance: &variance,
+            sample: &vec![0; self.y.len()],
+            nuisance: &nuisance,
+            x: &self.x,
+            levels: &levels(&self.x),
+            span: study.span,
+            is_log: self.is_log,
+            readings: nuisance.freedom() as f64 / memory,
+        };
+        let [linear, root, exponential, approach, knee] = TRENDS;
+        study.trends = fitted::compare(&material, &[linear, root, exponential, approach, Law::Step, knee]);
+        if let Some(beside) = beside {
+            self.add_both(study, &material, segment, beside);
+        }
+        study.start = self.start(study, segment);
+    }
+
+    /// First readings after each place at which a step is looked for.
+    fn places(&self) -> Vec<usize> {
+        let n = self.x.len();
+        if n < FEWEST_FOR_STEP {
+            return Vec::new();
+        }
+        let every = n.div_ceil(MOST_PLACES);
+        (STEP_SIDE..=n - STEP_SIDE)
+            .step_by(every)
+            .filter(|&at| self.x[at] > self.x[at - 1])
+            .collect()
+    }
+
+    fn column(&self, at: usize) -> Vec<f64> {
+        (0..self.x.len()).map(|k| f64::from(k >= at)).collect()
+    }
+
+    /// How often chance alone brings a trend or a step as clear as the clearest.
+    fn chance_of_any(
+        &self,
+        segment: &[usize],
+        shapes: &[Vec<f64>],
+        places: &[usize],
+        seed: u64,
+    ) -> Option<f64> {
+        let variance = self.with(shared_variance(&self.y, &self.variance, segment, &[]));
+        let null = Grouped::new(&variance, segment, &[]);
+        let steps = places.iter().map(|&at| self.column(at));
+        let alternatives: Vec<Grouped> = shapes
+            .iter()
+            .cloned()
+            .chain(steps)
+            .map(|column| Grouped::new(&variance, segment, &[column]))
+            .collect();
+        let answer = ask(&self.y, &null, &alternatives, segment, seed)?;
+        // Steps at neighbouring places are nearly the same question: their number says little.
+        Some(answer.p.min(answer.drawn))
+    }
+
+    /// Variance of each reading about a flexible course, with what goes on from one to the next; and how many readings
+    /// tell as much as an independent one.
+    fn scatter(&self, segment: &[usize], flexible: &[Vec<f64>]) -> (Vec<f64>, f64) {
+        let variance = self.with(shared_variance(&self.y, &self.variance, segment, flexible));
+        let memory = self.memory(segment, flexible, &variance);
+        (variance.iter().map(|v| memory * v).collect(), memory)
+    }
+
+    /// Readings that tell as much about a trend as one independent one, from how each reading's departure from a flexible
+    /// course goes on to the next; 1 for too few.
+    fn memory(&self, segment: &[usize], shapes: &[Vec<f64>], variance: &[f64]) -> f64 {
+        let n = self.y.len();
+        if n < FEWEST_FOR_STEP {
+            return 1.0;
+        }
+        let flexible = Grouped::new(variance, segment, shapes);
+        let left = flexible.residual(&self.y);
+        let goes_on = (1..n).filter(|&k| segment[k] == segment[k - 1]);
+        let product: f64 = goes_on.map(|k| left[k] * left[k - 1]).sum();
+        let square = dot(&left, &left);
+        let terms = (n - flexible.freedom()) as f64;
+        let own = Autoregression::from_sums(square, product, n as f64, terms);
+        n as f64 / own.effective_readings(n as f64)
+    }
+
+    fn with(&self, shared: f64) -> Vec<f64> {
+        self.variance.iter().map(|v| (v + shared).max(1e-18)).collect()
+    }
+
+    /// The best place of a step beside a flexible trend, where chance does not bring it.
+    fn beside(
+        &self,
+        segment: &[usize],
+        shapes: &[Vec<f64>],
+        variance: &[f64],
+        places: &[usize],
+        seed: u64,
+    ) -> Option<Beside> {
+        let null = Grouped::new(variance, segment, shapes);
+        let alternatives: Vec<Grouped> = places
+            .iter()
+            .map(|&at| {
+                let mut model = null.clone();
+                model.take_out(&self.column(at));
+                model
+            })
+            .collect();
+        let answer = ask(&self.y, &null, &alternatives, segment, seed.wrapping_add(1))?;
+        let p = answer.p.min(answer.drawn);
+        if p > SHOWN_BELOW {
+            return None;
+        }
+        let left = null.residual(&self.y);
+        let mut room = Vec::new();
+        let squares: Vec<f64> = alternatives
+            .iter()
+            .map(|model| model.square_left(&left, &mut room))
+            .collect();
+        let best = (0..places.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]))?;
+        let freedom = answer.freedom as f64;
+        let allowed = squares[best] * (1.0 + quantile_95(freedom).powi(2) / freedom);
+        let held: Vec<usize> = (0..places.len()).filter(|&k| squares[k] <= allowed).collect();
+        let between = |at: usize| 0.5 * (self.x[at - 1] + self.x[at]);
+        // What lies between places that were tried is held too.
+        let end = |k: Option<usize>| k.and_then(|k| places.get(k)).map(|&at| between(at));
+        let last = held.last().copied().unwrap_or(best);
+        Some(Beside {
+            column: self.column(places[best]),
+            at: Interval {
+                value: between(places[best]),
+                low_95: end(held.first().copied().unwrap_or(best).checked_sub(1)),
+                high_95: end(Some(last + 1)),
+            },
+            p,
+        })
+    }
+
+    /// Takes a trend with the step beside it where that is better than either alone.
+    fn add_both(&self, study: &mut Study, material: &Material, segment: &[usize], beside: Beside) {
+        let nuisance = Grouped::new(material.variance, segment, std::slice::from_ref(&beside.column));
+        let with_step = Material {
+            nuisance: &nuisance,
+            ..material.clone()
+        };
+        let mut both = fitted::compare(&with_step, &TRENDS);
+        let paid = STEP_PAID as f64 * material.readings.max(1.0).ln();
+        both.iter_mut().for_each(|law| law.bic += paid);
+        if best(&both) >= best(&study.trends) - AS_GOOD {
+            return;
+        }
+        let law = both[0];
+        let rest: Vec<f64> = (0..self.y.len())
+            .map(|k| self.y[k] - self.law_at(&law, law.size.value, self.x[k], study))
+            .collect();
+        let (own, left) = (
+            material.nuisance.residual(&beside.column),
+            material.nuisance.residual(&rest),
+        );
+        study.change = Some(Change {
+            at: beside.at,
+            size: dot(&own, &left) / dot(&own, &own),
+            p: beside.p,
+        });
+        study.trends = both;
+    }
+
+    fn law_at(&self, law: &Fitted, size: f64, x: f64, study: &Study) -> f64 {
+        fitted::value_at(law.law, size, x, study.span, law.bend, self.is_log)
+    }
+
+    /// The course over the axis in the last segment, on the series' scale, by a law of that size.
+    pub fn course<'a>(&'a self, study: &'a Study, law: &'a Fitted, size: f64) -> impl Fn(f64) -> f64 + 'a {
+        // The level is known best in the middle of the readings: sizes turn about it.
+        let mean = |size: f64| {
+            let all = self.x.iter().map(|&x| self.law_at(law, size, x, study));
+            all.sum::<f64>() / self.x.len() as f64
+        };
+        let level = study.start + mean(law.size.value) - mean(size);
+        move |x| level + self.law_at(law, size, x, study) + step_at(study, x)
+    }
+
+    /// Level at the start of the axis, by the readings of the last segment.
+    fn start(&self, study: &Study, segment: &[usize]) -> f64 {
+        let Some(law) = study.trends.first() else {
+            return 0.0;
+        };
+        let last = segment.last().copied().unwrap_or(0);
+        let own: Vec<f64> = (0..self.y.len())
+            .filter(|&k| segment[k] == last)
+            .map(|k| {
+                let x = self.x[k];
+                self.y[k] - self.law_at(law, law.size.value, x, study) - step_at(study, x)
+            })
+            .collect();
+        own.iter().sum::<f64>() / own.len().max(1) as f64
+    }
+}
+
+/// What the step beside the trend adds at `x`.
+fn step_at(study: &Study, x: f64) -> f64 {
+    let after = study.change.as_ref().filter(|change| x >= change.at.value);
+    after.map_or(0.0, |change| change.size)
+}
+
+fn best(laws: &[Fitted]) -> f64 {
+    laws.iter().map(|law| law.bic).fold(f64::INFINITY, f64::min)
+}
+
+fn levels(x: &[f64]) -> Vec<f64> {
+    let every = x.len().div_ceil(MOST_PLACES);
+    let mut levels: Vec<f64> = x.iter().copied().step_by(every).collect();
+    levels.dedup();
+    levels
+}

@@ -1,0 +1,232 @@
+//! Long-term monitoring: parameters in the reference condition over the life of each sample, their trends, charts and
+//! alarms, and what of a change comes back with the air.
+
+mod course;
+#[cfg(test)]
+mod course_tests;
+mod events;
+#[cfg(test)]
+mod memory_tests;
+pub mod reference;
+pub mod series;
+pub mod words;
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::laws::CampaignLaws;
+use crate::laws::covariate::Covariate;
+use crate::laws::facts::RunFacts;
+use crate::laws::fitted::Fitted;
+use crate::laws::values::{keys, values};
+use ieap_domain::{Alarm, Campaign, Limit, RunRecord};
+use ieap_numerics::control_chart::Chart;
+use reference::Reference;
+use series::{Limits, Reaches, Series, Study};
+
+/// Half-width of a 95 % interval in standard errors.
+const HALF_WIDTH: f64 = 1.959_963_984_540_054;
+
+/// What monitoring says of a campaign.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Monitoring {
+    /// The reference condition.
+    pub reference: Option<Reference>,
+    /// Why there is none.
+    pub why_not: String,
+    /// Runs between two false alarms of a chart, on average.
+    pub false_alarm_runs: f64,
+    /// Parameters of samples, those that moved first within each sample.
+    pub watched: Vec<Watched>,
+    /// Alarms, whether known or not.
+    pub alarms: Vec<Alarm>,
+    /// What of the changes over the campaign comes back with the humidity and what is age, in sentences.
+    pub split: Vec<String>,
+}
+
+impl Monitoring {
+    /// Runs until each chart sees a shift by one standard deviation, on average.
+    pub fn shifted_run_lengths(&self) -> [f64; 3] {
+        Chart::ALL.map(|chart| chart.run_length(chart.limit(self.false_alarm_runs.max(2.0)), 1.0))
+    }
+}
+
+/// One parameter of one sample in the reference condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watched {
+    /// Material.
+    pub material: String,
+    /// Sample.
+    pub sample: String,
+    /// Stored key of the parameter.
+    pub parameter: String,
+    /// What the series goes over.
+    pub axis: Covariate,
+    /// Runs of the readings.
+    pub runs: Vec<usize>,
+    /// Readings.
+    pub series: Series,
+    /// What is made of them.
+    pub study: Study,
+    /// The best law over every other axis that is known and over which one is shown.
+    pub other_axes: Vec<(Covariate, Fitted)>,
+    /// The limit that holds for it, with when it is reached.
+    pub limit: Option<(Limit, Reaches)>,
+    /// Runs that give a bound or nothing.
+    pub left_out: usize,
+}
+
+/// Watches every parameter of every sample in the reference condition.
+pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> Monitoring {
+    let rules = &campaign.monitoring;
+    let facts = &laws.facts;
+    let mut monitoring = Monitoring {
+        false_alarm_runs: rules.false_alarm_runs,
+        split: words::split(laws),
+        ..Monitoring::default()
+    };
+    let reference = match reference::reference(runs, facts, rules) {
+        Ok(reference) => reference,
+        Err(why_not) => {
+            monitoring.why_not = why_not;
+            return monitoring;
+        }
+    };
+    let mut samples: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for &place in &reference.places {
+        samples.entry(&facts[place].sample).or_default().push(place);
+    }
+    let questions: Vec<(Vec<usize>, String)> = samples
+        .into_values()
+        .filter(|places| places.len() >= reference::FEWEST_RUNS)
+        .flat_map(|places| {
+            let keys = keys(runs, facts, &places);
+            keys.into_iter().map(move |key| (places.clone(), key))
+        })
+        .collect();
+    let limits = Limits::for_false_alarms(rules.false_alarm_runs);
+    monitoring.watched = questions
+        .par_iter()
+        .filter_map(|(places, key)| watch(runs, campaign, facts, places, (key, limits)))
+        .collect();
+    if let Some(why_not) = without_order(facts, &questions).filter(|_| monitoring.watched.is_empty()) {
+        monitoring.why_not = why_not;
+        return monitoring;
+    }
+    monitoring.alarms = events::alarms(runs, campaign, &monitoring.watched);
+    monitoring.reference = Some(reference);
+    monitoring
+}
+
+/// Why no question has an order to go by; none where every run of one has a place in some order.
+fn without_order(facts: &[RunFacts], questions: &[(Vec<usize>, String)]) -> Option<String> {
+    let has = |place: &usize| {
+        Covariate::OF_AGE
+            .iter()
+            .any(|axis| facts[*place].numbers.contains_key(axis))
+    };
+    let (places, _) = questions
+        .iter()
+        .min_by_key(|(places, _)| places.iter().filter(|place| !has(place)).count())?;
+    let missing = places.iter().filter(|place| !has(place)).count();
+    (missing > 0).then(|| {
+        format!(
+            "{missing} of {} runs of {} in the reference condition do not say when they were made; tag them with cycle or started_at",
+            places.len(),
+            facts[places[0]].sample
+        )
+    })
+}
+
+fn watch(
+    runs: &[RunRecord],
+    campaign: &Campaign,
+    facts: &[RunFacts],
+    places: &[usize],
+    (key, limits): (&str, Limits),
+) -> Option<Watched> {
+    let found = values(runs, facts, places, key);
+    if found.values.len() < reference::FEWEST_RUNS {
+        return None;
+    }
+    let axes: Vec<Covariate> = Covariate::OF_AGE
+        .into_iter()
+        .filter(|axis| {
+            found
+                .values
+                .iter()
+                .all(|value| facts[value.place].numbers.contains_key(axis))
+        })
+        .collect();
+    let number =
+        |place: usize, axis: Covariate| facts[place].numbers.get(&axis).map_or(0.0, |known| known.value);
+    let over = |axis: Covariate| {
+        let mut ordered = found.values.clone();
+        // Of runs at one place of the axis the order of the runs decides.
+        ordered.sort_by(|a, b| {
+            let by = |axis| number(a.place, axis).total_cmp(&number(b.place, axis));
+            by(axis).then(by(Covariate::RunOrder))
+        });
+        let breaks = (1..ordered.len())
+            .filter(|&k| {
+                [Covariate::Instrument, Covariate::Calibration]
+                    .iter()
+                    .any(|name| {
+                        facts[ordered[k].place].names.get(name) != facts[ordered[k - 1].place].names.get(name)
+                    })
+            })
+            .collect();
+        let series = Series {
+            x: ordered.iter().map(|value| number(value.place, axis)).collect(),
+            y: ordered.iter().map(|value| value.y).collect(),
+            variance: ordered.iter().map(|value| value.variance).collect(),
+            is_log: found.is_log,
+            breaks,
+        };
+        let runs: Vec<usize> = ordered.iter().map(|value| facts[value.place].run).collect();
+        (series, runs)
+    };
+    let (&axis, others) = axes.split_first()?;
+    let (series, of_runs) = over(axis);
+    let seed = of_runs.first().map_or(1, |run| runs[*run].id.unsigned_abs() + 1);
+    let study = series.study(limits, seed);
+    let other_axes = others
+        .iter()
+        .filter_map(|&axis| {
+            let (series, _) = over(axis);
+            let study = series.study(limits, seed);
+            let law = study.trends.first().copied().filter(|_| study.is_shown());
+            Some((axis, law?))
+        })
+        .collect();
+    let fact = &facts[places[0]];
+    let limit = campaign.monitoring.limits.iter().find(|limit| {
+        limit.parameter == key
+            && limit
+                .material
+                .as_ref()
+                .is_none_or(|material| *material == fact.material)
+    });
+    let limit = limit.map(|limit| {
+        let on_scale = |x: f64| if found.is_log { x.max(1e-300).ln() } else { x };
+        let reaches = match (limit.below, limit.above) {
+            (Some(below), _) => series.reaches(&study, on_scale(below), true),
+            (None, Some(above)) => series.reaches(&study, on_scale(above), false),
+            (None, None) => Reaches::Unknown("no limit is stated".to_owned()),
+        };
+        (limit.clone(), reaches)
+    });
+    Some(Watched {
+        material: fact.material.clone(),
+        sample: fact.sample.clone(),
+        parameter: key.to_owned(),
+        axis,
+        runs: of_runs,
+        series,
+        study,
+        other_axes,
+        limit,
+        left_out: found.left_out.len(),
+    })
+}

@@ -1,0 +1,127 @@
+//! The reference condition: runs that return to it show what stays, whatever the air does between them.
+
+use std::collections::BTreeMap;
+
+use crate::groups::HUMIDITY_TOLERANCE_PERCENT;
+use crate::laws::covariate::Covariate;
+use crate::laws::facts::RunFacts;
+use ieap_domain::tag::keys;
+use ieap_domain::{MonitoringRules, RunRecord};
+
+/// Runs of one sample in one condition from which it is a reference.
+pub const FEWEST_RUNS: usize = 4;
+/// Temperatures this near each other are the same, K.
+const TEMPERATURE_TOLERANCE_C: f64 = 2.0;
+
+/// The reference condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// In words: `air, 2.00 V, 34 % RH`.
+    pub text: String,
+    /// Whether campaign.toml names it.
+    pub is_named: bool,
+    /// Facts of its runs.
+    pub places: Vec<usize>,
+}
+
+/// The reference that campaign.toml names, or the condition that a sample was measured in most often. Else the reason
+/// why there is none.
+pub fn reference(
+    runs: &[RunRecord],
+    facts: &[RunFacts],
+    rules: &MonitoringRules,
+) -> Result<Reference, String> {
+    let found = match rules.reference.is_empty() {
+        true => most_repeated(facts),
+        false => Some(named(runs, facts, rules)),
+    };
+    let most = |reference: &Reference| {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for &place in &reference.places {
+            *counts.entry(&facts[place].sample).or_default() += 1;
+        }
+        counts.into_values().max().unwrap_or(0)
+    };
+    match found {
+        Some(reference) if most(&reference) >= FEWEST_RUNS => Ok(reference),
+        Some(reference) if reference.is_named => Err(format!(
+            "the reference condition ({}) has {} runs of one sample at most; {FEWEST_RUNS} are needed",
+            reference.text,
+            most(&reference)
+        )),
+        _ => Err(format!(
+            "no sample returned to one condition {FEWEST_RUNS} times; repeat a run now and then, and name its condition in [monitoring]"
+        )),
+    }
+}
+
+fn named(runs: &[RunRecord], facts: &[RunFacts], rules: &MonitoringRules) -> Reference {
+    let is_it = |fact: &RunFacts| {
+        rules.reference.iter().all(|(key, wanted)| {
+            let Some(found) = runs[fact.run].tag(key) else {
+                return false;
+            };
+            match (found.parse::<f64>(), wanted.parse::<f64>()) {
+                (Ok(found), Ok(wanted)) => (found - wanted).abs() <= tolerance(key, wanted),
+                _ => found == wanted,
+            }
+        })
+    };
+    let words: Vec<String> = rules
+        .reference
+        .iter()
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
+    Reference {
+        text: words.join(", "),
+        is_named: true,
+        places: (0..facts.len()).filter(|&place| is_it(&facts[place])).collect(),
+    }
+}
+
+fn tolerance(key: &str, wanted: f64) -> f64 {
+    match key {
+        keys::RELATIVE_HUMIDITY_PERCENT => HUMIDITY_TOLERANCE_PERCENT,
+        keys::TEMPERATURE_C => TEMPERATURE_TOLERANCE_C,
+        _ => 1e-6 * wanted.abs().max(1.0),
+    }
+}
+
+/// Environment, voltage and humidity (within the tolerance about each run's own) that most runs of one sample share.
+fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
+    let name = |fact: &RunFacts, covariate| fact.names.get(&covariate).cloned();
+    let humidity = |fact: &RunFacts| {
+        fact.numbers
+            .get(&Covariate::RelativeHumidity)
+            .map(|known| known.value)
+    };
+    let alike = |a: &RunFacts, b: &RunFacts| {
+        let same = |covariate| name(a, covariate) == name(b, covariate);
+        let near = match (humidity(a), humidity(b)) {
+            (Some(a), Some(b)) => (a - b).abs() <= HUMIDITY_TOLERANCE_PERCENT,
+            (None, None) => true,
+            _ => false,
+        };
+        same(Covariate::Environment) && same(Covariate::Voltage) && near
+    };
+    let repeats = |fact: &RunFacts| {
+        facts
+            .iter()
+            .filter(|other| other.sample == fact.sample && alike(fact, other))
+            .count()
+    };
+    let counts: Vec<usize> = facts.iter().map(repeats).collect();
+    let most = counts.iter().copied().max()?;
+    let center = &facts[counts.iter().position(|count| *count == most)?];
+    let mut words: Vec<String> = Vec::new();
+    words.extend(name(center, Covariate::Environment));
+    words.extend(name(center, Covariate::Voltage).map(|volts| format!("{volts} V")));
+    words.extend(humidity(center).map(|percent| format!("{percent:.0} % RH")));
+    Some(Reference {
+        text: words.join(", "),
+        is_named: false,
+        places: (0..facts.len())
+            .filter(|&place| alike(center, &facts[place]))
+            .collect(),
+    })
+}

@@ -1,0 +1,390 @@
+//! One number over the life of a sample: jumps, course, charts, and when it reaches a limit.
+
+use crate::laws::fitted::{self, Fitted, Interval};
+use crate::laws::shape::{Law, Span};
+use ieap_numerics::control_chart::{Chart, self_starting};
+
+/// A step between neighbours beyond this many times the usual scatter of steps is a jump. The largest of 10,000 steps
+/// of normal noise is below 4.5.
+const JUMP_SIGMAS: f64 = 8.0;
+/// Readings on either side whose medians must differ as well.
+const JUMP_SIDE: usize = 10;
+/// Part of a step that must stay: what returns within as many readings is no jump but a disturbance.
+const STAYS: f64 = 0.7;
+/// Readings from which the usual scatter of steps is known.
+const FEWEST_FOR_JUMPS: usize = 12;
+/// Readings beside a jump on either side, at least.
+const CHANGE_SIDE: usize = 3;
+/// Readings from which a trend is asked for.
+const FEWEST_FOR_TREND: usize = 5;
+/// A trend, or a step, that chance brings more often than this is none: there are several parameters of every sample.
+pub const SHOWN_BELOW: f64 = 0.01;
+/// How far beyond the readings a trend may be followed, in lengths of what was measured.
+const FOLLOWED: f64 = 1.0;
+/// Values of a standard normal variable's median absolute deviation.
+const MAD: f64 = 1.482_602_218_505_602;
+
+/// A number over an axis that grows with use.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Axis, rising.
+    pub x: Vec<f64>,
+    /// Number, its logarithm where it is positive.
+    pub y: Vec<f64>,
+    /// Variance by the fits.
+    pub variance: Vec<f64>,
+    /// Whether `y` is logarithms.
+    pub is_log: bool,
+    /// First readings after another instrument or calibration.
+    pub breaks: Vec<usize>,
+}
+
+/// A step that is no degradation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// First reading after it.
+    pub at: usize,
+    /// Size on the series' scale.
+    pub size: f64,
+    /// Whether the instrument or its calibration changed there.
+    pub is_stated: bool,
+}
+
+/// A step to another level beside a trend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// Axis at the change, with the interval that holds it.
+    pub at: Interval,
+    /// Size on the series' scale.
+    pub size: f64,
+    /// Probability of such a change by chance.
+    pub p: f64,
+}
+
+/// A control chart of the series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Charted {
+    /// Which.
+    pub chart: Chart,
+    /// Alarm limit of the statistic.
+    pub limit: f64,
+    /// Statistic, with the reading that each belongs to.
+    pub statistic: Vec<(usize, f64)>,
+    /// First reading beyond the limit.
+    pub first_alarm: Option<usize>,
+}
+
+/// When a trend reaches a limit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reaches {
+    /// The last reading lies beyond already.
+    Beyond,
+    /// Where on the axis; an end that is not known is open.
+    At(Interval),
+    /// Why it cannot be told.
+    Unknown(String),
+}
+
+/// What is made of a series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Jumps, left out of everything.
+    pub steps: Vec<Step>,
+    /// Probability of such a trend, or step, by chance; none with too few readings.
+    pub p_trend: Option<f64>,
+    /// Laws of the course, a step among them, the chosen one first; each beside `change` where there is one.
+    pub trends: Vec<Fitted>,
+    /// Span of the axis.
+    pub span: Span,
+    /// Level at the start of the axis in the last segment.
+    pub start: f64,
+    /// A step beside the trend, where both are told.
+    pub change: Option<Change>,
+    /// Control charts.
+    pub charts: Vec<Charted>,
+}
+
+impl Study {
+    /// Whether a trend or a step is told.
+    pub fn is_shown(&self) -> bool {
+        self.p_trend.is_some_and(|p| p <= SHOWN_BELOW)
+    }
+}
+
+/// Alarm limits of the charts, in the order of [`Chart::ALL`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits([f64; 3]);
+
+impl Limits {
+    /// Limits with which `readings` pass between false alarms of a chart on average.
+    pub fn for_false_alarms(readings: f64) -> Limits {
+        Limits(Chart::ALL.map(|chart| chart.limit(readings)))
+    }
+}
+
+impl Series {
+    /// Finds jumps, trend, change and alarms beyond the `limits` of the charts.
+    pub fn study(&self, limits: Limits, seed: u64) -> Study {
+        let steps = self.steps();
+        let segment = self.segments(&steps);
+        let mut study = Study {
+            charts: self.charts(&segment, limits),
+            steps,
+            p_trend: None,
+            trends: Vec::new(),
+            span: Span::of(&self.x),
+            start: 0.0,
+            change: None,
+        };
+        if self.x.len() >= FEWEST_FOR_TREND && study.span.length() > 0.0 {
+            self.add_course(&mut study, &segment, seed);
+        }
+        study
+    }
+
+    /// Jumps: where the instrument changed, and steps far beyond the scatter of steps that stay.
+    fn steps(&self) -> Vec<Step> {
+        let mut steps: Vec<Step> = self
+            .breaks
+            .iter()
+            .map(|&at| Step {
+                at,
+                size: self.difference_about(at),
+                is_stated: true,
+            })
+            .collect();
+        let n = self.y.len();
+        if n >= FEWEST_FOR_JUMPS {
+            let differences: Vec<f64> = self.y.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let usual = median(&differences);
+            let away: Vec<f64> = differences.iter().map(|d| (d - usual).abs()).collect();
+            let sigma = MAD * median(&away);
+            for (k, difference) in differences
+                .iter()
+                .enumerate()
+                .skip(CHANGE_SIDE)
+                .take(n - 1 - 2 * CHANGE_SIDE)
+            {
+                let (at, away) = (k + 1, difference - usual);
+                let stays = self.difference_about(at);
+                let is_known = steps.iter().any(|step| step.at.abs_diff(at) <= 1);
+                if sigma > 0.0
+                    && away.abs() > JUMP_SIGMAS * sigma
+                    && stays * away > STAYS * away * away
+                    && !is_known
+                {
+                    steps.push(Step {
+                        at,
+                        size: stays,
+                        is_stated: false,
+                    });
+                }
+            }
+        }
+        steps.sort_by_key(|step| step.at);
+        steps
+    }
+
+    /// Median after less median before a reading.
+    fn difference_about(&self, at: usize) -> f64 {
+        let before = &self.y[at.saturating_sub(JUMP_SIDE)..at];
+        let after = &self.y[at..(at + JUMP_SIDE).min(self.y.len())];
+        median(after) - median(before)
+    }
+
+    fn segments(&self, steps: &[Step]) -> Vec<usize> {
+        (0..self.y.len())
+            .map(|k| steps.iter().filter(|step| step.at > 0 && step.at <= k).count())
+            .collect()
+    }
+
+    fn charts(&self, segment: &[usize], limits: Limits) -> Vec<Charted> {
+        // A chart starts anew after a jump: what is before says nothing of what is after.
+        let mut numbers: Vec<(usize, f64)> = Vec::new();
+        let last = segment.last().copied().unwrap_or(0);
+        for part in 0..=last {
+            let places: Vec<usize> = (0..self.y.len()).filter(|&k| segment[k] == part).collect();
+            let own: Vec<f64> = places.iter().map(|&k| self.y[k]).collect();
+            numbers.extend(places.iter().skip(2).copied().zip(self_starting(&own)));
+        }
+        let plain: Vec<f64> = numbers.iter().map(|(_, number)| *number).collect();
+        Chart::ALL
+            .into_iter()
+            .zip(limits.0)
+            .map(|(chart, limit)| {
+                let statistic: Vec<(usize, f64)> = numbers
+                    .iter()
+                    .map(|(place, _)| *place)
+                    .zip(chart.statistic(&plain))
+                    .collect();
+                let first_alarm = statistic
+                    .iter()
+                    .find(|(_, x)| x.abs() > limit)
+                    .map(|(place, _)| *place);
+                Charted {
+                    chart,
+                    limit,
+                    statistic,
+                    first_alarm,
+                }
+            })
+            .collect()
+    }
+
+    /// When the trend reaches `limit` (on the series' scale): only where a trend is shown, and no farther beyond the
+    /// readings than their own span.
+    pub fn reaches(&self, study: &Study, limit: f64, is_lower: bool) -> Reaches {
+        let beyond = |y: f64| if is_lower { y < limit } else { y > limit };
+        let Some(&last) = self.y.last() else {
+            return Reaches::Unknown("there is no reading".to_owned());
+        };
+        if beyond(last) {
+            return Reaches::Beyond;
+        }
+        if !study.is_shown() {
+            return Reaches::Unknown("no trend is shown".to_owned());
+        }
+        let as_good: Vec<&Fitted> = study
+            .trends
+            .iter()
+            .filter(|law| {
+                law.bic
+                    <= study
+                        .trends
+                        .iter()
+                        .map(|law| law.bic)
+                        .fold(f64::INFINITY, f64::min)
+                        + fitted::AS_GOOD
+            })
+            .collect();
+        let horizon = study.span.high + FOLLOWED * study.span.length();
+        let crossing = |law: &Fitted, size: f64| -> Option<f64> {
+            let course = self.course(study, law, size);
+            (0..=400)
+                .map(|k| study.span.high + (horizon - study.span.high) * f64::from(k) / 400.0)
+                .find(|&x| beyond(course(x)))
+        };
+        let Some(chosen) = study.trends.first() else {
+            return Reaches::Unknown("there are too few readings for a trend".to_owned());
+        };
+        if chosen.law == Law::Step {
+            return Reaches::Unknown("it changed in one step, and no trend is shown since".to_owned());
+        }
+        let mut ends: Vec<Option<f64>> = Vec::new();
+        for law in &as_good {
+            ends.push(crossing(law, law.size.low_95.unwrap_or(law.size.value)));
+            ends.push(crossing(law, law.size.high_95.unwrap_or(law.size.value)));
+            ends.push(crossing(law, law.size.value));
+        }
+        let earliest = ends.iter().flatten().copied().reduce(f64::min);
+        let latest = ends.iter().copied().collect::<Option<Vec<f64>>>();
+        match (crossing(chosen, chosen.size.value), earliest) {
+            (Some(value), earliest) => Reaches::At(Interval {
+                value,
+                low_95: earliest,
+                high_95: latest.and_then(|all| all.into_iter().reduce(f64::max)),
+            }),
+            (None, Some(earliest)) => Reaches::Unknown(format!(
+                "not before {earliest:.4}, and the readings carry a statement up to {horizon:.4} only"
+            )),
+            (None, None) => Reaches::Unknown(format!(
+                "not before {horizon:.4}; the readings carry no statement beyond"
+            )),
+        }
+    }
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => sorted[n / 2],
+        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    fn series(n: usize, sigma: f64, seed: u64, of: impl Fn(f64) -> f64) -> Series {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let x: Vec<f64> = (0..n).map(|k| k as f64 + 1.0).collect();
+        let y = x
+            .iter()
+            .map(|&x| {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                of(x) + sigma * noise
+            })
+            .collect();
+        Series {
+            y,
+            variance: vec![0.25 * sigma * sigma; n],
+            x,
+            is_log: true,
+            breaks: Vec::new(),
+        }
+    }
+
+    fn limits() -> Limits {
+        static LIMITS: std::sync::OnceLock<Limits> = std::sync::OnceLock::new();
+        *LIMITS.get_or_init(|| Limits::for_false_alarms(500.0))
+    }
+
+    #[test]
+    fn a_jump_is_no_degradation() {
+        let jumped = series(60, 0.02, 4, |x| if x > 30.0 { -0.8 } else { 0.0 });
+        let study = jumped.study(limits(), 1);
+        assert_eq!(study.steps.len(), 1, "{:?}", study.steps);
+        assert_eq!(study.steps[0].at, 30);
+        assert!((study.steps[0].size + 0.8).abs() < 0.05);
+        assert!(study.p_trend.unwrap() > 0.05, "{:?}", study.p_trend);
+        assert!(study.charts.iter().all(|chart| chart.first_alarm.is_none()));
+    }
+
+    #[test]
+    fn a_fade_is_told_with_its_law_and_its_time_to_a_limit() {
+        let fading = series(40, 0.02, 2, |x| (1.0 - 0.01 * (x - 1.0)).ln());
+        let study = fading.study(limits(), 1);
+        assert!(study.p_trend.unwrap() < 1e-3 && study.steps.is_empty());
+        let size = study.trends[0].size;
+        let truth = (1.0_f64 - 0.39).ln();
+        assert!(
+            size.low_95.unwrap() <= truth && truth <= size.high_95.unwrap(),
+            "{size:?}"
+        );
+        assert!(study.charts.iter().any(|chart| chart.first_alarm.is_some()));
+        // 50 % is reached at 51, within what may be followed; 10 % is not.
+        let Reaches::At(at) = fading.reaches(&study, 0.5_f64.ln(), true) else {
+            panic!("{:?}", fading.reaches(&study, 0.5_f64.ln(), true));
+        };
+        assert!(
+            at.low_95.unwrap() <= 51.0 && at.high_95.is_none_or(|high| high >= 51.0),
+            "{at:?}"
+        );
+        assert!(matches!(
+            fading.reaches(&study, 0.1_f64.ln(), true),
+            Reaches::Unknown(_)
+        ));
+        assert_eq!(fading.reaches(&study, 0.9_f64.ln(), true), Reaches::Beyond);
+    }
+
+    #[test]
+    fn a_steady_series_says_nothing() {
+        let mut shown = 0;
+        for seed in 0..40 {
+            let steady = series(30, 0.1, 100 + seed, |_| 0.0);
+            let study = steady.study(limits(), seed);
+            shown += usize::from(study.p_trend.unwrap() <= 0.05);
+            assert!(study.steps.is_empty());
+            let reached = steady.reaches(&study, -2.0, true);
+            assert!(matches!(reached, Reaches::Unknown(_)));
+        }
+        assert!(shown <= 6, "{shown} of 40");
+    }
+}

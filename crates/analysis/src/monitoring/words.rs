@@ -1,0 +1,378 @@
+//! What monitoring found, in sentences.
+
+use super::Watched;
+use super::series::{Charted, Reaches};
+use crate::false_discovery::CLAIMED_BELOW;
+use crate::laws::covariate::Covariate;
+use crate::laws::fitted::{AS_GOOD, Fitted, Interval};
+use crate::laws::shape::Law;
+use crate::laws::words::{counted, in_a_row, listed, moves, round, short, symbol};
+use crate::laws::{CampaignLaws, Dependence};
+use ieap_domain::Limit;
+
+/// The life of a parameter of a sample, in a few sentences: what is clearest first.
+pub fn life(watched: &Watched) -> String {
+    let jumps = jumps(watched);
+    let mut text = match watched.study.is_shown() {
+        true => format!("{}{jumps}", course(watched)),
+        false if jumps.is_empty() => nothing(watched),
+        false => format!("{} {}", jumps.trim_start(), nothing(watched)),
+    };
+    if let Some((limit, reaches)) = &watched.limit {
+        text += &format!(" {}", limit_words(watched, limit, reaches));
+    }
+    if watched.left_out > 0 {
+        text += &format!(
+            " {} left out: a bound, or not determined.",
+            counted(watched.left_out, "run")
+        );
+    }
+    text
+}
+
+fn subject(watched: &Watched) -> String {
+    format!("{} of {}", symbol(&watched.parameter), watched.sample)
+}
+
+/// The trend or the step that is told, with its rivals.
+fn course(watched: &Watched) -> String {
+    let study = &watched.study;
+    let (Some(law), Some(p)) = (study.trends.first(), study.p_trend) else {
+        return nothing(watched);
+    };
+    let moves = moves(law.size, watched.series.is_log);
+    let how = match law.bend_at {
+        Some(at) if law.law == Law::Step => format!("in one step {}", at_step(watched, at)),
+        Some(at) if law.law == Law::Knee => {
+            format!("over {} knee at {}", span(watched), on_axis(watched, at))
+        }
+        _ => format!("over {} {}", span(watched), law.law.key()),
+    };
+    let mut text = format!(
+        "{} {moves} {how}{} (p = {}, {}).",
+        subject(watched),
+        as_well(&study.trends),
+        short(p),
+        counted(watched.series.x.len(), "run")
+    );
+    if let Some(change) = &study.change {
+        text += &format!(
+            " Beside this trend its level steps {} {} (p = {}).",
+            by(change.size, watched.series.is_log),
+            at_step(watched, change.at),
+            short(change.p)
+        );
+    }
+    text
+}
+
+/// Laws that describe it as well as the first of them.
+fn as_well(laws: &[Fitted]) -> String {
+    let best = laws.iter().map(|law| law.bic).fold(f64::INFINITY, f64::min);
+    let others: Vec<&str> = laws
+        .iter()
+        .skip(1)
+        .filter(|other| other.bic <= best + AS_GOOD)
+        .map(|other| other.law.key())
+        .collect();
+    match others.is_empty() {
+        true => String::new(),
+        false => format!(" as well as {}", others.join(", ")),
+    }
+}
+
+fn nothing(watched: &Watched) -> String {
+    let (what, n) = (subject(watched), counted(watched.series.x.len(), "run"));
+    let apart = match watched.study.steps.is_empty() {
+        true => "",
+        false => "Apart from that ",
+    };
+    match watched.study.p_trend {
+        Some(p) => format!(
+            "{apart}{what} shows no trend and no step over {} (p = {}, {n}).",
+            span(watched),
+            short(p)
+        ),
+        None => format!("{what}: {n}, too few for a trend."),
+    }
+}
+
+/// Where a step lies: between which readings, and between which it may lie.
+fn at_step(watched: &Watched, at: Interval) -> String {
+    let x = &watched.series.x;
+    let below = |place: f64| x.iter().copied().filter(|x| *x < place).reduce(f64::max);
+    let above = |place: f64| x.iter().copied().filter(|x| *x >= place).reduce(f64::min);
+    let (Some(before), Some(after)) = (below(at.value), above(at.value)) else {
+        return format!("at {}", on_axis(watched, at));
+    };
+    // The ends are places that are excluded: what is held lies between the readings next to them.
+    let first = at.low_95.and_then(above).unwrap_or(watched.study.span.low);
+    let last = at.high_95.and_then(below).unwrap_or(watched.study.span.high);
+    let within = match first < before || last > after {
+        true => format!(
+            " [{} to {}]",
+            short_axis(watched, first),
+            short_axis(watched, last)
+        ),
+        false => String::new(),
+    };
+    format!(
+        "between {} {} and {}{within}{}",
+        watched.axis.label(),
+        short_axis(watched, before),
+        short_axis(watched, after),
+        unit(watched.axis)
+    )
+}
+
+/// Jumps in sentences, each with a space before it.
+fn jumps(watched: &Watched) -> String {
+    let told = |step: &super::series::Step| {
+        let why = match step.is_stated {
+            true => "where the instrument or its calibration changed",
+            false => "from one run to the next",
+        };
+        format!(
+            " {} jumps {} at {} {}, {why}: that is left out of the trend and of the charts.",
+            subject(watched),
+            by(step.size, watched.series.is_log),
+            watched.axis.label(),
+            short_axis(watched, watched.series.x[step.at]),
+        )
+    };
+    watched.study.steps.iter().map(told).collect()
+}
+
+fn by(size: f64, is_log: bool) -> String {
+    match (is_log, size >= 0.0) {
+        (true, true) => format!("up by a factor of {}", short(size.exp())),
+        (true, false) => format!("down by a factor of {}", short((-size).exp())),
+        (false, _) => format!("by {}", short(size)),
+    }
+}
+
+fn span(watched: &Watched) -> String {
+    let span = watched.study.span;
+    format!(
+        "{} {} to {}{},",
+        watched.axis.label(),
+        short_axis(watched, span.low),
+        short_axis(watched, span.high),
+        unit(watched.axis)
+    )
+}
+
+fn short_axis(watched: &Watched, x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    match x.fract() == 0.0 && x.abs() < 1e6 {
+        true => format!("{x:.0}"),
+        false => round(x, watched.study.span.length()),
+    }
+}
+
+fn unit(axis: Covariate) -> String {
+    match axis.unit() {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
+fn on_axis(watched: &Watched, at: Interval) -> String {
+    let ends = match (at.low_95, at.high_95) {
+        (Some(low), Some(high)) => format!(" [{}, {}]", short_axis(watched, low), short_axis(watched, high)),
+        (Some(low), None) => format!(" [{} or later]", short_axis(watched, low)),
+        (None, Some(high)) => format!(" [{} or earlier]", short_axis(watched, high)),
+        (None, None) => String::new(),
+    };
+    format!(
+        "{} {}{ends}{}",
+        watched.axis.label(),
+        round(at.value, watched.study.span.length()),
+        unit(watched.axis)
+    )
+}
+
+fn limit_words(watched: &Watched, limit: &Limit, reaches: &Reaches) -> String {
+    let number = limit.below.or(limit.above).unwrap_or(0.0);
+    let side = if limit.below.is_some() { "below" } else { "above" };
+    match reaches {
+        Reaches::Beyond => format!("It lies {side} its limit of {}.", short(number)),
+        Reaches::At(at) => format!(
+            "On this trend it passes its limit of {} at {}.",
+            short(number),
+            on_axis(watched, *at)
+        ),
+        Reaches::Unknown(why) => format!(
+            "When it passes its limit of {} cannot be told: {why}.",
+            short(number)
+        ),
+    }
+}
+
+/// A change that charts of one or more parameters of a sample show.
+pub(super) fn charts_alarm(shown: &[(&Watched, Vec<&Charted>)], false_alarm: f64) -> String {
+    let symbols: Vec<&str> = shown
+        .iter()
+        .map(|(watched, _)| symbol(&watched.parameter))
+        .collect();
+    let of_parameter = |(watched, charts): &(&Watched, Vec<&Charted>)| {
+        let charts: Vec<String> = charts.iter().map(|charted| chart_words(charted)).collect();
+        let charts: Vec<&str> = charts.iter().map(String::as_str).collect();
+        let by = format!("by the {}", in_a_row(&charts));
+        match shown.len() {
+            1 => by,
+            _ => format!("{} {by}", symbol(&watched.parameter)),
+        }
+    };
+    let parts: Vec<String> = shown.iter().map(of_parameter).collect();
+    format!(
+        "{} of {} left control in the reference condition: {} (a false alarm of a chart every {false_alarm:.0} reference runs on average).",
+        in_a_row(&symbols),
+        shown.first().map_or("", |(watched, _)| watched.sample.as_str()),
+        parts.join("; "),
+    )
+}
+
+/// `CUSUM chart (5.2 beyond 4.8)`.
+fn chart_words(charted: &Charted) -> String {
+    let first = charted.first_alarm.unwrap_or(0);
+    let at = charted.statistic.iter().find(|(place, _)| *place == first);
+    format!(
+        "{} chart ({} beyond {})",
+        match charted.chart.key() {
+            "shewhart" => "Shewhart",
+            "ewma" => "EWMA",
+            _ => "CUSUM",
+        },
+        short(at.map_or(0.0, |(_, x)| *x)),
+        short(charted.limit),
+    )
+}
+
+/// Parameters of a sample that jump with one run.
+pub(super) fn jumps_alarm(jumped: &[(&Watched, &super::series::Step)]) -> String {
+    let each: Vec<String> = jumped
+        .iter()
+        .map(|(watched, step)| {
+            format!(
+                "{} jumps {}",
+                subject(watched),
+                by(step.size, watched.series.is_log)
+            )
+        })
+        .collect();
+    let each: Vec<&str> = each.iter().map(String::as_str).collect();
+    format!(
+        "{} from one run to the next, and no change of the instrument is stated: the charts begin anew after it.",
+        in_a_row(&each)
+    )
+}
+
+/// A limit's alarm.
+pub(super) fn limit_alarm(watched: &Watched, limit: &Limit) -> String {
+    let number = limit.below.or(limit.above).unwrap_or(0.0);
+    let side = if limit.below.is_some() { "below" } else { "above" };
+    format!(
+        "{} of {} lies {side} its limit of {} with its whole 95 % interval.",
+        symbol(&watched.parameter),
+        watched.sample,
+        short(number)
+    )
+}
+
+/// What of the changes over the campaign comes back with the humidity, and what is age, where a design allows to say:
+/// of every parameter that follows either.
+pub fn split(laws: &CampaignLaws) -> Vec<String> {
+    let mut asked: Vec<(&str, &str)> = laws
+        .claimed()
+        .filter(|found| is_of_age(found) || is_of_humidity(found))
+        .map(|found| (found.material.as_str(), found.parameter.as_str()))
+        .collect();
+    asked.sort_unstable();
+    asked.dedup();
+    let answer = |(material, parameter)| split_of(laws, material, parameter);
+    asked.into_iter().map(answer).collect()
+}
+
+fn is_of_age(found: &Dependence) -> bool {
+    Covariate::OF_AGE.contains(&found.covariate)
+}
+
+fn is_of_humidity(found: &Dependence) -> bool {
+    found.covariate == Covariate::RelativeHumidity
+}
+
+fn split_of(laws: &CampaignLaws, material: &str, parameter: &str) -> String {
+    let what = format!("{} of {material}", symbol(parameter));
+    // The clearest answer about each.
+    let known = |wanted: fn(&Dependence) -> bool| {
+        let own = laws
+            .dependences
+            .iter()
+            .filter(|found| found.material == material && found.parameter == parameter && wanted(found));
+        own.min_by(|a, b| a.q.total_cmp(&b.q))
+    };
+    let claimed = |found: Option<&Dependence>| found.is_some_and(|found| found.q <= CLAIMED_BELOW);
+    let (age, humidity) = (known(is_of_age), known(is_of_humidity));
+    let is_mixed = |found: &&Dependence| {
+        let others = &found.confounded_with;
+        match is_of_age(found) {
+            true => others.contains(&Covariate::RelativeHumidity),
+            false => others.iter().any(|other| Covariate::OF_AGE.contains(other)),
+        }
+    };
+    let mixed = [age, humidity].into_iter().flatten();
+    if let Some(found) = mixed.filter(|found| found.q <= CLAIMED_BELOW).find(is_mixed) {
+        let mut names = vec![found.covariate];
+        names.extend(&found.confounded_with);
+        names.retain(|one| *one == Covariate::RelativeHumidity || Covariate::OF_AGE.contains(one));
+        names.sort_unstable();
+        return format!(
+            "{what}: ageing and humidity cannot be told apart, for {} changed together.",
+            listed(&names)
+        );
+    }
+    let how = |found: &Dependence| match found.change() {
+        Some(change) => moves(change, found.is_log),
+        None => "changes, by how much cannot be told".to_owned(),
+    };
+    let stays = |found: &Dependence| format!("with age ({}) it {}", found.covariate.label(), how(found));
+    let returns = |found: &Dependence| format!("with humidity it {} and comes back", how(found));
+    // What the readings rule out was asked about too.
+    let asked_about = |one: Option<&Dependence>, beside: &Dependence, wanted: fn(Covariate) -> bool| {
+        let mut ruled_out = beside.told_apart.ruled_out.iter();
+        one.is_some() || ruled_out.any(|rival| wanted(rival.covariate))
+    };
+    match (age, humidity) {
+        (Some(age), Some(humidity)) if claimed(Some(age)) && claimed(Some(humidity)) => {
+            format!("{what}: {} and stays so; {}.", stays(age), returns(humidity))
+        }
+        (Some(age), other) if claimed(Some(age)) => {
+            match asked_about(other, age, |one| one == Covariate::RelativeHumidity) {
+                true => format!(
+                    "{what}: {}; a part that follows humidity is not shown.",
+                    stays(age)
+                ),
+                false => format!(
+                    "{what}: {}; humidity did not change enough to say what follows it.",
+                    stays(age)
+                ),
+            }
+        }
+        (other, Some(humidity)) => {
+            match asked_about(other, humidity, |one| Covariate::OF_AGE.contains(&one)) {
+                true => format!(
+                    "{what}: {}; a part that stays with age is not shown.",
+                    returns(humidity)
+                ),
+                false => format!(
+                    "{what}: {}; the order of the runs is not known well enough to say what stays with age.",
+                    returns(humidity)
+                ),
+            }
+        }
+        _ => String::new(),
+    }
+}

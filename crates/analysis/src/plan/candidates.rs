@@ -1,0 +1,230 @@
+//! Runs that could be made: conditions that the material was measured in, on its samples.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::future::Setting;
+use crate::laws::covariate::Covariate;
+use crate::laws::facts::RunFacts;
+use ieap_domain::Campaign;
+
+/// Humidities (percent points) and temperatures (degrees) no further apart than this are one level.
+const ONE_LEVEL: f64 = 4.0;
+/// Candidates that are judged at most: with more conditions, fewer samples are looked at.
+const MOST: usize = 160;
+/// Samples that are looked at, most.
+const MOST_SAMPLES: usize = 6;
+
+/// A condition of the design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Condition {
+    /// Humidity and temperature, where they are stated.
+    pub numbers: BTreeMap<Covariate, f64>,
+    /// Environment and voltage.
+    pub names: BTreeMap<Covariate, String>,
+    /// Mean place among the runs of a sample.
+    order: f64,
+}
+
+/// The conditions that the runs at `places` were made in, in the order in which they were first gone through.
+pub fn conditions(facts: &[RunFacts], places: &[usize]) -> Vec<Condition> {
+    let humidity = Levels::of(facts, places, Covariate::RelativeHumidity);
+    let temperature = Levels::of(facts, places, Covariate::Temperature);
+    let mut found: BTreeMap<String, (Condition, f64)> = BTreeMap::new();
+    for &place in places {
+        let fact = &facts[place];
+        let mut numbers = BTreeMap::new();
+        for levels in [&humidity, &temperature] {
+            let number = fact.numbers.get(&levels.covariate);
+            numbers.extend(number.map(|known| (levels.covariate, levels.level(known.value))));
+        }
+        let mut names = BTreeMap::new();
+        for covariate in [Covariate::Environment, Covariate::Voltage] {
+            let name = fact.names.get(&covariate).cloned();
+            names.extend(name.map(|name| (covariate, name)));
+        }
+        let order = fact
+            .numbers
+            .get(&Covariate::RunOrder)
+            .map_or(place as f64, |known| known.value);
+        let condition = Condition {
+            numbers,
+            names,
+            order: 0.0,
+        };
+        let key = format!("{condition:?}");
+        let entry = found.entry(key).or_insert((condition, 0.0));
+        entry.0.order += order;
+        entry.1 += 1.0;
+    }
+    let mut conditions: Vec<Condition> = found
+        .into_values()
+        .map(|(mut condition, count)| {
+            condition.order /= count;
+            condition
+        })
+        .collect();
+    conditions.sort_by(|a, b| a.order.total_cmp(&b.order));
+    conditions
+}
+
+/// Candidates for one step of a plan: single runs, and, on a sample that has none yet, the last condition followed
+/// by the first.
+pub fn candidates(
+    facts: &[RunFacts],
+    places: &[usize],
+    campaign: &Campaign,
+    set: &[Covariate],
+) -> Vec<Vec<Setting>> {
+    let conditions = conditions(facts, places);
+    let variants: Vec<Condition> = conditions
+        .iter()
+        .flat_map(|condition| variants(condition, facts, places, set))
+        .collect();
+    let measured = samples(
+        facts,
+        places,
+        (MOST / variants.len().max(1)).clamp(1, MOST_SAMPLES),
+    );
+    let mut candidates: Vec<Vec<Setting>> = Vec::new();
+    for sample in &measured {
+        candidates.extend(variants.iter().map(|condition| vec![setting(sample, condition)]));
+    }
+    if let (Some(sample), Some(first), Some(last)) = (
+        unused(facts, places, campaign),
+        conditions.first(),
+        conditions.last(),
+    ) && first != last
+    {
+        candidates.push(vec![setting(&sample, last), setting(&sample, first)]);
+    }
+    candidates
+}
+
+fn setting(sample: &str, condition: &Condition) -> Setting {
+    Setting {
+        sample: sample.to_owned(),
+        numbers: condition.numbers.clone(),
+        names: condition.names.clone(),
+    }
+}
+
+/// The condition with every level of what else can be set and is tied: rest, instrument, calibration, operator.
+fn variants(
+    condition: &Condition,
+    facts: &[RunFacts],
+    places: &[usize],
+    set: &[Covariate],
+) -> Vec<Condition> {
+    let mut variants = vec![condition.clone()];
+    if set.contains(&Covariate::RestBefore) {
+        let rests = places
+            .iter()
+            .filter_map(|&place| facts[place].numbers.get(&Covariate::RestBefore));
+        let rests: Vec<f64> = rests.map(|known| known.value).collect();
+        let ends = [f64::min, f64::max].map(|end| rests.iter().copied().reduce(end));
+        variants = with(&variants, ends.into_iter().flatten(), |one, rest| {
+            one.numbers.insert(Covariate::RestBefore, rest);
+        });
+    }
+    for covariate in [Covariate::Instrument, Covariate::Calibration, Covariate::Operator] {
+        if !set.contains(&covariate) {
+            continue;
+        }
+        let names = places
+            .iter()
+            .filter_map(|&place| facts[place].names.get(&covariate));
+        let names: BTreeSet<&String> = names.collect();
+        variants = with(&variants, names.into_iter(), |one, name| {
+            one.names.insert(covariate, name.clone());
+        });
+    }
+    variants
+}
+
+fn with<T: Copy>(
+    conditions: &[Condition],
+    levels: impl Iterator<Item = T>,
+    put: impl Fn(&mut Condition, T),
+) -> Vec<Condition> {
+    let levels: Vec<T> = levels.collect();
+    let of = |condition: &Condition| {
+        let mut of_condition = Vec::new();
+        for &level in &levels {
+            let mut one = condition.clone();
+            put(&mut one, level);
+            of_condition.push(one);
+        }
+        of_condition
+    };
+    conditions.iter().flat_map(of).collect()
+}
+
+/// Samples to plan on: one of each batch before a second of any, those with the most runs first.
+fn samples(facts: &[RunFacts], places: &[usize], most: usize) -> Vec<String> {
+    let mut runs: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut batch: BTreeMap<&str, &str> = BTreeMap::new();
+    for &place in places {
+        let fact = &facts[place];
+        *runs.entry(&fact.sample).or_insert(0) += 1;
+        let own = fact.names.get(&Covariate::Batch).map_or("", String::as_str);
+        batch.insert(&fact.sample, own);
+    }
+    let mut of_batch: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut ordered: Vec<&str> = runs.keys().copied().collect();
+    ordered.sort_by(|a, b| runs[b].cmp(&runs[a]).then(a.cmp(b)));
+    for sample in ordered {
+        of_batch.entry(batch[sample]).or_default().push(sample);
+    }
+    let longest = of_batch.values().map(Vec::len).max().unwrap_or(0);
+    let in_turn = (0..longest).flat_map(|k| of_batch.values().filter_map(move |list| list.get(k)));
+    in_turn.take(most).map(|sample| (*sample).to_owned()).collect()
+}
+
+/// A sample of the material in campaign.toml that has no run yet.
+fn unused(facts: &[RunFacts], places: &[usize], campaign: &Campaign) -> Option<String> {
+    let material = &facts[*places.first()?].material;
+    let is_used = |id: &str| facts.iter().any(|fact| fact.sample == id);
+    let of_material = campaign
+        .samples
+        .iter()
+        .filter(|sample| sample.material == *material);
+    let mut unused = of_material.filter(|sample| !is_used(&sample.id));
+    unused.next().map(|sample| sample.id.clone())
+}
+
+/// Levels of a measured number: clusters of its values, each with its median.
+struct Levels {
+    covariate: Covariate,
+    /// Largest value and median of each, rising.
+    levels: Vec<(f64, f64)>,
+}
+
+impl Levels {
+    fn of(facts: &[RunFacts], places: &[usize], covariate: Covariate) -> Levels {
+        let mut values: Vec<f64> = places
+            .iter()
+            .filter_map(|&place| facts[place].numbers.get(&covariate))
+            .map(|known| known.value)
+            .collect();
+        values.sort_by(f64::total_cmp);
+        let mut levels = Vec::new();
+        let mut from = 0;
+        for at in 0..values.len() {
+            let ends = values
+                .get(at + 1)
+                .is_none_or(|next| next - values[at] > ONE_LEVEL);
+            if ends {
+                levels.push((values[at], values[(from + at) / 2]));
+                from = at + 1;
+            }
+        }
+        Levels { covariate, levels }
+    }
+
+    fn level(&self, value: f64) -> f64 {
+        let mut levels = self.levels.iter();
+        levels
+            .find(|(largest, _)| value <= *largest)
+            .map_or(value, |(_, median)| *median)
+    }
+}

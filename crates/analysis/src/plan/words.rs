@@ -1,0 +1,160 @@
+//! Plans in words.
+
+use super::untie::Untying;
+use crate::laws::covariate::Covariate;
+use crate::laws::facts::RunFacts;
+use crate::laws::find::TiedSet;
+use crate::laws::words::{counted, listed, short};
+use ieap_domain::seconds::seconds;
+use ieap_domain::{Drive, Level};
+
+/// `38`, `3.1`, or `no bound`.
+pub fn inflation(value: f64) -> String {
+    match value.is_finite() && value < super::ties::MOST {
+        true if value >= 100.0 => format!("{value:.0}"),
+        true => short(value),
+        false => "no bound".to_owned(),
+    }
+}
+
+/// `relative humidity from cycle`.
+pub fn pair((one, other): (Covariate, Covariate)) -> String {
+    format!("{} from {}", one.label(), other.label())
+}
+
+/// What a plan reaches, in a sentence; what it cannot, in others.
+pub fn reached(plan: &Untying) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let names = listed(&plan.covariates);
+    let runs = counted(plan.steps.len(), "run");
+    let (before, after) = (inflation(plan.inflation_before), inflation(plan.inflation_after));
+    if !plan.steps.is_empty() {
+        let end = match plan.is_reached() {
+            true => String::new(),
+            false => ", still above 5: more runs of the same kind are needed".to_owned(),
+        };
+        let what = match plan.left.is_empty() {
+            true => String::new(),
+            false => " of what runs in the conditions of the design can tell apart".to_owned(),
+        };
+        sentences.push(format!(
+            "{}: {names}. Variance inflation{what} {before} → {after} after {runs}{end}.",
+            plan.material
+        ));
+    } else if plan.would.is_empty() {
+        sentences.push(format!(
+            "{}: {names}. No run in the conditions of the design tells them apart.",
+            plan.material
+        ));
+    }
+    for would in &plan.would {
+        sentences.push(format!("{}: {would}", plan.material));
+    }
+    sentences
+}
+
+/// What would tell pairs apart that no run at hand can, a sentence each.
+pub fn would(
+    set: &TiedSet,
+    facts: &[RunFacts],
+    places: &[usize],
+    left: &[(Covariate, Covariate)],
+) -> Vec<String> {
+    if super::ties::ties(&set.covariates).is_empty() {
+        return vec![format!(
+            "{} grow together with every run. A sample that is left unused for long, or used often within little time, would tell them apart.",
+            listed(&set.covariates)
+        )];
+    }
+    left.iter()
+        .map(|pair| would_split(*pair, facts, places))
+        .collect()
+}
+
+fn would_split((one, other): (Covariate, Covariate), facts: &[RunFacts], places: &[usize]) -> String {
+    let lead = format!(
+        "no run in a condition of the design tells {} from {}",
+        one.label(),
+        other.label()
+    );
+    let numbers = [Covariate::RelativeHumidity, Covariate::Temperature];
+    let of_environment = match (one, other) {
+        (Covariate::Environment, number) | (number, Covariate::Environment) if numbers.contains(&number) => {
+            Some(number)
+        }
+        _ => None,
+    };
+    if let Some(number) = of_environment {
+        let highest = places
+            .iter()
+            .filter_map(|&place| Some((facts[place].numbers.get(&number)?.value, place)))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((value, place)) = highest {
+            let environment = facts[place].names.get(&Covariate::Environment);
+            return format!(
+                "{lead}: each environment was measured at one {}. A run in {} at another than {} would.",
+                number.label(),
+                environment.map_or("that environment", String::as_str),
+                shown_number(number, value)
+            );
+        }
+    }
+    let example = places.iter().find_map(|&a| {
+        let (first, second) = (level(&facts[a], one)?, level(&facts[a], other)?);
+        let differs = places.iter().rev().find_map(|&b| {
+            let (there, beside) = (level(&facts[b], one)?, level(&facts[b], other)?);
+            (there != first && beside != second).then_some(beside)
+        })?;
+        Some((first, differs))
+    });
+    match example {
+        Some((first, second)) if one == Covariate::Batch || other == Covariate::Batch => {
+            let (batch, at) = if one == Covariate::Batch {
+                (first, second)
+            } else {
+                (second, first)
+            };
+            format!("{lead}: another sample of {batch}, measured at {at}, would.")
+        }
+        Some((first, second)) => format!("{lead}: a run with {first} and {second} would."),
+        None => format!("{lead}."),
+    }
+}
+
+fn shown_number(covariate: Covariate, value: f64) -> String {
+    format!("{} {}", short(value), covariate.unit())
+        .trim_end()
+        .to_owned()
+}
+
+/// The level of a run in words: `batch B`, `relative humidity 20 % RH`.
+fn level(fact: &RunFacts, covariate: Covariate) -> Option<String> {
+    let value = match fact.names.get(&covariate) {
+        Some(name) => name.clone(),
+        None => shown_number(covariate, fact.numbers.get(&covariate)?.value),
+    };
+    Some(format!("{} {value}", covariate.label()))
+}
+
+/// A drive in words, for one who sets it: `hold 2.00 V for 600 s, then 0.00 V for 300 s`. The first word keeps
+/// spreadsheets from taking a negative voltage for a formula.
+pub fn drive(drive: &Drive, duration_s: f64) -> String {
+    const SHOWN: usize = 4;
+    let starts = drive.segments.iter().map(|segment| segment.start_s);
+    let ends = starts.skip(1).chain([duration_s]);
+    let segments = drive.segments.iter().zip(ends).take(SHOWN);
+    let parts: Vec<String> = segments
+        .map(|(segment, end)| {
+            let level = match segment.level {
+                Level::Voltage(volts) => format!("{:.2} V", volts + 0.0),
+                Level::OpenCircuit => "open circuit".to_owned(),
+            };
+            format!("{level} for {} s", seconds(end - segment.start_s))
+        })
+        .collect();
+    let more = match drive.segments.len() > SHOWN {
+        true => format!(", and so on for {} s", seconds(duration_s)),
+        false => String::new(),
+    };
+    format!("hold {}{more}", parts.join(", then "))
+}

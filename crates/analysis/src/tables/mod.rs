@@ -1,0 +1,127 @@
+//! The named tables. A table is one file here and one row in [`TABLES`]: a pure function from what the database holds.
+
+mod cells;
+mod conditions_table;
+mod extended;
+mod findings;
+mod fits;
+pub mod moved;
+mod refused;
+mod runs;
+mod spread;
+mod table;
+mod table2;
+mod table3;
+mod table4;
+mod table5;
+mod table6;
+
+pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
+pub use table6::rules;
+
+use ieap_domain::{Campaign, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+
+/// What tables are made from.
+#[derive(Debug, Clone, Copy)]
+pub struct TableInput<'a> {
+    /// The campaign.
+    pub campaign: &'a Campaign,
+    /// Current revision of every run that speaks.
+    pub runs: &'a [RunRecord],
+    /// The runs that do not: only the list of runs shows them.
+    pub set_aside: &'a [RunRecord],
+    /// Current modulus logs with what was found in them.
+    pub modulus_logs: &'a [ModulusLog],
+    /// Every file that the last scan saw.
+    pub files: &'a [SourceFile],
+    /// Diagnoses of groups.
+    pub groups: &'a [GroupDiagnosis],
+    /// Program and state of the database, for the table's foot.
+    pub origin: &'a str,
+}
+
+/// A table that can be asked for.
+pub struct NamedTable {
+    /// Its name.
+    pub name: &'static str,
+    /// What it shows, one sentence.
+    pub about: &'static str,
+    /// Makes it; name, notice and origin are filled in by [`NamedTable::table`].
+    make: fn(&TableInput) -> Table,
+}
+
+impl NamedTable {
+    /// The table of that campaign.
+    pub fn table(&self, input: &TableInput) -> Table {
+        Table {
+            name: self.name.to_owned(),
+            notice: input.campaign.notice.clone(),
+            origin: input.origin.to_owned(),
+            ..(self.make)(input)
+        }
+    }
+}
+
+/// Every table, in the order in which they are listed.
+pub const TABLES: [NamedTable; 11] = [
+    NamedTable {
+        name: "table2",
+        about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
+        make: table2::make,
+    },
+    NamedTable {
+        name: "table3",
+        about: "Parameters of the distributed model, one row a sample (the thesis's table 3)",
+        make: table3::make,
+    },
+    NamedTable {
+        name: "table4",
+        about: "Complex modulus before and after each humidity step (the thesis's table 4)",
+        make: table4::make,
+    },
+    NamedTable {
+        name: "table5",
+        about: "Parameters of the lumped model by material, environment and voltage (the thesis's table 5)",
+        make: table5::make,
+    },
+    NamedTable {
+        name: "table6",
+        about: "What happens in which environment at which voltage, in words (the thesis's table 6)",
+        make: table6::make,
+    },
+    NamedTable {
+        name: "spread",
+        about: "Means over repeats with the spread between samples, between runs and the fits' own uncertainty",
+        make: spread::make,
+    },
+    NamedTable {
+        name: "conditions",
+        about: "Conditions that were measured, with their runs, samples and total capacitance",
+        make: conditions_table::make,
+    },
+    NamedTable {
+        name: "runs",
+        about: "Every run with its tags, state and goodness of fit",
+        make: runs::make,
+    },
+    NamedTable {
+        name: "fits",
+        about: "Every run's current fit, all parameters",
+        make: fits::make,
+    },
+    NamedTable {
+        name: "findings",
+        about: "What the model gets wrong in each group of runs, and why",
+        make: findings::make,
+    },
+    NamedTable {
+        name: "refused",
+        about: "Files and runs that are not in the other tables, with reason and mend",
+        make: refused::make,
+    },
+];
+
+/// The table of that name.
+pub fn named(name: &str) -> Option<&'static NamedTable> {
+    TABLES.iter().find(|table| table.name == name)
+}

@@ -1,0 +1,149 @@
+//! The current after an open circuit, where the problem is no longer separable: what the branches exchange
+//! while the source is away depends on every resistance. All parameters are searched together.
+
+use ieap_domain::{Drive, Level};
+use ieap_model::{Branch, LumpedModel};
+use ieap_numerics::levenberg::{Local, Stop, minimise};
+use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+
+use super::circuit::Solution;
+use super::sampled::Sampled;
+
+/// Step of the difference quotients in logarithms.
+const STEP: f64 = 1e-6;
+/// Evaluations allowed.
+const LIMIT: u64 = 60;
+
+/// A refined solution with what the covariance needs.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Refined {
+    /// Logarithms of the time constants, conductances and the sum of squares.
+    pub(super) solution: Solution,
+    /// Current at every reading, A.
+    pub(super) fitted: Vec<f64>,
+    /// Derivatives of the current with respect to [ln c_1.., steady, ln tau_1..], by column.
+    pub(super) jacobian: Vec<Vec<f64>>,
+    /// Why the search stopped.
+    pub(super) stop: Stop,
+    /// Evaluations of the current and its derivatives.
+    pub(super) evaluations: u64,
+}
+
+/// Whether the source comes back after an open circuit.
+pub(super) fn is_coupled(drive: &Drive) -> bool {
+    let open = drive
+        .segments
+        .iter()
+        .position(|segment| segment.level == Level::OpenCircuit);
+    open.is_some_and(|first| {
+        drive.segments[first..]
+            .iter()
+            .any(|segment| matches!(segment.level, Level::Voltage(_)))
+    })
+}
+
+/// The current of unit area as a function of [ln c_1.., steady / unit, ln tau_1..].
+struct Current<'a> {
+    drive: &'a Drive,
+    sampled: &'a Sampled,
+    branches: usize,
+    unit_a_per_v: f64,
+}
+
+impl Current<'_> {
+    fn at(&self, place: &[f64]) -> Vec<f64> {
+        let n = self.branches;
+        let branch = |k: usize| Branch {
+            resistance_ohm_cm2: (-place[k]).exp(),
+            capacitance_f_per_cm2: (place[k] + place[n + 1 + k]).exp(),
+        };
+        let model = LumpedModel {
+            branches: (0..n).map(branch).collect(),
+            steady_state_resistance_ohm_cm2: (place[n].max(0.0) * self.unit_a_per_v).recip(),
+            charge_to_curvature_per_c_cm: 0.0,
+            relaxation_rate_per_s: 0.0,
+        };
+        model.current_a(self.drive, 1.0, &self.sampled.time_s)
+    }
+
+    fn jacobian(&self, place: &[f64], here: &[f64]) -> Vec<Vec<f64>> {
+        let column = |k: usize| {
+            let mut there = place.to_vec();
+            there[k] += STEP;
+            self.at(&there)
+                .iter()
+                .zip(here)
+                .map(|(a, b)| (a - b) / STEP)
+                .collect()
+        };
+        (0..2 * self.branches + 1).map(column).collect()
+    }
+
+    fn local(&self, place: &[f64]) -> Local {
+        let here = self.at(place);
+        let jacobian = self.jacobian(place, &here);
+        let residuals: Vec<f64> = self
+            .sampled
+            .values
+            .iter()
+            .zip(&here)
+            .map(|(y, f)| y - f)
+            .collect();
+        let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut descent = [0.0; CAPACITY];
+        for (out, column) in descent.iter_mut().zip(&jacobian) {
+            *out = inner(column, &residuals);
+        }
+        Local {
+            square: inner(&residuals, &residuals),
+            descent,
+            normal: Symmetric::from_fn(jacobian.len(), |a, b| inner(&jacobian[a], &jacobian[b])),
+        }
+    }
+}
+
+/// Searches on from a separable solution, whose branches must all carry current, with the time constants
+/// between `low` and `high` (logarithms of s).
+pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64, high: f64) -> Refined {
+    let n = from.log_time_constants.len();
+    let unit_a_per_v: f64 = from.conductances_a_per_v.iter().sum();
+    let current = Current {
+        drive,
+        sampled,
+        branches: n,
+        unit_a_per_v,
+    };
+    // A branch that was given no current starts small, so that the search may still raise it.
+    let logs = |k: usize| from.conductances_a_per_v[k].max(1e-3 * unit_a_per_v).ln();
+    let mut start: Vec<f64> = (0..n).map(logs).collect();
+    start.push(from.conductances_a_per_v[n] / unit_a_per_v);
+    start.extend(&from.log_time_constants);
+    let mut lowest = vec![unit_a_per_v.ln() - 20.0; n];
+    lowest.push(0.0);
+    lowest.extend(vec![low; n]);
+    let mut highest = vec![unit_a_per_v.ln() + 10.0; n];
+    highest.push(1e3);
+    highest.extend(vec![high; n]);
+    let rounding = 4.0 * f64::EPSILON * sampled.square();
+    let found = minimise(&start, &lowest, &highest, LIMIT, 1e-10, rounding, |place| {
+        current.local(place)
+    });
+    let place = &found.at[..2 * n + 1];
+    let fitted = current.at(place);
+    let mut jacobian = current.jacobian(place, &fitted);
+    jacobian[n].iter_mut().for_each(|value| *value /= unit_a_per_v);
+    let mut conductances_a_per_v: Vec<f64> = place[..n].iter().map(|log| log.exp()).collect();
+    conductances_a_per_v.push(place[n] * unit_a_per_v);
+    Refined {
+        solution: Solution {
+            log_time_constants: place[n + 1..].to_vec(),
+            conductances_a_per_v,
+            offset_a: 0.0,
+            square: found.local.square,
+        },
+        fitted,
+        jacobian,
+        stop: found.stop,
+        evaluations: found.evaluations,
+    }
+}

@@ -1,0 +1,321 @@
+//! Least squares over all series at once, with derivatives by differences: the series is cheap and smooth.
+
+use ieap_numerics::levenberg::{self, Local, Stop};
+use ieap_numerics::sums::{dot, square};
+use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+
+use super::described::Described;
+use super::left_out::{Columns, LeftOut};
+use super::readings::{Group, Kind, Readings};
+use super::residual_noise::ResidualNoise;
+use super::{DistributedInput, response};
+
+/// Step of the differences in a logarithm: the error of second order is then about a part in 10^9.
+const STEP: f64 = 3e-5;
+/// Evaluations of one search.
+const LIMIT: u64 = 80;
+/// A search ends where a step would lower the sum of squares by less than this part of it: a resistance that is too
+/// small to be noticed is not followed to nothing.
+const SETTLED: f64 = 1e-9;
+/// Half width of the box around a start, in logarithms.
+const HALF_BOX: f64 = 16.0;
+/// Relative precision below which a direction counts as not determined.
+const FLOOR: f64 = 1e-13;
+/// `R_e L^2 / R_c` below which nothing would be noticed: a lumped model is then wrong by a quarter of a thousandth.
+const LEAST_REACH: f64 = 1e-3;
+
+/// A minimum with what its uncertainty needs.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    /// Parameters at the minimum.
+    pub at: Vec<f64>,
+    /// Sum of squared residuals, each over its noise.
+    pub square: f64,
+    /// Covariance of the parameters; correlation of the residuals in time and between places, and misfit, allowed for.
+    pub covariance: Symmetric,
+    /// Variance of each parameter in units of what independent residuals of the noise's size would give.
+    pub inflation: Vec<f64>,
+    /// Degrees of freedom.
+    pub freedom: f64,
+    /// Why the search stopped.
+    pub stop: Stop,
+    /// Evaluations that it took.
+    pub evaluations: u64,
+}
+
+impl Fitted {
+    /// The same for the parameters of these indices only.
+    pub fn part(&self, indices: &[usize]) -> Fitted {
+        Fitted {
+            at: indices.iter().map(|&k| self.at[k]).collect(),
+            covariance: self.covariance.part(indices),
+            inflation: indices.iter().map(|&k| self.inflation[k]).collect(),
+            ..self.clone()
+        }
+    }
+}
+
+/// What parameters say of the strip.
+type Describe<'a> = Box<dyn Fn(&[f64]) -> Described + 'a>;
+
+/// A least-squares problem: groups of series, and what parameters say of the strip.
+pub(super) struct Problem<'a> {
+    /// The groups.
+    pub groups: Vec<&'a Group>,
+    input: &'a DistributedInput<'a>,
+    parameters: usize,
+    /// Whether the first parameters are the electrical ones.
+    fits_electrodes: bool,
+    describe: Describe<'a>,
+}
+
+impl<'a> Problem<'a> {
+    /// A problem of the groups whose kind is among `kinds`.
+    pub fn new(
+        input: &'a DistributedInput<'a>,
+        readings: &'a Readings,
+        kinds: &[Kind],
+        parameters: usize,
+        describe: impl Fn(&[f64]) -> Described + 'a,
+    ) -> Problem<'a> {
+        let groups = readings.groups.iter();
+        let groups = groups.filter(|group| kinds.contains(&group.kind)).collect();
+        Problem::of_groups(input, groups, parameters, describe)
+    }
+
+    /// A problem of these groups.
+    pub fn of_groups(
+        input: &'a DistributedInput<'a>,
+        groups: Vec<&'a Group>,
+        parameters: usize,
+        describe: impl Fn(&[f64]) -> Described + 'a,
+    ) -> Problem<'a> {
+        Problem {
+            groups,
+            input,
+            parameters,
+            fits_electrodes: parameters > 3,
+            describe: Box::new(describe),
+        }
+    }
+
+    /// Number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    /// Sum of squares at a place.
+    pub fn square(&self, at: &[f64]) -> f64 {
+        let residuals = self.residuals(at);
+        residuals.iter().map(|residuals| square(residuals)).sum()
+    }
+
+    /// What the place says of every group, one series after the other.
+    pub fn predicted(&self, at: &[f64]) -> Vec<Vec<f64>> {
+        let described = (self.describe)(at);
+        let of = |group: &&Group| response::predicted(&described, self.input.drive, group);
+        self.groups.iter().map(of).collect()
+    }
+
+    /// Residuals of every group over the noise.
+    pub fn residuals(&self, at: &[f64]) -> Vec<Vec<f64>> {
+        let mut all = self.predicted(at);
+        for (residuals, group) in all.iter_mut().zip(&self.groups) {
+            for (place, row) in residuals.chunks_exact_mut(group.time_s.len()).enumerate() {
+                let noise = group.noise[place];
+                row.iter_mut()
+                    .zip(group.values[place].iter())
+                    .for_each(|(r, v)| *r = (v - *r) / noise);
+            }
+        }
+        all
+    }
+
+    /// Derivatives of the predictions over the noise by parameter and group, by central differences.
+    pub fn slopes(&self, at: &[f64]) -> Vec<Vec<Vec<f64>>> {
+        (0..self.parameters).map(|k| self.slope(at, k)).collect()
+    }
+
+    /// Derivatives by parameter `k`, by group.
+    pub fn slope(&self, at: &[f64], k: usize) -> Vec<Vec<f64>> {
+        let moved = |by: f64| {
+            let mut place = at.to_vec();
+            place[k] += by;
+            self.residuals(&place)
+        };
+        let (mut up, down) = (moved(STEP), moved(-STEP));
+        for (up, down) in up.iter_mut().zip(&down) {
+            up.iter_mut()
+                .zip(down)
+                .for_each(|(up, down)| *up = (down - *up) / (2.0 * STEP));
+        }
+        up
+    }
+
+    fn local(&self, at: &[f64]) -> Local {
+        let n = self.parameters;
+        let (residuals, slopes) = (self.residuals(at), self.slopes(at));
+        let mut descent = [0.0; CAPACITY];
+        for (row, out) in descent.iter_mut().enumerate().take(n) {
+            *out = product(&slopes[row], &residuals);
+        }
+        Local {
+            square: product(&residuals, &residuals),
+            descent,
+            normal: Symmetric::from_fn(n, |row, column| product(&slopes[row], &slopes[column])),
+        }
+    }
+
+    /// Searches from `start` and forms the covariance at the minimum.
+    pub fn search(&self, start: &[f64]) -> Fitted {
+        let (low, high) = self.limits(start);
+        self.search_within(start, &low, &high)
+    }
+
+    /// A wide box around a start. A fitted R_e stays above what could be noticed, where its logarithm still moves
+    /// something.
+    pub fn limits(&self, start: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut low: Vec<f64> = start.iter().map(|x| x - HALF_BOX).collect();
+        let high: Vec<f64> = start.iter().map(|x| x + HALF_BOX).collect();
+        let strip = &self.input.strip;
+        if strip.electrode_resistance_ohm_per_sq.is_none() && self.fits_electrodes {
+            low[3] = (LEAST_REACH / strip.length_cm.powi(2)).ln() + start[0];
+        }
+        (low, high)
+    }
+
+    /// The same within a box.
+    pub fn search_within(&self, start: &[f64], low: &[f64], high: &[f64]) -> Fitted {
+        let n = self.parameters;
+        let found = levenberg::minimise(start, low, high, LIMIT, SETTLED, 0.0, |at| self.local(at));
+        let at = found.at[..n].to_vec();
+        let (residuals, slopes) = (self.residuals(&at), self.slopes(&at));
+        let noise = self.noise(&residuals);
+        let scattered: Vec<Vec<Vec<f64>>> = slopes.iter().map(|slope| scatter(&noise, slope)).collect();
+        let middle = Symmetric::from_fn(n, |row, column| product(&slopes[row], &scattered[column]));
+        let inverse = found.local.normal.floored_inverse(FLOOR);
+        let covariance = inverse.sandwich(&middle);
+        let mut freedom = slopes
+            .iter()
+            .zip(&scattered)
+            .map(|(slope, scattered)| freedom(&noise, slope, scattered, n))
+            .fold(f64::INFINITY, f64::min);
+        let columns = Columns {
+            groups: &self.groups,
+            residuals: &residuals,
+            slopes: &slopes,
+        };
+        let places: Vec<f64> = noise.iter().map(ResidualNoise::independent_places).collect();
+        let covariance = match columns.left_out(&found.local.normal, &places, FLOOR) {
+            Some(left_out) => widened(&covariance, &left_out, &mut freedom),
+            None => covariance,
+        };
+        Fitted {
+            at,
+            square: found.local.square,
+            inflation: (0..n)
+                .map(|k| covariance.get(k, k) / inverse.get(k, k).max(f64::MIN_POSITIVE))
+                .collect(),
+            covariance,
+            freedom,
+            stop: found.stop,
+            evaluations: found.evaluations,
+        }
+    }
+
+    /// By how much each group's part in the parameters varies more than independent readings of its noise would let it,
+    /// the parameters taken alike; 1 at least.
+    pub fn excess(&self, at: &[f64]) -> Vec<f64> {
+        let (noise, slopes) = (self.noise(&self.residuals(at)), self.slopes(at));
+        let of = |(g, noise): (usize, &ResidualNoise)| {
+            let (mut varies, mut would) = (0.0, 0.0);
+            for slope in &slopes {
+                let all = product(slope, slope).max(f64::MIN_POSITIVE);
+                varies += dot(&slope[g], &noise.times(&slope[g])) / all;
+                would += square(&slope[g]) / all;
+            }
+            let excess = varies / would;
+            if excess.is_finite() { excess.max(1.0) } else { 1.0 }
+        };
+        noise.iter().enumerate().map(of).collect()
+    }
+
+    /// Noise of every group, as residuals over the noise show it.
+    pub fn noise(&self, residuals: &[Vec<f64>]) -> Vec<ResidualNoise> {
+        let series: usize = self.groups.iter().map(|group| group.values.len()).sum();
+        let terms = self.parameters as f64 / series.max(1) as f64;
+        let groups = self.groups.iter().zip(residuals);
+        groups
+            .map(|(group, residuals)| ResidualNoise::of(residuals, group.time_s.len(), terms))
+            .collect()
+    }
+
+    /// Derivatives at a place divided by their normal equations: how the minimum moves with the readings.
+    pub fn inverse_normal(&self, slopes: &[Vec<Vec<f64>>]) -> Symmetric {
+        let entry = |row: usize, column: usize| product(&slopes[row], &slopes[column]);
+        Symmetric::from_fn(slopes.len(), entry).floored_inverse(FLOOR)
+    }
+}
+
+/// Inner product of two columns that stand by group.
+pub(super) fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
+}
+
+/// The covariance where leaving places out shows no larger one, else that, parameter by parameter; `freedom` is what the
+/// variance is known from.
+fn widened(covariance: &Symmetric, left_out: &LeftOut, freedom: &mut f64) -> Symmetric {
+    let factor = |k: usize| {
+        let (noise, shown) = (covariance.get(k, k), left_out.covariance.get(k, k));
+        let factor = shown / noise;
+        if factor.is_finite() && factor > 1.0 {
+            factor
+        } else {
+            1.0
+        }
+    };
+    let factors: Vec<f64> = (0..covariance.order()).map(factor).collect();
+    for factor in &factors {
+        let more = 1.0 - factor.recip();
+        *freedom = ((1.0 - more).powi(2) / *freedom + more * more / left_out.freedom)
+            .recip()
+            .min(*freedom);
+    }
+    Symmetric::from_fn(covariance.order(), |i, j| {
+        covariance.get(i, j) * (factors[i] * factors[j]).sqrt()
+    })
+}
+
+/// Independent readings that the variance along a column is known from (Satterthwaite), of which a fit has taken
+/// `parameters`; `scattered` is the covariance of the noise times the column.
+pub(super) fn freedom(
+    noise: &[ResidualNoise],
+    column: &[Vec<f64>],
+    scattered: &[Vec<f64>],
+    parameters: usize,
+) -> f64 {
+    let independent: f64 = noise.iter().map(ResidualNoise::independent_readings).sum();
+    let by_noise = (independent - parameters as f64).max(1.0);
+    let all = product(column, scattered);
+    let (mut common, mut known) = (0.0, 0.0);
+    for (noise, part) in noise.iter().zip(column) {
+        if let Some((scattered, freedom)) = noise.common(part) {
+            let variance = dot(part, &scattered);
+            common += variance;
+            known += variance * variance / freedom;
+        }
+    }
+    if all <= 0.0 {
+        return by_noise;
+    }
+    ((all - common).powi(2) / by_noise + known).recip().min(f64::MAX) * all * all
+}
+
+/// The covariance of the noise times a column that stands by group.
+pub(super) fn scatter(noise: &[ResidualNoise], column: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    noise
+        .iter()
+        .zip(column)
+        .map(|(noise, part)| noise.times(part))
+        .collect()
+}

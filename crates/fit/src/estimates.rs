@@ -1,0 +1,305 @@
+//! From least-squares results to estimates: values with intervals where the data determine them, bounds or
+//! reasons where they do not.
+
+use ieap_domain::{Drive, Estimate, Level};
+use ieap_numerics::symmetric::CAPACITY;
+
+use super::bending::Bending;
+use super::electrical::{Bound, Electrical};
+use super::joint::feature::Feature;
+
+/// A positive parameter whose 95 % interval spans more than this factor to either side is not determined:
+/// linear error propagation means nothing there.
+const WIDEST_FACTOR: f64 = 5.0;
+
+/// Estimates of the electrical parameters.
+pub(super) fn electrical_estimate(
+    feature: Feature,
+    electrical: &Electrical,
+    drive: &Drive,
+) -> Option<Estimate> {
+    match feature {
+        Feature::Resistance(k) | Feature::Capacitance(k) | Feature::TimeConstant(k) => {
+            Some(branch_part(feature, k, electrical))
+        }
+        Feature::Steady => Some(steady(electrical, drive)),
+        Feature::TotalCapacitance => Some(total_capacitance(electrical)),
+        Feature::ParallelResistance => Some(parallel_resistance(electrical)),
+        Feature::Coupling | Feature::Rate => None,
+    }
+}
+
+fn branch_part(part: Feature, k: usize, electrical: &Electrical) -> Estimate {
+    let n = electrical.conductances_a_per_v.len();
+    if k >= n {
+        return Estimate::not_determined(absent(n));
+    }
+    if electrical.in_doubt {
+        return Estimate::not_determined(in_doubt(n));
+    }
+    if let Some(bound) = electrical.at_bound[k] {
+        let mut estimate = Estimate::not_determined(beyond(bound));
+        estimate.at_bound = true;
+        return estimate;
+    }
+    let mut weights = [0.0; CAPACITY];
+    let conductance = electrical.conductances_a_per_v[k];
+    match part {
+        Feature::Resistance(_) => {
+            weights[k] = -1.0;
+            logarithmic(part, electrical.area_cm2 / conductance, &weights, electrical)
+        }
+        Feature::Capacitance(_) => {
+            weights[k] = 1.0;
+            weights[n + 1 + k] = 1.0;
+            let capacitance = conductance * electrical.time_constants_s[k] / electrical.area_cm2;
+            logarithmic(part, capacitance, &weights, electrical)
+        }
+        _ => {
+            weights[n + 1 + k] = 1.0;
+            logarithmic(part, electrical.time_constants_s[k], &weights, electrical)
+        }
+    }
+}
+
+/// What the parts of the branches are worth where the last of `n` is in doubt.
+pub(super) fn in_doubt(n: usize) -> String {
+    match n {
+        2 => {
+            "a second branch may be there or may be chance, so that the parts of neither are known".to_owned()
+        }
+        _ => format!(
+            "a {} branch may be there or may be chance, so that the parts of none are known",
+            ordinal(n)
+        ),
+    }
+}
+
+/// Why branch `k` is missing where the current shows `n`.
+fn absent(n: usize) -> String {
+    match n {
+        0 => "no branch with a positive resistance and capacitance describes the current better than noise would"
+            .to_owned(),
+        _ => format!(
+            "no {} branch with a positive resistance and capacitance describes the current better than noise \
+             would: {} enough",
+            ordinal(n + 1),
+            counted(n)
+        ),
+    }
+}
+
+/// `second` for 2.
+pub(super) fn ordinal(n: usize) -> &'static str {
+    match n {
+        1 => "first",
+        2 => "second",
+        3 => "third",
+        4 => "fourth",
+        _ => "further",
+    }
+}
+
+/// `one branch is`, `two branches are`.
+pub(super) fn counted(n: usize) -> &'static str {
+    match n {
+        1 => "one branch is",
+        2 => "two branches are",
+        3 => "three branches are",
+        _ => "that many branches are",
+    }
+}
+
+fn beyond(bound: Bound) -> String {
+    match bound {
+        Bound::Low => "the branch charges faster than the readings follow each other".to_owned(),
+        Bound::High => {
+            "the branch charges so slowly that the record shows only a constant current of it".to_owned()
+        }
+    }
+}
+
+/// C1 + C2: weights of the logarithms are the shares of the branches.
+fn total_capacitance(electrical: &Electrical) -> Estimate {
+    let n = electrical.conductances_a_per_v.len();
+    let branches = electrical
+        .conductances_a_per_v
+        .iter()
+        .zip(&electrical.time_constants_s);
+    let parts: Vec<f64> = branches.map(|(c, tau)| c * tau / electrical.area_cm2).collect();
+    let total: f64 = parts.iter().sum();
+    let mut weights = [0.0; CAPACITY];
+    for (k, part) in parts.iter().enumerate() {
+        weights[k] = part / total;
+        weights[n + 1 + k] = part / total;
+    }
+    derived(
+        Feature::TotalCapacitance,
+        total,
+        &weights,
+        electrical,
+        Bound::High,
+    )
+}
+
+/// R1 || R2 = A / (c1 + c2).
+fn parallel_resistance(electrical: &Electrical) -> Estimate {
+    let total: f64 = electrical.conductances_a_per_v.iter().sum();
+    let mut weights = [0.0; CAPACITY];
+    for (weight, conductance) in weights.iter_mut().zip(&electrical.conductances_a_per_v) {
+        *weight = -conductance / total;
+    }
+    derived(
+        Feature::ParallelResistance,
+        electrical.area_cm2 / total,
+        &weights,
+        electrical,
+        Bound::Low,
+    )
+}
+
+/// A sum over the branches; lost where a branch lies at the bound that such a sum does not survive.
+fn derived(
+    part: Feature,
+    value: f64,
+    weights: &[f64; CAPACITY],
+    electrical: &Electrical,
+    fatal: Bound,
+) -> Estimate {
+    if electrical.conductances_a_per_v.is_empty() {
+        return Estimate::not_determined(absent(0));
+    }
+    if electrical.at_bound.contains(&Some(fatal)) {
+        return Estimate::not_determined(beyond(fatal));
+    }
+    logarithmic(part, value, weights, electrical)
+}
+
+/// An estimate whose logarithm has the standard error that the weights give.
+fn logarithmic(part: Feature, value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
+    let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
+    let half = electrical.residuals.quantile * relative;
+    if !(value.is_finite() && value > 0.0 && half <= WIDEST_FACTOR.ln()) {
+        return Estimate::not_determined(
+            "the current does not separate it from the other electrical parameters: \
+             its 95 % interval would span more than a factor of five to either side",
+        );
+    }
+    let ends = electrical.ends.iter().find(|ends| ends.feature == part);
+    let (low, high) = ends.map_or((1.0, 1.0), |ends| (ends.low, ends.high));
+    Estimate::determined(
+        value,
+        value * relative,
+        value * (-low * half).exp(),
+        value * (high * half).exp(),
+    )
+}
+
+/// R_ss from its conductance, in which the current is linear: where the interval of the conductance reaches
+/// (nearly) to zero only a lower bound of the resistance is known.
+fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
+    if !electrical.steady_visible {
+        let held = drive
+            .segments
+            .iter()
+            .any(|segment| matches!(segment.level, Level::Voltage(v) if v != 0.0));
+        return Estimate::not_determined(if held {
+            "no current was read while a voltage was held"
+        } else {
+            "no voltage other than zero was held, so no steady current could flow"
+        });
+    }
+    let index = electrical.conductances_a_per_v.len();
+    let error = electrical.covariance.get(index, index).max(0.0).sqrt();
+    let half = electrical.residuals.quantile * error;
+    let area = electrical.area_cm2;
+    let (low, high) = (electrical.steady_a_per_v - half, electrical.steady_a_per_v + half);
+    if !high.is_finite() || high <= 0.0 {
+        return Estimate::not_determined("the current leaves the steady part open");
+    }
+    if electrical.at_bound.contains(&Some(Bound::High)) {
+        let slow: f64 = electrical.conductances_a_per_v.iter().sum();
+        return Estimate::above(
+            area / (electrical.steady_a_per_v + slow),
+            "a branch that hardly decays within the record carries a part of the lasting current, and the two cannot be told apart",
+        );
+    }
+    if low <= electrical.steady_a_per_v / 10.0 {
+        let mut estimate = Estimate::above(area / high, "the steady current cannot be told from zero");
+        estimate.at_bound = electrical.steady_a_per_v == 0.0;
+        return estimate;
+    }
+    let value = area / electrical.steady_a_per_v;
+    Estimate::determined(
+        value,
+        value * error / electrical.steady_a_per_v,
+        area / high,
+        area / low,
+    )
+}
+
+/// Estimates of coupling and relaxation rate, or why there are none.
+pub(super) fn bending_estimate(feature: Feature, bending: Result<&Bending, &str>) -> Option<Estimate> {
+    let index = match feature {
+        Feature::Coupling => 0,
+        Feature::Rate => 1,
+        _ => return None,
+    };
+    let bending = match bending {
+        Ok(bending) => bending,
+        Err(reason) => return Some(Estimate::not_determined(reason)),
+    };
+    if !bending.evident {
+        // A coupling near zero leaves the rate open, and its own size depends on that rate.
+        return Some(Estimate::not_determined(
+            "the curvature does not differ from its noise",
+        ));
+    }
+    let error = bending.covariance.get(index, index).max(0.0).sqrt();
+    let half = bending.residuals.quantile * error;
+    Some(if index == 0 {
+        coupling(bending, error, half)
+    } else {
+        rate(bending, error, half)
+    })
+}
+
+fn coupling(bending: &Bending, error: f64, half: f64) -> Estimate {
+    let value = bending.coupling_per_c_cm;
+    if coupling_is_open(bending) {
+        return Estimate::not_determined(OPEN_COUPLING);
+    }
+    Estimate::determined(value, error, value - half, value + half)
+}
+
+const OPEN_COUPLING: &str = "coupling and rate cannot be told apart, or the charge is not known well enough: \
+                             the 95 % interval of the coupling would contain zero although the strip bends";
+
+/// Whether the interval of the coupling reaches zero; without a coupling the rate means nothing either.
+fn coupling_is_open(bending: &Bending) -> bool {
+    let error = bending.covariance.get(0, 0).max(0.0).sqrt();
+    let half = bending.residuals.quantile * error;
+    bending.at_upper_bound || half.is_nan() || half >= bending.coupling_per_c_cm.abs()
+}
+
+fn rate(bending: &Bending, error: f64, half: f64) -> Estimate {
+    let value = bending.rate_per_s;
+    if bending.at_upper_bound {
+        let mut estimate =
+            Estimate::not_determined("relaxation is faster than the readings follow each other");
+        estimate.at_bound = true;
+        return estimate;
+    }
+    if coupling_is_open(bending) || !half.is_finite() {
+        return Estimate::not_determined(OPEN_COUPLING);
+    }
+    if value - half <= 0.0 {
+        let mut estimate = Estimate::below(
+            value + half,
+            "relaxation is too slow for this record: the rate cannot be told from zero",
+        );
+        estimate.at_bound = value == 0.0;
+        return estimate;
+    }
+    Estimate::determined(value, error, value - half, value + half)
+}

@@ -1,0 +1,325 @@
+//! Fits of several runs at once: parameters that all runs share, others free in every run.
+
+mod intervals;
+mod search;
+
+use ieap_domain::{Fit, Issue, Parameter};
+use ieap_model::{FitModel, ParameterDescription};
+use ieap_numerics::chance::chi_square_chance;
+
+use super::joint::dense::{Bottom, Slope};
+use super::joint::feature::Feature;
+use super::joint::minimum::excess;
+use super::joint::problem::{Layout, Over, Problem};
+use super::joint::readings::RunReadings;
+use super::joint::start::Start;
+use super::outcome;
+use super::sampled::Sampled;
+use super::{FitError, FitInput, FitOptions, Readings, identify, needed};
+
+pub(super) use intervals::Found;
+use intervals::{JudgedGroup, judge};
+use search::search;
+
+/// How to fit a group.
+#[derive(Debug, Clone)]
+pub struct GroupOptions {
+    /// The model.
+    pub model: &'static FitModel,
+    /// Keys of the parameters that all runs share, as in [`shareable`]; the others are free in every run.
+    pub shared: Vec<String>,
+    /// How intervals are found.
+    pub intervals: Intervals,
+    /// Bootstrap as a further opinion; none to do without.
+    pub bootstrap: Option<Bootstrap>,
+}
+
+/// How intervals are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Intervals {
+    /// From the covariance where it is narrow, else by profile likelihood.
+    #[default]
+    Automatic,
+    /// By profile likelihood always.
+    Profile,
+}
+
+/// A block bootstrap of the residuals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bootstrap {
+    /// Seed of the generator.
+    pub seed: u64,
+    /// Number of refits; 200 tell a standard error to 5 %.
+    pub replicates: usize,
+}
+
+impl Default for GroupOptions {
+    /// Two branches, everything shared.
+    fn default() -> GroupOptions {
+        GroupOptions::sharing_all(FitOptions::default().model)
+    }
+}
+
+impl GroupOptions {
+    /// Every parameter shared: the runs are repeats of one sample in one condition.
+    pub fn sharing_all(model: &'static FitModel) -> GroupOptions {
+        GroupOptions {
+            model,
+            shared: shareable(model).into_iter().map(str::to_owned).collect(),
+            intervals: Intervals::default(),
+            bootstrap: None,
+        }
+    }
+}
+
+/// Keys of the parameters that a group may share: those of the model that are not derived.
+pub fn shareable(model: &FitModel) -> Vec<&'static str> {
+    let own = model.parameters.iter().filter(|parameter| !parameter.derived);
+    own.map(|parameter| parameter.key).collect()
+}
+
+/// A fit of several runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupFit {
+    /// Keys of the shared parameters.
+    pub shared: Vec<String>,
+    /// Every run with its parameters (the shared ones the same in all), noise and curves.
+    pub runs: Vec<Fit>,
+    /// Weighted sum of squared residuals over all runs: minus twice the log likelihood but for a constant.
+    pub chi_square: f64,
+    /// Readings minus parameters.
+    pub degrees_of_freedom: f64,
+    /// What sharing costs; none for a single run.
+    pub sharing: Option<Sharing>,
+    /// Standard deviations and 95 % ranges of the bootstrap, per run, where asked for.
+    pub bootstrap: Vec<Vec<Resampled>>,
+    /// Whether the search converged.
+    pub converged: bool,
+    /// Why it stopped.
+    pub why_stopped: String,
+    /// Evaluations.
+    pub evaluations: u64,
+}
+
+/// Likelihood ratio of the shared parameters against the same ones free in every run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sharing {
+    /// Rise of the weighted sum of squares.
+    pub chi_square_rise: f64,
+    /// Parameters saved.
+    pub parameters_saved: usize,
+    /// Chance of such a rise where the runs have them in common.
+    pub p: f64,
+}
+
+/// What the bootstrap says of one parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resampled {
+    /// Key of the parameter.
+    pub key: String,
+    /// Standard deviation of the refits, unit of the parameter.
+    pub standard_deviation: f64,
+    /// 2.5 % point of the refits.
+    pub low_95: f64,
+    /// 97.5 % point.
+    pub high_95: f64,
+    /// Refits that counted.
+    pub replicates: usize,
+}
+
+/// Evaluations of one search over the condensed readings.
+const LIMIT: u64 = 150;
+
+/// Fits all runs at once, current and curvature weighted by their noise.
+///
+/// # Errors
+/// [`FitError`] where there is no run, a key cannot be shared, or a run gives nothing to start from.
+pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit, FitError> {
+    let layout = Layout {
+        branches: options.model.branches,
+    };
+    let shared = shared_places(layout, options)?;
+    if inputs.is_empty() {
+        return Err(FitError::EmptyGroup);
+    }
+    let mut runs = Vec::with_capacity(inputs.len());
+    let mut starts = Vec::with_capacity(inputs.len());
+    for (index, input) in inputs.iter().enumerate() {
+        let (run, start) = prepare(index, input, options)?;
+        runs.push(run);
+        starts.push(start);
+    }
+    let (problem, bottom, evaluations) = search(runs, &starts, &shared);
+    let mut judged = judge(&problem, bottom, options, evaluations);
+    let sharing = (inputs.len() > 1).then(|| weigh_sharing(&problem, &starts, &mut judged));
+    let fit = assemble(inputs, options, &problem, judged);
+    Ok(GroupFit { sharing, ..fit })
+}
+
+/// Whether a run can be part of a group: it needs a current with enough readings.
+///
+/// # Errors
+/// [`FitError`] says why it cannot.
+pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), FitError> {
+    let own = FitOptions {
+        model,
+        ..FitOptions::default()
+    };
+    let readings = Readings::new(input)?;
+    readings.check(input, &own)?;
+    let found = readings.current.as_ref().map(Sampled::after_step);
+    let needed = needed(model);
+    let reason = match found {
+        None => "it has no current channel, from which the electrical parameters start".to_owned(),
+        Some(found) if found < needed => {
+            format!("its current has {found} usable readings after the step, {needed} are needed")
+        }
+        Some(_) => return Ok(()),
+    };
+    Err(FitError::OutsideGroup { reason })
+}
+
+/// Fits every run by itself and weighs what sharing costs.
+fn weigh_sharing(problem: &Problem, starts: &[Start], judged: &mut JudgedGroup) -> Sharing {
+    let (mut square, mut parameters, mut misfit) = (0.0, 0, 1.0_f64);
+    for (run, start) in problem.runs.iter().zip(starts) {
+        let (own, bottom, evaluations) = search(vec![run.clone()], std::slice::from_ref(start), &[]);
+        square += bottom.slope.square;
+        parameters += own.low.len();
+        judged.evaluations += evaluations;
+        let slope = Slope {
+            square: own.square(&bottom.at, Over::Condensed),
+            ..bottom.slope.clone()
+        };
+        misfit = misfit.max(excess(&own, &Bottom { slope, ..bottom }).powi(2));
+    }
+    let shared = problem.square(&judged.bottom.at, Over::Whole);
+    let parameters_saved = parameters.saturating_sub(judged.bottom.at.len());
+    // A group's place is one that its runs may take: what falls below is what the searches leave.
+    let chi_square_rise = (shared - square).max(0.0);
+    Sharing {
+        chi_square_rise,
+        parameters_saved,
+        // Where the model leaves more than noise by itself, sharing must cost more than that to mean something.
+        p: chi_square_chance(chi_square_rise / misfit, parameters_saved),
+    }
+}
+
+/// Local places of the shared keys.
+fn shared_places(layout: Layout, options: &GroupOptions) -> Result<Vec<usize>, FitError> {
+    let known = shareable(options.model);
+    let place = |key: &String| {
+        let feature = known
+            .contains(&key.as_str())
+            .then(|| Feature::of_key(key, layout.branches))
+            .flatten();
+        let local = match feature {
+            Some(Feature::Resistance(k)) => Some(layout.resistance(k)),
+            Some(Feature::Capacitance(k)) => Some(layout.capacitance(k)),
+            Some(Feature::Steady) => Some(layout.steady()),
+            Some(Feature::Coupling) => Some(layout.coupling()),
+            Some(Feature::Rate) => Some(layout.rate()),
+            _ => None,
+        };
+        local.ok_or_else(|| FitError::SharedParameter {
+            found: key.clone(),
+            known: known.join(", "),
+        })
+    };
+    options.shared.iter().map(place).collect()
+}
+
+/// Readings of a run with their noise, and where its own two-step fit puts it.
+fn prepare<'a>(
+    index: usize,
+    input: &FitInput<'a>,
+    options: &GroupOptions,
+) -> Result<(RunReadings<'a>, Start), FitError> {
+    let own = FitOptions {
+        model: options.model,
+        ..FitOptions::default()
+    };
+    let readings = Readings::new(input)?;
+    readings.check(input, &own)?;
+    let identified = identify(input, &own, readings);
+    let (_, electrical) = identified.current.as_ref().map_err(|reason| FitError::GroupRun {
+        index,
+        reason: reason.clone(),
+    })?;
+    let mut start = Start::of(electrical, options.model.branches);
+    let mut run = RunReadings::new(input.channels, input.drive, input.area_cm2, needed(options.model));
+    match &identified.curvature {
+        Ok((_, bending)) => start = start.with_bending(bending),
+        Err(_) => run.curvature = None,
+    }
+    Ok((run, start))
+}
+
+fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judged: JudgedGroup) -> GroupFit {
+    let readings: usize = problem.runs.iter().map(RunReadings::len).sum();
+    let stop = judged.bottom.stop;
+    let mut runs = Vec::with_capacity(inputs.len());
+    for (run, input) in inputs.iter().enumerate() {
+        let local = problem.local(run, &judged.bottom.at);
+        let fitted = problem.runs[run].fitted(&problem.model(&local), problem.offsets(&local));
+        let features = judged.features.get(run).map_or(&[][..], Vec::as_slice);
+        let parameters = outcome::joint_parameters(options.model, features, input.drive);
+        runs.push(outcome::joint_fit(
+            input,
+            options.model,
+            &problem.runs[run],
+            fitted,
+            parameters,
+            (stop, judged.evaluations),
+        ));
+    }
+    GroupFit {
+        shared: options.shared.clone(),
+        chi_square: problem.square(&judged.bottom.at, Over::Whole),
+        degrees_of_freedom: readings as f64 - judged.bottom.at.len() as f64,
+        sharing: None,
+        bootstrap: judged.resampled,
+        converged: stop.converged(),
+        why_stopped: stop.words().to_owned(),
+        evaluations: judged.evaluations,
+        runs,
+    }
+}
+
+impl GroupFit {
+    /// Parameters that are the same in every run: the shared ones, and what follows from them alone.
+    pub fn common_parameters(&self, model: &FitModel) -> Vec<&Parameter> {
+        let is_shared = |key: &str| self.shared.iter().any(|shared| shared == key);
+        let branches_are_shared = model
+            .parameters
+            .iter()
+            .filter(|of| !of.derived && (of.key.starts_with('r') || of.key.starts_with('c')))
+            .filter(|of| of.key != "rss_ohm_cm2")
+            .all(|of| is_shared(of.key));
+        let common = |of: &&ParameterDescription| is_shared(of.key) || of.derived && branches_are_shared;
+        let best = |of: &ParameterDescription| {
+            // A run without curvature tells nothing of what others do.
+            let found = || {
+                self.runs
+                    .iter()
+                    .flat_map(|fit| &fit.parameters)
+                    .filter(|p| p.key == of.key)
+            };
+            found()
+                .find(|p| p.estimate.value.is_some())
+                .or_else(|| found().next())
+        };
+        model.parameters.iter().filter(common).filter_map(best).collect()
+    }
+
+    /// Issues of all runs, each with the position of its run.
+    pub fn issues(&self) -> Vec<(usize, &Issue)> {
+        let of_run = |(run, fit): (usize, &'_ Fit)| -> Vec<(usize, usize)> {
+            (0..fit.issues.len()).map(|issue| (run, issue)).collect()
+        };
+        let places = self.runs.iter().enumerate().flat_map(of_run);
+        places
+            .map(|(run, issue)| (run, &self.runs[run].issues[issue]))
+            .collect()
+    }
+}

@@ -1,0 +1,165 @@
+//! How many branches the current of one run shows.
+
+use crate::electrical::{BRANCH_DOUBT, BRANCH_EVIDENCE, Electrical};
+
+use super::dense::{Bottom, Dense, Slope, descend};
+use super::minimum::{electrical_starts, excess, minimum};
+use super::problem::{Layout, Problem};
+use super::readings::RunReadings;
+
+/// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
+const RULED_OUT: f64 = 3.84;
+
+/// What the current says of the number of branches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Branches {
+    /// One fewer is enough; where that is one, no second one of a noticeable size could hide.
+    Fewer,
+    /// One is enough, but a second one could hide in the noise.
+    OneOrHidden,
+    /// The last one may be there or may be chance.
+    Doubtful,
+    /// All that were weighed.
+    All,
+}
+
+/// The choice with its evidence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Evidence {
+    pub(crate) branches: Branches,
+    /// Number of branches that was weighed against one fewer.
+    pub(crate) weighed: usize,
+    /// Fall of the weighted sum of squares (twice the log likelihood ratio) by the last branch.
+    pub(crate) gain: f64,
+    /// What BIC asks of two further parameters.
+    pub(crate) penalty: f64,
+    /// Readings that carry as much as independent ones.
+    pub(crate) effective_readings: f64,
+}
+
+/// Weighs the branches of `full` against one fewer.
+pub(super) fn evidence(current: &RunReadings, electrical: &Electrical, full: &(Problem, Bottom)) -> Evidence {
+    let weighed = full.0.layout.branches;
+    let effective_readings = current
+        .current
+        .as_ref()
+        .map_or(1.0, |response| response.effective_readings());
+    let penalty = 2.0 * effective_readings.max(2.0).ln();
+    let mut evidence = Evidence {
+        branches: Branches::All,
+        weighed,
+        gain: f64::INFINITY,
+        penalty,
+        effective_readings,
+    };
+    if weighed < 2 {
+        return evidence;
+    }
+    let Some((fewer, bottom)) = minimum(current, &electrical_starts(current, electrical, weighed - 1)) else {
+        return evidence;
+    };
+    let scale = excess(&full.0, &full.1).powi(2);
+    evidence.gain = ((bottom.slope.square - full.1.slope.square) / scale).max(0.0);
+    evidence.branches = if evidence.gain > BRANCH_EVIDENCE {
+        Branches::All
+    } else if evidence.gain > BRANCH_DOUBT {
+        Branches::Doubtful
+    } else if weighed > 2 || hidden_rise(&fewer, &bottom) / scale > RULED_OUT {
+        Branches::Fewer
+    } else {
+        Branches::OneOrHidden
+    };
+    evidence
+}
+
+/// How far the sum of squares must rise above that of one branch to make room for a second one that would
+/// matter: a tenth of the conductance where it is the fast one, a twentieth where it is the slow one, and a time
+/// constant three times apart, from a tenth of the sampling interval to the length of the record.
+fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
+    let local = one.local(0, &bottom.at);
+    let layout = Layout { branches: 2 };
+    let Some(response) = &one.runs[0].current else {
+        return 0.0;
+    };
+    let (shortest_s, longest_s) = response.sampled.time_scales_s();
+    let tau = local[0] + local[1];
+    let unit = one.units[one.layout.steady()];
+    let steady = local[one.layout.steady()] / unit;
+    let offset = local[one.layout.current_offset()];
+    // ln conductance, share of the fast branch, ln of the fast and ratio of the time constants, steady, offset.
+    let low = [-local[0] - 5.0, 0.1, (shortest_s / 10.0).ln(), 3.0_f64.ln(), 0.0];
+    let high = [
+        -local[0] + 5.0,
+        0.95,
+        longest_s.ln() - 3.0_f64.ln(),
+        1e3_f64.ln(),
+        1e4,
+    ];
+    if low[2] >= high[2] {
+        return 0.0;
+    }
+    let model_at = |at: &[f64]| {
+        let mut full = vec![0.0; layout.len()];
+        let shares = [at[1], 1.0 - at[1]];
+        let log_tau = [at[2], (at[2] + at[3]).min(longest_s.ln())];
+        for k in 0..2 {
+            full[layout.resistance(k)] = -(at[0] + shares[k].ln());
+            full[layout.capacitance(k)] = log_tau[k] - full[layout.resistance(k)];
+        }
+        full[layout.steady()] = at[4].max(0.0) * unit;
+        full[layout.current_offset()] = offset;
+        full
+    };
+    let two = Problem {
+        layout,
+        ..one.clone()
+    };
+    let residuals = |at: &[f64]| {
+        let local = model_at(at);
+        let mut out = Vec::new();
+        two.runs[0].condensed(&two.model(&local), two.offsets(&local), &mut out);
+        out
+    };
+    let slope = |at: &[f64]| numeric_slope(at, &residuals);
+    let third = 3.0_f64.ln();
+    let starts = [
+        [-local[0], 0.95, tau, third],
+        [-local[0], 0.1, tau - third, third],
+        [-local[0], 0.5, tau - third / 2.0, third],
+        [-local[0], 0.95, tau, 3.0 * third],
+        [-local[0], 0.1, tau - 2.0 * third, 2.0 * third],
+        [-local[0], 0.3, low[2], tau - low[2]],
+    ];
+    let found = starts.iter().map(|start| {
+        let at = [start[0], start[1], start[2], start[3], steady];
+        descend(&at, &low, &high, 60, 1e-3, slope).slope.square
+    });
+    found.fold(f64::INFINITY, f64::min) - bottom.slope.square
+}
+
+/// Sum of squares and slope of any residuals, by differences.
+fn numeric_slope(at: &[f64], residuals: &impl Fn(&[f64]) -> Vec<f64>) -> Slope {
+    const STEP: f64 = 1e-4;
+    let here = residuals(at);
+    let column = |k: usize| -> Vec<f64> {
+        let mut moved = at.to_vec();
+        moved[k] += STEP;
+        here.iter()
+            .zip(residuals(&moved))
+            .map(|(h, m)| (h - m) / STEP)
+            .collect()
+    };
+    let columns: Vec<Vec<f64>> = (0..at.len()).map(column).collect();
+    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut normal = Dense::zero(at.len());
+    for (row, left) in columns.iter().enumerate() {
+        for (column, right) in columns.iter().enumerate() {
+            normal.add(row, column, inner(left, right));
+        }
+    }
+    Slope {
+        square: inner(&here, &here),
+        descent: columns.iter().map(|column| inner(column, &here)).collect(),
+        normal,
+    }
+}

@@ -1,0 +1,16 @@
+//! Both responses of one run or many at once, weighted by their noise: simultaneous fits, groups of runs with
+//! shared parameters, intervals by profile likelihood.
+
+pub(super) mod bootstrap;
+pub(super) mod branch_evidence;
+mod compressed;
+pub(crate) use ieap_numerics::dense;
+pub(super) mod feature;
+pub(super) mod minimum;
+pub(super) mod noise;
+pub(super) mod problem;
+pub(super) mod profile;
+pub(super) mod readings;
+pub(super) mod single;
+pub(super) mod start;
+pub(super) mod whitening;

@@ -1,0 +1,258 @@
+//! The memory of noise, by restricted likelihood beside the smooth part, so that the smooth part costs no bias.
+
+use crate::joint::dense::Dense;
+use crate::joint::whitening::{Memory, Whitener};
+use crate::sampled::{Sampled, Span};
+use ieap_numerics::correlation::yule_walker;
+
+use super::EVIDENCE;
+use super::shared::lowest;
+use super::smooth::{Smooth, inner};
+
+/// Correlations tried by reading order, between these inverse hyperbolic tangents; and correlation times.
+pub(super) const CORRELATIONS: usize = 60;
+pub(super) const FROM: f64 = -0.7;
+pub(super) const TO: f64 = 3.4;
+const TIMES: usize = 12;
+/// Readings from which orders above one are looked at.
+const ENOUGH_FOR_ORDER: usize = 300;
+
+impl Smooth {
+    /// Minus twice the restricted log likelihood of that memory, with the best size of the noise.
+    pub(super) fn deviance(&self, sampled: &Sampled, scale: &[f64], memory: &Memory) -> (f64, f64) {
+        let whitener = Whitener::new(sampled, scale, memory);
+        let mut square = 0.0;
+        let mut determinant = whitener.log_determinant(sampled);
+        for (span, shapes) in sampled.spans.iter().zip(&self.shapes) {
+            let white = |column: &[f64]| {
+                let mut column = column.to_vec();
+                whitener.whiten(span, &mut column);
+                column
+            };
+            let columns: Vec<Vec<f64>> = shapes.iter().map(|shape| white(shape)).collect();
+            let rest = white(&self.rest[span.first..span.end]);
+            let mut normal = Dense::zero(columns.len());
+            for (a, left) in columns.iter().enumerate() {
+                for (b, right) in columns[..=a].iter().enumerate() {
+                    let product = inner(left, right);
+                    normal.add(a, b, product);
+                    if a != b {
+                        normal.add(b, a, product);
+                    }
+                }
+            }
+            let right: Vec<f64> = columns.iter().map(|column| inner(column, &rest)).collect();
+            let solved = normal.solve(&right, 1e-14);
+            square += inner(&rest, &rest) - inner(&right, &solved);
+            determinant += normal.log_determinant();
+        }
+        let freedom = (sampled.len() as f64 - self.terms()).max(1.0);
+        let variance = (square / freedom).max(f64::MIN_POSITIVE);
+        (freedom * variance.ln() + determinant, variance)
+    }
+
+    /// The memory that the rest shows.
+    pub(super) fn memory(&self, sampled: &Sampled, scale: &[f64]) -> Remembered {
+        let white = Memory::Order(Vec::new());
+        let mut best = (self.deviance(sampled, scale, &white), white);
+        let unit: f64 = self.rest.iter().map(|r| r * r).sum();
+        let freedom = sampled.len() as f64 - self.terms();
+        if freedom < 4.0 || unit <= 0.0 {
+            return Remembered::of(best, Vec::new());
+        }
+        let by_order = |x: f64| Memory::Order(vec![x.tanh()]);
+        let (shortest_s, longest_s) = sampled.time_scales_s();
+        let is_even = sampled.blocks.iter().all(|(_, block)| block.step_s.is_some());
+        let lagged = self.lagged(sampled, scale);
+        let of_order = |x: f64| self.deviance_of(&lagged, x.tanh());
+        let by_correlation;
+        (best, by_correlation) = search(best, (FROM, TO, CORRELATIONS), by_order, of_order);
+        if !is_even && shortest_s > 0.0 && shortest_s < longest_s {
+            let span = (longest_s / shortest_s / 4.0).max(2.0).ln();
+            let by_time = |x: f64| Memory::Time {
+                correlation_time_s: shortest_s * (span * x).exp() / 2.0,
+            };
+            let of_time = |x: f64| self.deviance(sampled, scale, &by_time(x));
+            best = search(best, (0.0, 1.0, TIMES), by_time, of_time).0;
+        }
+        if sampled.len() >= ENOUGH_FOR_ORDER && matches!(best.1, Memory::Order(_)) {
+            best = self.higher_orders(sampled, scale, best);
+        }
+        Remembered::of(best, by_correlation)
+    }
+
+    /// Products of the scaled shapes and rest with each other, at the same reading and at neighbours.
+    fn lagged(&self, sampled: &Sampled, scale: &[f64]) -> Lagged {
+        let scaled = |column: &[f64], span: &Span| -> Vec<f64> {
+            column
+                .iter()
+                .zip(&scale[span.first..span.end])
+                .map(|(v, s)| v / s)
+                .collect()
+        };
+        let mut lagged = Lagged {
+            spans: Vec::new(),
+            readings: sampled.len() as f64,
+            determinant: scale.iter().map(|s| 2.0 * s.ln()).sum(),
+        };
+        for (span, shapes) in sampled.spans.iter().zip(&self.shapes) {
+            let mut columns: Vec<Vec<f64>> = shapes.iter().map(|shape| scaled(shape, span)).collect();
+            columns.push(scaled(&self.rest[span.first..span.end], span));
+            let last = span.end - span.first - 1;
+            let mut products = [(); 4].map(|()| Dense::zero(columns.len()));
+            for (a, x) in columns.iter().enumerate() {
+                for (b, y) in columns[..=a].iter().enumerate() {
+                    let later = inner(&x[1..], &y[1..]);
+                    let ends = x[0] * y[0] - x[last] * y[last];
+                    let across = inner(&x[1..], &y[..last]) + inner(&x[..last], &y[1..]);
+                    for (product, value) in
+                        products
+                            .iter_mut()
+                            .zip([x[0] * y[0], later, later + ends, across])
+                    {
+                        product.add(a, b, value);
+                        if a != b {
+                            product.add(b, a, value);
+                        }
+                    }
+                }
+            }
+            lagged.spans.push((products, last as f64));
+        }
+        lagged
+    }
+
+    /// As [`Smooth::deviance`] for a first-order autoregression by reading order, from sums made before.
+    fn deviance_of(&self, lagged: &Lagged, rho: f64) -> (f64, f64) {
+        let new = 1.0 - rho * rho;
+        let mut square = 0.0;
+        let mut determinant = lagged.determinant;
+        for ([first, later, earlier, both], pairs) in &lagged.spans {
+            let white = |a: usize, b: usize| {
+                let after = later.get(a, b) + rho * rho * earlier.get(a, b) - rho * both.get(a, b);
+                first.get(a, b) + after / new
+            };
+            let count = first.order() - 1;
+            let mut normal = Dense::zero(count);
+            for a in 0..count {
+                for b in 0..count {
+                    normal.add(a, b, white(a, b));
+                }
+            }
+            let right: Vec<f64> = (0..count).map(|a| white(a, count)).collect();
+            let solved = normal.solve(&right, 1e-14);
+            square += white(count, count) - inner(&right, &solved);
+            determinant += normal.log_determinant() + pairs * new.ln();
+        }
+        let freedom = (lagged.readings - self.terms()).max(1.0);
+        let variance = (square / freedom).max(f64::MIN_POSITIVE);
+        (freedom * variance.ln() + determinant, variance)
+    }
+
+    /// Orders two and three where BIC asks for them.
+    fn higher_orders(&self, sampled: &Sampled, scale: &[f64], first: Candidate) -> Candidate {
+        let mut best = first;
+        let penalty = (sampled.len() as f64).ln().max(EVIDENCE);
+        let lags = self.autocovariances(sampled, scale, &best.1);
+        for order in 2..=3 {
+            let Some((coefficients, _)) = yule_walker(&lags[..=order]) else {
+                break;
+            };
+            let memory = Memory::Order(coefficients);
+            let found = self.deviance(sampled, scale, &memory);
+            if found.0 + penalty < best.0.0 {
+                best = (found, memory);
+            }
+        }
+        best
+    }
+
+    /// Autocovariances of the scaled rest up to lag 3, put right for the slow part that the shapes removed.
+    fn autocovariances(&self, sampled: &Sampled, scale: &[f64], memory: &Memory) -> [f64; 4] {
+        let n = sampled.len() as f64;
+        let rest: Vec<f64> = self.rest.iter().zip(scale).map(|(r, s)| r / s).collect();
+        let lag = |lag: usize| {
+            let of_span = |span: &Span| {
+                let values = &rest[span.first..span.end];
+                values
+                    .iter()
+                    .zip(values.iter().skip(lag))
+                    .map(|(a, b)| a * b)
+                    .sum::<f64>()
+            };
+            sampled.spans.iter().map(of_span).sum::<f64>() / n
+        };
+        let removed = self.terms() / n * memory.readings_per_independent(1.0);
+        let variance = lag(0) / (1.0 - removed.min(0.5));
+        std::array::from_fn(|k| lag(k) + removed.min(0.5) * variance)
+    }
+
+    /// Readings per independent one, from the lag-1 correlation of the rest: what evidence must be divided by.
+    pub(super) fn memory_of_rest(&self, sampled: &Sampled) -> f64 {
+        let lags = self.autocovariances(sampled, &vec![1.0; sampled.len()], &Memory::Order(Vec::new()));
+        let rho = if lags[0] > 0.0 {
+            (lags[1] / lags[0]).clamp(0.0, 0.95)
+        } else {
+            0.0
+        };
+        (1.0 + rho * rho) / (1.0 - rho * rho)
+    }
+}
+
+/// What was found.
+pub(super) struct Remembered {
+    pub(super) memory: Memory,
+    pub(super) standard_deviation: f64,
+    /// Minus twice the log likelihood of every correlation that was tried; empty where the memory is of another kind.
+    pub(super) by_correlation: Vec<f64>,
+}
+
+impl Remembered {
+    fn of(((_, variance), memory): Candidate, by_correlation: Vec<f64>) -> Remembered {
+        let is_correlation = matches!(&memory, Memory::Order(coefficients) if coefficients.len() <= 1);
+        Remembered {
+            memory,
+            standard_deviation: variance.sqrt(),
+            by_correlation: if is_correlation {
+                by_correlation
+            } else {
+                Vec::new()
+            },
+        }
+    }
+}
+
+/// Sums from which the likelihood of any first-order autoregression follows.
+struct Lagged {
+    /// Per span the products at the first reading, at later ones, at those before them, and across; and the
+    /// number of pairs of neighbours.
+    spans: Vec<([Dense; 4], f64)>,
+    readings: f64,
+    determinant: f64,
+}
+
+/// A deviance with the variance of the noise, and the memory they belong to.
+type Candidate = ((f64, f64), Memory);
+
+/// The best memory along a line of them, with the deviances on the line: a look at evenly spaced ones, then a parabola
+/// through the best three.
+///
+/// Memory costs one parameter and is taken even on weak evidence: leaving it out makes intervals too short,
+/// while taking it in vain costs next to nothing.
+fn search(
+    best: Candidate,
+    (low, high, count): (f64, f64, usize),
+    memory: impl Fn(f64) -> Memory,
+    deviance: impl Fn(f64) -> (f64, f64),
+) -> (Candidate, Vec<f64>) {
+    let step = (high - low) / count as f64;
+    let looked: Vec<f64> = (0..=count).map(|k| deviance(low + step * k as f64).0).collect();
+    let x = low + step * lowest(&looked).0;
+    let found = deviance(x);
+    let best = if found.0 < best.0.0 {
+        (found, memory(x))
+    } else {
+        best
+    };
+    (best, looked)
+}

@@ -1,0 +1,190 @@
+//! Several runs with parameters shared or free: one sum of squares over one list of coordinates.
+
+use ieap_model::{Branch, LumpedModel};
+
+use super::dense::{Bottom, Slope, descend};
+use super::readings::{Offsets, RunReadings};
+
+/// Step of the difference quotients, in coordinates scaled to be of order one.
+const STEP: f64 = 1e-3;
+
+/// Where the local parameters of one run stand: `[ln R_k.., ln C_k.., 1/R_ss, alpha, lambda, offsets]`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Layout {
+    pub(crate) branches: usize,
+}
+
+impl Layout {
+    pub(crate) fn resistance(self, k: usize) -> usize {
+        k
+    }
+    pub(crate) fn capacitance(self, k: usize) -> usize {
+        self.branches + k
+    }
+    pub(crate) fn steady(self) -> usize {
+        2 * self.branches
+    }
+    pub(crate) fn coupling(self) -> usize {
+        2 * self.branches + 1
+    }
+    pub(crate) fn rate(self) -> usize {
+        2 * self.branches + 2
+    }
+    pub(crate) fn current_offset(self) -> usize {
+        2 * self.branches + 3
+    }
+    pub(crate) fn curvature_offset(self) -> usize {
+        2 * self.branches + 4
+    }
+    pub(crate) fn len(self) -> usize {
+        2 * self.branches + 5
+    }
+    /// Whether the parameter is stored as its logarithm.
+    pub(crate) fn is_logarithm(self, local: usize) -> bool {
+        local < 2 * self.branches
+    }
+}
+
+/// Where a local parameter of a run comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Slot {
+    /// A coordinate of the search.
+    Searched(usize),
+    /// A value held, in the parameter's own unit.
+    Held(f64),
+}
+
+impl Slot {
+    /// Whether the parameter is searched.
+    pub(crate) fn is_searched(self) -> bool {
+        matches!(self, Slot::Searched(_))
+    }
+}
+
+/// The sum of squares of a group of runs.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem<'a> {
+    pub(crate) runs: Vec<RunReadings<'a>>,
+    pub(crate) layout: Layout,
+    /// For every run where its local parameters come from.
+    pub(crate) slots: Vec<Vec<Slot>>,
+    /// Size of a local parameter of one coordinate unit.
+    pub(crate) units: Vec<f64>,
+    pub(crate) low: Vec<f64>,
+    pub(crate) high: Vec<f64>,
+}
+
+/// Which readings a sum goes over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Over {
+    /// The condensed ones: fast, exact to about 1e-6 of the signal.
+    Condensed,
+    /// All of them.
+    Whole,
+}
+
+impl Problem<'_> {
+    /// Local parameters of a run, in their own units.
+    pub(crate) fn local(&self, run: usize, at: &[f64]) -> Vec<f64> {
+        let value = |(local, slot): (usize, &Slot)| match *slot {
+            Slot::Searched(k) => at[k] * self.units[local],
+            Slot::Held(value) => value,
+        };
+        self.slots[run].iter().enumerate().map(value).collect()
+    }
+
+    /// The model of a run.
+    pub(crate) fn model(&self, local: &[f64]) -> LumpedModel {
+        let layout = self.layout;
+        let branch = |k: usize| Branch {
+            resistance_ohm_cm2: local[layout.resistance(k)].exp(),
+            capacitance_f_per_cm2: local[layout.capacitance(k)].exp(),
+        };
+        LumpedModel {
+            branches: (0..layout.branches).map(branch).collect(),
+            steady_state_resistance_ohm_cm2: local[layout.steady()].max(0.0).recip(),
+            charge_to_curvature_per_c_cm: local[layout.coupling()],
+            relaxation_rate_per_s: local[layout.rate()].max(0.0),
+        }
+    }
+
+    pub(crate) fn offsets(&self, local: &[f64]) -> Offsets {
+        Offsets {
+            current_a: local[self.layout.current_offset()],
+            curvature_per_cm: local[self.layout.curvature_offset()],
+        }
+    }
+
+    fn residuals(&self, run: usize, local: &[f64], over: Over, out: &mut Vec<f64>) {
+        out.clear();
+        let model = self.model(local);
+        match over {
+            Over::Condensed => self.runs[run].condensed(&model, self.offsets(local), out),
+            Over::Whole => self.runs[run].whole(&model, self.offsets(local), out),
+        }
+    }
+
+    /// Sum of squares over all runs.
+    pub(crate) fn square(&self, at: &[f64], over: Over) -> f64 {
+        let mut out = Vec::new();
+        let of_run = |run: usize| {
+            self.residuals(run, &self.local(run, at), over, &mut out);
+            out.iter().map(|r| r * r).sum::<f64>()
+        };
+        (0..self.runs.len()).map(of_run).sum()
+    }
+
+    /// Sum of squares with its slope; derivatives are central differences, one-sided at a limit at zero.
+    pub(crate) fn slope(&self, at: &[f64], over: Over) -> Slope {
+        let mut slope = Slope::zero(at.len());
+        for run in 0..self.runs.len() {
+            self.add_run(run, at, over, &mut slope);
+        }
+        slope
+    }
+
+    fn add_run(&self, run: usize, at: &[f64], over: Over, slope: &mut Slope) {
+        let local = self.local(run, at);
+        let mut here = Vec::new();
+        self.residuals(run, &local, over, &mut here);
+        let (mut above, mut below) = (Vec::new(), Vec::new());
+        let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
+        for (index, slot) in self.slots[run].iter().enumerate() {
+            let Slot::Searched(k) = *slot else { continue };
+            let mut moved = local.clone();
+            moved[index] = local[index] + STEP * self.units[index];
+            self.residuals(run, &moved, over, &mut above);
+            let one_sided = at[k] - STEP < self.low[k];
+            if !one_sided {
+                moved[index] = local[index] - STEP * self.units[index];
+                self.residuals(run, &moved, over, &mut below);
+            }
+            let (from, width) = if one_sided {
+                (&here, STEP)
+            } else {
+                (&below, 2.0 * STEP)
+            };
+            // Residual is measured minus model: the model's derivative has the other sign.
+            columns.push((k, from.iter().zip(&above).map(|(b, a)| (b - a) / width).collect()));
+        }
+        let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        slope.square += inner(&here, &here);
+        for (j, (row, left)) in columns.iter().enumerate() {
+            slope.descent[*row] += inner(left, &here);
+            for (column, right) in &columns[..=j] {
+                let product = inner(left, right);
+                slope.normal.add(*row, *column, product);
+                if row != column {
+                    slope.normal.add(*column, *row, product);
+                }
+            }
+        }
+    }
+
+    /// Searches from `start` over the condensed readings.
+    pub(crate) fn descend(&self, start: &[f64], limit: u64, settle: f64) -> Bottom {
+        descend(start, &self.low, &self.high, limit, settle, |at| {
+            self.slope(at, Over::Condensed)
+        })
+    }
+}

@@ -1,0 +1,294 @@
+//! One run as a joint fit sees it: both responses, weighted by their noise.
+
+use crate::sampled::Sampled;
+use ieap_domain::{Channel, Drive, Quantity};
+use ieap_model::LumpedModel;
+use ieap_model::lumped::SegmentResponse;
+use ieap_numerics::noise::local_scatter;
+
+use super::compressed::{Compressed, Mode};
+use super::noise::Noise;
+use super::whitening::Whitener;
+
+/// Relative distance of lambda from a charging rate within which the response is taken as a straight line in lambda.
+const NEAR: f64 = 1e-2;
+/// Noise is not taken to be smaller than this part of the peak: rounding, and what the model's kernels leave.
+const LEAST_NOISE: f64 = 1e-9;
+
+/// One channel with its noise.
+#[derive(Debug, Clone)]
+pub(crate) struct Response {
+    pub(crate) sampled: Sampled,
+    pub(crate) noise: Noise,
+    whitener: Whitener,
+    compressed: Compressed,
+}
+
+impl Response {
+    pub(crate) fn new(sampled: Sampled) -> Response {
+        let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let noise = Noise::of(&sampled, LEAST_NOISE * peak);
+        Response::with_noise(sampled, noise)
+    }
+
+    /// With a noise found before.
+    pub(crate) fn with_noise(sampled: Sampled, noise: Noise) -> Response {
+        let whitener = noise.whitener(&sampled);
+        let compressed = Compressed::new(&sampled, &whitener);
+        Response {
+            sampled,
+            noise,
+            whitener,
+            compressed,
+        }
+    }
+
+    /// The same readings and noise with other values.
+    pub(crate) fn with_values(&self, values: Vec<f64>) -> Response {
+        let mut sampled = self.sampled.clone();
+        sampled.values = values.into();
+        sampled.scatter = local_scatter(&sampled.smooth_stretches());
+        let compressed = Compressed::new(&sampled, &self.whitener);
+        Response {
+            sampled,
+            compressed,
+            ..self.clone()
+        }
+    }
+
+    /// Independent readings that carry as much as these.
+    pub(crate) fn effective_readings(&self) -> f64 {
+        let (shortest_s, _) = self.sampled.time_scales_s();
+        self.sampled.len() as f64 / self.noise.memory.readings_per_independent(shortest_s).max(1.0)
+    }
+
+    /// Measured minus `fitted`, white and in standard deviations.
+    pub(crate) fn whitened(&self, fitted: impl Iterator<Item = f64>, out: &mut Vec<f64>) {
+        let first = out.len();
+        out.extend(self.sampled.values.iter().zip(fitted).map(|(y, f)| y - f));
+        self.whiten(&mut out[first..]);
+    }
+
+    /// Makes a series over the readings white, in standard deviations.
+    pub(crate) fn whiten(&self, series: &mut [f64]) {
+        for span in &self.sampled.spans {
+            self.whitener.whiten(span, &mut series[span.first..span.end]);
+        }
+    }
+}
+
+/// Responses of one run.
+#[derive(Debug, Clone)]
+pub(crate) struct RunReadings<'a> {
+    pub(crate) drive: &'a Drive,
+    pub(crate) area_cm2: f64,
+    pub(crate) current: Option<Response>,
+    pub(crate) curvature: Option<Response>,
+}
+
+/// Offsets of the instruments' zeros.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Offsets {
+    pub(crate) current_a: f64,
+    pub(crate) curvature_per_cm: f64,
+}
+
+impl<'a> RunReadings<'a> {
+    /// Readings of the first channel of each quantity that has at least `needed` of them after the step.
+    pub(crate) fn new(
+        channels: &[Channel],
+        drive: &'a Drive,
+        area_cm2: f64,
+        needed: usize,
+    ) -> RunReadings<'a> {
+        let response = |quantity: Quantity| {
+            let channel = channels.iter().find(|channel| channel.quantity == quantity)?;
+            let sampled = Sampled::new(channel, drive, quantity == Quantity::Curvature);
+            (sampled.after_step() >= needed).then(|| Response::new(sampled))
+        };
+        RunReadings {
+            drive,
+            area_cm2,
+            current: response(Quantity::Current),
+            curvature: response(Quantity::Curvature),
+        }
+    }
+
+    /// Number of readings.
+    pub(crate) fn len(&self) -> usize {
+        [&self.current, &self.curvature]
+            .into_iter()
+            .flatten()
+            .map(|response| response.sampled.len())
+            .sum()
+    }
+
+    /// Weighted residuals over the condensed readings, appended to `out`.
+    pub(crate) fn condensed(&self, model: &LumpedModel, offsets: Offsets, out: &mut Vec<f64>) {
+        let responses = model.segment_responses(self.drive);
+        let mut modes: Vec<Mode> = Vec::with_capacity(8);
+        if let Some(current) = &self.current {
+            for span in &current.compressed.spans {
+                modes.clear();
+                let constant = match span.segment {
+                    None => self.drive.baseline_v / model.steady_state_resistance_ohm_cm2,
+                    Some(index) => {
+                        let response = &responses[index];
+                        let pairs = response
+                            .rates_per_s
+                            .iter()
+                            .zip(&response.current_amplitudes_a_per_cm2);
+                        modes.extend(pairs.map(|(&rate_per_s, amplitude)| Mode {
+                            rate_per_s,
+                            amplitude: self.area_cm2 * amplitude,
+                        }));
+                        response.current_constant_a_per_cm2
+                    }
+                };
+                span.residuals(self.area_cm2 * constant + offsets.current_a, &modes, out);
+            }
+        }
+        if let Some(curvature) = &self.curvature {
+            let scale = model.charge_to_curvature_per_c_cm * self.area_cm2;
+            for span in &curvature.compressed.spans {
+                modes.clear();
+                if let Some(index) = span.segment {
+                    strain_modes(&responses[index], model.relaxation_rate_per_s, scale, &mut modes);
+                }
+                span.residuals(offsets.curvature_per_cm, &modes, out);
+            }
+        }
+    }
+
+    /// Current and curvature of the model at all readings, offsets included.
+    pub(crate) fn fitted(&self, model: &LumpedModel, offsets: Offsets) -> [Option<Vec<f64>>; 2] {
+        let shifted = |mut values: Vec<f64>, by: f64| {
+            values.iter_mut().for_each(|value| *value += by);
+            values
+        };
+        let (drive, area) = (self.drive, self.area_cm2);
+        let current = self.current.as_ref().map(|current| {
+            shifted(
+                model.current_a(drive, area, &current.sampled.time_s),
+                offsets.current_a,
+            )
+        });
+        let curvature = self.curvature.as_ref().map(|curvature| {
+            shifted(
+                model.curvature_per_cm(drive, area, &curvature.sampled.time_s),
+                offsets.curvature_per_cm,
+            )
+        });
+        [current, curvature]
+    }
+
+    /// Weighted residuals over all readings, appended to `out`.
+    pub(crate) fn whole(&self, model: &LumpedModel, offsets: Offsets, out: &mut Vec<f64>) {
+        let fitted = self.fitted(model, offsets);
+        for (response, fitted) in [&self.current, &self.curvature].into_iter().zip(fitted) {
+            if let (Some(response), Some(fitted)) = (response, fitted) {
+                response.whitened(fitted.into_iter(), out);
+            }
+        }
+    }
+}
+
+/// The strain of a segment as modes: every charging rate, and the rate of relaxation.
+fn strain_modes(response: &SegmentResponse, rate_per_s: f64, scale: f64, modes: &mut Vec<Mode>) {
+    let mut relaxing = |rate_per_s: f64, amplitude: f64| {
+        modes.push(Mode {
+            rate_per_s,
+            amplitude,
+        })
+    };
+    relaxing(rate_per_s, scale * response.strain_start_c_per_cm2);
+    let pairs = response
+        .rates_per_s
+        .iter()
+        .zip(&response.charge_amplitudes_c_per_cm2);
+    for (&rate, amplitude) in pairs {
+        if rate == 0.0 {
+            continue;
+        }
+        let mut driven = |at: f64, weight: f64| {
+            let part = weight * scale * amplitude * rate / (at - rate);
+            relaxing(rate, -part);
+            relaxing(at, part);
+        };
+        let apart = (rate_per_s / rate - 1.0) / NEAR;
+        if apart.abs() >= 1.0 {
+            driven(rate_per_s, 1.0);
+        } else {
+            driven(rate * (1.0 - NEAR), (1.0 - apart) / 2.0);
+            driven(rate * (1.0 + NEAR), (1.0 + apart) / 2.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_domain::{Level, Segment};
+    use ieap_model::Branch;
+    use std::sync::Arc;
+
+    #[test]
+    fn condensed_residuals_are_the_whole_ones_under_any_drive() {
+        let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {
+            resistance_ohm_cm2,
+            capacitance_f_per_cm2,
+        };
+        let mut model = LumpedModel {
+            branches: vec![branch(521.4, 0.098), branch(2629.9, 0.13)],
+            steady_state_resistance_ohm_cm2: 5660.0,
+            charge_to_curvature_per_c_cm: 13.88,
+            relaxation_rate_per_s: 3.8e-4,
+        };
+        let segment = |start_s, level| Segment { start_s, level };
+        let drive = Drive {
+            baseline_v: 0.4,
+            segments: vec![
+                segment(0.0, Level::Voltage(2.0)),
+                segment(400.0, Level::OpenCircuit),
+                segment(900.0, Level::Voltage(-1.0)),
+            ],
+        };
+        let time_s: Arc<[f64]> = (0..1300).map(|k| f64::from(k) - 50.0).collect();
+        let channels = [
+            Channel::new(
+                Quantity::Current,
+                time_s.clone(),
+                model.current_a(&drive, 0.1, &time_s).into(),
+            ),
+            Channel::new(
+                Quantity::Curvature,
+                time_s.clone(),
+                model.curvature_per_cm(&drive, 0.1, &time_s).into(),
+            ),
+        ];
+        let mut run = RunReadings::new(&channels, &drive, 0.1, 5);
+        for (response, sd) in [(&mut run.current, 1e-5), (&mut run.curvature, 1e-3)] {
+            let old = response.take().unwrap();
+            let noise = Noise {
+                sd: vec![sd; old.sampled.len()],
+                ..old.noise
+            };
+            *response = Some(Response::with_noise(old.sampled, noise));
+        }
+        for (stretch, rate) in [
+            (1.0, 3.8e-4),
+            (1.2, 0.0),
+            (0.9, 0.02),
+            (1.1, 1.0 / (521.4 * 0.098)),
+        ] {
+            model.branches[0].resistance_ohm_cm2 = 521.4 * stretch;
+            model.relaxation_rate_per_s = rate;
+            let (mut condensed, mut whole) = (Vec::new(), Vec::new());
+            run.condensed(&model, Offsets::default(), &mut condensed);
+            run.whole(&model, Offsets::default(), &mut whole);
+            let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+            let (a, b) = (square(&condensed), square(&whole));
+            assert!((a - b).abs() < 2e-3 * b + 1e-4, "{stretch} {rate}: {a} {b}");
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Readings and model values turned into numbers whose noise is white and of unit size.
+
+use crate::sampled::{Sampled, Span};
+
+/// How noise remembers.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Memory {
+    /// Autoregression by reading order; coefficients of lag 1, 2, ...; none for white noise.
+    Order(Vec<f64>),
+    /// Ornstein-Uhlenbeck process: correlation falls as e^(-|dt|/time).
+    Time {
+        /// Correlation time, s.
+        correlation_time_s: f64,
+    },
+}
+
+impl Memory {
+    /// (1+rho)/(1-rho) and its like: how many readings carry as much as one independent one, for readings `step_s` apart.
+    pub(crate) fn readings_per_independent(&self, step_s: f64) -> f64 {
+        match self {
+            Memory::Order(coefficients) => {
+                let left = (1.0 - coefficients.iter().sum::<f64>()).max(1e-6);
+                innovation_share(coefficients) / (left * left)
+            }
+            Memory::Time { correlation_time_s } => {
+                let rho = (-step_s / correlation_time_s).exp();
+                (1.0 + rho) / (1.0 - rho).max(1e-9)
+            }
+        }
+    }
+}
+
+/// Predictors of order 0, 1, ... that belong to an autoregression (Levinson and Durbin, backwards), each with
+/// the share of the variance that it leaves.
+fn predictors(coefficients: &[f64]) -> Vec<(Vec<f64>, f64)> {
+    let mut orders = vec![coefficients.to_vec()];
+    while let Some(last) = orders.last().filter(|last| !last.is_empty()) {
+        let p = last.len();
+        let partial = last[p - 1];
+        let below = (0..p - 1).map(|k| (last[k] + partial * last[p - 2 - k]) / (1.0 - partial * partial));
+        orders.push(below.collect());
+    }
+    orders.reverse();
+    let mut share = 1.0;
+    let with_share = orders.into_iter().map(|order| {
+        if let Some(partial) = order.last() {
+            share *= 1.0 - partial * partial;
+        }
+        (order, share)
+    });
+    with_share.collect()
+}
+
+/// Share of the variance that is new at every reading.
+pub(crate) fn innovation_share(coefficients: &[f64]) -> f64 {
+    predictors(coefficients).last().map_or(1.0, |(_, share)| *share)
+}
+
+/// Makes series over the readings of one channel white; every span begins anew.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Whitener {
+    /// One over the standard deviation of every reading.
+    per_sd: Vec<f64>,
+    rule: Rule,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Rule {
+    /// Correlation with the reading before (0 for the first of a span), and one over the root of what is new.
+    Pairs(Vec<(f64, f64)>),
+    /// Predictors by the number of readings behind.
+    Orders(Vec<(Vec<f64>, f64)>),
+}
+
+impl Whitener {
+    /// For noise of standard deviation `sd` (one for every reading) and that memory.
+    pub(crate) fn new(sampled: &Sampled, sd: &[f64], memory: &Memory) -> Whitener {
+        let per_sd = sd.iter().map(|sd| sd.recip()).collect();
+        let pair = |rho: f64| (rho, (1.0 - rho * rho).sqrt().recip());
+        let rule = match memory {
+            Memory::Order(coefficients) if coefficients.len() > 1 => Rule::Orders(
+                predictors(coefficients)
+                    .into_iter()
+                    .map(|(order, share)| (order, share.sqrt().recip()))
+                    .collect(),
+            ),
+            Memory::Order(coefficients) => {
+                let rho = coefficients.first().copied().unwrap_or(0.0);
+                let mut pairs = vec![pair(rho); sampled.len()];
+                sampled
+                    .spans
+                    .iter()
+                    .for_each(|span| pairs[span.first] = (0.0, 1.0));
+                Rule::Pairs(pairs)
+            }
+            Memory::Time { correlation_time_s } => {
+                let mut pairs = vec![(0.0, 1.0); sampled.len()];
+                for span in &sampled.spans {
+                    let times = &sampled.time_s[span.first..span.end];
+                    let later = pairs[span.first..span.end].iter_mut().skip(1);
+                    for (own, two) in later.zip(times.windows(2)) {
+                        *own = pair((-(two[1] - two[0]) / correlation_time_s).exp().min(0.9999));
+                    }
+                }
+                Rule::Pairs(pairs)
+            }
+        };
+        Whitener { per_sd, rule }
+    }
+
+    /// Whitens `column`, the values at the readings of `span`, in place.
+    pub(crate) fn whiten(&self, span: &Span, column: &mut [f64]) {
+        for (value, per_sd) in column.iter_mut().zip(&self.per_sd[span.first..span.end]) {
+            *value *= per_sd;
+        }
+        match &self.rule {
+            Rule::Pairs(pairs) => {
+                let mut before = 0.0;
+                for (value, (rho, per_new)) in column.iter_mut().zip(&pairs[span.first..span.end]) {
+                    let own = *value;
+                    *value = (own - rho * before) * per_new;
+                    before = own;
+                }
+            }
+            Rule::Orders(orders) => {
+                for k in (0..column.len()).rev() {
+                    let (order, per_new) = &orders[k.min(orders.len() - 1)];
+                    let predicted: f64 = order.iter().enumerate().map(|(j, a)| a * column[k - 1 - j]).sum();
+                    column[k] = (column[k] - predicted) * per_new;
+                }
+            }
+        }
+    }
+
+    /// The inverse of [`Whitener::whiten`]: white noise becomes noise of that size and memory.
+    pub(crate) fn colour(&self, span: &Span, column: &mut [f64]) {
+        match &self.rule {
+            Rule::Pairs(pairs) => {
+                let mut before = 0.0;
+                for (value, (rho, per_new)) in column.iter_mut().zip(&pairs[span.first..span.end]) {
+                    before = *value / per_new + rho * before;
+                    *value = before;
+                }
+            }
+            Rule::Orders(orders) => {
+                for k in 0..column.len() {
+                    let (order, per_new) = &orders[k.min(orders.len() - 1)];
+                    let predicted: f64 = order.iter().enumerate().map(|(j, a)| a * column[k - 1 - j]).sum();
+                    column[k] = column[k] / per_new + predicted;
+                }
+            }
+        }
+        for (value, per_sd) in column.iter_mut().zip(&self.per_sd[span.first..span.end]) {
+            *value /= per_sd;
+        }
+    }
+
+    /// The transpose of [`Whitener::whiten`]: the inner product of `column` with any whitened series is that of what it
+    /// becomes with the series itself.
+    pub(crate) fn transpose(&self, span: &Span, column: &mut [f64]) {
+        match &self.rule {
+            Rule::Pairs(pairs) => {
+                let mut after = 0.0;
+                for (value, (rho, per_new)) in column.iter_mut().zip(&pairs[span.first..span.end]).rev() {
+                    let own = *value * per_new;
+                    *value = own - after;
+                    after = rho * own;
+                }
+            }
+            Rule::Orders(orders) => {
+                for k in 0..column.len() {
+                    let (order, per_new) = &orders[k.min(orders.len() - 1)];
+                    let own = column[k] * per_new;
+                    column[k] = own;
+                    for (j, a) in order.iter().enumerate() {
+                        column[k - 1 - j] -= a * own;
+                    }
+                }
+            }
+        }
+        for (value, per_sd) in column.iter_mut().zip(&self.per_sd[span.first..span.end]) {
+            *value *= per_sd;
+        }
+    }
+
+    /// Logarithm of the determinant of the covariance of all readings.
+    pub(crate) fn log_determinant(&self, sampled: &Sampled) -> f64 {
+        let scales: f64 = self.per_sd.iter().map(|per_sd| -2.0 * per_sd.ln()).sum();
+        let memory: f64 = match &self.rule {
+            Rule::Pairs(pairs) => pairs.iter().map(|(_, per_new)| -2.0 * per_new.ln()).sum(),
+            Rule::Orders(orders) => {
+                let of_span = |span: &Span| -> f64 {
+                    (0..span.end - span.first)
+                        .map(|k| -2.0 * orders[k.min(orders.len() - 1)].1.ln())
+                        .sum()
+                };
+                sampled.spans.iter().map(of_span).sum()
+            }
+        };
+        scales + memory
+    }
+
+    /// Whether the whitened value of a smooth series varies smoothly from reading `k - 1` to `k` of a span that
+    /// starts at `first`: the same rule holds for both.
+    pub(crate) fn is_even(&self, first: usize, k: usize) -> bool {
+        match &self.rule {
+            Rule::Pairs(pairs) => k > first + 1 && (pairs[k].0 - pairs[k - 1].0).abs() <= 1e-3,
+            Rule::Orders(orders) => k >= first + orders.len(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_domain::{Channel, Drive, Quantity};
+
+    fn sampled(time_s: &[f64]) -> Sampled {
+        let channel = Channel::new(Quantity::Current, time_s.into(), vec![0.0; time_s.len()].into());
+        Sampled::new(&channel, &Drive::step(1.0), false)
+    }
+
+    /// Whitening W of a covariance V must give W V W' = 1.
+    fn assert_whitens(time_s: &[f64], memory: &Memory, covariance: impl Fn(usize, usize) -> f64) {
+        let sampled = sampled(time_s);
+        let n = time_s.len();
+        let whitener = Whitener::new(&sampled, &vec![2.0; n], memory);
+        let span = sampled.spans[0];
+        let whitened_rows = |matrix: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+            let columns = (0..n).map(|c| {
+                let mut column: Vec<f64> = (0..n).map(|r| matrix[r][c]).collect();
+                whitener.whiten(&span, &mut column);
+                column
+            });
+            columns.collect()
+        };
+        let v = (0..n)
+            .map(|r| (0..n).map(|c| 4.0 * covariance(r, c)).collect())
+            .collect();
+        let both = whitened_rows(whitened_rows(v));
+        for (r, row) in both.iter().enumerate() {
+            for (c, value) in row.iter().enumerate() {
+                let expected = if r == c { 1.0 } else { 0.0 };
+                assert!((value - expected).abs() < 1e-10, "{r} {c}: {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn colouring_undoes_whitening_and_the_transpose_moves_across_a_product() {
+        let time_s = [0.0, 0.1, 0.5, 2.0, 2.1, 7.0, 7.5];
+        let sampled = sampled(&time_s);
+        let span = sampled.spans[0];
+        let sd: Vec<f64> = (1..8).map(|k| 0.3 * f64::from(k)).collect();
+        let memories = [
+            Memory::Order(Vec::new()),
+            Memory::Order(vec![0.6]),
+            Memory::Order(vec![0.5, 0.3]),
+            Memory::Time {
+                correlation_time_s: 1.5,
+            },
+        ];
+        let x = [1.0, -2.0, 0.5, 3.0, 0.0, -1.0, 4.0];
+        let y = [0.2, 1.0, -1.0, 2.0, 5.0, 0.3, -0.7];
+        for memory in memories {
+            let whitener = Whitener::new(&sampled, &sd, &memory);
+            let (mut white, mut back) = (x.to_vec(), y.to_vec());
+            whitener.whiten(&span, &mut white);
+            whitener.transpose(&span, &mut back);
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            assert!((dot(&white, &y) - dot(&x, &back)).abs() < 1e-12, "{memory:?}");
+            whitener.colour(&span, &mut white);
+            assert!(
+                white.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-12),
+                "{memory:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn correlated_noise_becomes_white() {
+        let even: Vec<f64> = (0..9).map(f64::from).collect();
+        let rho = 0.7_f64;
+        assert_whitens(&even, &Memory::Order(vec![rho]), |r, c| {
+            rho.powi(r.abs_diff(c) as i32)
+        });
+        let uneven = [0.0, 0.1, 0.5, 2.0, 2.1, 7.0];
+        let time = Memory::Time {
+            correlation_time_s: 1.5,
+        };
+        assert_whitens(&uneven, &time, |r, c| {
+            (-(uneven[r] - uneven[c]).abs() / 1.5_f64).exp()
+        });
+        // Second order: autocorrelations by Yule and Walker.
+        let (a, b) = (0.5, 0.3);
+        let mut lags = vec![1.0, a / (1.0 - b)];
+        for k in 2..9 {
+            lags.push(a * lags[k - 1] + b * lags[k - 2]);
+        }
+        assert_whitens(&even, &Memory::Order(vec![a, b]), |r, c| lags[r.abs_diff(c)]);
+    }
+}

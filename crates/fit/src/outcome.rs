@@ -1,0 +1,272 @@
+//! The identified parameters as a `Fit`: estimates, noise, curves and issues.
+
+mod issues;
+mod response;
+
+use std::borrow::Cow;
+
+use ieap_domain::{ChannelNoise, Drive, Estimate, Fit, Parameter, Quantity, RunCurve};
+use ieap_model::FitModel;
+use ieap_numerics::levenberg::Stop;
+
+use super::estimates::{bending_estimate, electrical_estimate};
+use super::group::Found;
+use super::joint::feature::Feature;
+use super::joint::readings::RunReadings;
+use super::joint::single::Judged;
+use super::joint_estimates::{self, judged_estimate};
+use super::sampled::Sampled;
+use super::uncertainty::Residuals;
+use super::{FitInput, FitOptions, Identified};
+
+use issues::issues;
+pub(super) use issues::{not_converged, parameter_issues};
+use response::Response;
+
+/// Puts everything together.
+pub(super) fn fit(
+    input: &FitInput,
+    options: &FitOptions,
+    identified: &Identified,
+    judged: Option<&Judged>,
+) -> Fit {
+    let model = options.model;
+    let parameters = parameters(input, model, identified, judged);
+    let step_s = input
+        .drive
+        .segments
+        .first()
+        .map_or(0.0, |segment| segment.start_s);
+    let current = identified.current.as_ref().ok();
+    let curvature = identified.curvature.as_ref().ok();
+    let describes_noise = options.describes_noise;
+    let [judged_current, judged_curvature] = judged.map_or([None, None], |judged| {
+        [judged.fitted[0].as_ref(), judged.fitted[1].as_ref()]
+    });
+    let mut responses: Vec<Response> = Vec::new();
+    if let Some((sampled, electrical)) = current {
+        let circuit = 2 * judged.map_or(0, |judged| judged.branches) + 1;
+        responses.push(Response::new(
+            Quantity::Current,
+            sampled,
+            Some(&*settled(sampled, &electrical.residuals, judged_current, circuit)),
+            step_s,
+            describes_noise,
+        ));
+    }
+    if let Some((sampled, bending)) = curvature {
+        responses.push(Response::new(
+            Quantity::Curvature,
+            sampled,
+            Some(&*settled(sampled, &bending.residuals, judged_curvature, 2)),
+            step_s,
+            describes_noise,
+        ));
+    }
+    let n_samples = responses.iter().map(|response| response.noise.readings).sum();
+    if let Some(sampled) = identified
+        .unfitted_curvature
+        .as_ref()
+        .filter(|sampled| sampled.len() > 0)
+    {
+        responses.push(Response::new(
+            Quantity::Curvature,
+            sampled,
+            None,
+            step_s,
+            describes_noise,
+        ));
+    }
+    let r_squared = |quantity: Quantity| {
+        responses
+            .iter()
+            .find(|response| response.noise.quantity == quantity)?
+            .noise
+            .r_squared
+    };
+    Fit {
+        model: model.id.to_owned(),
+        model_version: model.version,
+        method: method(options, judged),
+        converged: current.is_none_or(|(_, e)| e.stop.converged())
+            && curvature.is_none_or(|(_, b)| b.stop.converged())
+            && judged.is_none_or(|judged| judged.stop.converged())
+            && (current.is_some() || curvature.is_some()),
+        why_stopped: why_stopped(identified, judged),
+        n_samples,
+        r_squared_current: r_squared(Quantity::Current),
+        r_squared_curvature: r_squared(Quantity::Curvature),
+        issues: issues(input.drive, identified, &parameters, judged),
+        evaluations: judged.map_or(0, |judged| judged.evaluations)
+            + current.map_or(0, |(_, e)| e.evaluations)
+            + curvature.map_or(0, |(_, b)| b.evaluations),
+        parameters,
+        noise: responses.iter().map(|response| response.noise.clone()).collect(),
+        curves: responses.into_iter().map(|response| response.curve).collect(),
+        along: Vec::new(),
+    }
+}
+
+/// How the minimum was searched.
+fn method(options: &FitOptions, judged: Option<&Judged>) -> String {
+    let steps = format!("two-step {}", options.method.name());
+    match judged {
+        None => steps,
+        Some(Judged {
+            fitted: [_, Some(_)], ..
+        }) => format!("{steps}, then both responses at once, weighted by the noise"),
+        Some(_) => format!("{steps}, then weighted by the noise"),
+    }
+}
+
+/// Residuals at the place that the estimates stand for: of the step itself, or of what was fitted after it.
+fn settled<'a>(
+    sampled: &Sampled,
+    of_step: &'a Residuals,
+    fitted: Option<&Vec<f64>>,
+    searched: usize,
+) -> Cow<'a, Residuals> {
+    match fitted {
+        Some(fitted) => Cow::Owned(Residuals::new(sampled, fitted.clone(), searched)),
+        None => Cow::Borrowed(of_step),
+    }
+}
+
+fn parameters(
+    input: &FitInput,
+    model: &FitModel,
+    identified: &Identified,
+    judged: Option<&Judged>,
+) -> Vec<Parameter> {
+    let estimate = |key: &str| {
+        let feature = Feature::of_key(key, model.branches)?;
+        if let Some(estimate) = judged.and_then(|judged| judged_estimate(feature, judged, input.drive)) {
+            return Some(estimate);
+        }
+        let bending = identified
+            .curvature
+            .as_ref()
+            .map(|(_, bending)| bending)
+            .map_err(String::as_str);
+        let electrical = || match &identified.current {
+            Ok((_, electrical)) => electrical_estimate(feature, electrical, input.drive),
+            Err(reason) => Some(Estimate::not_determined(reason.as_str())),
+        };
+        bending_estimate(feature, bending).or_else(electrical)
+    };
+    let with_estimate = |key: &str| {
+        Some(Parameter {
+            key: key.to_owned(),
+            estimate: estimate(key)?,
+        })
+    };
+    model
+        .parameters
+        .iter()
+        .filter_map(|description| with_estimate(description.key))
+        .collect()
+}
+
+/// Parameters of a joint fit in the model's order.
+pub(super) fn joint_parameters(model: &FitModel, features: &[Found], drive: &Drive) -> Vec<Parameter> {
+    let of = |key: &str| {
+        let feature = Feature::of_key(key, model.branches)?;
+        let found = features.iter().find(|(own, ..)| *own == feature);
+        let missing = || Estimate::not_determined("nothing in the run tells of it");
+        Some(Parameter {
+            key: key.to_owned(),
+            estimate: found.map_or_else(missing, |(_, interval, partner)| {
+                joint_estimates::estimate(feature, interval, drive, *partner)
+            }),
+        })
+    };
+    model
+        .parameters
+        .iter()
+        .filter_map(|description| of(description.key))
+        .collect()
+}
+
+/// Noise and curve of one response under a model of `searched` parameters that gives `fitted` at its readings.
+pub(super) fn judged_response(
+    quantity: Quantity,
+    sampled: &Sampled,
+    fitted: Vec<f64>,
+    drive: &Drive,
+    searched: usize,
+) -> (ChannelNoise, RunCurve) {
+    let step_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+    let residuals = Residuals::new(sampled, fitted, searched);
+    let response = Response::new(quantity, sampled, Some(&residuals), step_s, true);
+    (response.noise, response.curve)
+}
+
+/// One run of a joint fit.
+pub(super) fn joint_fit(
+    input: &FitInput,
+    model: &'static FitModel,
+    run: &RunReadings,
+    fitted: [Option<Vec<f64>>; 2],
+    parameters: Vec<Parameter>,
+    (stop, evaluations): (Stop, u64),
+) -> Fit {
+    let step_s = input
+        .drive
+        .segments
+        .first()
+        .map_or(0.0, |segment| segment.start_s);
+    let count = 2 * model.branches + 1;
+    let quantities = [(Quantity::Current, count), (Quantity::Curvature, 2)];
+    let responses: Vec<Response> = [&run.current, &run.curvature]
+        .into_iter()
+        .zip(fitted)
+        .zip(quantities)
+        .filter_map(|((response, fitted), (quantity, count))| {
+            let sampled = &response.as_ref()?.sampled;
+            let residuals = Residuals::new(sampled, fitted?, count);
+            Some(Response::new(quantity, sampled, Some(&residuals), step_s, true))
+        })
+        .collect();
+    let r_squared = |quantity: Quantity| {
+        responses
+            .iter()
+            .find(|response| response.noise.quantity == quantity)?
+            .noise
+            .r_squared
+    };
+    let mut issues = parameter_issues(&parameters);
+    if !stop.converged() {
+        issues.push(not_converged(stop));
+    }
+    Fit {
+        model: model.id.to_owned(),
+        model_version: model.version,
+        method: "simultaneous least squares, weighted by the noise".to_owned(),
+        converged: stop.converged(),
+        why_stopped: stop.words().to_owned(),
+        n_samples: run.len(),
+        r_squared_current: r_squared(Quantity::Current),
+        r_squared_curvature: r_squared(Quantity::Curvature),
+        issues,
+        evaluations,
+        parameters,
+        noise: responses.iter().map(|response| response.noise.clone()).collect(),
+        curves: responses.into_iter().map(|response| response.curve).collect(),
+        along: Vec::new(),
+    }
+}
+
+fn why_stopped(identified: &Identified, judged: Option<&Judged>) -> String {
+    let current = match &identified.current {
+        Ok((_, electrical)) => format!("current: {}", electrical.stop.words()),
+        Err(reason) => format!("current: not fitted, {reason}"),
+    };
+    let curvature = match &identified.curvature {
+        Ok((_, bending)) => format!("curvature: {}", bending.stop.words()),
+        Err(reason) => format!("curvature: not fitted, {reason}"),
+    };
+    let afterwards = judged.map_or_else(String::new, |judged| {
+        format!("; weighted by the noise: {}", judged.stop.words())
+    });
+    format!("{current}; {curvature}{afterwards}")
+}

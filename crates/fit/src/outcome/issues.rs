@@ -1,0 +1,117 @@
+//! What a reader of a fit must know beside its numbers.
+
+use crate::Identified;
+use crate::joint::single::Judged;
+use crate::joint_estimates::{choice_in_words, two_step_choice_in_words};
+use crate::sampled::Sampled;
+use ieap_domain::{Drive, Issue, Level, Parameter};
+use ieap_numerics::levenberg::Stop;
+
+pub(crate) fn not_converged(stop: Stop) -> Issue {
+    Issue::warning(
+        "not-converged",
+        format!("the search did not settle: {}", stop.words()),
+    )
+}
+
+/// Notes on parameters without a value.
+pub(crate) fn parameter_issues(parameters: &[Parameter]) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    for parameter in parameters {
+        let estimate = &parameter.estimate;
+        let Some(reason) = &estimate.reason else { continue };
+        let (code, what) = match (estimate.value, estimate.low_95, estimate.high_95) {
+            (Some(_), _, _) => continue,
+            (None, Some(low), _) => (
+                "parameter-bounded",
+                format!("only a lower bound is known, {low:.4e}"),
+            ),
+            (None, _, Some(high)) => (
+                "parameter-bounded",
+                format!("only an upper bound is known, {high:.4e}"),
+            ),
+            (None, None, None) => ("parameter-not-determined", "not determined".to_owned()),
+        };
+        issues.push(Issue::note(code, format!("{what}: {reason}")).at(parameter.key.as_str()));
+    }
+    issues
+}
+
+pub(super) fn issues(
+    drive: &Drive,
+    identified: &Identified,
+    parameters: &[Parameter],
+    judged: Option<&Judged>,
+) -> Vec<Issue> {
+    let mut issues = parameter_issues(parameters);
+    let weighings = judged.map_or(&[][..], |judged| &judged.weighings);
+    for evidence in weighings.iter().filter(|evidence| evidence.gain.is_finite()) {
+        issues.push(Issue::note("model-choice", choice_in_words(evidence)));
+    }
+    if let (true, Ok((_, electrical))) = (weighings.is_empty(), &identified.current)
+        && let Some(words) = two_step_choice_in_words(electrical)
+    {
+        issues.push(Issue::note("model-choice", words));
+    }
+    if let Ok((sampled, electrical)) = &identified.current
+        && electrical.conductances_a_per_v.is_empty()
+        && electrical.steady_a_per_v == 0.0
+        && flows_backwards(drive, sampled)
+    {
+        let message = "the current flows against the voltage: no resistor or capacitor does that";
+        let issue = Issue::warning("current-against-voltage", message).at("column current_a");
+        issues
+            .push(issue.mend(
+                "check the sign of current and voltage: instruments differ in what they call positive",
+            ));
+    }
+    if let Ok((_, electrical)) = &identified.current
+        && let Some(of_step) = electrical.offset_a
+    {
+        let offset_a = judged.map_or(of_step, |judged| judged.offsets.current_a);
+        let message = format!(
+            "the current is off by {offset_a:.4e} A at every voltage, which no resistor explains; fitted as the instrument's zero"
+        );
+        issues.push(Issue::warning("current-offset", message).at("column current_a"));
+    }
+    if let Ok((_, bending)) = &identified.curvature
+        && let Some(of_step) = bending.offset_per_cm
+    {
+        let offset_per_cm = judged.map_or(of_step, |judged| judged.offsets.curvature_per_cm);
+        let message =
+            format!("the strip is bent by {offset_per_cm:.4e} 1/cm before the step; fitted as an offset");
+        issues.push(Issue::note("initial-curvature", message).at("column curvature_per_cm"));
+    }
+    let unfinished = [
+        identified
+            .current
+            .as_ref()
+            .ok()
+            .map(|(_, electrical)| electrical.stop),
+        identified
+            .curvature
+            .as_ref()
+            .ok()
+            .map(|(_, bending)| bending.stop),
+    ];
+    let afterwards = judged.map(|judged| judged.stop);
+    for stop in unfinished
+        .into_iter()
+        .chain([afterwards])
+        .flatten()
+        .filter(|stop| !stop.converged())
+    {
+        issues.push(not_converged(stop));
+    }
+    issues
+}
+
+/// Whether the current after the step is on the whole opposite to the first change of the voltage.
+fn flows_backwards(drive: &Drive, sampled: &Sampled) -> bool {
+    let held = drive.segments.iter().find_map(|segment| match segment.level {
+        Level::Voltage(level_v) if level_v != drive.baseline_v => Some(level_v - drive.baseline_v),
+        _ => None,
+    });
+    let after = &sampled.values[sampled.before_step()..];
+    held.is_some_and(|change_v| change_v * after.iter().sum::<f64>() < 0.0)
+}

@@ -1,0 +1,438 @@
+//! Readings of one channel, sorted by drive segment and cut into blocks for fast evaluation.
+
+use std::sync::Arc;
+
+use ieap_domain::{Channel, Drive, Level};
+use ieap_numerics::correlation::Autoregression;
+use ieap_numerics::decay::{BLOCK, Block, Column, blocks, even_step};
+use ieap_numerics::discrete_gauss::{FEWEST, compress};
+use ieap_numerics::noise::{LocalScatter, local_scatter};
+use ieap_numerics::sums;
+
+/// Consecutive readings within one segment of the drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Span {
+    /// Segment of the drive; none before the first one.
+    pub(super) segment: Option<usize>,
+    /// Index of the first reading.
+    pub(super) first: usize,
+    /// Index behind the last reading.
+    pub(super) end: usize,
+}
+
+/// Readings that a fit uses.
+#[derive(Debug, Clone)]
+pub(super) struct Sampled {
+    /// Time of each reading, s.
+    pub(super) time_s: Arc<[f64]>,
+    /// Time since the start of the reading's segment, s.
+    pub(super) elapsed_s: Arc<[f64]>,
+    /// Measured values.
+    pub(super) values: Arc<[f64]>,
+    /// Square root of the number of readings behind each value, where they are compressed.
+    root_weights: Option<Vec<f64>>,
+    /// Sum of the squared values of the readings that these stand for, where they are compressed.
+    square_of_all: Option<f64>,
+    /// Readings by segment.
+    pub(super) spans: Vec<Span>,
+    /// Blocks with their segments.
+    pub(super) blocks: Vec<(Option<usize>, Block)>,
+    /// Noise without the model; none where the readings are too few or compressed.
+    pub(super) scatter: Option<LocalScatter>,
+}
+
+/// The mean before the step is off zero where it is this many standard errors from zero.
+const OFFSET_EVIDENCE: f64 = 4.0;
+/// Readings at or beyond this size are none: their squares would not be numbers.
+const LARGEST: f64 = 1e100;
+/// A stretch that is compressed at once ends at this multiple of the elapsed time at which it begins.
+const STRETCH: f64 = 2.0;
+
+/// Times, values and weights.
+type Standing = (Vec<f64>, Vec<f64>, Vec<f64>);
+
+impl Sampled {
+    /// Readings of `channel` that are finite and not excluded; those taken while the circuit was open only
+    /// where `with_open_circuit`.
+    pub(super) fn new(channel: &Channel, drive: &Drive, with_open_circuit: bool) -> Sampled {
+        let (time_s, values) = channel.included();
+        let segments = std::iter::once(None).chain((0..drive.segments.len()).map(Some));
+        let mut next = 0;
+        let mut taken: Vec<Span> = Vec::with_capacity(drive.segments.len() + 1);
+        for segment in segments {
+            let until = segment.map_or(0, |index| index + 1);
+            let end_s = drive
+                .segments
+                .get(until)
+                .map_or(f64::INFINITY, |segment| segment.start_s);
+            let first = next;
+            next += time_s[next..].partition_point(|&t| t < end_s);
+            let open = segment.is_some_and(|index| drive.segments[index].level == Level::OpenCircuit);
+            if next > first && (!open || with_open_circuit) {
+                let end = next;
+                taken.push(Span { segment, first, end });
+            }
+        }
+        let start_s = |span: &Span| span.segment.map_or(0.0, |index| drive.segments[index].start_s);
+        let whole = taken.iter().map(|span| span.end - span.first).sum::<usize>() == values.len();
+        let usable = sums::peak(&values) < LARGEST && values.iter().chain(&*time_s).all(|v| v.is_finite());
+        let mut sampled = if whole && usable {
+            // Nothing is left out: the channel's own columns serve.
+            let elapsed_s = if taken.iter().all(|span| start_s(span) == 0.0) {
+                time_s.clone()
+            } else {
+                let each = taken.iter().flat_map(|span| {
+                    let start_s = start_s(span);
+                    time_s[span.first..span.end].iter().map(move |t| t - start_s)
+                });
+                each.collect()
+            };
+            Sampled::of(time_s, elapsed_s, values, taken)
+        } else {
+            Sampled::picked(&time_s, &values, &taken, start_s)
+        };
+        sampled.scatter = local_scatter(&sampled.smooth_stretches());
+        sampled
+    }
+
+    fn of(time_s: Arc<[f64]>, elapsed_s: Arc<[f64]>, values: Arc<[f64]>, spans: Vec<Span>) -> Sampled {
+        let mut sampled = Sampled {
+            time_s,
+            elapsed_s,
+            values,
+            root_weights: None,
+            square_of_all: None,
+            spans,
+            blocks: Vec::new(),
+            scatter: None,
+        };
+        sampled.cut();
+        sampled
+    }
+
+    /// The usable readings of the spans `taken`, copied one after the other.
+    fn picked(time_s: &[f64], values: &[f64], taken: &[Span], start_s: impl Fn(&Span) -> f64) -> Sampled {
+        let (mut times, mut elapsed, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spans = Vec::with_capacity(taken.len());
+        for span in taken {
+            let first = kept.len();
+            for (&t, &value) in time_s[span.first..span.end]
+                .iter()
+                .zip(&values[span.first..span.end])
+            {
+                if t.is_finite() && value.abs() < LARGEST {
+                    times.push(t);
+                    elapsed.push(t - start_s(span));
+                    kept.push(value);
+                }
+            }
+            let end = kept.len();
+            if end > first {
+                spans.push(Span { first, end, ..*span });
+            }
+        }
+        Sampled::of(times.into(), elapsed.into(), kept.into(), spans)
+    }
+
+    fn cut(&mut self) {
+        for span in &self.spans {
+            let found = blocks(&self.elapsed_s, span.first, span.end);
+            self.blocks
+                .extend(found.into_iter().map(|block| (span.segment, block)));
+        }
+    }
+
+    /// Number of readings.
+    pub(super) fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Sum of the squared values of all readings, also where these are compressed.
+    pub(super) fn square(&self) -> f64 {
+        self.square_of_all.unwrap_or_else(|| sums::square(&self.values))
+    }
+
+    /// Number of readings from the first segment on.
+    pub(super) fn after_step(&self) -> usize {
+        self.len() - self.before_step()
+    }
+
+    /// Number of readings before the first segment.
+    pub(super) fn before_step(&self) -> usize {
+        self.spans
+            .first()
+            .filter(|span| span.segment.is_none())
+            .map_or(0, |span| span.end)
+    }
+
+    /// Whether the mean before the step differs from zero beyond its own error.
+    pub(super) fn rests_off_zero(&self) -> bool {
+        let before = &self.values[..self.before_step()];
+        if before.len() < 4 {
+            return false;
+        }
+        let count = before.len() as f64;
+        let mean = before.iter().sum::<f64>() / count;
+        let (mut square, mut product, mut last) = (0.0, 0.0, 0.0);
+        for value in before {
+            let e = value - mean;
+            square += e * e;
+            product += e * last;
+            last = e;
+        }
+        let noise = Autoregression::from_sums(square, product, count, 1.0);
+        let variance = noise.long_run_variance().max(noise.variance) / count;
+        mean.abs() > OFFSET_EVIDENCE * variance.sqrt() && mean != 0.0
+    }
+
+    /// Shortest mean spacing of three readings in a row, and longest time since a segment's start, s.
+    pub(super) fn time_scales_s(&self) -> (f64, f64) {
+        let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
+        for span in self.spans.iter().filter(|span| span.segment.is_some()) {
+            let elapsed_s = &self.elapsed_s[span.first..span.end];
+            if let Some(later) = elapsed_s.get(2..) {
+                shortest = shortest.min(0.5 * sums::least_difference(later, elapsed_s));
+            }
+            longest = longest.max(elapsed_s[elapsed_s.len() - 1]);
+        }
+        (shortest, longest)
+    }
+
+    /// A few nodes that stand for all readings: inner products with every response of the circuit and of the strip
+    /// stay what they are (see `discrete_gauss`). Readings that are too few or too uneven stay themselves.
+    pub(super) fn compressed(&self) -> Sampled {
+        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut root_weights, mut spans) = (Vec::new(), Vec::with_capacity(self.spans.len()));
+        for span in &self.spans {
+            let first = values.len();
+            let mut start = span.first;
+            while start < span.end {
+                let end = self.stretch_end(span, start);
+                match self.stands_for(span, start, end) {
+                    Some((at, node_values, weights)) => {
+                        elapsed_s.extend(at);
+                        values.extend(node_values);
+                        root_weights.extend(weights.into_iter().map(f64::sqrt));
+                    }
+                    None => {
+                        elapsed_s.extend(&self.elapsed_s[start..end]);
+                        values.extend(&self.values[start..end]);
+                        root_weights.resize(values.len(), 1.0);
+                    }
+                }
+                start = end;
+            }
+            let start_s = self.time_s[span.first] - self.elapsed_s[span.first];
+            time_s.extend(elapsed_s[first..].iter().map(|t| start_s + t));
+            let end = values.len();
+            spans.push(Span { first, end, ..*span });
+        }
+        let mut compressed = Sampled::of(time_s.into(), elapsed_s.into(), values.into(), spans);
+        compressed.root_weights = Some(root_weights);
+        compressed.square_of_all = Some(self.square());
+        compressed
+    }
+
+    /// End of the stretch from `start` on over which a response is smooth: to twice the elapsed time. Before the
+    /// first segment nothing changes.
+    fn stretch_end(&self, span: &Span, start: usize) -> usize {
+        if span.segment.is_none() {
+            return span.end;
+        }
+        let limit = self.elapsed_s[start] * STRETCH;
+        start
+            + self.elapsed_s[start..span.end]
+                .partition_point(|&t| t <= limit)
+                .max(1)
+    }
+
+    /// Times, values and weights that stand for the readings `start..end`.
+    fn stands_for(&self, span: &Span, start: usize, end: usize) -> Option<Standing> {
+        if span.segment.is_none() {
+            let count = (end - start) as f64;
+            let mean = sums::sum(&self.values[start..end]) / count;
+            return Some((vec![self.elapsed_s[start]], vec![mean], vec![count]));
+        }
+        if end - start < FEWEST {
+            return None;
+        }
+        let elapsed_s = &self.elapsed_s[start..end];
+        let found = compress(elapsed_s, &self.values[start..end], even_step(elapsed_s))?;
+        Some((found.at.to_vec(), found.values.to_vec(), found.weights.to_vec()))
+    }
+
+    /// At most about `most` readings: of every longer span its beginning and its end, as spans of their own.
+    pub(super) fn ends(&self, most: usize) -> Sampled {
+        let parts = |span: &Span| {
+            let half = ((span.end - span.first) * most / self.len().max(1) / 2).max(32);
+            if span.end - span.first <= 2 * half {
+                vec![(span.first, span.end)]
+            } else {
+                vec![(span.first, span.first + half), (span.end - half, span.end)]
+            }
+        };
+        self.stretches(parts)
+    }
+
+    /// The readings without the first `count` of each span; spans that are not longer fall out.
+    pub(super) fn without_edges(&self, count: usize) -> Sampled {
+        self.stretches(|span| {
+            let from = span.first + count;
+            if from < span.end {
+                vec![(from, span.end)]
+            } else {
+                Vec::new()
+            }
+        })
+    }
+
+    /// The readings in the stretches that `parts` takes of every span, each a span of its own.
+    fn stretches(&self, parts: impl Fn(&Span) -> Vec<(usize, usize)>) -> Sampled {
+        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spans = Vec::new();
+        for span in &self.spans {
+            for (from, to) in parts(span) {
+                let first = values.len();
+                time_s.extend_from_slice(&self.time_s[from..to]);
+                elapsed_s.extend_from_slice(&self.elapsed_s[from..to]);
+                values.extend_from_slice(&self.values[from..to]);
+                spans.push(Span {
+                    segment: span.segment,
+                    first,
+                    end: values.len(),
+                });
+            }
+        }
+        let mut kept = Sampled {
+            time_s: time_s.into(),
+            elapsed_s: elapsed_s.into(),
+            values: values.into(),
+            root_weights: None,
+            square_of_all: None,
+            spans,
+            blocks: Vec::new(),
+            scatter: self.scatter.clone(),
+        };
+        kept.cut();
+        kept
+    }
+
+    /// Measured values of a block, weighted like the columns.
+    pub(super) fn fill_values(&self, block: &Block, out: &mut Column) {
+        out[..block.len].copy_from_slice(&self.values[block.first..block.first + block.len]);
+        out[block.len..].fill(0.0);
+        self.weigh(block, out);
+    }
+
+    /// Multiplies a column by the square roots of the weights.
+    pub(super) fn weigh(&self, block: &Block, column: &mut Column) {
+        if let Some(root_weights) = &self.root_weights {
+            for (value, weight) in column
+                .iter_mut()
+                .zip(&root_weights[block.first..block.first + block.len])
+            {
+                *value *= weight;
+            }
+        }
+    }
+
+    /// 1 at every reading of the block.
+    pub(super) fn ones(block: &Block) -> Column {
+        std::array::from_fn(|k| if k < block.len { 1.0 } else { 0.0 })
+    }
+
+    /// Stretches without a jump, from the first segment on; those before it where there are few later ones.
+    pub(super) fn smooth_stretches(&self) -> Vec<&[f64]> {
+        let later = self.after_step() >= BLOCK.min(self.before_step());
+        (self.spans.iter())
+            .filter(|span| span.segment.is_some() == later)
+            .map(|span| &self.values[span.first..span.end])
+            .collect()
+    }
+}
+
+/// Sum of squared residuals over what stands for the readings.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Remainder {
+    left: f64,
+    values: f64,
+}
+
+impl Remainder {
+    /// Adds a block of weighted values and the fitted value at each.
+    pub(super) fn add(&mut self, values: &[f64], fitted: impl Fn(usize) -> f64) {
+        for (k, value) in values.iter().enumerate() {
+            let residual = value - fitted(k);
+            self.left += residual * residual;
+            self.values += value * value;
+        }
+    }
+
+    /// The sum over all readings of `sampled`: what no smooth response reaches is the same for every one.
+    pub(super) fn square(&self, sampled: &Sampled) -> f64 {
+        self.left + (sampled.square() - self.values).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use ieap_domain::{Quantity, Segment};
+
+    fn channel(n: usize) -> Channel {
+        let time_s = (0..n).map(|k| k as f64 - 10.0).collect();
+        let values = (0..n)
+            .map(|k| if k == 20 { f64::NAN } else { k as f64 })
+            .collect();
+        let mut channel = Channel::new(Quantity::Current, time_s, values);
+        channel.excluded = [15].into();
+        channel
+    }
+
+    #[test]
+    fn readings_fall_into_their_segments() {
+        let mut drive = Drive::step(1.0);
+        drive.segments.push(Segment {
+            start_s: 40.0,
+            level: Level::OpenCircuit,
+        });
+        let closed = Sampled::new(&channel(100), &drive, false);
+        assert_eq!((closed.before_step(), closed.after_step()), (10, 38));
+        assert_eq!(closed.spans[1].segment, Some(0));
+        let all = Sampled::new(&channel(100), &drive, true);
+        assert_eq!(all.len(), 98);
+        assert_eq!(all.elapsed_s[all.spans[2].first], 0.0);
+        assert_eq!(all.blocks.iter().map(|(_, block)| block.len).sum::<usize>(), 98);
+    }
+
+    #[test]
+    fn compressed_readings_keep_inner_products_with_every_decay() {
+        for (n, most) in [(1000, 120), (36_000, 190)] {
+            let time_s: Arc<[f64]> = (0..n).map(|k| k as f64 * 0.1 - 10.0).collect();
+            let values: Arc<[f64]> = (0..n).map(|k| 1.0 + ((k * k) as f64).sin()).collect();
+            let channel = Channel::new(Quantity::Current, time_s, values);
+            let sampled = Sampled::new(&channel, &Drive::step(1.0), false);
+            let compressed = sampled.compressed();
+            assert!(compressed.len() < most, "{}", compressed.len());
+            assert_eq!(
+                (compressed.before_step(), compressed.square()),
+                (1, sampled.square())
+            );
+            let weights = compressed.root_weights.as_ref().unwrap();
+            let after = sampled.before_step();
+            let norm = sampled.square().sqrt() * (n as f64).sqrt();
+            for power in -40..30 {
+                let rate = 10.0_f64.powf(power as f64 / 10.0);
+                let all = sampled.elapsed_s[after..].iter().zip(&sampled.values[after..]);
+                let direct: f64 = all.map(|(t, y)| y * (-rate * t).exp()).sum();
+                let nodes = (1..compressed.len()).map(|k| (k, weights[k] * weights[k]));
+                let short: f64 = nodes
+                    .map(|(k, w)| w * compressed.values[k] * (-rate * compressed.elapsed_s[k]).exp())
+                    .sum();
+                assert!((short - direct).abs() < 1e-9 * norm, "{rate}: {short} {direct}");
+            }
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! Readings of a channel as a diagnosis sees them: with their noise, found without the model, and made white by it.
+
+use std::sync::Arc;
+
+use ieap_domain::{Channel, Drive, NoiseCharacter, Quantity};
+
+use super::joint::noise::{Again, Noise};
+use super::joint::readings::Response;
+use super::joint::whitening::{Memory, Whitener};
+use super::sampled::{Sampled, Span};
+
+/// Readings behind each edge of the drive that say nothing of growth: what a model misses there looks like it.
+const AT_EDGE: usize = 1;
+/// Readings further apart than so many times their neighbours have a gap between them.
+const WITHOUT_GAP: f64 = 2.5;
+
+/// One channel of a run with its noise.
+#[derive(Debug, Clone)]
+pub struct WhitenedChannel {
+    response: Response,
+    memory: Continuing,
+    readings_per_independent: f64,
+    /// Whether the memory is one that it shares with other channels.
+    is_shared: bool,
+}
+
+/// The whitener over stretches of readings without a gap: noise remembers across the edges of the drive.
+#[derive(Debug, Clone)]
+struct Continuing {
+    stretches: Vec<Span>,
+    whitener: Whitener,
+}
+
+impl Continuing {
+    fn new(sampled: &Sampled, sd: &[f64], memory: &Memory) -> Continuing {
+        let mut joined = sampled.clone();
+        joined.spans = without_gaps(sampled);
+        Continuing {
+            whitener: Whitener::new(&joined, sd, memory),
+            stretches: joined.spans,
+        }
+    }
+
+    fn each(&self, series: &mut [f64], what: impl Fn(&Whitener, &Span, &mut [f64])) {
+        for stretch in &self.stretches {
+            what(&self.whitener, stretch, &mut series[stretch.first..stretch.end]);
+        }
+    }
+
+    fn whiten(&self, series: &mut [f64]) {
+        self.each(series, Whitener::whiten);
+    }
+}
+
+/// The spans of the drive's segments, joined where one follows the other without readings missing between them.
+fn without_gaps(sampled: &Sampled) -> Vec<Span> {
+    let mut stretches: Vec<Span> = Vec::new();
+    for span in &sampled.spans {
+        match stretches.last_mut() {
+            Some(last) if is_near(&sampled.time_s, span.first) => last.end = span.end,
+            _ => stretches.push(*span),
+        }
+    }
+    stretches
+}
+
+/// Whether the reading at `first` follows the one before it as closely as its neighbours follow each other.
+fn is_near(time_s: &[f64], first: usize) -> bool {
+    let gap = |k: usize| {
+        let later = time_s.get(k)?;
+        Some(later - time_s.get(k.checked_sub(1)?)?)
+    };
+    let around = [gap(first.wrapping_sub(1)), gap(first + 1)];
+    let usual = around.into_iter().flatten().fold(0.0, f64::max);
+    gap(first).is_some_and(|own| own <= WITHOUT_GAP * usual)
+}
+
+impl WhitenedChannel {
+    /// The usable readings of `channel`; none where fewer than `needed` follow the step. Currents read while the
+    /// circuit was open are left out: the drive alone says that they are zero.
+    pub fn new(channel: &Channel, drive: &Drive, needed: usize) -> Option<WhitenedChannel> {
+        let sampled = Sampled::new(channel, drive, channel.quantity == Quantity::Curvature);
+        if sampled.after_step() < needed {
+            return None;
+        }
+        Some(WhitenedChannel::of(Response::new(sampled)))
+    }
+
+    fn of(response: Response) -> WhitenedChannel {
+        WhitenedChannel {
+            memory: Continuing::new(&response.sampled, &response.noise.sd, &response.noise.memory),
+            readings_per_independent: response.sampled.len() as f64 / response.effective_readings(),
+            is_shared: false,
+            response,
+        }
+    }
+
+    /// The same readings with noise found anew from what `fitted` leaves of them. Smooth misfit is not taken for
+    /// noise; fast transients, which no free smooth curve follows, are taken out by the fit. The standard deviation
+    /// grows with what is fitted as `sqrt(1 + (per_signal fitted)^2)`.
+    ///
+    /// `like` lends its memory where the readings' own cannot be told.
+    pub fn renoised(
+        &self,
+        fitted: &[f64],
+        per_signal: f64,
+        like: Option<&WhitenedChannel>,
+    ) -> WhitenedChannel {
+        self.with_noise_of(fitted, per_signal, |left, scale, least| match like {
+            Some(like) => Noise::of_rest_with(left, scale, least, &like.response.noise.memory),
+            None => Noise::of_rest(left, scale, least),
+        })
+    }
+
+    /// The same readings with the noise that `of` finds in what `fitted` leaves, for a scale and a least standard
+    /// deviation.
+    fn with_noise_of(
+        &self,
+        fitted: &[f64],
+        per_signal: f64,
+        of: impl FnOnce(&Sampled, &[f64], f64) -> Noise,
+    ) -> WhitenedChannel {
+        let least = self.response.noise.quantum / 12.0_f64.sqrt();
+        let found = of(
+            &self.left(fitted),
+            &growing(fitted, per_signal),
+            least.max(f64::MIN_POSITIVE),
+        );
+        let noise = Noise {
+            quantum: self.response.noise.quantum,
+            proportional: found.floor * per_signal,
+            ..found
+        };
+        WhitenedChannel::of(Response::with_noise(self.response.sampled.clone(), noise))
+    }
+
+    /// The same readings with the memory of the noise cut to `longest` readings for an independent one, and to a fifth of
+    /// all readings.
+    pub fn forgetting(&self, fitted: &[f64], per_signal: f64, longest: f64) -> WhitenedChannel {
+        let longest = longest.min(self.len() as f64 / 5.0).max(1.0);
+        if self.readings_per_independent <= longest {
+            return self.clone();
+        }
+        let correlation = (longest - 1.0) / (longest + 1.0);
+        let mut like = self.clone();
+        like.response.noise.memory = Memory::Order(vec![correlation]);
+        self.renoised(fitted, per_signal, Some(&like))
+    }
+
+    /// The correlation of neighbouring readings that all these channels' noises have; none where there is one channel
+    /// only, where their memories are of another kind, or where they differ by more than chance.
+    pub fn shared_correlation(channels: &[&WhitenedChannel]) -> Option<f64> {
+        let noises: Vec<&Noise> = channels.iter().map(|channel| &channel.response.noise).collect();
+        Noise::shared_correlation(&noises)
+    }
+
+    /// As [`WhitenedChannel::renoised`], with a correlation that `among` channels share.
+    pub fn sharing(
+        &self,
+        fitted: &[f64],
+        per_signal: f64,
+        correlation: f64,
+        among: usize,
+    ) -> WhitenedChannel {
+        WhitenedChannel {
+            is_shared: true,
+            ..self.with_noise_of(fitted, per_signal, |left, scale, least| {
+                Noise::of_rest_shared(left, scale, least, correlation, among)
+            })
+        }
+    }
+
+    /// Whether its own readings tell a correlation of neighbours, and no other memory.
+    pub fn tells_correlation(&self) -> bool {
+        !self.response.noise.by_correlation.is_empty()
+    }
+
+    /// Whether the memory of its noise is one that it shares with other channels.
+    pub fn is_shared(&self) -> bool {
+        self.is_shared
+    }
+
+    /// Evidence against noise that grows as each of `per_signal` says, beside what `fitted` leaves: minus twice the log
+    /// likelihood ratio to even noise, which is below zero where the readings ask for growth.
+    pub fn against_growth(&self, fitted: &[f64], per_signal: &[f64]) -> Vec<f64> {
+        let mut level = self.response.sampled.clone();
+        level.values = fitted.into();
+        let level = level.without_edges(AT_EDGE);
+        let left = self.left(fitted).without_edges(AT_EDGE);
+        let scales: Vec<Vec<f64>> = std::iter::once(&0.0)
+            .chain(per_signal)
+            .map(|per| growing(&level.values, *per))
+            .collect();
+        let deviances = Noise::deviances(&left, &scales, &self.response.noise.memory);
+        deviances[1..].iter().map(|own| own - deviances[0]).collect()
+    }
+
+    fn left(&self, fitted: &[f64]) -> Sampled {
+        let mut left = self.response.sampled.clone();
+        let rest = left
+            .values
+            .iter()
+            .zip(fitted)
+            .map(|(y, f)| y - f)
+            .collect::<Vec<f64>>();
+        left.values = rest.into();
+        left
+    }
+
+    /// Times of the readings, s.
+    pub fn time_s(&self) -> &Arc<[f64]> {
+        &self.response.sampled.time_s
+    }
+
+    /// Readings, canonical unit.
+    pub fn values(&self) -> &Arc<[f64]> {
+        &self.response.sampled.values
+    }
+
+    /// Number of readings.
+    pub fn len(&self) -> usize {
+        self.response.sampled.len()
+    }
+
+    /// Whether there is none; never so for one that was made.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Standard deviation of the noise of every reading, canonical unit.
+    pub fn standard_deviation(&self) -> &[f64] {
+        &self.response.noise.sd
+    }
+
+    /// Readings that carry as much as one independent one.
+    pub fn readings_per_independent(&self) -> f64 {
+        self.readings_per_independent
+    }
+
+    /// Degrees of freedom with which the size of slow noise is known.
+    pub fn freedom(&self) -> f64 {
+        self.response.noise.freedom
+    }
+
+    /// What the noise is like.
+    pub fn character(&self) -> NoiseCharacter {
+        let noise = &self.response.noise;
+        let (autoregression, correlation_time_s) = match &noise.memory {
+            Memory::Order(coefficients) => (coefficients.clone(), None),
+            Memory::Time { correlation_time_s } => (Vec::new(), Some(*correlation_time_s)),
+        };
+        NoiseCharacter {
+            autoregression,
+            correlation_time_s,
+            proportional: noise.proportional,
+            quantum: noise.quantum,
+        }
+    }
+
+    /// Appends measured minus `fitted`, made white and in standard deviations.
+    pub fn residuals(&self, fitted: &[f64], out: &mut Vec<f64>) {
+        let first = out.len();
+        out.extend(self.values().iter().zip(fitted).map(|(y, f)| y - f));
+        self.memory.whiten(&mut out[first..]);
+    }
+
+    /// Makes a series over the readings white, in standard deviations, in place.
+    pub fn whiten(&self, series: &mut [f64]) {
+        self.memory.whiten(series);
+    }
+
+    /// The inverse of [`WhitenedChannel::whiten`].
+    pub fn colour(&self, series: &mut [f64]) {
+        self.memory.each(series, Whitener::colour);
+    }
+
+    /// What finds the noise again in other residuals at the same readings.
+    pub fn noise_again(&self) -> NoiseAgain {
+        NoiseAgain {
+            sampled: self.response.sampled.clone(),
+            again: Again::new(&self.response.sampled, &self.response.noise),
+        }
+    }
+}
+
+/// Finds the noise of a channel again in simulated residuals, as a simulation of the whole procedure needs it: its size
+/// and its correlation by reading order; memory of another kind is taken as it was found.
+pub struct NoiseAgain {
+    sampled: Sampled,
+    again: Again,
+}
+
+/// A noise that was found again.
+pub struct FoundAgain {
+    memory: Continuing,
+}
+
+impl NoiseAgain {
+    /// The noise that `rest`, what a fit has left in canonical units, shows.
+    pub fn find(&self, rest: &[f64]) -> FoundAgain {
+        let (sd, memory) = self.again.find(rest);
+        self.found(&sd, &memory)
+    }
+
+    /// The noises of channels that share one correlation, each from its `rest`.
+    pub fn find_shared(all: &[(&NoiseAgain, &[f64])]) -> Vec<FoundAgain> {
+        let inner: Vec<(&Again, &[f64])> = all.iter().map(|(own, rest)| (&own.again, *rest)).collect();
+        match Again::find_shared(&inner) {
+            Some(found) => all
+                .iter()
+                .zip(found)
+                .map(|((own, _), (sd, memory))| own.found(&sd, &memory))
+                .collect(),
+            None => all.iter().map(|(own, rest)| own.find(rest)).collect(),
+        }
+    }
+
+    fn found(&self, sd: &[f64], memory: &Memory) -> FoundAgain {
+        FoundAgain {
+            memory: Continuing::new(&self.sampled, sd, memory),
+        }
+    }
+}
+
+impl FoundAgain {
+    /// Makes a series over the readings white, in standard deviations, in place.
+    pub fn whiten(&self, series: &mut [f64]) {
+        self.memory.whiten(series);
+    }
+
+    /// The transpose of [`FoundAgain::whiten`].
+    pub fn transpose(&self, series: &mut [f64]) {
+        self.memory.each(series, Whitener::transpose);
+    }
+}
+
+/// Standard deviation of every reading in units of that at signal zero.
+fn growing(fitted: &[f64], per_signal: f64) -> Vec<f64> {
+    fitted
+        .iter()
+        .map(|level| (per_signal * level).hypot(1.0))
+        .collect()
+}

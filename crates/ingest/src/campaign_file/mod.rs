@@ -1,0 +1,121 @@
+//! Reads campaign.toml: the campaign with its samples, materials and environments.
+
+mod check;
+mod climate;
+mod compare;
+mod error;
+mod keys;
+mod monitoring;
+mod nearest;
+mod raw;
+mod tags;
+mod template;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ieap_domain::{Campaign, Issue};
+
+pub use error::CampaignFileError;
+pub(crate) use nearest::nearest;
+pub use template::template;
+
+/// Name of the file that makes a folder a campaign.
+pub const FILE_NAME: &str = "campaign.toml";
+
+/// The model that runs are fitted with where campaign.toml names none.
+pub const DEFAULT_MODEL: &str = "lumped-2";
+
+/// What reading campaign.toml gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The campaign as stated.
+    pub campaign: Campaign,
+    /// What is odd but does not stop: unknown keys, no samples yet.
+    pub warnings: Vec<Issue>,
+    /// The file's text, for a digest of what the campaign was read from.
+    pub text: String,
+}
+
+/// Reads `folder`/campaign.toml.
+///
+/// # Errors
+/// Where the file is missing, is no TOML, has values of the wrong type, or states what cannot be: each
+/// error names the place, what was found, what is needed and how to mend it.
+pub fn read(folder: &Path) -> Result<Loaded, CampaignFileError> {
+    let path = folder.join(FILE_NAME);
+    let text = read_text(&path)?;
+    let loaded = from_text(text, &path)?;
+    check::runs_folder_stays_inside(folder, &loaded.campaign.runs_folder, &path)?;
+    Ok(loaded)
+}
+
+/// The nearest folder with a campaign.toml: `start` itself or one above it.
+pub fn find(start: &Path) -> Option<PathBuf> {
+    let start = fs::canonicalize(start).ok()?;
+    let holds_campaign = |folder: &&Path| folder.join(FILE_NAME).is_file();
+    start.ancestors().find(holds_campaign).map(Path::to_path_buf)
+}
+
+/// Line and column (from 1, in characters) of a byte offset in `text`.
+pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    let line = before.matches('\n').count() + 1;
+    (line, before[line_start..].chars().count() + 1)
+}
+
+fn read_text(path: &Path) -> Result<String, CampaignFileError> {
+    let bytes = fs::read(path).map_err(|source| match source.kind() {
+        std::io::ErrorKind::NotFound => CampaignFileError::Missing { path: path.into() },
+        _ => CampaignFileError::Unreadable {
+            path: path.into(),
+            source,
+        },
+    })?;
+    // Editors on Windows put a byte order mark before UTF-8; it is no part of the text.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Ok(text.to_owned()),
+        Err(error) => Err(CampaignFileError::NotUtf8 {
+            path: path.into(),
+            line: bytes[..error.valid_up_to()]
+                .iter()
+                .filter(|&&b| b == b'\n')
+                .count()
+                + 1,
+        }),
+    }
+}
+
+fn from_text(text: String, path: &Path) -> Result<Loaded, CampaignFileError> {
+    let tree = toml::de::DeTable::parse(&text).map_err(|error| {
+        let (line, column) = line_and_column(&text, error.span().map_or(0, |span| span.start));
+        CampaignFileError::NotToml {
+            path: path.into(),
+            line,
+            column,
+            found: error.message().to_owned(),
+        }
+    })?;
+    let mut warnings = keys::unknown_keys(tree.get_ref(), &text);
+    let raw: raw::File = toml::from_str(&text).map_err(|error| {
+        let (line, column) = line_and_column(&text, error.span().map_or(0, |span| span.start));
+        CampaignFileError::WrongType {
+            path: path.into(),
+            line,
+            column,
+            found: error.message().to_owned(),
+        }
+    })?;
+    let checked = check::Checker { path, text: &text };
+    let campaign = checked.campaign(raw, &mut warnings)?;
+    Ok(Loaded {
+        campaign,
+        warnings,
+        text,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,123 @@
+//! Where a record leaves its resting level: the jump of a current, the onset of bending.
+
+use super::Edge;
+use ieap_domain::Channel;
+
+/// Readings at rest that an onset needs before it.
+const AT_REST: usize = 5;
+/// A departure counts where it exceeds this many times the noise ...
+const NOISE: f64 = 6.0;
+/// ... and this share of the largest departure.
+const SHARE: f64 = 0.01;
+/// Most that the resting level may drift, as a share of the departure that counts.
+const DRIFT: f64 = 0.25;
+/// The straight beginning is taken up to this share of the largest departure.
+const BEGINNING: f64 = 0.15;
+/// Readings that a straight beginning needs.
+const STRAIGHT: usize = 4;
+
+/// The largest change between two neighbouring readings of a current that was at rest before.
+pub(super) fn jump(current: &Channel) -> Result<Edge, String> {
+    let (time_s, values) = current.included();
+    let changes: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let largest = (0..changes.len()).max_by(|&a, &b| changes[a].total_cmp(&changes[b]));
+    let at = largest
+        .filter(|&at| at + 1 >= AT_REST)
+        .ok_or("the current is not at rest before its first jump")?;
+    let noise = noise(&values);
+    if changes[at] <= NOISE * noise || changes[at] == 0.0 {
+        return Err("the current shows no jump".to_owned());
+    }
+    Ok(Edge::between(time_s[at], time_s[at + 1]))
+}
+
+/// The moment from which the strip bends: where the straight beginning of the departure meets the resting level.
+pub(super) fn of_bending(bending: &Channel) -> Result<Edge, String> {
+    let (time_s, values) = bending.included();
+    if values.len() < 4 * AT_REST {
+        return Err(format!("the bending has {} readings only", values.len()));
+    }
+    let noise = noise(&values);
+    let rest = median(&values[..AT_REST]);
+    let largest = values
+        .iter()
+        .fold(0.0_f64, |most, value| most.max((value - rest).abs()));
+    let threshold = (NOISE * noise).max(SHARE * largest);
+    let departs = |at: usize| values[at..].iter().take(3).all(|v| (v - rest).abs() > threshold);
+    let first = (0..values.len().saturating_sub(2)).find(|&at| departs(at));
+    let first = match first {
+        Some(first) if largest > 2.0 * threshold => first,
+        _ => return Err("the bending does not leave its noise".to_owned()),
+    };
+    if first < AT_REST {
+        return Err(format!(
+            "{first} readings at rest stand before the bending, {AT_REST} are needed"
+        ));
+    }
+    // The last readings before the threshold may be on their way already.
+    let resting = &values[..(4 * first).div_ceil(5)];
+    let (early, late) = resting.split_at(resting.len() / 2);
+    let drift = (median(late) - median(early)).abs();
+    if drift > (DRIFT * threshold).max(1.5 * noise) {
+        return Err("the strip is not at rest before the bending".to_owned());
+    }
+    let level = median(resting);
+    let level_error = noise / (resting.len() as f64).sqrt();
+    let straight = values[first..]
+        .iter()
+        .take_while(|value| (*value - level).abs() <= BEGINNING * largest)
+        .count();
+    let between = Edge::between(time_s[first - 1], time_s[first]);
+    if straight < STRAIGHT {
+        return Ok(between);
+    }
+    let of = |count: usize| {
+        let readings = first..first + count;
+        meeting(
+            &time_s[readings.clone()],
+            &values[readings],
+            level,
+            noise,
+            level_error,
+        )
+    };
+    let (whole, half) = (of(straight), of(straight.div_ceil(2).max(3)));
+    // A beginning that is not straight shows by how much its first half disagrees.
+    let bent = (whole.time_s - half.time_s).abs();
+    Ok(Edge {
+        time_s: whole.time_s,
+        standard_error_s: whole.standard_error_s.hypot(bent).hypot(between.standard_error_s),
+    })
+}
+
+/// Where the least-squares line through readings meets `level`.
+fn meeting(time_s: &[f64], values: &[f64], level: f64, noise: f64, level_error: f64) -> Edge {
+    let count = values.len() as f64;
+    let (mean_t, mean_v) = (
+        time_s.iter().sum::<f64>() / count,
+        values.iter().sum::<f64>() / count,
+    );
+    let spread: f64 = time_s.iter().map(|t| (t - mean_t).powi(2)).sum();
+    let pairs = time_s.iter().zip(values);
+    let slope = pairs.map(|(t, v)| (t - mean_t) * (v - mean_v)).sum::<f64>() / spread;
+    let back_s = (level - mean_v) / slope;
+    let variance = noise * noise * (1.0 / count + back_s * back_s / spread) + level_error * level_error;
+    Edge {
+        time_s: mean_t + back_s,
+        standard_error_s: variance.sqrt() / slope.abs(),
+    }
+}
+
+/// Standard deviation of the noise, from second differences: a steady rise is none.
+fn noise(values: &[f64]) -> f64 {
+    let bends = values
+        .windows(3)
+        .map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
+    1.4826 / 6f64.sqrt() * median(&bends.collect::<Vec<f64>>())
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}

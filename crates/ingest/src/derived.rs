@@ -1,0 +1,90 @@
+//! Channels of the strip as a whole that follow from what was measured.
+
+use std::sync::Arc;
+
+use ieap_domain::{Channel, Quantity};
+
+/// The channels of the strip as a whole, with a curvature added where none was measured:
+/// - from the tip displacement, kappa = 2 d / (L^2 + d^2), equation \[3\] of the thesis, for a strip of free
+///   length `length_cm`;
+/// - else the mean of the curvatures measured along the strip, where they were sampled together.
+///
+/// Without a length, or with curvatures of different times, nothing is added.
+pub fn responses(channels: &[Channel], length_cm: Option<f64>) -> Vec<Channel> {
+    let whole = |channel: &&Channel| channel.position_mm.is_none();
+    let mut all: Vec<Channel> = channels.iter().filter(whole).cloned().collect();
+    if all.iter().any(|c| c.is_whole(Quantity::Curvature)) {
+        return all;
+    }
+    let tip = all.iter().find(|c| c.is_whole(Quantity::TipDisplacement));
+    let from_tip = tip
+        .zip(length_cm)
+        .map(|(tip, length_cm)| curvature_of_tip(tip, length_cm));
+    all.extend(from_tip.or_else(|| mean_curvature(channels)));
+    all
+}
+
+fn curvature_of_tip(tip: &Channel, length_cm: f64) -> Channel {
+    let curvature = |d_mm: &f64| {
+        let d_cm = d_mm / 10.0;
+        2.0 * d_cm / (length_cm * length_cm + d_cm * d_cm)
+    };
+    let values: Arc<[f64]> = tip.values.iter().map(curvature).collect();
+    Channel {
+        quantity: Quantity::Curvature,
+        values,
+        ..tip.clone()
+    }
+}
+
+fn mean_curvature(channels: &[Channel]) -> Option<Channel> {
+    let along: Vec<&Channel> = channels
+        .iter()
+        .filter(|c| c.quantity == Quantity::Curvature && c.position_mm.is_some())
+        .collect();
+    let first = along.first()?;
+    if along.iter().any(|channel| channel.time_s != first.time_s) {
+        return None;
+    }
+    let count = along.len() as f64;
+    let mean = |index: usize| along.iter().map(|channel| channel.values[index]).sum::<f64>() / count;
+    Some(Channel {
+        raw_name: format!("mean of {} positions", along.len()),
+        position_mm: None,
+        values: (0..first.len()).map(mean).collect(),
+        ..(*first).clone()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_half_circle_has_twice_the_inverse_length() {
+        // A tip that has moved by L at distance L: 2 L / (2 L^2) = 1/L.
+        let tip = Channel::new(
+            Quantity::TipDisplacement,
+            Arc::from([0.0, 1.0]),
+            Arc::from([0.0, 5.0]),
+        );
+        let all = responses(std::slice::from_ref(&tip), Some(0.5));
+        assert_eq!(all[1].quantity, Quantity::Curvature);
+        assert!((all[1].values[1] - 2.0).abs() < 1e-12);
+        assert_eq!(responses(&[tip], None).len(), 1);
+    }
+
+    #[test]
+    fn curvatures_along_the_strip_are_averaged() {
+        let at = |position_mm: f64, values: [f64; 2]| Channel {
+            position_mm: Some(position_mm),
+            ..Channel::new(Quantity::Curvature, Arc::from([0.0, 1.0]), Arc::from(values))
+        };
+        let all = responses(&[at(1.0, [1.0, 3.0]), at(2.0, [2.0, 5.0])], None);
+        assert_eq!(all.len(), 1);
+        assert_eq!((&all[0].values[..], all[0].position_mm), (&[1.5, 4.0][..], None));
+        let mut later = at(3.0, [0.0, 0.0]);
+        later.time_s = Arc::from([0.0, 1.5]);
+        assert!(responses(&[at(1.0, [1.0, 3.0]), later], None).is_empty());
+    }
+}

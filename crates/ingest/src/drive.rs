@@ -1,0 +1,362 @@
+//! Finds the piecewise-constant drive of a run in its voltage channel, or takes it from the voltage tag.
+
+use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
+
+/// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
+pub const VERSION: u32 = 3;
+
+/// Code of the issue of a voltage that does not go in steps.
+pub const NO_STEPS: &str = "not-piecewise-constant";
+
+/// Changes of the voltage below this are never a step, V: potentiostats hold a potential to about 1 mV.
+const LEAST_STEP_V: f64 = 2e-3;
+/// A step must also exceed this share of the voltage's range.
+const LEAST_STEP_SHARE: f64 = 0.02;
+/// A step must also exceed this many times the reading noise.
+const LEAST_STEP_NOISE: f64 = 8.0;
+/// More steps than this share of the readings is a sweep, not a piecewise-constant drive: between few levels ...
+const MOST_PULSES_SHARE: f64 = 0.34;
+/// ... as a pulse train has them, or between many.
+const MOST_STEPS_SHARE: f64 = 0.05;
+/// Levels that are few: pulses go between two or three, a sweep passes all it can.
+const FEW_LEVELS: usize = 10;
+
+pub mod jumps;
+mod stated;
+
+/// What is known of a run's drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundDrive {
+    /// The drive; none where it cannot be had, and an issue says why.
+    pub drive: Option<Drive>,
+    /// What a reader must know of it.
+    pub issues: Vec<Issue>,
+}
+
+/// Finds the drive.
+///
+/// With a voltage channel the steps are found in it; what the source was told to apply, where a file states it for
+/// every reading, goes before what was measured. Readings before the first step are the baseline; a
+/// channel that holds one voltage from its first reading on is a step from the discharged state, at time zero
+/// where the table's zero is the step, else at the first reading. Without a voltage channel `tag_v` is
+/// applied at time zero. `open_s` lists stretches of open circuit (start, end), s, beside those of an
+/// open-circuit channel.
+pub fn find(
+    channels: &[Channel],
+    time_zero_is_step: bool,
+    tag_v: Option<f64>,
+    open_s: &[(f64, f64)],
+) -> FoundDrive {
+    let of = |quantity| channels.iter().find(|c| c.is_whole(quantity));
+    let mut open: Vec<(f64, f64)> = open_s.to_vec();
+    open.extend(of(Quantity::OpenCircuit).map(stretches_open).unwrap_or_default());
+    open.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let first_response_s = channels
+        .iter()
+        .filter(|c| c.is_response())
+        .filter_map(|c| c.time_s.first().copied())
+        .fold(f64::INFINITY, f64::min);
+    let found = match (stated::driving(channels), tag_v) {
+        (Some(voltage), _) => {
+            let mut found = from_channel(voltage, time_zero_is_step, &open);
+            found.issues.extend(stated::departure(voltage, channels));
+            stated::placed(found, voltage)
+        }
+        (None, Some(tag_v)) => {
+            let start_s = if time_zero_is_step {
+                0.0
+            } else {
+                first_response_s.min(f64::MAX)
+            };
+            let drive = Drive {
+                baseline_v: 0.0,
+                segments: vec![Segment {
+                    start_s,
+                    level: Level::Voltage(tag_v),
+                }],
+            };
+            FoundDrive {
+                drive: Some(drive),
+                issues: Vec::new(),
+            }
+        }
+        (None, None) => FoundDrive {
+            drive: None,
+            issues: Vec::new(),
+        },
+    };
+    with_open_circuit(found, &open)
+}
+
+fn from_channel(voltage: &Channel, time_zero_is_step: bool, open: &[(f64, f64)]) -> FoundDrive {
+    let (time_s, values) = voltage.included();
+    let closed: Vec<usize> = (0..values.len())
+        .filter(|&i| !open.iter().any(|&(from, to)| time_s[i] >= from && time_s[i] < to))
+        .collect();
+    let levels = match levels(&time_s, &values, &closed) {
+        Ok(levels) => levels,
+        Err(issue) => {
+            return FoundDrive {
+                drive: None,
+                issues: vec![issue],
+            };
+        }
+    };
+    let (first, rest) = match levels.split_first() {
+        Some(split) => split,
+        None => {
+            return FoundDrive {
+                drive: None,
+                issues: vec![no_readings()],
+            };
+        }
+    };
+    if rest.is_empty() {
+        held_from_start(*first, time_zero_is_step)
+    } else {
+        stepped(*first, rest, time_zero_is_step)
+    }
+}
+
+/// A stretch of constant voltage: when the level before was last seen, when this one was first seen, its value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Stretch {
+    last_before_s: f64,
+    start_s: f64,
+    level_v: f64,
+}
+
+/// One voltage throughout: applied at the start, to a discharged sample.
+fn held_from_start(held: Stretch, time_zero_is_step: bool) -> FoundDrive {
+    if time_zero_is_step && held.start_s < 0.0 {
+        let issue = Issue::warning(
+            "no-step",
+            format!(
+                "the voltage is {:.4} V before and after time zero: there is no step",
+                held.level_v
+            ),
+        )
+        .at("column voltage_v")
+        .mend("leave the voltage column out and tag voltage_v, if a step was applied at time zero");
+        return FoundDrive {
+            drive: None,
+            issues: vec![issue],
+        };
+    }
+    let start_s = if time_zero_is_step { 0.0 } else { held.start_s };
+    let drive = Drive {
+        baseline_v: 0.0,
+        segments: vec![Segment {
+            start_s,
+            level: Level::Voltage(held.level_v),
+        }],
+    };
+    let issue = Issue::note(
+        "start-state-assumed",
+        format!(
+            "the record starts with {:.4} V already applied; the sample is taken as discharged (0 V) before it",
+            held.level_v
+        ),
+    );
+    FoundDrive {
+        drive: Some(drive),
+        issues: vec![issue],
+    }
+}
+
+fn stepped(first: Stretch, rest: &[Stretch], time_zero_is_step: bool) -> FoundDrive {
+    let start_of = |stretch: &Stretch| {
+        // Where the table's zero is the step it is more exact than the first reading after it.
+        let holds_zero = time_zero_is_step && stretch.last_before_s < 0.0 && 0.0 <= stretch.start_s;
+        if holds_zero { 0.0 } else { stretch.start_s }
+    };
+    let segments: Vec<Segment> = rest
+        .iter()
+        .map(|s| Segment {
+            start_s: start_of(s),
+            level: Level::Voltage(s.level_v),
+        })
+        .collect();
+    let mut issues = Vec::new();
+    if time_zero_is_step && segments[0].start_s != 0.0 {
+        let message = format!(
+            "the first step in the voltage column is at {} s, not at time zero",
+            segments[0].start_s
+        );
+        issues.push(Issue::note("step-not-at-zero", message).at("column voltage_v"));
+    }
+    FoundDrive {
+        drive: Some(Drive {
+            baseline_v: first.level_v,
+            segments,
+        }),
+        issues,
+    }
+}
+
+/// Cuts the readings `closed` (indices) into stretches of constant voltage.
+fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretch>, Issue> {
+    let Some(&start) = closed.first() else {
+        return Ok(Vec::new());
+    };
+    let threshold = step_threshold(values, closed);
+    let share = |part: f64| ((closed.len() as f64 * part) as usize).max(20);
+    let mut stretches: Vec<Stretch> = Vec::new();
+    let (mut begin, mut last_before_s, mut sloping) = (0, time_s[start], 0);
+    for position in 1..=closed.len() {
+        let changed = position == closed.len() || {
+            let jump = (values[closed[position]] - values[closed[position - 1]]).abs() > threshold;
+            let off_level = (values[closed[position]] - values[closed[begin]]).abs() > threshold;
+            jump || off_level
+        };
+        if !changed {
+            continue;
+        }
+        // In a sweep each stretch runs from one edge of the threshold to the other.
+        sloping +=
+            usize::from((values[closed[position - 1]] - values[closed[begin]]).abs() > 0.5 * threshold);
+        let readings: Vec<f64> = closed[begin..position].iter().map(|&i| values[i]).collect();
+        stretches.push(Stretch {
+            last_before_s,
+            start_s: time_s[closed[begin]],
+            level_v: median(readings),
+        });
+        if position < closed.len() {
+            last_before_s = time_s[closed[position - 1]];
+            begin = position;
+        }
+    }
+    let seen = stretches.len();
+    if seen > 2 && 2 * sloping > seen {
+        return Err(not_constant(seen, closed.len()));
+    }
+    let held = without_edges(stretches, threshold);
+    let most = match distinct_levels(&held, threshold) <= FEW_LEVELS {
+        true => share(MOST_PULSES_SHARE),
+        false => share(MOST_STEPS_SHARE),
+    };
+    match held.len() > most {
+        true => Err(not_constant(held.len(), closed.len())),
+        false => Ok(held),
+    }
+}
+
+/// Number of levels that differ from each other by a step.
+fn distinct_levels(stretches: &[Stretch], threshold: f64) -> usize {
+    let mut levels: Vec<f64> = stretches.iter().map(|stretch| stretch.level_v).collect();
+    levels.sort_by(f64::total_cmp);
+    let steps = levels.windows(2).filter(|pair| pair[1] - pair[0] > threshold);
+    1 + steps.count()
+}
+
+fn not_constant(changes: usize, readings: usize) -> Issue {
+    let message =
+        format!("the voltage changes {changes} times or more in {readings} readings: a sweep, not steps");
+    Issue::warning(NO_STEPS, message).at("column voltage_v").mend(
+        "hold each voltage for three readings or more if these are pulses; a sweep is kept and not fitted",
+    )
+}
+
+/// A reading caught while the source was still rising is no level of its own: a stretch of one reading
+/// between two others is joined to the one after it.
+fn without_edges(stretches: Vec<Stretch>, threshold: f64) -> Vec<Stretch> {
+    let mut kept: Vec<Stretch> = Vec::new();
+    let mut pending: Option<Stretch> = None;
+    for (index, stretch) in stretches.iter().enumerate() {
+        let next = stretches.get(index + 1);
+        let between = next.zip(kept.last()).is_some_and(|(next, last)| {
+            let inside = (stretch.level_v - last.level_v) * (next.level_v - stretch.level_v) > 0.0;
+            inside && next.last_before_s == stretch.start_s && (next.level_v - last.level_v).abs() > threshold
+        });
+        if between {
+            pending.get_or_insert(*stretch);
+            continue;
+        }
+        let edge = pending.take().unwrap_or(*stretch);
+        kept.push(Stretch {
+            last_before_s: edge.last_before_s,
+            start_s: edge.start_s,
+            level_v: stretch.level_v,
+        });
+    }
+    kept
+}
+
+/// Least change of the voltage that counts as a step, V.
+fn step_threshold(values: &[f64], closed: &[usize]) -> f64 {
+    let (low, high) = closed
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| {
+            (l.min(values[i]), h.max(values[i]))
+        });
+    let changes: Vec<f64> = closed
+        .windows(2)
+        .map(|pair| (values[pair[1]] - values[pair[0]]).abs())
+        .collect();
+    let noise_v = if changes.is_empty() {
+        0.0
+    } else {
+        1.4826 / std::f64::consts::SQRT_2 * median(changes)
+    };
+    LEAST_STEP_V
+        .max(LEAST_STEP_SHARE * (high - low))
+        .max(LEAST_STEP_NOISE * noise_v)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Stretches (start, end) in which an open-circuit channel is not 0.
+fn stretches_open(channel: &Channel) -> Vec<(f64, f64)> {
+    let mut stretches = Vec::new();
+    let mut since = None;
+    for (&time_s, &open) in channel.time_s.iter().zip(channel.values.iter()) {
+        match (since, open != 0.0) {
+            (None, true) => since = Some(time_s),
+            (Some(start), false) => {
+                stretches.push((start, time_s));
+                since = None;
+            }
+            _ => {}
+        }
+    }
+    stretches.extend(since.map(|start| (start, f64::INFINITY)));
+    stretches
+}
+
+/// Puts open-circuit segments into a drive; after each the level that was due goes on.
+fn with_open_circuit(mut found: FoundDrive, open: &[(f64, f64)]) -> FoundDrive {
+    let Some(drive) = found.drive.as_mut() else {
+        return found;
+    };
+    for &(from, to) in open {
+        let due = |time_s: f64| {
+            drive
+                .segments
+                .iter()
+                .rev()
+                .find(|s| s.start_s <= time_s)
+                .map(|s| s.level)
+        };
+        let after = to.is_finite().then(|| due(to)).flatten();
+        drive.segments.retain(|s| s.start_s < from || s.start_s > to);
+        drive.segments.push(Segment {
+            start_s: from,
+            level: Level::OpenCircuit,
+        });
+        drive
+            .segments
+            .extend(after.map(|level| Segment { start_s: to, level }));
+        drive.segments.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+    }
+    found
+}
+
+fn no_readings() -> Issue {
+    Issue::warning("no-voltage", "the voltage column holds no reading").at("column voltage_v")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! Edges of the current where the stated drive has none: the strip probably saw another voltage than was stated.
+
+use ieap_domain::{Channel, Drive, Issue, Quantity};
+
+/// Version of what counts as such an edge: raised when the same readings would give another.
+pub const VERSION: u32 = 1;
+
+/// Readings on either side of an edge that it is held against.
+const BESIDE: usize = 8;
+/// An edge exceeds this many times the median change of the readings before it: of normal noise the largest change of a
+/// million readings is 7 of them.
+const OVER_NOISE: f64 = 20.0;
+/// It also exceeds this many times the largest change just before it, and the largest in its own direction just after it.
+/// A relaxation slows down, so that the change before each of its changes is the larger one, whatever its time constants;
+/// a strip that saw an edge relaxes the other way after it.
+const OVER_BESIDE: f64 = 5.0;
+/// And this share of the range of the record: changes of a current range move a reading by parts of a percent.
+const OF_RANGE: f64 = 0.05;
+/// Two readings after an edge lie beyond this share of it, which a single reading that went astray does not.
+const STAYS: f64 = 0.2;
+/// An edge lies between two readings at most this many times as far apart as those before it: what changed in a pause of
+/// the record is no edge.
+const LONGEST_STEP: f64 = 3.0;
+/// Readings beside an edge of the drive within which the current may answer: clocks of one instrument differ by less.
+const ANSWERS_WITHIN: f64 = 3.0;
+
+/// Time and height of an edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Jump {
+    time_s: f64,
+    ampere: f64,
+}
+
+/// Points out jumps of the current that no edge of the drive explains.
+pub fn unexplained(channels: &[Channel], drive: &Drive) -> Option<Issue> {
+    let current = channels
+        .iter()
+        .find(|channel| channel.is_whole(Quantity::Current))?;
+    let (time_s, values) = current.included();
+    let edges: Vec<f64> = drive.segments.iter().map(|segment| segment.start_s).collect();
+    let jumps = jumps(&time_s, &values, &edges);
+    let first = *jumps.first()?;
+    let largest = jumps.iter().fold(first, |most, next| {
+        if next.ampere.abs() > most.ampere.abs() {
+            *next
+        } else {
+            most
+        }
+    });
+    let times = match jumps.len() {
+        1 => format!("jumps by {:.4} mA at {} s", 1e3 * largest.ampere, first.time_s),
+        many => format!(
+            "jumps {many} times by up to {:.4} mA, first at {} s",
+            1e3 * largest.ampere.abs(),
+            first.time_s
+        ),
+    };
+    let message = format!(
+        "the current {times} where the stated voltage has no edge: the strip probably did not see the stated drive"
+    );
+    Some(
+        Issue::warning("current-jumps", message)
+            .at(format!("column {}", current.raw_name))
+            .mend(
+                "record the voltage across the strip, or mend the drive that is stated; the tag leave_out takes a stretch \
+                 out of fits",
+            ),
+    )
+}
+
+fn jumps(time_s: &[f64], values: &[f64], edges: &[f64]) -> Vec<Jump> {
+    let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        });
+    let least = OF_RANGE * (high - low);
+    let is_jump = |&k: &usize| {
+        let height = changes[k];
+        let beyond = (values[k + 2] - values[k]) / height;
+        let (before, after) = (&changes[k - BESIDE..k], &changes[k + 1..=k + BESIDE]);
+        let before_it = before.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
+        let along_it = |most: f64, change: &f64| most.max(change * height.signum());
+        let after_it = after.iter().fold(0.0_f64, along_it);
+        let answers = ANSWERS_WITHIN * (time_s[k + 1] - time_s[k]);
+        let is_pause = time_s[k + 1] - time_s[k] > LONGEST_STEP * (time_s[k] - time_s[k - 1]);
+        let near = |edge: &f64| (time_s[k] - answers..=time_s[k + 1] + answers).contains(edge);
+        height.abs() > least
+            && !is_pause
+            && beyond > STAYS
+            && height.abs() > OVER_BESIDE * before_it.max(after_it)
+            && height.abs() > OVER_NOISE * median_size(before)
+            && !edges.iter().any(near)
+    };
+    (BESIDE..changes.len().saturating_sub(BESIDE))
+        .filter(|&k| changes[k].abs() > least)
+        .filter(is_jump)
+        .map(|k| Jump {
+            time_s: time_s[k + 1],
+            ampere: changes[k],
+        })
+        .collect()
+}
+
+fn median_size(changes: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = changes.iter().map(|change| change.abs()).collect();
+    let middle = sizes.len() / 2;
+    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use ieap_domain::{Level, Segment};
+
+    fn step_at(start_s: f64) -> Drive {
+        Drive {
+            baseline_v: 0.0,
+            segments: vec![Segment {
+                start_s,
+                level: Level::Voltage(2.0),
+            }],
+        }
+    }
+
+    /// Noise of standard deviation about 1, the same each time.
+    fn noise(k: usize) -> f64 {
+        let hash = |k: usize| ((k.wrapping_mul(2_654_435_761) >> 7) % 1000) as f64 / 1000.0 - 0.5;
+        2.0 * (hash(k) + hash(k + 7919) + hash(k + 104_729))
+    }
+
+    fn found(current_a: impl Fn(usize, f64) -> f64, drive: &Drive) -> Option<Issue> {
+        let time_s: Arc<[f64]> = (0..400).map(|k| k as f64 * 0.5 - 10.0).collect();
+        let values = time_s.iter().enumerate().map(|(k, &t)| current_a(k, t)).collect();
+        unexplained(&[Channel::new(Quantity::Current, time_s, values)], drive)
+    }
+
+    /// A charging current of two time constants after a step at `from_s`.
+    fn charging(t: f64, from_s: f64, height_a: f64) -> f64 {
+        let since = t - from_s;
+        if since < 0.0 {
+            return 0.0;
+        }
+        height_a * (0.7 * (-since / 0.8).exp() + 0.2 * (-since / 30.0).exp() + 0.1)
+    }
+
+    #[test]
+    fn the_answer_to_a_stated_step_is_no_jump() {
+        for start_s in [0.0, 7.3, 50.0] {
+            for noise_a in [0.0, 1e-6, 1e-4, 3e-3] {
+                let current = |k: usize, t: f64| charging(t, start_s, 0.1) + noise_a * noise(k);
+                assert_eq!(
+                    found(current, &step_at(start_s)),
+                    None,
+                    "{start_s} s, {noise_a} A"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn noise_and_readings_that_go_astray_are_no_jumps() {
+        assert_eq!(found(|k, _| 1e-3 + 1e-4 * noise(k), &step_at(0.0)), None);
+        let astray = |k: usize, _: f64| if k == 200 { 0.11 } else { 1e-3 + 1e-5 * noise(k) };
+        assert_eq!(found(astray, &step_at(0.0)), None);
+        assert_eq!(found(|_, _| 0.0, &step_at(0.0)), None);
+    }
+
+    #[test]
+    fn a_pause_of_the_record_is_no_edge() {
+        let time_s: Arc<[f64]> = (0..60)
+            .map(|k| if k < 30 { k as f64 * 0.1 } else { 3600.0 + k as f64 })
+            .collect();
+        let values = time_s.iter().map(|t| 0.1 * (-t / 900.0).exp()).collect();
+        let current = Channel::new(Quantity::Current, time_s, values);
+        assert_eq!(unexplained(&[current], &step_at(-1.0)), None);
+    }
+
+    #[test]
+    fn an_edge_without_a_cause_is_told() {
+        let twice = |k: usize, t: f64| {
+            charging(t, 0.0, 0.1) + charging(t, 60.0, 0.11) - charging(t, 120.0, 0.11) + 1e-5 * noise(k)
+        };
+        let issue = found(twice, &step_at(0.0)).unwrap();
+        assert_eq!(issue.code, "current-jumps");
+        assert!(
+            issue.message.contains("jumps 2 times by up to 11") && issue.message.contains("first at 60 s"),
+            "{issue:?}"
+        );
+        let once = |k: usize, t: f64| charging(t, 40.0, 0.11) + 1e-5 * noise(k);
+        assert!(found(once, &step_at(-10.0)).unwrap().message.contains("at 40 s"));
+    }
+}

@@ -1,0 +1,62 @@
+//! Which channel is the drive: what the source was told to apply goes before what was measured of it.
+
+use super::{FoundDrive, LEAST_STEP_V};
+use ieap_domain::{Channel, Issue, Quantity};
+
+/// A measured voltage that lies farther than this from the stated one is told, V: an offset or an ohmic drop in the
+/// leads stays below it, a source that does not hold its level does not (EC-Lab's record of a 0.05 V step: 0.148 V).
+const DEPARTURE_V: f64 = 10.0 * LEAST_STEP_V;
+
+/// The channel that the steps are found in: the stated control where it has a reading for each of the measured
+/// voltage, so that it covers the record, else the measured voltage.
+pub(super) fn driving(channels: &[Channel]) -> Option<&Channel> {
+    let of = |quantity| channels.iter().find(|channel| channel.is_whole(quantity));
+    match (of(Quantity::ControlVoltage), of(Quantity::Voltage)) {
+        (Some(control), Some(measured)) if control.len() < measured.len() => Some(measured),
+        (control, measured) => control.or(measured),
+    }
+}
+
+/// Says how far the measured voltage departs from the stated one, where the stated one is the drive.
+pub(super) fn departure(driving: &Channel, channels: &[Channel]) -> Option<Issue> {
+    if driving.quantity != Quantity::ControlVoltage {
+        return None;
+    }
+    let measured = channels
+        .iter()
+        .find(|channel| channel.is_whole(Quantity::Voltage))?;
+    let stated = driving.time_s.iter().zip(driving.values.iter());
+    let apart: Vec<(f64, f64, f64)> = stated
+        .filter_map(|(&time_s, &stated_v)| {
+            let at = measured.time_s.binary_search_by(|t| t.total_cmp(&time_s)).ok()?;
+            Some((time_s, stated_v, measured.values[at]))
+        })
+        .filter(|(_, stated_v, measured_v)| (measured_v - stated_v).abs() > DEPARTURE_V)
+        .collect();
+    let size = |(_, stated_v, measured_v): &(f64, f64, f64)| (measured_v - stated_v).abs();
+    let (time_s, stated_v, measured_v) = *apart.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let message = format!(
+        "the drive is the stated {}; the measured {} lies more than {DEPARTURE_V} V from it in {} of {} readings, \
+         farthest at {time_s} s: {measured_v:.4} V where {stated_v:.4} V is stated",
+        driving.raw_name,
+        measured.raw_name,
+        apart.len(),
+        driving.len()
+    );
+    let place = format!("column {}", measured.raw_name);
+    Some(match 2 * apart.len() > driving.len() {
+        true => Issue::warning("control-not-held", message).at(place).mend(
+            "check the wiring and the limits of the source: the strip may not have had the stated voltage",
+        ),
+        false => Issue::note("control-not-held", message).at(place),
+    })
+}
+
+/// The same with its issues at the column that the drive was found in.
+pub(super) fn placed(mut found: FoundDrive, driving: &Channel) -> FoundDrive {
+    let measured = format!("column {}", Quantity::Voltage.column());
+    for issue in found.issues.iter_mut().filter(|issue| issue.place == measured) {
+        issue.place = format!("column {}", driving.quantity.column());
+    }
+    found
+}

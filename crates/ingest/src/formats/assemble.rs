@@ -1,0 +1,398 @@
+//! From cells to channels: units, order of time, text among numbers, ranges, and what a run needs.
+
+use std::sync::Arc;
+
+use super::cells::CellTable;
+use super::columns::{holds_text, judge_columns, read_flags};
+use super::error::{ReadError, quoted};
+use super::plausible::implausible;
+use super::time_axis::{self, TimeAxis};
+use crate::RunTable;
+use crate::text::header::{Header, Meaning};
+use ieap_domain::unit::Conversion;
+use ieap_domain::{Channel, FlaggedStretch, Issue, Quantity};
+
+/// Share of rows that may have another number of fields than the header (one row always may).
+const RAGGED_SHARE: f64 = 0.05;
+
+/// A table as read, with what its columns mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raw {
+    /// Name of the table in the file; empty where there is one only.
+    pub name: String,
+    /// Meaning of each column.
+    pub headers: Vec<Header>,
+    /// The cells.
+    pub cells: CellTable,
+    /// Rows that the instrument marks, in order.
+    pub flags: Vec<RowFlag>,
+    /// Column with the printed time, where the table is timed by another one.
+    pub printed_time: Option<String>,
+    /// Whether time zero is the voltage step.
+    pub time_zero_is_step: bool,
+    /// Whether the table must be a run: without a time column it is refused then.
+    pub must_be_run: bool,
+    /// Whether it is also refused without a response or a modulus.
+    pub must_respond: bool,
+}
+
+/// The mark of one row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowFlag {
+    /// The row.
+    pub row: u32,
+    /// Name of the column of flags.
+    pub column: String,
+    /// The flag as the file has it.
+    pub flag: String,
+    /// Whether the row's current is no measurement, as in an overload.
+    pub excludes: bool,
+}
+
+impl Raw {
+    /// A table with an instrument's own clock, which may be no run at all.
+    pub fn of_instrument(name: String, headers: Vec<Header>, cells: CellTable) -> Raw {
+        Raw {
+            name,
+            headers,
+            cells,
+            flags: Vec::new(),
+            printed_time: None,
+            time_zero_is_step: false,
+            must_be_run: false,
+            must_respond: false,
+        }
+    }
+}
+
+/// Makes the channels of a table and notes what a reader must know.
+///
+/// Where the table has no time column and need not be a run, channels are numbered by row.
+///
+/// # Errors
+/// No row; too many ragged rows; no usable time column; time out of order; no response.
+pub fn assemble(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+    table_of(&mut raw, issues)
+}
+
+fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+    let rows = raw.cells.rows();
+    if rows == 0 {
+        return Err(ReadError::HeaderOnly {
+            line: raw.cells.header_line,
+            found: "no row of numbers".to_owned(),
+        });
+    }
+    check_ragged(raw, issues)?;
+    read_flags(raw);
+    let meanings = judge_columns(raw, issues);
+    let time_index = time_column(raw, &meanings)?;
+    let axis = match time_index {
+        Some(index) => {
+            let conversion = conversion_of(&meanings[index]);
+            let column = &raw.headers[index].raw_name;
+            let time_s: Vec<f64> = raw.cells.columns[index]
+                .numbers
+                .iter()
+                .map(|&t| conversion.apply(t))
+                .collect();
+            time_axis::increasing(&time_s, &raw.cells, column, issues)?
+        }
+        None => TimeAxis {
+            time_s: (0..rows).map(|row| row as f64).collect(),
+            rows: (0..rows as u32).collect(),
+        },
+    };
+    if axis.rows.is_empty() {
+        return Err(ReadError::HeaderOnly {
+            line: raw.cells.header_line,
+            found: "no row with a time".to_owned(),
+        });
+    }
+    let channels = channels(raw, &meanings, time_index, &axis, issues);
+    let responds = |channel: &Channel| channel.is_response() || channel.quantity.is_modulus();
+    if raw.must_respond && !channels.iter().any(responds) {
+        return Err(no_response(raw, &meanings));
+    }
+    Ok(RunTable {
+        flags: flagged_stretches(&raw.flags, &axis),
+        printed_time: raw.printed_time.clone(),
+        name: raw.name.clone(),
+        rows,
+        channels,
+        time_column: time_index.map(|index| {
+            let header = &raw.headers[index];
+            (header.raw_name.clone(), header.raw_unit.clone())
+        }),
+        time_first_last_s: time_index.and_then(|_| Some((*axis.time_s.first()?, *axis.time_s.last()?))),
+        time_zero_is_step: raw.time_zero_is_step,
+        clock_set_back: Vec::new(),
+    })
+}
+
+/// As [`assemble`], for tables that need not be a run: where the time does not increase, the channels are
+/// numbered by row and the time is kept as a column of its own.
+///
+/// # Errors
+/// No row, or too many ragged rows.
+pub fn assemble_untimed(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadError> {
+    let mut found = Vec::new();
+    let first = table_of(&mut raw, &mut found);
+    let Err(error @ ReadError::TimeOrder { .. }) = first else {
+        issues.extend(found);
+        return first;
+    };
+    let message = format!("{error}; its readings are numbered by row");
+    issues.push(Issue::note("time-not-used", message).at(error.place()));
+    for header in &mut raw.headers {
+        if header.meaning.quantity() == Some(Quantity::Time) {
+            header.meaning = Meaning::Other;
+        }
+    }
+    table_of(&mut raw, issues)
+}
+
+fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {
+    let (ragged, rows, needed) = (&raw.cells.ragged, raw.cells.rows(), raw.headers.len());
+    let Some((line, found)) = &ragged.first else {
+        return Ok(());
+    };
+    if ragged.count > 1 && ragged.count as f64 > RAGGED_SHARE * rows as f64 {
+        return Err(ReadError::Ragged {
+            line: *line,
+            count: ragged.count,
+            rows,
+            found: found.parse().unwrap_or(0),
+            needed,
+        });
+    }
+    let message = format!(
+        "{} of {rows} rows do not have the {needed} fields of the header, the first has {found}; missing cells \
+         are empty, surplus ones are left out",
+        ragged.count
+    );
+    issues.push(Issue::warning("ragged-rows", message).at(format!("line {line}")));
+    Ok(())
+}
+
+/// The column that times the table: a corrected time where there is one, else the first.
+fn time_column(raw: &Raw, meanings: &[Meaning]) -> Result<Option<usize>, ReadError> {
+    let corrected = |index: &usize| {
+        raw.headers[*index]
+            .raw_name
+            .to_lowercase()
+            .starts_with("corrected time")
+    };
+    let mut times = (0..meanings.len()).filter(|&k| meanings[k].quantity() == Some(Quantity::Time));
+    if let Some(first) = times.clone().find(corrected).or_else(|| times.next()) {
+        return Ok(Some(first));
+    }
+    if !raw.must_be_run {
+        return Ok(None);
+    }
+    let line = raw.cells.header_line;
+    for (index, header) in raw.headers.iter().enumerate() {
+        if header.meaning.named_quantity() == Some(Quantity::Time) {
+            let (column, text) = (quoted(&header.raw_name), &raw.cells.columns[index].text);
+            let (line, reason) = match (&header.meaning, &text.first) {
+                (Meaning::Refused { error, .. }, _) => (line, error.to_string()),
+                (_, Some((line, found))) => (
+                    *line,
+                    format!("{} cells hold text, first {}", text.count, quoted(found)),
+                ),
+                _ => (line, "it holds no number".to_owned()),
+            };
+            return Err(ReadError::Column {
+                line,
+                index: index + 1,
+                column,
+                reason,
+            });
+        }
+    }
+    Err(ReadError::NoHeader {
+        line,
+        found: quoted(
+            &raw.headers
+                .iter()
+                .map(|h| h.raw_name.as_str())
+                .collect::<Vec<_>>()
+                .join(", "),
+        ),
+    })
+}
+
+fn conversion_of(meaning: &Meaning) -> Conversion {
+    match meaning {
+        Meaning::Known { conversion, .. } => *conversion,
+        _ => Conversion::IDENTITY,
+    }
+}
+
+fn channels(
+    raw: &mut Raw,
+    meanings: &[Meaning],
+    time_index: Option<usize>,
+    axis: &TimeAxis,
+    issues: &mut Vec<Issue>,
+) -> Vec<Channel> {
+    let all: Arc<[f64]> = axis.time_s.as_slice().into();
+    let mut excluded_rows: Vec<u32> = raw.flags.iter().filter(|f| f.excludes).map(|f| f.row).collect();
+    excluded_rows.sort_unstable();
+    let mut shared: Vec<(Vec<u32>, Arc<[f64]>)> = Vec::new();
+    let mut channels: Vec<Channel> = Vec::new();
+    let is_of_strip = meanings
+        .iter()
+        .any(|m| m.quantity().is_some_and(Quantity::is_response));
+    for (index, header) in raw.headers.iter().enumerate() {
+        let column = &mut raw.cells.columns[index];
+        let is_texts = column.keep_text && header.meaning.quantity() != Some(Quantity::OpenCircuit);
+        if Some(index) == time_index || is_texts || holds_text(column) {
+            continue;
+        }
+        let mut quantity = meanings[index].quantity().unwrap_or(Quantity::Other);
+        let first = channels.iter().find(|c| {
+            c.quantity == quantity && c.position_mm == header.position_mm && quantity != Quantity::Other
+        });
+        if let Some(first) = first {
+            let message = format!(
+                "column {} measures what {} does; it is kept under its own name",
+                quoted(&header.raw_name),
+                quoted(&first.raw_name)
+            );
+            issues.push(Issue::note("duplicate-quantity", message).at(format!("column {}", index + 1)));
+            quantity = Quantity::Other;
+        }
+        if quantity == Quantity::Time {
+            quantity = Quantity::Other;
+        }
+        // A second time, or a second current, keeps the file's own unit, for it is not interpreted.
+        let conversion = match quantity {
+            Quantity::Other => Conversion::IDENTITY,
+            _ => conversion_of(&meanings[index]),
+        };
+        let (rows, values) = finite(std::mem::take(&mut column.numbers), conversion, axis);
+        if values.is_empty() {
+            if quantity != Quantity::Other {
+                let message = format!("column {} holds no number", quoted(&header.raw_name));
+                issues.push(Issue::warning("empty-column", message).at(format!("column {}", index + 1)));
+            }
+            continue;
+        }
+        issues.extend(implausible(
+            quantity,
+            header,
+            &values,
+            &rows,
+            axis,
+            &raw.cells,
+            is_of_strip,
+        ));
+        channels.push(Channel {
+            quantity,
+            raw_name: header.raw_name.clone(),
+            raw_unit: header.raw_unit.clone(),
+            position_mm: header.position_mm.filter(|_| quantity != Quantity::Other),
+            excluded: match quantity {
+                Quantity::Current => excluded(&excluded_rows, axis, &rows),
+                _ => Arc::from([]),
+            },
+            time_s: time_of(rows, &all, &mut shared),
+            values: values.into(),
+        });
+    }
+    channels
+}
+
+/// Indices on the axis with a finite number, and those numbers converted.
+fn finite(mut numbers: Vec<f64>, conversion: Conversion, axis: &TimeAxis) -> (Vec<u32>, Vec<f64>) {
+    if axis.rows.len() == numbers.len() {
+        // Every row has its time, and mostly every cell its number.
+        if conversion != Conversion::IDENTITY {
+            numbers
+                .iter_mut()
+                .for_each(|number| *number = conversion.apply(*number));
+        }
+        if numbers.iter().all(|number| number.is_finite()) {
+            return ((0..numbers.len() as u32).collect(), numbers);
+        }
+        let found = numbers
+            .into_iter()
+            .enumerate()
+            .filter(|(_, number)| number.is_finite());
+        return found.map(|(row, number)| (row as u32, number)).unzip();
+    }
+    let at = |(k, &row): (usize, &u32)| (k as u32, conversion.apply(numbers[row as usize]));
+    let all = axis.rows.iter().enumerate().map(at);
+    all.filter(|(_, value)| value.is_finite()).unzip()
+}
+
+/// Times of the channel with readings at `rows` of the axis: one array for all channels with the same rows.
+fn time_of(rows: Vec<u32>, all: &Arc<[f64]>, shared: &mut Vec<(Vec<u32>, Arc<[f64]>)>) -> Arc<[f64]> {
+    if rows.len() == all.len() {
+        return all.clone();
+    }
+    if let Some((_, time_s)) = shared.iter().find(|(known, _)| *known == rows) {
+        return time_s.clone();
+    }
+    let time_s: Arc<[f64]> = rows.iter().map(|&k| all[k as usize]).collect();
+    shared.push((rows, time_s.clone()));
+    time_s
+}
+
+/// Indices among the channel's readings of those that stand in excluded rows of the table.
+fn excluded(excluded_rows: &[u32], axis: &TimeAxis, rows: &[u32]) -> Arc<[u32]> {
+    if excluded_rows.is_empty() {
+        return Arc::from([]);
+    }
+    let is_excluded = |k: &u32| {
+        excluded_rows
+            .binary_search(&axis.rows[rows[*k as usize] as usize])
+            .is_ok()
+    };
+    (0..rows.len() as u32).filter(is_excluded).collect()
+}
+
+/// Rows with the same mark that follow each other, as stretches of time; rows without a time have none.
+fn flagged_stretches(flags: &[RowFlag], axis: &TimeAxis) -> Vec<FlaggedStretch> {
+    let mut stretches: Vec<(usize, FlaggedStretch)> = Vec::new();
+    for flag in flags {
+        let Ok(at) = axis.rows.binary_search(&flag.row) else {
+            continue;
+        };
+        let time_s = axis.time_s[at];
+        match stretches.last_mut() {
+            Some((last, stretch))
+                if *last + 1 == at && stretch.column == flag.column && stretch.flag == flag.flag =>
+            {
+                *last = at;
+                stretch.to_s = time_s;
+                stretch.readings += 1;
+            }
+            _ => stretches.push((
+                at,
+                FlaggedStretch {
+                    column: flag.column.clone(),
+                    flag: flag.flag.clone(),
+                    from_s: time_s,
+                    to_s: time_s,
+                    readings: 1,
+                    excludes: flag.excludes,
+                },
+            )),
+        }
+    }
+    stretches.into_iter().map(|(_, stretch)| stretch).collect()
+}
+
+fn no_response(raw: &Raw, meanings: &[Meaning]) -> ReadError {
+    let describe = |(header, meaning): (&Header, &Meaning)| match meaning {
+        Meaning::Refused { error, .. } => format!("{} ({error})", quoted(&header.raw_name)),
+        _ => quoted(&header.raw_name),
+    };
+    let columns: Vec<String> = raw.headers.iter().zip(meanings).map(describe).collect();
+    ReadError::NoResponse {
+        line: raw.cells.header_line,
+        found: columns.join(", "),
+    }
+}

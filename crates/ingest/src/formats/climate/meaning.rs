@@ -1,0 +1,276 @@
+//! What a logger's column measures of the air, and with which of its sensors: `2_DHT22_RH`, `Outside Ave. (C)`,
+//! `MET_CS215_AirTemperature_degC_Avg`, `Temp, °F (LGR S/N: 1, SEN S/N: 2)`.
+
+use crate::text::header::Header;
+use ieap_domain::Quantity;
+use ieap_domain::unit::{self, Conversion};
+
+/// A column of air temperature or relative humidity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClimateColumn {
+    /// Temperature or relative humidity.
+    pub quantity: Quantity,
+    /// To °C or percent.
+    pub conversion: Conversion,
+    /// Whether the file names the unit; else °C or percent is assumed.
+    pub unit_is_stated: bool,
+    /// Serial number of the sensor, or of the logger, where the column's name states it.
+    pub serial: Option<String>,
+    /// What is left of the name and tells this sensor from others of the same logger: `2_DHT22`, `Outside`.
+    pub part: String,
+    /// Whether it is a mean over the logger's interval rather than a last or single reading.
+    pub is_mean: bool,
+}
+
+/// Words of a name after which a column is no temperature or humidity of the air.
+const OTHER_THINGS: [&str; 17] = [
+    "dew", "taupunkt", "frost", "soil", "panel", "ptemp", "wetbulb", "wet bulb", "batt", "surface",
+    "deficit", "mixing", "absolute", "vapo", "board", "cpu", "setpoint",
+];
+/// Kinds of value that are no reading and no mean.
+const OTHER_KINDS: [&str; 9] = ["min", "max", "std", "sd", "sdev", "tmn", "tmx", "wvc", "tot"];
+const HUMIDITY: [&str; 10] = [
+    "rh",
+    "humidity",
+    "hum",
+    "relhumidity",
+    "feuchte",
+    "luftfeuchte",
+    "luftfeuchtigkeit",
+    "relh",
+    "humidite",
+    "niiskus",
+];
+const TEMPERATURE: [&str; 11] = [
+    "temp",
+    "temperature",
+    "temperatur",
+    "ta",
+    "tair",
+    "airt",
+    "airtc",
+    "airtemp",
+    "t",
+    "celsius",
+    "lufttemperatur",
+];
+/// Words that say nothing of which sensor it is.
+const PLAIN: [&str; 19] = [
+    "air", "rel", "relative", "ambient", "avg", "ave", "average", "mean", "last", "smp", "percent", "degc",
+    "degf", "c", "f", "pct", "rf", "lft", "tc",
+];
+
+/// What a column measures, from its name and unit as the file has them; none where it is no climate of the air.
+pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
+    let (described, serial, label) = without_description(raw_name);
+    let lower = described.to_lowercase();
+    let unit = match raw_unit.is_empty() {
+        true => Header::parse(described).raw_unit,
+        false => raw_unit.to_owned(),
+    };
+    let named = without_unit(described, &unit);
+    let words = words(named);
+    let lower_words: Vec<String> = words.iter().map(|word| word.to_lowercase()).collect();
+    let is_other = OTHER_THINGS.iter().any(|thing| lower.contains(thing))
+        || lower_words
+            .iter()
+            .any(|word| OTHER_KINDS.contains(&word.as_str()));
+    if is_other {
+        return None;
+    }
+    let plain = |word: &str| word.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
+    let is = |known: &[&str], word: &String| known.contains(&plain(word).as_str());
+    let is_humidity = lower_words.iter().any(|word| is(&HUMIDITY, word));
+    let is_temperature = lower_words.iter().any(|word| is(&TEMPERATURE, word));
+    let unit = match unit.is_empty() {
+        true => lower_words
+            .iter()
+            .find_map(|word| unit_word(word))
+            .unwrap_or("")
+            .to_owned(),
+        false => unit,
+    };
+    let quantity = match (is_humidity, is_temperature) {
+        (true, _) => Quantity::RelativeHumidity,
+        (false, true) => Quantity::Temperature,
+        // A sensor's name alone, with a unit that only one of the two has.
+        (false, false) if !unit.is_empty() && unit::conversion(Quantity::Temperature, &unit).is_ok() => {
+            Quantity::Temperature
+        }
+        _ => return None,
+    };
+    // The letter `T` alone stands for several things.
+    let is_letter_alone = lower_words.iter().any(|word| word == "t") && quantity == Quantity::Temperature;
+    let conversion = match unit.is_empty() {
+        true if is_letter_alone => return None,
+        true => Conversion::IDENTITY,
+        false => unit::conversion(quantity, &unit).ok()?,
+    };
+    let says = |word: &String| {
+        let lower = word.to_lowercase();
+        let number = lower.strip_prefix(plain(&lower).as_str()).unwrap_or("");
+        match is(&HUMIDITY, &lower) || is(&TEMPERATURE, &lower) {
+            true => (!number.is_empty()).then(|| number.to_owned()),
+            false => (!PLAIN.contains(&lower.as_str())).then(|| word.clone()),
+        }
+    };
+    let part: Vec<String> = words.iter().filter_map(says).chain(label).collect();
+    Some(ClimateColumn {
+        quantity,
+        conversion,
+        unit_is_stated: !unit.is_empty(),
+        serial,
+        part: part.join("_"),
+        is_mean: lower_words
+            .iter()
+            .any(|word| ["avg", "ave", "average", "mean"].contains(&word.as_str())),
+    })
+}
+
+/// The name without what HOBO software appends, with the serial number and label in it.
+fn without_description(raw_name: &str) -> (&str, Option<String>, Option<String>) {
+    let cut = raw_name
+        .find("(LGR")
+        .or_else(|| raw_name.find("()"))
+        .unwrap_or(raw_name.len());
+    let (name, description) = raw_name.split_at(cut);
+    let after = |mark: &str| {
+        let (_, rest) = description.split_once(mark)?;
+        let end = rest.find([',', ')']).unwrap_or(rest.len());
+        Some(rest[..end].trim().to_owned()).filter(|text| !text.is_empty())
+    };
+    let serial = after("SEN S/N:").or_else(|| after("LGR S/N:"));
+    // The sensor's own name before the quantity (`GCap. RH`) says nothing beside a serial number.
+    (name.trim().trim_end_matches(','), serial, after("LBL:"))
+}
+
+/// The name without the unit behind it.
+fn without_unit<'a>(name: &'a str, unit: &str) -> &'a str {
+    let cut = name.rfind(unit).filter(|_| !unit.is_empty());
+    // `T` is a unit's letter as well as a name's: a unit stands behind a mark.
+    match cut.filter(|&at| name[..at].ends_with(['(', '[', '/', ',', ' ', '_'])) {
+        Some(at) => &name[..at],
+        None => name,
+    }
+}
+
+/// Words of a name: split at marks, before a capital after a small letter, and between a number and what it measures.
+fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut before = ' ';
+    for c in name.chars() {
+        let starts = !before.is_alphanumeric() || (before.is_lowercase() && c.is_uppercase());
+        match words.last_mut() {
+            Some(word) if c.is_alphanumeric() && !starts => word.push(c),
+            _ if c.is_alphanumeric() => words.push(c.to_string()),
+            _ => {}
+        }
+        before = c;
+    }
+    words.into_iter().flat_map(parted).collect()
+}
+
+/// `AM2320RH` is the humidity of an AM2320.
+fn parted(word: String) -> Vec<String> {
+    let digits = word.rfind(|c: char| c.is_ascii_digit());
+    match digits.map(|at| word.split_at(at + 1)) {
+        Some((name, measured)) if ["rh", "ta", "temp", "hum"].contains(&measured.to_lowercase().as_str()) => {
+            vec![name.to_owned(), measured.to_owned()]
+        }
+        _ => vec![word],
+    }
+}
+
+fn unit_word(word: &str) -> Option<&'static str> {
+    match word {
+        "percent" | "pct" => Some("%"),
+        "degc" | "c" | "celsius" | "airtc" => Some("°C"),
+        "degf" | "f" => Some("°F"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(name: &str, unit: &str) -> Option<(&'static str, String, Option<String>)> {
+        climate_column(name, unit).map(|column| (column.quantity.column(), column.part, column.serial))
+    }
+
+    #[test]
+    fn names_of_real_loggers() {
+        let (rh, t) = ("relative_humidity_percent", "temperature_c");
+        for (name, unit, quantity, part, serial) in [
+            ("Temperature (ºC)", "", t, "", None),
+            ("Relative Humidity (%)", "", rh, "", None),
+            ("Celsius(°C)", "", t, "", None),
+            ("Humidity(%rh)", "", rh, "", None),
+            ("AM2320_Ta", "", t, "AM2320", None),
+            ("AM2320RH", "", rh, "AM2320", None),
+            ("1_DHT22_Ta", "", t, "1_DHT22", None),
+            ("1_DHT22_RH", "", rh, "1_DHT22", None),
+            ("MET_CS215_AirTemperature_degC_Avg", "degC", t, "MET_CS215", None),
+            ("MET_CS215_RelHumidity_percent_Avg", "%", rh, "MET_CS215", None),
+            ("AirTC_Avg", "Deg C", t, "", None),
+            ("1_HTU21D_RH", "", rh, "1_HTU21D", None),
+            ("RH", "%", rh, "", None),
+            ("RH2", "", rh, "2", None),
+            ("H08 Temp., °F (LGR S/N: 274341)", "°F", t, "H08", Some("274341")),
+            ("GCap. RH, % (LGR S/N: 274341)", "%", rh, "GCap", Some("274341")),
+            (
+                "Temp, °C (LGR S/N: 2, SEN S/N: 3, LBL: 25)",
+                "°C",
+                t,
+                "25",
+                Some("3"),
+            ),
+            ("Outside Ave. (C)", "C", t, "Outside", None),
+            ("Inside_Nafion_TCK02 Last (C)", "", t, "Inside_Nafion_TCK02", None),
+            ("Luftfeuchte [%]", "", rh, "", None),
+            ("relative_humidity_percent", "", rh, "", None),
+            ("temperature_c", "", t, "", None),
+            ("Temp, (*F)", "", t, "", None),
+        ] {
+            assert_eq!(
+                read(name, unit),
+                Some((quantity, part.to_owned(), serial.map(str::to_owned))),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn other_columns_are_no_climate() {
+        for (name, unit) in [
+            ("Dew Point (ºC)", ""),
+            ("DewPt, °F (LGR S/N: 1)", "°F"),
+            ("PTemp_C", "Deg C"),
+            ("BattV", "Volts"),
+            ("Batt, %", ""),
+            ("Outside Min. (C)", "C"),
+            ("1_BME680_P", ""),
+            ("1_BME680_q", ""),
+            ("1_MCP9808", ""),
+            ("MET_CS107_SoilT05cm_degC_Avg", "degC"),
+            ("Intensity, Lux()", "Lux"),
+            ("RECORD", "RN"),
+            ("Coupler Attached", ""),
+            ("MET_CS215_MixingRatio_gKg_Avg", "g/kg"),
+            ("time_s", "s"),
+            ("current_a", "A"),
+            ("T (s)", "s"),
+            ("T", ""),
+        ] {
+            assert_eq!(read(name, unit), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn units_are_converted_or_said_to_be_assumed() {
+        let column = climate_column("Temp, °F (LGR S/N: 1)", "°F").unwrap();
+        assert!((column.conversion.apply(212.0) - 100.0).abs() < 1e-12 && column.unit_is_stated);
+        assert!(!climate_column("1_DHT22_RH", "").unwrap().unit_is_stated);
+        assert!(climate_column("Outside Ave. (C)", "C").unwrap().is_mean);
+    }
+}

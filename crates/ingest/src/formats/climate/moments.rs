@@ -1,0 +1,246 @@
+//! The moments of a logger's rows: dates in the order that fits all of them, offsets, and a clock set back.
+
+use jiff::civil::DateTime;
+
+use crate::formats::stamp::{self, DateOrder};
+
+/// Share of steps that may go back under the order that is taken (one always may): a clock that is set right.
+const GOING_BACK: f64 = 0.01;
+/// A year, s.
+const YEAR_S: f64 = 31_557_600.0;
+/// By how much clocks go back at the end of summer time, s.
+const SUMMER_TIME_S: f64 = 3600.0;
+
+/// The moments of all rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moments {
+    /// Order of day, month and year.
+    pub order: DateOrder,
+    /// What the clock showed at the first row; UTC where the rows state offsets.
+    pub first: DateTime,
+    /// Time since the first row, s; an hour that the clock was set back by is counted.
+    pub elapsed_s: Vec<f64>,
+    /// Where the clock was set back by an hour: time since the first row, and seconds.
+    pub set_back: Vec<(f64, f64)>,
+    /// Whether each row states its offset from UTC.
+    pub in_utc: bool,
+}
+
+/// Why no order of day, month and year can be taken.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NoOrder {
+    /// None makes all rows dates that follow each other.
+    Fits,
+    /// These fit alike.
+    Several(Vec<DateOrder>),
+}
+
+/// Reads the dates of all rows under that one of `orders` in which the fewest steps go back.
+///
+/// # Errors
+/// No order fits, or two fit equally well.
+pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder> {
+    let mut best: Vec<(usize, DateOrder, Vec<DateTime>)> = Vec::new();
+    let in_utc = texts.first().is_some_and(|text| with_offset(text).is_some());
+    for &order in orders {
+        let read = |text: &&str| match (in_utc, with_offset(text)) {
+            (true, Some((date, offset_s))) => {
+                let span = jiff::SignedDuration::from_secs(offset_s);
+                stamp::civil(date, order)?.checked_sub(span).ok()
+            }
+            (false, None) => stamp::civil(text, order),
+            _ => None,
+        };
+        let Some(read) = texts.iter().map(read).collect::<Option<Vec<DateTime>>>() else {
+            continue;
+        };
+        let back = read.windows(2).filter(|pair| pair[1] < pair[0]).count();
+        if back as f64 > (GOING_BACK * read.len() as f64).max(1.0) {
+            continue;
+        }
+        match best.first().map(|(least, _, _)| back.cmp(least)) {
+            Some(std::cmp::Ordering::Greater) => {}
+            Some(std::cmp::Ordering::Equal) => best.push((back, order, read)),
+            _ => best = vec![(back, order, read)],
+        }
+    }
+    match best.len() {
+        0 => Err(NoOrder::Fits),
+        1 => {
+            let (_, order, read) = best.remove(0);
+            Ok(elapsed(order, &read, in_utc))
+        }
+        _ => Err(NoOrder::Several(
+            best.into_iter().map(|(_, order, _)| order).collect(),
+        )),
+    }
+}
+
+fn elapsed(order: DateOrder, read: &[DateTime], in_utc: bool) -> Moments {
+    let first = read[0];
+    let since = |moment: &DateTime| moment.duration_since(first).as_secs_f64();
+    let clock_s: Vec<f64> = read.iter().map(since).collect();
+    let interval_s = median_step(&clock_s);
+    let mut set_back: Vec<(f64, f64)> = Vec::new();
+    let mut total_s = 0.0;
+    let mut elapsed_s = Vec::with_capacity(clock_s.len());
+    for (index, &clock) in clock_s.iter().enumerate() {
+        let step = if index == 0 {
+            interval_s
+        } else {
+            clock - clock_s[index - 1]
+        };
+        if !in_utc && is_set_back(step, interval_s) {
+            total_s += SUMMER_TIME_S;
+            set_back.push((clock + total_s, SUMMER_TIME_S));
+        }
+        elapsed_s.push(clock + total_s);
+    }
+    // Summer time ends once a year: a clock that goes back more often is faulty, and its rows out of order go.
+    let years = elapsed_s.last().copied().unwrap_or(0.0) / YEAR_S;
+    if set_back.len() as f64 > years + 1.0 {
+        (elapsed_s, set_back) = (clock_s, Vec::new());
+    }
+    Moments {
+        order,
+        first,
+        elapsed_s,
+        set_back,
+        in_utc,
+    }
+}
+
+/// Whether a step is the usual one on a clock that was set back by an hour meanwhile.
+fn is_set_back(step_s: f64, interval_s: f64) -> bool {
+    let usual = (step_s + SUMMER_TIME_S - interval_s).abs() <= (0.1 * interval_s).max(2.0);
+    step_s <= 0.0 && interval_s <= SUMMER_TIME_S && usual
+}
+
+fn median_step(clock_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = clock_s
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|step| *step > 0.0)
+        .collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// A date without its offset from UTC, and that offset, s: `2026-11-20T10:00:00+02:00`, `...Z`.
+fn with_offset(text: &str) -> Option<(&str, i64)> {
+    let text = text.trim();
+    if let Some(date) = text.strip_suffix(['Z', 'z']) {
+        return Some((date, 0));
+    }
+    if let Some(date) = text.strip_suffix("UTC").or_else(|| text.strip_suffix("GMT")) {
+        return Some((date, 0));
+    }
+    let cut = text
+        .len()
+        .checked_sub(6)
+        .filter(|&at| text.is_char_boundary(at))?;
+    let (date, offset) = text.split_at(cut);
+    // A date such as 2026-11-20 alone ends so, too: an offset follows a time of day.
+    date.contains(':')
+        .then(|| offset_s(offset))
+        .flatten()
+        .map(|offset| (date, offset))
+}
+
+/// `+02:00` in seconds.
+pub fn offset_s(offset: &str) -> Option<i64> {
+    let (sign, rest) = match offset.as_bytes().first()? {
+        b'+' => (1, &offset[1..]),
+        b'-' => (-1, &offset[1..]),
+        _ => return None,
+    };
+    let (hours, minutes) = rest.split_once(':')?;
+    let part = |text: &str| (text.len() == 2).then(|| text.parse::<i64>().ok()).flatten();
+    let (hours, minutes) = (part(hours)?, part(minutes)?);
+    (hours <= 18 && minutes < 60).then_some(sign * (3600 * hours + 60 * minutes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: &[DateOrder] = &[DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
+
+    #[test]
+    fn an_hour_that_comes_twice_is_counted_twice() {
+        let texts = [
+            "2026-10-25 03:40:00",
+            "2026-10-25 03:50:00",
+            "2026-10-25 03:00:00",
+            "2026-10-25 03:10:00",
+        ];
+        let found = moments(&texts, ALL).unwrap();
+        assert_eq!(found.elapsed_s, [0.0, 600.0, 1200.0, 1800.0]);
+        assert_eq!(found.set_back, [(1200.0, 3600.0)]);
+        let hourly = [
+            "2026-10-25 02:00:00",
+            "2026-10-25 03:00:00",
+            "2026-10-25 03:00:00",
+            "2026-10-25 04:00:00",
+        ];
+        let found = moments(&hourly, ALL).unwrap();
+        assert_eq!(found.elapsed_s, [0.0, 3600.0, 7200.0, 10800.0]);
+    }
+
+    #[test]
+    fn a_clock_that_goes_back_every_hour_is_faulty() {
+        let texts: Vec<String> = (0..400)
+            .map(|k| format!("2026-10-25 {:02}:{:02}:00", 3 + k / 200, k % 200 * 60 / 200))
+            .collect();
+        let mut texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        let again: Vec<&str> = texts[..200].to_vec();
+        texts.splice(200..200, again.iter().copied());
+        texts.splice(400..400, again);
+        let found = moments(&texts, ALL).unwrap();
+        assert_eq!((found.set_back.len(), found.elapsed_s[200]), (0, 0.0));
+    }
+
+    #[test]
+    fn a_clock_set_right_by_seconds_is_not_an_hour() {
+        let texts = [
+            "2026-01-01 10:00:00",
+            "2026-01-01 10:01:00",
+            "2026-01-01 10:00:58",
+            "2026-01-01 10:02:00",
+        ];
+        let found = moments(&texts, ALL).unwrap();
+        assert_eq!((found.set_back.len(), found.elapsed_s[2]), (0, 58.0));
+    }
+
+    #[test]
+    fn rows_that_state_offsets_are_read_as_utc() {
+        let texts = [
+            "2026-10-25T03:50:00+03:00",
+            "2026-10-25T03:00:00+02:00",
+            "2026-10-25T01:10:00Z",
+        ];
+        let found = moments(&texts, ALL).unwrap();
+        assert!(found.in_utc);
+        assert_eq!(found.first.to_string(), "2026-10-25T00:50:00");
+        assert_eq!(found.elapsed_s, [0.0, 600.0, 1200.0]);
+        assert_eq!(
+            moments(&["2026-10-25T03:50:00Z", "2026-10-25T03:55:00"], ALL),
+            Err(NoOrder::Fits)
+        );
+    }
+
+    #[test]
+    fn two_orders_are_told_apart_or_refused() {
+        assert!(matches!(
+            moments(&["01/02/26 10:00", "01/02/26 11:00"], ALL),
+            Err(NoOrder::Several(_))
+        ));
+        let found = moments(&["12/02/26 10:00", "13/02/26 10:00"], ALL);
+        assert!(matches!(found, Err(NoOrder::Several(_))), "{found:?}");
+        let found = moments(&["30/01/2026 10:00", "01/02/2026 10:00"], ALL).unwrap();
+        assert_eq!(found.order, DateOrder::DayFirst);
+    }
+}

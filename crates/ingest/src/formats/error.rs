@@ -1,0 +1,368 @@
+//! Why a file cannot be read: where, what was found, what was needed, how to mend it.
+
+use thiserror::Error;
+
+use ieap_domain::Issue;
+
+/// Code of the refusal of dates that fit several orders, or none.
+pub const AMBIGUOUS_DATES: &str = "ambiguous-dates";
+/// What every mend is followed by that a profile can take the place of.
+const OR_A_PROFILE: &str =
+    "; or keep the file and say once how such files are read: `ieap profile FILE` proposes it";
+
+/// A refusal. Texts taken from the file are escaped and shortened: see [`quoted`].
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum ReadError {
+    /// The file has no bytes yet.
+    #[error("the file is empty (0 bytes)")]
+    Empty,
+    /// A header was found, but no row of numbers.
+    #[error("the file ends after its header, no complete row of numbers follows ({found})")]
+    HeaderOnly {
+        /// Line of the header, 0 where it is not known.
+        line: usize,
+        /// What is there.
+        found: String,
+    },
+    /// The file belongs to a run of the instrument's software, but holds no measurement of its own.
+    #[error("{kind}: it belongs to a run and holds no readings ({sign})")]
+    Sidecar {
+        /// What it is, `EC-Lab log`.
+        kind: &'static str,
+        /// What shows it.
+        sign: &'static str,
+    },
+    /// The format is known, but no file with this content was ever seen, so nothing is guessed.
+    #[error("{what} is not read, for no such file was ever seen: found {found}")]
+    NeverSeen {
+        /// The part of the format.
+        what: &'static str,
+        /// What stands in the file, escaped.
+        found: String,
+    },
+    /// The kind of file is known, and there is no reader for it.
+    #[error("it is {kind}, which is not read ({sign})")]
+    NotRead {
+        /// What it is.
+        kind: &'static str,
+        /// What shows it.
+        sign: &'static str,
+        /// How to get its readings in.
+        mend: &'static str,
+    },
+    /// The structure of a binary file breaks off or contradicts itself.
+    #[error("at byte {offset}: {found}; needed {needed}")]
+    Structure {
+        /// Where, bytes from the start.
+        offset: u64,
+        /// What is there.
+        found: String,
+        /// What must be there.
+        needed: &'static str,
+    },
+    /// No reader knows the file.
+    #[error("no known format fits: the file begins with {found}; tried {tried}")]
+    UnknownFormat {
+        /// First bytes, escaped.
+        found: String,
+        /// Ids of the formats tried, with what each missed.
+        tried: String,
+        /// Whether it holds a table that a profile could describe.
+        is_table: bool,
+    },
+    /// Two readers fit about equally well.
+    #[error("more than one format fits: {candidates}")]
+    AmbiguousFormat {
+        /// Candidates with their scores and reasons.
+        candidates: String,
+    },
+    /// Columns can be separated in two ways, or in none.
+    #[error("delimiter and decimal sign cannot be decided: {found}")]
+    AmbiguousNumbers {
+        /// Line that shows it.
+        line: usize,
+        /// The readings.
+        found: String,
+        /// What would decide it.
+        mend: &'static str,
+    },
+    /// Dates can be read in two orders, or in none.
+    #[error("the dates of column {column} cannot be decided: {found}")]
+    AmbiguousDates {
+        /// Line of the first date.
+        line: usize,
+        /// Name of the column.
+        column: String,
+        /// The readings.
+        found: String,
+        /// The first date.
+        first: String,
+    },
+    /// No line names columns ieap knows.
+    #[error("no header row names a time column; the first line is {found}")]
+    NoHeader {
+        /// First line that is no comment.
+        line: usize,
+        /// That line.
+        found: String,
+    },
+    /// A column that is needed cannot be used.
+    #[error("column {column} cannot be used: {reason}")]
+    Column {
+        /// Line of the header or of the first bad cell.
+        line: usize,
+        /// Column number from 1.
+        index: usize,
+        /// Name of the column.
+        column: String,
+        /// Why.
+        reason: String,
+    },
+    /// There is time, but nothing that responds.
+    #[error("no current, curvature, tip displacement or modulus among the columns {found}")]
+    NoResponse {
+        /// Line of the header.
+        line: usize,
+        /// The columns with the reason where one was refused.
+        found: String,
+    },
+    /// Too many rows do not advance in time.
+    #[error("time does not increase in {count} of {rows} rows, first at {first}")]
+    TimeOrder {
+        /// Line of the first such row.
+        line: usize,
+        /// Number of such rows.
+        count: usize,
+        /// Number of rows.
+        rows: usize,
+        /// The first such time with the one before it.
+        first: String,
+    },
+    /// Too many rows have another number of fields than the header.
+    #[error("{count} of {rows} rows do not have the {needed} fields of the header, the first has {found}")]
+    Ragged {
+        /// Line of the first such row.
+        line: usize,
+        /// Number of such rows.
+        count: usize,
+        /// Number of rows.
+        rows: usize,
+        /// Fields of the first such row.
+        found: usize,
+        /// Fields of the header.
+        needed: usize,
+    },
+    /// A container (zip, compound file) is damaged.
+    #[error("the {kind} is damaged: {found}")]
+    BrokenContainer {
+        /// `spreadsheet (zip archive)`, ...
+        kind: &'static str,
+        /// What the reader of the container says.
+        found: String,
+    },
+    /// A file, or what it unpacks to, is larger than is safe to hold in memory.
+    #[error("{what} holds {found} bytes, more than the limit of {limit}")]
+    TooLarge {
+        /// The part that is too large.
+        what: String,
+        /// Size found so far, bytes.
+        found: u64,
+        /// Limit, bytes.
+        limit: u64,
+    },
+    /// A spreadsheet places a cell so far out that no measurement can fill the sheet.
+    #[error("sheet \"{sheet}\" has a cell in row {row}, column {column}; at most {limit} cells are read")]
+    SheetTooWide {
+        /// Name of the sheet.
+        sheet: String,
+        /// Row from 1.
+        row: u64,
+        /// Column from 1.
+        column: u64,
+        /// Limit on rows times columns.
+        limit: u64,
+    },
+}
+
+impl ReadError {
+    /// Stable slug for scripts to count by.
+    pub fn code(&self) -> &'static str {
+        match self {
+            ReadError::Empty => "empty-file",
+            ReadError::HeaderOnly { .. } => "header-only",
+            ReadError::Sidecar { .. } => "sidecar",
+            ReadError::NeverSeen { .. } => "never-seen",
+            ReadError::NotRead { .. } => "not-read-kind",
+            ReadError::Structure { .. } => "broken-structure",
+            ReadError::UnknownFormat { .. } => "unknown-format",
+            ReadError::AmbiguousFormat { .. } => "ambiguous-format",
+            ReadError::AmbiguousNumbers { .. } => "ambiguous-numbers",
+            ReadError::AmbiguousDates { .. } => AMBIGUOUS_DATES,
+            ReadError::NoHeader { .. } => "no-header",
+            ReadError::Column { .. } => "column-unusable",
+            ReadError::NoResponse { .. } => "no-response",
+            ReadError::TimeOrder { .. } => "time-order",
+            ReadError::Ragged { .. } => "ragged-rows",
+            ReadError::BrokenContainer { .. } => "broken-container",
+            ReadError::TooLarge { .. } | ReadError::SheetTooWide { .. } => "too-large",
+        }
+    }
+
+    /// Whether the file may become readable by growing: it waits and is not refused.
+    pub fn is_pending(&self) -> bool {
+        matches!(self, ReadError::Empty | ReadError::HeaderOnly { .. })
+    }
+
+    /// Whether the file belongs to a run without holding one: it is no refusal.
+    pub fn is_sidecar(&self) -> bool {
+        matches!(self, ReadError::Sidecar { .. })
+    }
+
+    /// Line and column; empty where the whole file is meant.
+    pub fn place(&self) -> String {
+        match self {
+            ReadError::Structure { offset, .. } => format!("byte {offset}"),
+            ReadError::Column { line: 0, index, .. } => format!("column {index}"),
+            ReadError::Column { line, index, .. } => format!("line {line}, column {index}"),
+            ReadError::HeaderOnly { line, .. }
+            | ReadError::AmbiguousNumbers { line, .. }
+            | ReadError::AmbiguousDates { line, .. }
+            | ReadError::NoHeader { line, .. }
+            | ReadError::NoResponse { line, .. }
+            | ReadError::TimeOrder { line, .. }
+            | ReadError::Ragged { line, .. }
+                if *line > 0 =>
+            {
+                format!("line {line}")
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// What would make the file readable.
+    pub fn mend(&self) -> &'static str {
+        match self {
+            ReadError::Empty | ReadError::HeaderOnly { .. } => {
+                "wait until the instrument has written the file; it is looked at again when it changes"
+            }
+            ReadError::Sidecar { .. } => "nothing; keep it beside the run's file",
+            ReadError::NotRead { mend, .. } => mend,
+            ReadError::NeverSeen { .. } => {
+                "export the run as text from the instrument's software, or as a plain table with units in its header"
+            }
+            ReadError::Structure { .. } => "copy the file again from the instrument's computer",
+            ReadError::UnknownFormat { .. } => {
+                "export the run as one of the formats of `ieap formats`, for instance a plain table with the header \
+                 time_s,voltage_v,current_a,curvature_per_cm"
+            }
+            ReadError::AmbiguousFormat { .. } => "rename the columns as `ieap formats` shows, or export anew",
+            ReadError::AmbiguousNumbers { mend, .. } => mend,
+            ReadError::AmbiguousDates { .. } => {
+                "state date_order = \"day-first\" (or month-first, year-first) in campaign.toml, [campaign], or `order` in a \
+                 profile (`ieap profile FILE`); or keep it beside a file whose dates show the order; or export with dates \
+                 written year first, in four digits"
+            }
+            ReadError::NoHeader { .. } => {
+                "let the first line that is no # comment name the columns with their units: Time (s), Current (mA)"
+            }
+            ReadError::Column { .. } => {
+                "write the unit into the header, as in Time (s), and only numbers below it"
+            }
+            ReadError::NoResponse { .. } => {
+                "name the response with its unit: Current (mA), curvature_per_cm, Displacement (mm) or storage_modulus_mpa"
+            }
+            ReadError::TimeOrder { .. } => {
+                "export the time with more digits and the rows in the order in which they were taken"
+            }
+            ReadError::Ragged { .. } => "export anew; every row needs as many fields as the header",
+            ReadError::BrokenContainer { .. } => {
+                "copy the file again from the instrument's computer, or save it anew from the spreadsheet program"
+            }
+            ReadError::TooLarge { .. } | ReadError::SheetTooWide { .. } => {
+                "save only the sheet with the run, or export it as CSV"
+            }
+        }
+    }
+
+    /// Whether a profile can say what the file does not: where its table stands, its columns, units, signs and dates.
+    pub fn is_mended_by_profile(&self) -> bool {
+        match self {
+            ReadError::UnknownFormat { is_table, .. } => *is_table,
+            ReadError::AmbiguousFormat { .. }
+            | ReadError::AmbiguousNumbers { .. }
+            | ReadError::AmbiguousDates { .. }
+            | ReadError::NoHeader { .. }
+            | ReadError::Column { .. }
+            | ReadError::NoResponse { .. } => true,
+            _ => false,
+        }
+    }
+
+    /// The refusal as an issue of the file; a sidecar is only noted.
+    pub fn issue(&self) -> Issue {
+        if self.is_sidecar() {
+            return Issue::note(self.code(), self.to_string());
+        }
+        let is_advised = self.mend().contains("ieap profile");
+        let mend = match self.is_mended_by_profile() && !is_advised {
+            true => format!("{}{OR_A_PROFILE}", self.mend()),
+            false => self.mend().to_owned(),
+        };
+        Issue::error(self.code(), self.to_string())
+            .at(self.place())
+            .mend(mend)
+    }
+}
+
+/// Text of a file as messages may show it: in quotes, control characters escaped, long text shortened.
+pub fn quoted(text: &str) -> String {
+    const SHOWN: usize = 60;
+    let start: String = text.chars().take(SHOWN).collect();
+    let more = if text.chars().nth(SHOWN).is_some() {
+        "\u{2026}"
+    } else {
+        ""
+    };
+    format!("\"{}{more}\"", escaped(&start))
+}
+
+/// Text with its control characters and double quotes escaped.
+pub fn escaped(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\'' => shown.push(c),
+            _ => shown.extend(c.escape_debug()),
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_never_reach_a_message() {
+        assert_eq!(quoted("a\u{1b}[31m\n\"\u{202e}"), r#""a\u{1b}[31m\n\"\u{202e}""#);
+        assert_eq!(quoted(&"x".repeat(61)).chars().count(), 63);
+    }
+
+    #[test]
+    fn an_issue_says_where_and_how_to_mend() {
+        let error = ReadError::Column {
+            line: 1,
+            index: 2,
+            column: quoted("Time"),
+            reason: "no unit".to_owned(),
+        };
+        let issue = error.issue();
+        assert_eq!(
+            (issue.code.as_str(), issue.place.as_str()),
+            ("column-unusable", "line 1, column 2")
+        );
+        assert!(!issue.mend.is_empty() && !error.is_pending() && ReadError::Empty.is_pending());
+        assert!(issue.mend.contains("ieap profile FILE"));
+        assert!(!ReadError::Empty.issue().mend.contains("profile"));
+    }
+}

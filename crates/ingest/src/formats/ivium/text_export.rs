@@ -1,0 +1,99 @@
+//! Text export of IviumSoft: a date, then `time/s I/A E/V` between blanks. Rows may hold one column more than
+//! there are names (the measured potential); it is kept under a name of its own.
+//!
+//! The date is that of the run's start, in the order of the computer's locale. The format says nothing of how the
+//! run ended beside the end of its last line.
+
+use crate::formats::assemble::{Raw, assemble};
+use crate::formats::recognition::{FileHead, Match};
+use crate::formats::{Format, ReadContext, ReadError, date, delimited};
+use crate::text::grid::Dialect;
+use crate::text::header::Header;
+use crate::text::{Decimal, Delimiter, Line, Lines, decode};
+use crate::{Reading, Timestamp};
+use ieap_domain::RunStatus;
+
+/// Reader of the text export.
+pub struct IviumText;
+
+impl Format for IviumText {
+    fn id(&self) -> &'static str {
+        "ivium-text"
+    }
+
+    fn title(&self) -> &'static str {
+        "Ivium text export: a date, then the columns time/s I/A E/V"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["txt"]
+    }
+
+    fn version(&self) -> u32 {
+        2
+    }
+
+    fn recognise(&self, head: &FileHead<'_>) -> Match {
+        let text = head.text().unwrap_or_default();
+        let mut lines = Lines::new(&text).map(|line| line.text.trim());
+        let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
+        let is_date = !first.is_empty() && first.chars().all(|c| c.is_ascii_digit() || " ./:-".contains(c));
+        let names: Vec<&str> = second.split_whitespace().collect();
+        match is_date && names == ["time/s", "I/A", "E/V"] {
+            true => Match::Certain("a date, then time/s I/A E/V between blanks"),
+            false => Match::No,
+        }
+    }
+
+    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+        if bytes.is_empty() {
+            return Err(ReadError::Empty);
+        }
+        let mut issues = Vec::new();
+        let decoded = decode(bytes);
+        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let (status, status_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
+        let [date_line, names, rows @ ..] = lines.as_slice() else {
+            return Err(ReadError::HeaderOnly {
+                line: lines.len(),
+                found: "no names of columns".to_owned(),
+            });
+        };
+        let mut headers: Vec<Header> = names.text.split_whitespace().map(Header::parse).collect();
+        let fields = rows.first().map_or(0, |row| row.text.split_whitespace().count());
+        if fields == headers.len() + 1 {
+            headers.push(Header::other("unnamed column"));
+        }
+        let decimal = match rows.first().is_some_and(|row| row.text.contains(',')) {
+            true => Decimal::Comma,
+            false => Decimal::Point,
+        };
+        let dialect = Dialect {
+            delimiter: Delimiter::Blanks,
+            decimal,
+        };
+        let cells = delimited::cells_of(names.number, headers.len(), rows, dialect);
+        let table = assemble(Raw::of_instrument(String::new(), headers, cells), &mut issues)?;
+        let stamp = date_line.text.trim();
+        let (date, time) = stamp.split_once(' ').unwrap_or((stamp, ""));
+        let (started_at, issue) = date::started_at(date, time.trim(), Timestamp::Start, &[]);
+        issues.extend(issue.map(|issue| issue.at("line 1")));
+        Ok(Reading {
+            format: self.id(),
+            reader_version: self.version(),
+            technique: None,
+            is_step_response: true,
+            encoding: Some(decoded.encoding),
+            status,
+            status_evidence: match status {
+                RunStatus::Complete => status_evidence + "; the format declares no number of rows",
+                _ => status_evidence,
+            },
+            started_at: Some(started_at),
+            header_tags: Vec::new(),
+            tables: vec![table],
+            original_metadata: vec![("date".to_owned(), stamp.to_owned())],
+            issues,
+        })
+    }
+}

@@ -1,0 +1,63 @@
+//! Ranges that a bench for ionic actuators can plausibly measure: a flag for a wrong unit, never a correction.
+
+use super::cells::CellTable;
+use super::error::quoted;
+use super::time_axis::TimeAxis;
+use crate::text::header::Header;
+use ieap_domain::{Issue, Quantity};
+
+/// Readings that no actuator gives, such as a current in mA under a header that says A: flagged, never corrected.
+///
+/// `is_of_strip` says whether the table holds a response of an actuator; a furnace is hotter than a strip can be.
+pub fn implausible(
+    quantity: Quantity,
+    header: &Header,
+    values: &[f64],
+    rows: &[u32],
+    axis: &TimeAxis,
+    cells: &CellTable,
+    is_of_strip: bool,
+) -> Option<Issue> {
+    let (low, high) = plausible(quantity)?;
+    if quantity == Quantity::Temperature && !is_of_strip {
+        return None;
+    }
+    let outside = |value: &&f64| **value < low || **value > high;
+    let first = values.iter().position(|value| outside(&value))?;
+    let count = values.iter().filter(outside).count();
+    let line = cells.line_of_row[axis.rows[rows[first] as usize] as usize];
+    let unit = quantity.unit();
+    let message = format!(
+        "{count} of {} readings of {} lie outside {low} to {high} {unit}, first {} {unit}; they are taken as they are",
+        values.len(),
+        quoted(&header.raw_name),
+        values[first]
+    );
+    let mend = "check the unit in the header";
+    Some(
+        Issue::warning("suspicious-range", message)
+            .at(format!("line {line}"))
+            .mend(mend),
+    )
+}
+
+/// Smallest and largest plausible reading, in canonical units.
+fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
+    Some(match quantity {
+        Quantity::Voltage | Quantity::ControlVoltage => (-50.0, 50.0),
+        Quantity::Current => (-1.0, 1.0),
+        Quantity::CurrentDensity => (-1.0, 1.0),
+        Quantity::Curvature => (-50.0, 50.0),
+        Quantity::TipDisplacement => (-1e3, 1e3),
+        Quantity::BlockingForce => (-1e5, 1e5),
+        Quantity::OpenCircuit => (0.0, 1.0),
+        Quantity::Temperature => (-80.0, 400.0),
+        Quantity::RelativeHumidity => (-2.0, 105.0),
+        Quantity::Pressure => (-1.0, 1e7),
+        // From a soft gel to a thousand times steel; below zero is noise or a sign error.
+        Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => (0.0, 1e6),
+        Quantity::LossFactor => (-0.1, 100.0),
+        Quantity::Frequency => (0.0, 1e5),
+        Quantity::Time | Quantity::Other => return None,
+    })
+}

@@ -1,0 +1,248 @@
+//! Spreadsheets built cell by cell, with what real ones do: gaps, texts, dates, cells far out, damage.
+
+use std::fmt::Write as _;
+use std::io::{Cursor, Write as _};
+
+use proptest::prelude::*;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+use super::{ReadContext, ReadError, read};
+use crate::Reading;
+use ieap_domain::{Quantity, RunStatus};
+
+/// One cell as it stands in the sheet's XML.
+#[derive(Clone, Copy)]
+enum Xml<'a> {
+    Text(&'a str),
+    Number(f64),
+    /// Style 1 is a date.
+    Date(f64),
+    None,
+}
+use Xml::{Date, None as Gap, Number, Text};
+
+fn sheet(rows: &[&[Xml<'_>]]) -> String {
+    let mut xml = String::new();
+    for (row, cells) in rows.iter().enumerate() {
+        let number = row + 1;
+        let _ = write!(xml, r#"<row r="{number}">"#);
+        for (column, cell) in cells.iter().enumerate() {
+            let place = format!("{}{number}", (b'A' + column as u8) as char);
+            let _ = match cell {
+                Text(text) => write!(xml, r#"<c r="{place}" t="inlineStr"><is><t>{text}</t></is></c>"#),
+                Number(number) => write!(xml, r#"<c r="{place}"><v>{number}</v></c>"#),
+                Date(days) => write!(xml, r#"<c r="{place}" s="1"><v>{days}</v></c>"#),
+                Gap => Ok(()),
+            };
+        }
+        xml.push_str("</row>");
+    }
+    xml
+}
+
+/// A workbook with one sheet for each of `sheets`, the XML of their rows.
+fn workbook(sheets: &[String]) -> Vec<u8> {
+    const MAIN: &str = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
+    const RELATIONS: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    const PACKAGE: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
+    let mut names = String::new();
+    let mut parts = String::new();
+    for k in 1..=sheets.len() {
+        let _ = write!(names, r#"<sheet name="Run {k}" sheetId="{k}" r:id="rId{k}"/>"#);
+        let _ = write!(
+            parts,
+            r#"<Relationship Id="rId{k}" Type="{RELATIONS}/worksheet" Target="worksheets/sheet{k}.xml"/>"#
+        );
+    }
+    let styles = format!(
+        r#"<styleSheet xmlns="{MAIN}"><cellXfs><xf numFmtId="0"/><xf numFmtId="14"/></cellXfs></styleSheet>"#
+    );
+    let mut members = vec![
+        ("[Content_Types].xml".to_owned(), "<Types/>".to_owned()),
+        (
+            "_rels/.rels".to_owned(),
+            format!(
+                r#"<Relationships xmlns="{PACKAGE}"><Relationship Id="rId1" Type="{RELATIONS}/officeDocument" Target="xl/workbook.xml"/></Relationships>"#
+            ),
+        ),
+        (
+            "xl/workbook.xml".to_owned(),
+            format!(r#"<workbook xmlns="{MAIN}" xmlns:r="{RELATIONS}"><sheets>{names}</sheets></workbook>"#),
+        ),
+        (
+            "xl/_rels/workbook.xml.rels".to_owned(),
+            format!(r#"<Relationships xmlns="{PACKAGE}">{parts}</Relationships>"#),
+        ),
+        ("xl/styles.xml".to_owned(), styles),
+    ];
+    for (index, rows) in sheets.iter().enumerate() {
+        members.push((
+            format!("xl/worksheets/sheet{}.xml", index + 1),
+            format!(r#"<worksheet xmlns="{MAIN}"><sheetData>{rows}</sheetData></worksheet>"#),
+        ));
+    }
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in members {
+        writer.start_file(name, SimpleFileOptions::default()).unwrap();
+        writer.write_all(content.as_bytes()).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+fn read_rows(rows: &[&[Xml<'_>]]) -> Result<Reading, ReadError> {
+    read("run.xlsx", &workbook(&[sheet(rows)]), &ReadContext::default())
+}
+
+#[test]
+fn gaps_and_lone_texts_are_no_numbers() {
+    let reading = read_rows(&[
+        &[Text("Strip 4, second run")],
+        &[],
+        &[
+            Text("Time (s)"),
+            Text("I/mA"),
+            Text("kappa (1/m)"),
+            Text("remark"),
+        ],
+        &[Number(0.0), Number(2.0), Number(0.0), Text("start")],
+        &[Number(1.0), Number(1.5), Gap, Gap],
+        &[Gap, Gap, Gap, Gap],
+        &[Number(2.0), Text("lost"), Number(1.0), Gap],
+        &[Number(3.0), Text("0.5"), Number(1.5), Gap],
+    ])
+    .unwrap();
+    let table = &reading.tables[0];
+    assert_eq!(
+        (reading.format, table.rows, table.time_zero_is_step),
+        ("spreadsheet", 4, true)
+    );
+    let [current, curvature] = table.channels.as_slice() else {
+        panic!("{:?}", table.columns())
+    };
+    assert_eq!(
+        (&current.time_s[..], &current.values[..]),
+        (&[0.0, 1.0, 3.0][..], &[0.002, 0.0015, 0.0005][..])
+    );
+    assert_eq!(
+        (&curvature.time_s[..], &curvature.values[..]),
+        (&[0.0, 2.0, 3.0][..], &[0.0, 0.01, 0.015][..])
+    );
+    let text = reading
+        .issues
+        .iter()
+        .find(|issue| issue.code == "text-in-number-column")
+        .unwrap();
+    assert_eq!(text.place, "line 7, column 2");
+}
+
+#[test]
+fn a_date_is_no_number_of_seconds() {
+    let error = read_rows(&[
+        &[Text("Time (s)"), Text("Current (A)")],
+        &[Date(45_000.5), Number(0.001)],
+        &[Date(45_000.6), Number(0.002)],
+    ])
+    .unwrap_err();
+    assert!(matches!(error, ReadError::Column { index: 1, .. }), "{error}");
+}
+
+#[test]
+fn every_sheet_with_a_run_is_a_table() {
+    let rows: &[&[Xml<'_>]] = &[&[Text("time_s"), Text("current_a")], &[Number(0.0), Number(0.5)]];
+    let notes: &[&[Xml<'_>]] = &[&[Text("Operator"), Text("somebody")]];
+    let bytes = workbook(&[sheet(notes), sheet(rows), sheet(rows)]);
+    let reading = read("runs.xlsx", &bytes, &ReadContext::default()).unwrap();
+    let names: Vec<&str> = reading.tables.iter().map(|table| table.name.as_str()).collect();
+    assert_eq!(
+        (names.as_slice(), reading.status),
+        (&["Run 2", "Run 3"][..], RunStatus::Complete)
+    );
+}
+
+#[test]
+fn a_nova_export_keeps_its_clock_and_excludes_overloads() {
+    let reading = read_rows(&[
+        &[
+            Text("Time (s)"),
+            Text("WE(1).Potential (V)"),
+            Text("WE(1).Current (A)"),
+            Text("Corrected time (s)"),
+            Text("Overload"),
+        ],
+        &[
+            Number(127.25),
+            Number(0.5),
+            Number(9.5e-5),
+            Number(0.0),
+            Text("Current overload"),
+        ],
+        &[
+            Number(127.5),
+            Number(0.5),
+            Number(4.5e-5),
+            Number(0.25),
+            Text(" "),
+        ],
+    ])
+    .unwrap();
+    let table = &reading.tables[0];
+    let current = table
+        .channels
+        .iter()
+        .find(|channel| channel.quantity == Quantity::Current)
+        .unwrap();
+    assert_eq!(
+        (&current.excluded[..], table.time_first_last_s),
+        (&[0][..], Some((0.0, 0.25)))
+    );
+    assert!(!table.time_zero_is_step);
+    assert!(
+        reading.issues[0].message.starts_with("1 of 2 rows"),
+        "{:?}",
+        reading.issues
+    );
+}
+
+#[test]
+fn a_cell_far_out_costs_nothing() {
+    let mut rows = sheet(&[&[Text("time_s"), Text("current_a")], &[Number(0.0), Number(0.5)]]);
+    rows.push_str(r#"<row r="1048576"><c r="XFD1048576"><v>1</v></c></row>"#);
+    let reading = read("run.xlsx", &workbook(&[rows]), &ReadContext::default()).unwrap();
+    assert_eq!(reading.tables[0].rows, 1);
+}
+
+#[test]
+fn what_is_damaged_or_too_large_is_named() {
+    let rows: &[&[Xml<'_>]] = &[&[Text("time_s"), Text("current_a")], &[Number(0.0), Number(0.5)]];
+    let bytes = workbook(&[sheet(rows)]);
+    let cut = read("run.xlsx", &bytes[..bytes.len() - 30], &ReadContext::default()).unwrap_err();
+    assert!(matches!(cut, ReadError::BrokenContainer { .. }), "{cut}");
+    let small = ReadContext {
+        max_unpacked_bytes: 500,
+        ..ReadContext::default()
+    };
+    assert!(matches!(
+        read("run.xlsx", &bytes, &small),
+        Err(ReadError::TooLarge { limit: 500, .. })
+    ));
+    let header: &[&[Xml<'_>]] = &[&[Text("time_s"), Text("current_a")]];
+    let waiting = read("run.xlsx", &workbook(&[sheet(header)]), &ReadContext::default()).unwrap_err();
+    assert!(waiting.is_pending(), "{waiting}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_damaged_workbook_never_changes_a_number(at in any::<prop::sample::Index>(), byte in any::<u8>()) {
+        let rows: &[&[Xml<'_>]] = &[&[Text("time_s"), Text("current_a")], &[Number(0.25), Number(0.5)]];
+        let mut bytes = workbook(&[sheet(rows)]);
+        let at = at.index(bytes.len());
+        bytes[at] = byte;
+        if let Ok(reading) = read("run.xlsx", &bytes, &ReadContext::default()) {
+            let current = &reading.tables[0].channels[0];
+            prop_assert_eq!((&current.time_s[..], &current.values[..]), (&[0.25][..], &[0.5][..]));
+        }
+    }
+}

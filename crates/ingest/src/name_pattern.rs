@@ -1,0 +1,321 @@
+//! Tags from file names: `{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}`.
+
+mod propose;
+mod words;
+
+use ieap_domain::tag::keys;
+
+pub use propose::{ProposedPattern, environment_of, explained, propose, tags_of_name};
+
+/// Why a name pattern cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PatternError {
+    /// A `{` without `}`.
+    #[error("the `{{` at character {at} has no closing `}}`; add it")]
+    NotClosed {
+        /// Place of the `{`, from 1.
+        at: usize,
+    },
+    /// A `}` without `{`.
+    #[error("the `}}` at character {at} has no opening `{{`; add it or take the `}}` away")]
+    NotOpened {
+        /// Place of the `}`, from 1.
+        at: usize,
+    },
+    /// A placeholder whose name is empty or holds other signs than letters, digits and `_`.
+    #[error(
+        "`{{{found}}}` is no tag key; write letters, digits and `_` between the braces, such as `{{sample}}`"
+    )]
+    BadKey {
+        /// What stands between the braces.
+        found: String,
+    },
+    /// The same placeholder twice.
+    #[error("`{{{key}}}` stands twice; use each tag once")]
+    Twice {
+        /// The key.
+        key: String,
+    },
+    /// Two placeholders with nothing between them.
+    #[error("`{{{first}}}` and `{{{second}}}` touch; put a sign between them, such as `_`")]
+    Touching {
+        /// The first placeholder.
+        first: String,
+        /// The second placeholder.
+        second: String,
+    },
+    /// No placeholder at all.
+    #[error("it holds no placeholder; write at least one tag key in braces, such as `{{sample}}`")]
+    NoPlaceholder,
+}
+
+/// One piece of a pattern.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Part {
+    /// This text.
+    Literal(String),
+    /// The value of a tag of this key.
+    Tag(String),
+}
+
+/// Ids that `{sample}` and `{environment}` stand for, where the campaign names them.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct KnownIds<'a> {
+    /// Ids of the samples.
+    pub samples: &'a [&'a str],
+    /// Ids of the environments.
+    pub environments: &'a [&'a str],
+}
+
+/// What a file name says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NameMatch {
+    /// The name is none of this pattern.
+    None,
+    /// One reading: (key, value) in the pattern's order.
+    One(Vec<(String, String)>),
+    /// Several readings are possible: the values on which all agree, and the keys on which they do not.
+    Several {
+        /// (key, value) that every reading gives.
+        agreed: Vec<(String, String)>,
+        /// Keys with more than one possible value, each with two of them.
+        open: Vec<(String, String, String)>,
+    },
+}
+
+/// A pattern ready to be matched.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamePattern {
+    parts: Vec<Part>,
+}
+
+impl NamePattern {
+    /// Makes a pattern of its text.
+    ///
+    /// # Errors
+    /// Where braces do not pair, a key is no key or stands twice, two placeholders touch, or there is none.
+    pub fn compile(text: &str) -> Result<NamePattern, PatternError> {
+        let mut parts = Vec::new();
+        let mut literal = String::new();
+        let mut signs = text.chars().enumerate();
+        while let Some((index, sign)) = signs.next() {
+            match sign {
+                '}' => return Err(PatternError::NotOpened { at: index + 1 }),
+                '{' => {
+                    if !literal.is_empty() {
+                        parts.push(Part::Literal(std::mem::take(&mut literal)));
+                    }
+                    let key = read_key(&mut signs).ok_or(PatternError::NotClosed { at: index + 1 })?;
+                    check_key(&key, &parts)?;
+                    parts.push(Part::Tag(key));
+                }
+                _ => literal.push(sign),
+            }
+        }
+        if !literal.is_empty() {
+            parts.push(Part::Literal(literal));
+        }
+        if !parts.iter().any(|part| matches!(part, Part::Tag(_))) {
+            return Err(PatternError::NoPlaceholder);
+        }
+        Ok(NamePattern { parts })
+    }
+
+    /// The placeholders' keys in the pattern's order.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.parts.iter().filter_map(|part| match part {
+            Part::Tag(key) => Some(key.as_str()),
+            Part::Literal(_) => None,
+        })
+    }
+
+    /// The name that these values give; none where a value is missing.
+    pub fn format(&self, value_of: impl Fn(&str) -> Option<String>) -> Option<String> {
+        let text = |part: &Part| match part {
+            Part::Literal(text) => Some(text.clone()),
+            Part::Tag(key) => value_of(key),
+        };
+        self.parts.iter().map(text).collect()
+    }
+
+    /// Reads a file name without its extension.
+    ///
+    /// Known samples and environments are tried first, so that an id may hold the sign that separates tags;
+    /// where no known id fits, any text does, and the caller can say that the id is not known.
+    pub fn match_stem(&self, stem: &str, known: KnownIds) -> NameMatch {
+        let tries = [
+            (known.samples, known.environments),
+            (known.samples, &[][..]),
+            (&[][..], known.environments),
+            (&[][..], &[][..]),
+        ];
+        tries
+            .into_iter()
+            .map(|(samples, environments)| {
+                let readings = Search::new(
+                    &self.parts,
+                    stem,
+                    KnownIds {
+                        samples,
+                        environments,
+                    },
+                )
+                .readings();
+                summary(readings)
+            })
+            .find(|found| *found != NameMatch::None)
+            .unwrap_or(NameMatch::None)
+    }
+}
+
+fn read_key(signs: &mut impl Iterator<Item = (usize, char)>) -> Option<String> {
+    let mut key = String::new();
+    for (_, sign) in signs {
+        match sign {
+            '}' => return Some(key),
+            '{' => return None,
+            _ => key.push(sign),
+        }
+    }
+    None
+}
+
+fn check_key(key: &str, before: &[Part]) -> Result<(), PatternError> {
+    if key.is_empty()
+        || !key
+            .chars()
+            .all(|sign| sign.is_ascii_alphanumeric() || sign == '_')
+    {
+        return Err(PatternError::BadKey {
+            found: key.to_owned(),
+        });
+    }
+    if before.contains(&Part::Tag(key.to_owned())) {
+        return Err(PatternError::Twice { key: key.to_owned() });
+    }
+    match before.last() {
+        Some(Part::Tag(first)) => Err(PatternError::Touching {
+            first: first.clone(),
+            second: key.to_owned(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// How many readings of one name are looked at; two already show that the name is not clear.
+const MOST_READINGS: usize = 64;
+
+type ReadingOfName = Vec<(String, String)>;
+
+/// All readings of one name. `leads_to_end` keeps the search from walking ways that fail, so that it takes
+/// time in proportion to (length of the name)^2, whatever the pattern.
+struct Search<'a> {
+    parts: &'a [Part],
+    stem: &'a str,
+    known: KnownIds<'a>,
+    /// For each part and each byte of the name: whether the rest of the parts can read the rest of the name.
+    leads_to_end: Vec<Vec<bool>>,
+}
+
+impl<'a> Search<'a> {
+    fn new(parts: &'a [Part], stem: &'a str, known: KnownIds<'a>) -> Search<'a> {
+        let mut search = Search {
+            parts,
+            stem,
+            known,
+            leads_to_end: vec![vec![false; stem.len() + 1]; parts.len() + 1],
+        };
+        search.leads_to_end[parts.len()][stem.len()] = true;
+        for part in (0..parts.len()).rev() {
+            for start in (0..=stem.len()).filter(|&start| stem.is_char_boundary(start)) {
+                let reaches = search
+                    .ends(part, start)
+                    .any(|end| search.leads_to_end[part + 1][end]);
+                search.leads_to_end[part][start] = reaches;
+            }
+        }
+        search
+    }
+
+    /// Where a part that starts at byte `start` can end.
+    fn ends(&self, part: usize, start: usize) -> impl Iterator<Item = usize> + use<'_, 'a> {
+        let rest = &self.stem[start..];
+        let possible = (start..=self.stem.len()).filter(|&end| self.stem.is_char_boundary(end));
+        let part = &self.parts[part];
+        possible.filter(move |&end| {
+            let text = &rest[..end - start];
+            match part {
+                Part::Literal(literal) => text == literal,
+                Part::Tag(key) => self.can_be(key, text),
+            }
+        })
+    }
+
+    fn can_be(&self, key: &str, text: &str) -> bool {
+        let ids = match key {
+            keys::SAMPLE => self.known.samples,
+            keys::ENVIRONMENT => self.known.environments,
+            keys::CYCLE => return !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()),
+            key if keys::NUMERIC.contains(&key) => return is_plain_number(text),
+            _ => &[],
+        };
+        !text.is_empty() && (ids.is_empty() || ids.contains(&text))
+    }
+
+    fn readings(&self) -> Vec<ReadingOfName> {
+        let mut found = Vec::new();
+        if self.leads_to_end[0][0] {
+            self.walk(0, 0, &mut Vec::new(), &mut found);
+        }
+        found
+    }
+
+    fn walk(&self, part: usize, start: usize, so_far: &mut ReadingOfName, found: &mut Vec<ReadingOfName>) {
+        if part == self.parts.len() {
+            found.push(so_far.clone());
+            return;
+        }
+        for end in self
+            .ends(part, start)
+            .filter(|&end| self.leads_to_end[part + 1][end])
+        {
+            if found.len() == MOST_READINGS {
+                return;
+            }
+            if let Part::Tag(key) = &self.parts[part] {
+                so_far.push((key.clone(), self.stem[start..end].to_owned()));
+                self.walk(part + 1, end, so_far, found);
+                so_far.pop();
+            } else {
+                self.walk(part + 1, end, so_far, found);
+            }
+        }
+    }
+}
+
+/// Digits with a decimal point and a minus where needed: what a file name writes for a number.
+fn is_plain_number(text: &str) -> bool {
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let text = text.strip_prefix('-').unwrap_or(text);
+    match text.split_once('.') {
+        Some((whole, fraction)) => digits(whole) && digits(fraction),
+        None => digits(text),
+    }
+}
+
+fn summary(mut readings: Vec<ReadingOfName>) -> NameMatch {
+    if readings.len() <= 1 {
+        return readings.pop().map_or(NameMatch::None, NameMatch::One);
+    }
+    let (mut agreed, mut open) = (Vec::new(), Vec::new());
+    for (index, (key, value)) in readings[0].iter().enumerate() {
+        match readings.iter().find(|reading| reading[index].1 != *value) {
+            Some(other) => open.push((key.clone(), value.clone(), other[index].1.clone())),
+            None => agreed.push((key.clone(), value.clone())),
+        }
+    }
+    NameMatch::Several { agreed, open }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,171 @@
+//! Proposes a name pattern for files that have none: the one that explains the most of their names.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::words::{Says, Word, words};
+use super::{KnownIds, NameMatch, NamePattern};
+use ieap_domain::campaign::BUILT_IN_ENVIRONMENTS;
+use ieap_domain::tag::keys;
+
+/// A pattern with what it explains.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct ProposedPattern {
+    /// The pattern.
+    pub pattern: String,
+    /// How many of the names it reads as their words say.
+    pub explains: usize,
+    /// How many names there are.
+    pub names: usize,
+    /// Keys in it that are no tags with a meaning: they are to be declared.
+    pub extra: Vec<String>,
+}
+
+/// What a name says, by tag key; values as tags have them. The first word that says nothing else is the sample.
+pub fn tags_of_name(stem: &str) -> Vec<(String, String)> {
+    let mut found: Vec<(String, String)> = Vec::new();
+    for word in words(stem) {
+        let (key, value) = match word.says {
+            Says::Tag { key, meant, .. } => (key, meant),
+            Says::Other => (keys::SAMPLE, word.text),
+            Says::Day => continue,
+        };
+        if found.iter().all(|(known, _)| known != key) {
+            found.push((key.to_owned(), value));
+        }
+    }
+    found
+}
+
+/// The environment that a folder's name stands for.
+pub fn environment_of(name: &str) -> Option<&'static str> {
+    super::words::environment(&name.to_lowercase())
+}
+
+/// The pattern that explains the most of these names; none where no two are alike, or none says anything.
+pub fn propose(stems: &[&str]) -> Option<ProposedPattern> {
+    let mut shapes: BTreeMap<String, Vec<Vec<Word>>> = BTreeMap::new();
+    for stem in stems.iter().filter(|stem| !stem.contains(['{', '}'])) {
+        let words = words(stem);
+        shapes.entry(shape(&words)).or_default().push(words);
+    }
+    let candidates = shapes.into_values().filter_map(|names| pattern_of(&names));
+    let judged = candidates.filter_map(|(text, extra)| {
+        let pattern = NamePattern::compile(&text).ok()?;
+        let explains = stems.iter().filter(|stem| explained(&pattern, stem)).count();
+        let tags = pattern.keys().count();
+        Some((
+            (explains, tags),
+            ProposedPattern {
+                pattern: text,
+                explains,
+                names: stems.len(),
+                extra,
+            },
+        ))
+    });
+    let best = judged.max_by_key(|(rank, _)| *rank)?.1;
+    (best.explains > 0).then_some(best)
+}
+
+/// Whether the pattern reads of a name what its words say.
+pub fn explained(pattern: &NamePattern, stem: &str) -> bool {
+    let known = KnownIds {
+        samples: &[],
+        environments: &BUILT_IN_ENVIRONMENTS,
+    };
+    let NameMatch::One(read) = pattern.match_stem(stem, known) else {
+        return false;
+    };
+    let of = |key: &str| {
+        read.iter()
+            .find(|(known, _)| known == key)
+            .map(|(_, value)| value.as_str())
+    };
+    tags_of_name(stem).iter().all(|(key, value)| match key.as_str() {
+        // A word that is the same in all names stands in the pattern as it is.
+        keys::SAMPLE => of(key).is_none_or(|read| read == value),
+        key => of(key) == Some(value.as_str()),
+    })
+}
+
+/// The kinds of words with what stands between them: names of one shape have one pattern.
+fn shape(words: &[Word]) -> String {
+    let of = |word: &Word| match &word.says {
+        Says::Tag {
+            key, prefix, suffix, ..
+        } => format!("{}{prefix}{{{key}}}{suffix}", word.before),
+        Says::Day => format!("{}{{day}}", word.before),
+        Says::Other => format!("{}{{}}", word.before),
+    };
+    words.iter().map(of).collect()
+}
+
+/// The pattern of names of one shape, with the keys to be declared: the first other word is the sample, one that is the
+/// same in several names stands as it is, the others are tags of their own.
+fn pattern_of(names: &[Vec<Word>]) -> Option<(String, Vec<String>)> {
+    let first = names.first()?;
+    let (mut text, mut extra, mut used) = (String::new(), Vec::new(), BTreeSet::new());
+    for (at, word) in first.iter().enumerate() {
+        text += &word.before;
+        match &word.says {
+            Says::Tag {
+                key, prefix, suffix, ..
+            } if used.insert(*key) => text += &format!("{prefix}{{{key}}}{suffix}"),
+            Says::Other if used.insert(keys::SAMPLE) => text += &format!("{{{}}}", keys::SAMPLE),
+            says => {
+                let same = names.iter().all(|name| name[at].text == word.text);
+                if same && names.len() > 1 {
+                    text += &word.text;
+                } else {
+                    let key = match says {
+                        Says::Day => "measured_on".to_owned(),
+                        _ => format!("word_{}", extra.len() + 1),
+                    };
+                    text += &format!("{{{key}}}");
+                    extra.push(key);
+                }
+            }
+        }
+    }
+    let says_anything = !used.is_empty();
+    says_anything.then_some((text, extra))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pattern_that_explains_the_most_names_is_proposed() {
+        let stems = [
+            "CNaf-01_air_rh34_2.5V_1",
+            "CNaf-01_air_rh34_2.0V_2",
+            "CNaf-02_inert_rh0_2.0V_1",
+            "CNaf-02_vaccum_rh0_2.0V_1",
+            "CV_CNaf-01",
+        ];
+        let found = propose(&stems).unwrap();
+        assert_eq!(
+            found.pattern,
+            "{sample}_{environment}_rh{relative_humidity_percent}_{voltage_v}V_{cycle}"
+        );
+        assert_eq!((found.explains, found.names), (3, 5));
+        assert!(found.extra.is_empty());
+        let slip = tags_of_name("CNaf-02_vaccum_rh0_2.0V_1");
+        assert!(
+            slip.contains(&("environment".to_owned(), "vacuum".to_owned())),
+            "{slip:?}"
+        );
+    }
+
+    #[test]
+    fn other_words_stand_as_they_are_or_are_declared() {
+        let found = propose(&["S1_IEAP_anna_2V", "S2_IEAP_ben_2V"]).unwrap();
+        assert_eq!(found.pattern, "{sample}_IEAP_{word_1}_{voltage_v}V");
+        assert_eq!(found.extra, ["word_1"]);
+        assert_eq!(found.explains, 2);
+        let days = propose(&["S1_20260302_air", "S1_20260303_air"]).unwrap();
+        assert_eq!(days.pattern, "{sample}_{measured_on}_{environment}");
+        assert_eq!(propose(&["20260302"]), None);
+    }
+}

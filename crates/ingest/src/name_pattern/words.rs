@@ -1,0 +1,233 @@
+//! What the words of a file name say: an environment, a voltage, a humidity, a cycle, a sample.
+
+use crate::campaign_file::nearest;
+use ieap_domain::tag::keys;
+
+/// Words for the built-in environments.
+const ENVIRONMENTS: [(&str, &str); 13] = [
+    ("air", "air"),
+    ("luft", "air"),
+    ("ambient", "air"),
+    ("vacuum", "vacuum"),
+    ("vakuum", "vacuum"),
+    ("vac", "vacuum"),
+    ("inert", "inert"),
+    ("argon", "inert"),
+    ("ar", "inert"),
+    ("nitrogen", "inert"),
+    ("stickstoff", "inert"),
+    ("n2", "inert"),
+    ("glovebox", "inert"),
+];
+/// Units of a humidity, before or behind its number.
+const HUMIDITY: [&str; 7] = ["rh", "rf", "%", "%rh", "rh%", "percent", "pct"];
+/// What a number is called that counts runs; single letters are more often those of samples.
+const COUNTERS: [&str; 10] = [
+    "", "#", "cycle", "zyklus", "run", "lauf", "nr", "no", "messung", "rep",
+];
+/// Digits of a number that counts runs, at most; more are a date.
+const MOST_DIGITS: usize = 4;
+
+/// One word of a name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Word {
+    /// The separators before it.
+    pub before: String,
+    /// The word as the name has it.
+    pub text: String,
+    /// What it says.
+    pub says: Says,
+}
+
+/// What a word says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Says {
+    /// A tag: its key, the text before the value, the value as written, the text behind it, and what it means.
+    Tag {
+        key: &'static str,
+        prefix: String,
+        written: String,
+        suffix: String,
+        meant: String,
+    },
+    /// A day, for which there is no tag.
+    Day,
+    /// Anything else: the sample, or something that only people know.
+    Other,
+}
+
+/// The words of a name, between `_` and blanks; between `-` where there are neither.
+pub(super) fn words(stem: &str) -> Vec<Word> {
+    let is_separator: &dyn Fn(char) -> bool = match stem.contains(['_', ' ']) {
+        true => &|c| matches!(c, '_' | ' '),
+        false => &|c| c == '-',
+    };
+    let (mut words, mut before, mut text) = (Vec::new(), String::new(), String::new());
+    for c in stem.chars() {
+        if is_separator(c) {
+            if !text.is_empty() {
+                words.push((std::mem::take(&mut before), std::mem::take(&mut text)));
+            }
+            before.push(c);
+        } else {
+            text.push(c);
+        }
+    }
+    if !text.is_empty() {
+        words.push((before, text));
+    }
+    let word = |(before, text): (String, String)| Word {
+        says: says(&text),
+        before,
+        text,
+    };
+    with_number_of_sample(words.into_iter().map(word).collect())
+}
+
+/// A bare number right behind the first other word, which has none itself, is the sample's where more stands behind it:
+/// `CNaf_01_air`.
+fn with_number_of_sample(mut words: Vec<Word>) -> Vec<Word> {
+    let Some(at) = words.iter().position(|word| word.says == Says::Other) else {
+        return words;
+    };
+    let is_number = |word: &Word| word.text.bytes().all(|byte| byte.is_ascii_digit());
+    let has_number = words[at].text.contains(|c: char| c.is_ascii_digit());
+    if !has_number && at + 2 < words.len() && is_number(&words[at + 1]) && words[at + 1].says != Says::Day {
+        let number = words.remove(at + 1);
+        words[at].text += &(number.before + &number.text);
+    }
+    words
+}
+
+fn says(text: &str) -> Says {
+    let lower = text.to_lowercase();
+    if let Some(environment) = environment(&lower) {
+        return tag(keys::ENVIRONMENT, "", text, "", environment);
+    }
+    if is_day(text) {
+        return Says::Day;
+    }
+    let Some((prefix, number, suffix)) = around_number(text) else {
+        return Says::Other;
+    };
+    let meant = number.replace(',', ".");
+    let (before, behind) = (prefix.to_lowercase(), suffix.to_lowercase());
+    let is_whole = number.bytes().all(|byte| byte.is_ascii_digit());
+    match (before.as_str(), behind.as_str()) {
+        ("" | "u" | "e" | "v", "v" | "volt") => tag(keys::VOLTAGE_V, prefix, number, suffix, &meant),
+        (before, behind)
+            if (HUMIDITY.contains(&before) && (behind.is_empty() || behind == "%"))
+                || (before.is_empty() && HUMIDITY.contains(&behind)) =>
+        {
+            tag(keys::RELATIVE_HUMIDITY_PERCENT, prefix, number, suffix, &meant)
+        }
+        ("" | "t", "c" | "degc" | "\u{b0}c") => tag(keys::TEMPERATURE_C, prefix, number, suffix, &meant),
+        (before, "") if is_whole && number.len() <= MOST_DIGITS && COUNTERS.contains(&before) => {
+            tag(keys::CYCLE, prefix, number, suffix, &meant)
+        }
+        _ => Says::Other,
+    }
+}
+
+fn tag(key: &'static str, prefix: &str, written: &str, suffix: &str, meant: &str) -> Says {
+    Says::Tag {
+        key,
+        prefix: prefix.to_owned(),
+        written: written.to_owned(),
+        suffix: suffix.to_owned(),
+        meant: meant.to_owned(),
+    }
+}
+
+/// The environment that a word stands for, a slip of the keyboard allowed for in longer ones.
+pub(super) fn environment(lower: &str) -> Option<&'static str> {
+    let of = |word: &str| ENVIRONMENTS.iter().find(|(known, _)| *known == word);
+    of(lower)
+        .or_else(|| {
+            let long = ENVIRONMENTS
+                .iter()
+                .map(|(word, _)| *word)
+                .filter(|word| word.len() > 2);
+            let letters = lower.chars().count() > 3 && lower.chars().all(char::is_alphabetic);
+            letters.then(|| nearest(lower, long)).flatten().and_then(of)
+        })
+        .map(|(_, environment)| *environment)
+}
+
+/// Eight digits, or a date with `-` or `.`.
+fn is_day(text: &str) -> bool {
+    let digits = text.bytes().filter(u8::is_ascii_digit).count();
+    let marks = text.bytes().filter(|byte| matches!(byte, b'-' | b'.')).count();
+    let whole = text.len() == digits + marks;
+    whole && ((digits == 8 && (marks == 0 || marks == 2)) || (digits == 6 && marks == 2))
+}
+
+/// Text before, number, text behind: `rh`, `34`, ``.
+fn around_number(text: &str) -> Option<(&str, &str, &str)> {
+    let start = text.find(|c: char| c.is_ascii_digit())?;
+    let start = match text[..start].ends_with('-') {
+        true => start - 1,
+        false => start,
+    };
+    let of_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',');
+    let length = text[start..].trim_start_matches('-').find(|c| !of_number(c));
+    let sign = usize::from(text[start..].starts_with('-'));
+    let end = length.map_or(text.len(), |length| start + sign + length);
+    let number = text[start..end].trim_end_matches(['.', ',']);
+    let end = start + number.len();
+    let is_number = number.replace(',', ".").parse::<f64>().is_ok();
+    (is_number && !text[end..].contains(|c: char| c.is_ascii_digit()))
+        .then(|| (&text[..start], number, &text[end..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_names_as_people_give_them() {
+        let said = |stem: &str| -> Vec<String> {
+            let shown = |word: Word| match word.says {
+                Says::Tag { key, meant, .. } => format!("{key}={meant}"),
+                Says::Day => "day".to_owned(),
+                Says::Other => word.text,
+            };
+            words(stem).into_iter().map(shown).collect()
+        };
+        for (stem, expected) in [
+            (
+                "CNaf-01_air_rh34_2.5V_1",
+                vec![
+                    "CNaf-01",
+                    "environment=air",
+                    "relative_humidity_percent=34",
+                    "voltage_v=2.5",
+                    "cycle=1",
+                ],
+            ),
+            (
+                "CNaf_01_Luft_35%_-2,5V_run03",
+                vec![
+                    "CNaf_01",
+                    "environment=air",
+                    "relative_humidity_percent=35",
+                    "voltage_v=-2.5",
+                    "cycle=03",
+                ],
+            ),
+            (
+                "CPvf vaccum 2V",
+                vec!["CPvf", "environment=vacuum", "voltage_v=2"],
+            ),
+            (
+                "S1-air-2.0V-20260302",
+                vec!["S1", "environment=air", "voltage_v=2.0", "day"],
+            ),
+            ("CV_sweep_S2", vec!["CV", "sweep", "S2"]),
+            ("2026-03-02_logger", vec!["day", "logger"]),
+            ("22degC_S3_7", vec!["temperature_c=22", "S3", "cycle=7"]),
+        ] {
+            assert_eq!(said(stem), expected, "{stem}");
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! Proposes a profile for a file: what its rows show is written down, what they do not show is left open.
+
+use std::fmt::Write;
+
+use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
+use crate::formats::error::ReadError;
+use crate::formats::sheet_cells;
+use crate::text::header::{Header, Meaning};
+use crate::text::{Decimal, Delimiter};
+use ieap_domain::{Quantity, unit};
+
+/// A profile as it may be saved.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Proposal {
+    /// Its text.
+    pub text: String,
+    /// What the file does not show and a person has to fill in; empty where the profile can be used as it is.
+    pub open: Vec<String>,
+}
+
+/// Proposes a profile for a file of that name.
+///
+/// # Errors
+/// The file is empty, is no text and no workbook, or has no table of numbers.
+pub fn propose(name: &str, bytes: &[u8]) -> Result<Proposal, ReadError> {
+    if bytes.is_empty() {
+        return Err(ReadError::Empty);
+    }
+    let is_workbook = bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0");
+    let guess = match is_workbook {
+        true => guess_sheet(&sheet_cells::read(bytes)?),
+        false => guess_text(bytes),
+    };
+    let guess = guess.ok_or_else(|| ReadError::NoHeader {
+        line: 0,
+        found: "no table of numbers, two columns or more in at least two rows".to_owned(),
+    })?;
+    Ok(written(name, &guess))
+}
+
+fn written(name: &str, guess: &Guess) -> Proposal {
+    let mut text = String::new();
+    let mut open = Vec::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "# Proposed from {}: check every line.", one_line(name));
+    let _ = write!(text, "[profile]\nversion = 1\ntitle = {}\n\n", quoted(name));
+    recognise(&mut text, name, guess);
+    layout(&mut text, guess);
+    time(&mut text, guess, &mut open);
+    let mut has_response = false;
+    for (index, name) in guess.names.iter().enumerate() {
+        has_response |= column(&mut text, guess, index, name, &mut open);
+    }
+    if !has_response && open.is_empty() {
+        open.push(
+            "no column is known as current, curvature, tip_displacement or a modulus: say which column measures what"
+                .to_owned(),
+        );
+    }
+    Proposal { text, open }
+}
+
+fn recognise(text: &mut String, name: &str, guess: &Guess) {
+    let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
+    if guess.header_line == 0 {
+        let _ = write!(
+            text,
+            "[recognise]\nname = {}    # the file names no columns, so its own name tells it apart\n\n",
+            quoted(name)
+        );
+    } else if !extension.is_empty() {
+        let _ = write!(
+            text,
+            "[recognise]\nname = {}\n\n",
+            quoted(&format!("*.{extension}"))
+        );
+    }
+}
+
+fn layout(text: &mut String, guess: &Guess) {
+    let _ = writeln!(text, "[layout]");
+    match &guess.dialect {
+        Some(dialect) => {
+            let separator = match dialect.delimiter {
+                Delimiter::Tab => "tab",
+                Delimiter::Semicolon => "semicolon",
+                Delimiter::Comma => "comma",
+                Delimiter::Blanks => "blanks",
+            };
+            let decimal = match dialect.decimal {
+                Decimal::Point => "point",
+                Decimal::Comma => "comma",
+            };
+            let _ = writeln!(text, "separator = \"{separator}\"\ndecimal = \"{decimal}\"");
+            // Found anew in each file where it is left out.
+            let _ = writeln!(text, "# encoding = \"{}\"", guess.encoding.unwrap_or("utf-8"));
+        }
+        None => {
+            let _ = writeln!(text, "kind = \"sheet\"");
+            if let Some(sheet) = &guess.sheet {
+                let _ = writeln!(text, "sheet = {}", quoted(sheet));
+            }
+        }
+    }
+    let _ = writeln!(text, "header_line = {}", guess.header_line);
+    if guess.lines_after_header > 0 {
+        let _ = writeln!(text, "lines_after_header = {}", guess.lines_after_header);
+    }
+    let _ = writeln!(text);
+}
+
+fn time(text: &mut String, guess: &Guess, open: &mut Vec<String>) {
+    let _ = writeln!(text, "[time]");
+    match &guess.time {
+        Some(TimeGuess::Elapsed { index, unit }) => {
+            let _ = writeln!(text, "base = \"elapsed\"\ncolumn = {}", column_ref(guess, *index));
+            match unit {
+                Some(unit) => {
+                    let _ = writeln!(text, "unit = {}", quoted(unit));
+                }
+                None => {
+                    open.push("[time] unit: the file names no unit of time".to_owned());
+                    let _ = writeln!(
+                        text,
+                        "unit = \"\"    # the file does not say: s, ms, us, min, h or d"
+                    );
+                }
+            }
+        }
+        Some(TimeGuess::Epoch { index, unit }) => {
+            let _ = writeln!(
+                text,
+                "base = \"epoch\"    # numbers since 1970, by their size\ncolumn = {}\nunit = \"{unit}\"",
+                column_ref(guess, *index)
+            );
+        }
+        Some(TimeGuess::Clock { index, date, orders }) => {
+            let _ = writeln!(text, "base = \"clock\"\ncolumn = {}", column_ref(guess, *index));
+            if let Some(date) = date {
+                let _ = writeln!(text, "date_column = {}", column_ref(guess, *date));
+            }
+            match orders.as_slice() {
+                [only] => {
+                    let _ = writeln!(text, "order = \"{only}\"");
+                }
+                several => {
+                    open.push(format!(
+                        "[time] order: the dates can be read as {}",
+                        several.join(" or ")
+                    ));
+                    let _ = writeln!(text, "order = \"\"    # the dates fit {}", several.join(" and "));
+                }
+            }
+            let _ = writeln!(
+                text,
+                "# zone = \"Europe/Tallinn\"    # where it is not the campaign's"
+            );
+        }
+        Some(TimeGuess::TimeOfDay { index }) => {
+            let _ = writeln!(
+                text,
+                "base = \"time-of-day\"\ncolumn = {}",
+                column_ref(guess, *index)
+            );
+        }
+        None => {
+            open.push("[time]: no column of times was found".to_owned());
+            let _ = writeln!(
+                text,
+                "base = \"interval\"    # no column of times was found\ninterval_s = 0.0    # seconds between two rows, or \
+                 another base"
+            );
+        }
+    }
+    let _ = writeln!(
+        text,
+        "zero = \"clock\"    # or \"step\", where the voltage is stepped at time 0\n"
+    );
+}
+
+/// What a column means whose name is a unit alone, as `V` and `µA` below which PSTrace writes: the unit says it where
+/// only one quantity of a run is measured in it.
+fn headed_by_unit(name: &str) -> Option<Header> {
+    const SAID_BY_UNIT: [Quantity; 4] = [
+        Quantity::Voltage,
+        Quantity::Current,
+        Quantity::Curvature,
+        Quantity::TipDisplacement,
+    ];
+    let measures = |quantity: &&Quantity| unit::conversion(**quantity, name).is_ok();
+    let quantity = SAID_BY_UNIT.iter().find(measures)?;
+    let named = Header::with_unit(quantity.label(), name);
+    Some(Header {
+        raw_name: name.to_owned(),
+        ..named
+    })
+}
+
+/// One column that may have a meaning; tells whether it is a response or a modulus.
+fn column(text: &mut String, guess: &Guess, index: usize, name: &str, open: &mut Vec<String>) -> bool {
+    if guess.time_columns().contains(&index) || !guess.is_number[index] {
+        return false;
+    }
+    let header = match guess.units.get(index).filter(|unit| !unit.is_empty()) {
+        Some(unit) if Header::parse(name).raw_unit.is_empty() => Header::with_unit(name, unit),
+        Some(_) => Header::parse(name),
+        None => headed_by_unit(name).unwrap_or_else(|| Header::parse(name)),
+    };
+    let reference = column_ref(guess, index);
+    match &header.meaning {
+        Meaning::Known { quantity, .. } if *quantity != Quantity::Time => {
+            let _ = writeln!(
+                text,
+                "[[column]]\ncolumn = {reference}\nquantity = \"{}\"\nunit = {}\n",
+                quantity.key(),
+                quoted(&header.raw_unit)
+            );
+            quantity.is_response() || quantity.is_modulus()
+        }
+        Meaning::Refused { quantity, .. } if *quantity != Quantity::Time => {
+            open.push(format!(
+                "unit of column {}: the file names none that fits",
+                one_line(name)
+            ));
+            let _ = writeln!(
+                text,
+                "[[column]]\ncolumn = {reference}\nquantity = \"{}\"\nunit = \"\"    # the file does not say\n",
+                quantity.key()
+            );
+            quantity.is_response() || quantity.is_modulus()
+        }
+        _ => {
+            let _ = writeln!(
+                text,
+                "# [[column]]                 # kept under its own name\n# column = {reference}\n# quantity = \"\"             # \
+                 current, voltage, curvature, tip_displacement, ...\n# unit = {}\n",
+                quoted(&header.raw_unit)
+            );
+            false
+        }
+    }
+}
+
+/// A column by its name where that is its own, else by its number.
+fn column_ref(guess: &Guess, index: usize) -> String {
+    let name = &guess.names[index];
+    match guess.names.iter().filter(|other| *other == name).count() == 1 && !name.is_empty() {
+        true => quoted(name),
+        false => (index + 1).to_string(),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// A text for a comment of the profile.
+fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect()
+}

@@ -1,0 +1,397 @@
+//! Looks through the campaign folder: what lies there decides, events only say when to look.
+
+mod display;
+mod fingerprint;
+mod frame_folder;
+mod names;
+mod readiness;
+mod stable_read;
+mod what_changed;
+
+use std::collections::BTreeSet;
+use std::fs::{self, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use ieap_domain::Issue;
+
+pub(crate) use fingerprint::{changed_ns, identity, modified_ns};
+
+pub use display::{display_path, parse_display_path};
+pub use names::{is_own_product, is_passing_name, is_statement};
+pub use readiness::{Readiness, Sighting, readiness};
+pub use stable_read::{DEFAULT_LIMIT_BYTES, ReadFileError, read_stable};
+pub use what_changed::{Changes, Known, diff};
+
+/// How much a scan may find before it says that the folder cannot be meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ScanLimits {
+    /// Most files.
+    pub files: usize,
+    /// Most folders in each other below the runs folder.
+    pub depth: usize,
+}
+
+impl Default for ScanLimits {
+    fn default() -> ScanLimits {
+        ScanLimits {
+            files: 1_000_000,
+            depth: 64,
+        }
+    }
+}
+
+/// A file as the scan saw it, or a folder of frames.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SeenFile {
+    /// Path relative to the campaign, every byte kept.
+    pub relative: PathBuf,
+    /// The path as text, see [`display_path`]: what is stored and shown.
+    pub display: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// Modification time, ns since 1970; of the link's target where the name is a link.
+    pub modified_ns: i64,
+    /// Number of the file in its file system; 0 where the operating system gives none.
+    pub inode: u64,
+    /// Time of the last change of anything of the file, rights and name included, ns since 1970; 0 where the operating
+    /// system gives none.
+    pub changed_ns: i64,
+    /// Time since the modification; none where the modification time lies in the future.
+    pub age: Option<Duration>,
+    /// Where the bytes lie if the name is a link: an absolute path inside the campaign.
+    pub link_target: Option<PathBuf>,
+}
+
+impl SeenFile {
+    /// The path to open: the link's target, or the file itself.
+    pub fn location(&self, campaign: &Path) -> PathBuf {
+        match &self.link_target {
+            Some(target) => target.clone(),
+            None => campaign.join(&self.relative),
+        }
+    }
+}
+
+/// What a scan found, in the order of the paths' bytes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Scan {
+    /// Files that can be data.
+    pub files: Vec<Arc<SeenFile>>,
+    /// Folders looked into, relative to the campaign, the runs folder first.
+    pub folders: Vec<PathBuf>,
+    /// Folders that could not be looked into, as text: what is known below them is not gone.
+    pub unreadable: Vec<String>,
+    /// Links that lead out, folders that cannot be read.
+    pub issues: Vec<Issue>,
+}
+
+/// Why there is no scan at all.
+#[derive(Debug, thiserror::Error)]
+pub enum ScanError {
+    /// The runs folder is not there: offline, not emptied.
+    #[error("{}: the runs folder is not there; nothing known is taken for removed. Connect the disk or share, create the folder, or correct `folder` under [runs] in campaign.toml", path.display())]
+    FolderMissing {
+        /// The runs folder.
+        path: PathBuf,
+    },
+    /// The runs folder cannot be read.
+    #[error("{}: the runs folder cannot be read ({source}); give your user the right to list it", path.display())]
+    FolderUnreadable {
+        /// The runs folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The runs folder leads out of the campaign.
+    #[error("{}: the runs folder is a link that leads out of the campaign; move the files in, or mount the share there", path.display())]
+    FolderOutside {
+        /// The runs folder.
+        path: PathBuf,
+    },
+    /// More files than the limit.
+    #[error("{}: more than {limit} files; is this the right folder? Name a smaller one under [runs] in campaign.toml", path.display())]
+    TooManyFiles {
+        /// The runs folder.
+        path: PathBuf,
+        /// The limit.
+        limit: usize,
+    },
+}
+
+/// Looks through `runs_folder` and the `optional` folders (relative to `campaign`) and everything below them.
+///
+/// An optional folder that is not there is no fault; what is known below it is out of sight, not gone.
+///
+/// Hidden and passing files, `.toml` files and what the program writes itself are left out. Links are
+/// followed only to what lies inside the campaign, and no folder is looked into twice. A folder below that
+/// cannot be read is an issue, and the rest is looked through.
+///
+/// # Errors
+/// Where the runs folder is missing, unreadable or outside, or holds more files than the limit.
+pub fn scan(
+    campaign: &Path,
+    runs_folder: &str,
+    optional: &[&str],
+    limits: ScanLimits,
+) -> Result<Scan, ScanError> {
+    let path = campaign.join(runs_folder);
+    let root = |source: io::Error| match source.kind() {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
+            ScanError::FolderMissing { path: path.clone() }
+        }
+        _ => ScanError::FolderUnreadable {
+            path: path.clone(),
+            source,
+        },
+    };
+    let campaign_real = campaign.canonicalize().map_err(root)?;
+    let runs_real = path.canonicalize().map_err(root)?;
+    if !runs_real.starts_with(&campaign_real) {
+        return Err(ScanError::FolderOutside { path: path.clone() });
+    }
+    if !runs_real.is_dir() {
+        return Err(ScanError::FolderMissing { path: path.clone() });
+    }
+    fs::read_dir(&path).map_err(root)?;
+    let mut walk = Walk {
+        campaign,
+        campaign_real,
+        limits,
+        now: SystemTime::now(),
+        looked_into: BTreeSet::new(),
+        links: Vec::new(),
+        found: Scan::default(),
+    };
+    let mut starts = vec![plain(runs_folder)];
+    for folder in optional {
+        match walk.is_present(&plain(folder)) {
+            true => starts.push(plain(folder)),
+            false => walk.found.unreadable.push((*folder).to_owned()),
+        }
+    }
+    let whole = walk.everything(starts);
+    if !whole {
+        return Err(ScanError::TooManyFiles {
+            path,
+            limit: limits.files,
+        });
+    }
+    Ok(walk.sorted())
+}
+
+/// A folder's path by its names alone.
+fn plain(folder: &str) -> PathBuf {
+    let names = Path::new(folder).components();
+    names
+        .filter(|part| matches!(part, std::path::Component::Normal(_)))
+        .collect()
+}
+
+/// A scan under way.
+struct Walk<'a> {
+    campaign: &'a Path,
+    campaign_real: PathBuf,
+    limits: ScanLimits,
+    now: SystemTime,
+    /// The real path of each folder looked into, so that a link to one of them ends there.
+    looked_into: BTreeSet<PathBuf>,
+    /// Links met, to be followed when all real folders are known.
+    links: Vec<(PathBuf, usize)>,
+    found: Scan,
+}
+
+impl Walk<'_> {
+    /// Walks real folders first, then links in the order of their paths: a folder that is also reachable by
+    /// a link is so always found under its own name. False where there are too many files.
+    fn everything(&mut self, starts: Vec<PathBuf>) -> bool {
+        for start in starts {
+            self.folder_tree(start, 0);
+        }
+        while !self.links.is_empty() && self.found.files.len() <= self.limits.files {
+            let mut links = std::mem::take(&mut self.links);
+            links.sort();
+            for (relative, depth) in links {
+                self.link(relative, depth);
+            }
+        }
+        self.found.files.len() <= self.limits.files
+    }
+
+    /// Whether an optional folder is there and lies in the campaign; a link that leads out of it is an issue.
+    fn is_present(&mut self, relative: &Path) -> bool {
+        let Ok(real) = self.campaign.join(relative).canonicalize() else {
+            return false;
+        };
+        let is_inside = real.starts_with(&self.campaign_real);
+        if !is_inside {
+            self.link_outside(relative, &real);
+        }
+        is_inside && real.is_dir()
+    }
+
+    fn folder_tree(&mut self, start: PathBuf, depth: usize) {
+        let mut waiting = vec![(start, depth)];
+        while let Some((relative, depth)) = waiting.pop() {
+            if self.found.files.len() > self.limits.files {
+                return;
+            }
+            if depth > self.limits.depth {
+                self.too_deep(&relative);
+                continue;
+            }
+            match self.folder(&relative, depth) {
+                Ok(below) => waiting.extend(below.into_iter().map(|folder| (folder, depth + 1))),
+                // Gone since the folder above was listed: what was in it is gone too.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => self.unreadable_folder(&relative, &error),
+            }
+        }
+    }
+
+    /// Notes the files of one folder and gives the folders in it.
+    fn folder(&mut self, relative: &Path, depth: usize) -> io::Result<Vec<PathBuf>> {
+        let path = self.campaign.join(relative);
+        if !self.looked_into.insert(path.canonicalize()?) {
+            return Ok(Vec::new());
+        }
+        let mut below = Vec::new();
+        let entries: Vec<fs::DirEntry> = fs::read_dir(&path)?.collect::<io::Result<_>>()?;
+        if depth > 0 && frame_folder::is_one(&entries) {
+            self.folder_of_frames(relative, &path, &entries)?;
+            return Ok(Vec::new());
+        }
+        self.found.folders.push(relative.to_path_buf());
+        for entry in entries {
+            let name = entry.file_name();
+            let relative = relative.join(&name);
+            if is_passing_name(&name) || is_own_product(&relative) {
+                continue;
+            }
+            // An entry that has gone since the folder was listed is no fault: the next scan shows it.
+            let Ok(kind) = entry.file_type() else { continue };
+            if kind.is_symlink() {
+                self.links.push((relative, depth));
+            } else if kind.is_dir() {
+                below.push(relative);
+            } else if is_statement(&name) {
+                continue;
+            } else if kind.is_file() {
+                match entry.metadata() {
+                    Ok(metadata) => self.file(relative, &metadata, None),
+                    Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                    Err(error) => self.unreadable_folder(&relative, &error),
+                }
+            } else {
+                self.special(&relative);
+            }
+        }
+        Ok(below)
+    }
+
+    fn link(&mut self, relative: PathBuf, depth: usize) {
+        let target = match self.campaign.join(&relative).canonicalize() {
+            Ok(target) => target,
+            Err(error) => return self.broken_link(&relative, &error),
+        };
+        let Ok(inside) = target.strip_prefix(&self.campaign_real) else {
+            return self.link_outside(&relative, &target);
+        };
+        if is_own_product(inside) || inside.components().next().is_none() {
+            return self.link_to_own(&relative, &target);
+        }
+        match fs::metadata(&target) {
+            Ok(metadata) if metadata.is_dir() => self.folder_tree(relative, depth + 1),
+            Ok(_) if relative.file_name().is_some_and(is_statement) => {}
+            Ok(metadata) if metadata.is_file() => self.file(relative, &metadata, Some(target)),
+            Ok(_) => self.special(&relative),
+            Err(error) => self.broken_link(&relative, &error),
+        }
+    }
+
+    fn file(&mut self, relative: PathBuf, metadata: &Metadata, link_target: Option<PathBuf>) {
+        let modified = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+        let file = SeenFile {
+            display: display_path(&relative),
+            relative,
+            size_bytes: metadata.len(),
+            modified_ns: modified_ns(metadata),
+            inode: identity(metadata).1,
+            changed_ns: changed_ns(metadata),
+            age: self.now.duration_since(modified).ok(),
+            link_target,
+        };
+        self.found.files.push(file.into());
+    }
+
+    fn sorted(mut self) -> Scan {
+        let bytes = |path: &Path| path.as_os_str().as_encoded_bytes().to_vec();
+        self.found.files.sort_by_cached_key(|file| bytes(&file.relative));
+        self.found.folders.sort_by_cached_key(|folder| bytes(folder));
+        self.found.unreadable.sort();
+        self.found
+            .issues
+            .sort_by(|a, b| (&a.place, &a.code).cmp(&(&b.place, &b.code)));
+        self.found
+    }
+
+    fn unreadable_folder(&mut self, relative: &Path, error: &io::Error) {
+        let shown = display_path(relative);
+        let issue = Issue::warning("folder-unreadable", format!("cannot be looked into: {error}"));
+        let mend = "give your user the right to read it, or check the disk or share";
+        self.found.issues.push(issue.at(&shown).mend(mend));
+        self.found.unreadable.push(shown);
+    }
+
+    fn too_deep(&mut self, relative: &Path) {
+        let depth = self.limits.depth;
+        let shown = display_path(relative);
+        let issue = Issue::warning(
+            "folder-too-deep",
+            format!("lies more than {depth} folders deep: not looked into"),
+        );
+        self.found.issues.push(issue.at(&shown).mend("move the files up"));
+        self.found.unreadable.push(shown);
+    }
+
+    fn link_outside(&mut self, relative: &Path, target: &Path) {
+        let message = format!(
+            "a link to {}, outside of the campaign: not followed",
+            target.display()
+        );
+        let issue = Issue::warning("link-outside", message).at(display_path(relative));
+        self.found
+            .issues
+            .push(issue.mend("copy the files into the campaign"));
+    }
+
+    fn link_to_own(&mut self, relative: &Path, target: &Path) {
+        let message = format!(
+            "a link to {}, which holds more than runs: not followed",
+            target.display()
+        );
+        let issue = Issue::warning("link-not-followed", message).at(display_path(relative));
+        self.found.issues.push(issue.mend("take the link away"));
+    }
+
+    fn broken_link(&mut self, relative: &Path, error: &io::Error) {
+        let shown = display_path(relative);
+        let issue = Issue::warning("link-broken", format!("a link that leads nowhere: {error}"));
+        self.found.issues.push(
+            issue
+                .at(&shown)
+                .mend("take the link away, or bring its target back"),
+        );
+        self.found.unreadable.push(shown);
+    }
+
+    fn special(&mut self, relative: &Path) {
+        let issue = Issue::note("not-a-file", "neither a file nor a folder: left out");
+        self.found.issues.push(issue.at(display_path(relative)));
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests;

@@ -1,0 +1,177 @@
+//! Whether two sources mean the same, and what to say where they do not.
+
+use jiff::Timestamp;
+
+use ieap_domain::tag::keys;
+use ieap_domain::{Issue, Tag, TagSource};
+
+/// Code of what is said of one measurement under two names that are tagged differently.
+pub const NAMES_CONTRADICT: &str = "names-contradict";
+
+/// A measured voltage agrees with a stated one within 10 mV or 2 %, whichever is more: what a potentiostat's
+/// offset and the rounding of a nominal value explain, and less than the steps of a campaign.
+const VOLTAGE_AGREES_V: f64 = 0.01;
+const VOLTAGE_AGREES_PART: f64 = 0.02;
+
+/// A logged mean agrees with a stated humidity within 3 percent points, with a stated temperature within
+/// 1 degree: the accuracy that makers of capacitive humidity and of thermistor loggers state.
+const HUMIDITY_AGREES_PERCENT: f64 = 3.0;
+const TEMPERATURE_AGREES_C: f64 = 1.0;
+
+/// Two starts agree within a minute: what is written by hand has no seconds.
+const START_AGREES_S: f64 = 60.0;
+
+/// The issue that names both sources and values, where `overruled` does not mean what `chosen` means.
+///
+/// It is a warning where two statements about this very run differ, and a note where the stronger source is
+/// there to overrule (a value set by hand, a nearer tags.toml, a default) or the tag is a text that two
+/// sources may well word differently.
+pub(super) fn disagreement(chosen: &Tag, overruled: &Tag) -> Option<Issue> {
+    if agree(chosen, overruled) {
+        return None;
+    }
+    let message = format!(
+        "`{}` is {} ({}) and {} ({}): the first is used",
+        chosen.key,
+        chosen.value,
+        origin(chosen),
+        overruled.value,
+        origin(overruled)
+    );
+    let meant_to_overrule = chosen.source == TagSource::Hand
+        || chosen.source == overruled.source
+        || overruled.source == TagSource::EnvironmentDefault;
+    let issue = if meant_to_overrule || is_wording(chosen) {
+        Issue::note("tag-disagreement", message)
+    } else {
+        Issue::warning("tag-disagreement", message)
+            .mend("correct the wrong one, or set the tag by hand with `ieap tag`")
+    };
+    Some(issue.at(&chosen.key))
+}
+
+/// The issue of one measurement that lies under two names of which different things are stated, where they do. A value set
+/// by hand is there to overrule.
+pub(super) fn contradiction(chosen: &Tag, overruled: &Tag, (one, other): (String, String)) -> Option<Issue> {
+    if agree(chosen, overruled) {
+        return None;
+    }
+    if chosen.source == TagSource::Hand || is_wording(chosen) {
+        return disagreement(chosen, overruled);
+    }
+    let message = format!(
+        "`{}` is {} for {one} ({}) and {} for {other} ({}), and both hold the same readings: the first is used",
+        chosen.key,
+        chosen.value,
+        origin(chosen),
+        overruled.value,
+        origin(overruled)
+    );
+    let mend = "remove the file whose name or folder is wrong, correct its tags, or set the tag by hand with `ieap tag`";
+    Some(
+        Issue::warning(NAMES_CONTRADICT, message)
+            .at(&chosen.key)
+            .mend(mend),
+    )
+}
+
+/// Texts that two sources may well word differently.
+fn is_wording(tag: &Tag) -> bool {
+    [keys::INSTRUMENT, keys::OPERATOR, keys::NOTE].contains(&tag.key.as_str())
+}
+
+fn origin(tag: &Tag) -> String {
+    match tag.detail.is_empty() {
+        true => tag.source.label().to_owned(),
+        false => format!("{}: {}", tag.source.label(), tag.detail),
+    }
+}
+
+fn agree(chosen: &Tag, overruled: &Tag) -> bool {
+    if chosen.value == overruled.value {
+        return true;
+    }
+    if chosen.key == keys::STARTED_AT {
+        return match (
+            chosen.value.parse::<Timestamp>(),
+            overruled.value.parse::<Timestamp>(),
+        ) {
+            (Ok(a), Ok(b)) => a.duration_since(b).as_secs_f64().abs() <= START_AGREES_S,
+            _ => false,
+        };
+    }
+    // Sample "01" is not sample "1": only keys that stand for numbers are compared as numbers.
+    if !keys::NUMERIC.contains(&chosen.key.as_str()) {
+        return false;
+    }
+    match (chosen.value.parse::<f64>(), overruled.value.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= tolerance(chosen, overruled, a.abs().max(b.abs())),
+        _ => false,
+    }
+}
+
+/// How far two numbers of a key may lie apart and still mean the same; zero where neither was measured.
+fn tolerance(chosen: &Tag, overruled: &Tag, magnitude: f64) -> f64 {
+    let from = |source| chosen.source == source || overruled.source == source;
+    let allowed = match chosen.key.as_str() {
+        keys::VOLTAGE_V if from(TagSource::Channel) => VOLTAGE_AGREES_V.max(VOLTAGE_AGREES_PART * magnitude),
+        keys::RELATIVE_HUMIDITY_PERCENT if from(TagSource::Ambient) => HUMIDITY_AGREES_PERCENT,
+        keys::TEMPERATURE_C if from(TagSource::Ambient) => TEMPERATURE_AGREES_C,
+        _ => 0.0,
+    };
+    // The last digits of a binary fraction say nothing: 2.51 - 2.5 is 0.00999...
+    allowed + 1e-12 * magnitude
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tag(key: &str, value: &str, source: TagSource) -> Tag {
+        Tag {
+            key: key.to_owned(),
+            value: value.to_owned(),
+            source,
+            detail: String::new(),
+        }
+    }
+
+    #[test]
+    fn what_was_measured_agrees_within_the_stated_rule() {
+        use TagSource::{Ambient, Channel, FileName, Sidecar};
+        for (key, stated, source, other, agrees) in [
+            ("voltage_v", "2.5", FileName, "2.50", true),
+            ("voltage_v", "2.5", FileName, "2.501", false),
+            ("voltage_v", "2.5", Channel, "2.55", true),
+            ("voltage_v", "2.5", Channel, "2.56", false),
+            ("voltage_v", "-0.05", Channel, "-0.06", true),
+            ("voltage_v", "-0.05", Channel, "-0.1", false),
+            ("voltage_v", "2.5", Channel, "-2.5", false),
+            ("relative_humidity_percent", "34", Ambient, "36.9", true),
+            ("relative_humidity_percent", "34", Ambient, "37.1", false),
+            ("relative_humidity_percent", "34", FileName, "35", false),
+            ("temperature_c", "22", Ambient, "23", true),
+            ("temperature_c", "22", Ambient, "23.1", false),
+            ("cycle", "1", FileName, "1.0", true),
+            (
+                "started_at",
+                "2026-11-20T10:00:00Z",
+                FileName,
+                "2026-11-20T12:00:30+02:00",
+                true,
+            ),
+            (
+                "started_at",
+                "2026-11-20T10:00:00Z",
+                FileName,
+                "2026-11-20T12:02:00+02:00",
+                false,
+            ),
+            ("sample", "1", FileName, "01", false),
+            ("sample", "C1", FileName, "C2", false),
+        ] {
+            let found = agree(&tag(key, stated, Sidecar), &tag(key, other, source));
+            assert_eq!(found, agrees, "{key} {stated} {other} {source:?}");
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! What each source says, before any choice.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::campaign_file::line_and_column;
+use crate::name_pattern::{KnownIds, NameMatch, NamePattern};
+use crate::scan::display_path;
+use ieap_domain::tag::keys;
+use ieap_domain::{Campaign, Issue, Tag, TagSource};
+
+use super::value::shortest;
+use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};
+
+/// Name of the file that tags every run of a folder.
+const FOLDER_TAGS: &str = "tags.toml";
+
+/// Largest file that is read for tags: a page of tags has some hundred bytes.
+const LARGEST_BYTES: u64 = 1 << 20;
+
+/// The files that state tags of a data file (relative to the campaign), nearest first, whether they are
+/// there or not: the sidecar, then tags.toml of its folder and of each folder above inside the campaign.
+pub fn tag_files_for(campaign: &Path, data_file: &Path) -> Vec<PathBuf> {
+    relative_tag_files(data_file)
+        .into_iter()
+        .map(|(file, _)| campaign.join(file))
+        .collect()
+}
+
+/// A digest of what those files hold: another digest means that the run is to be tagged again.
+pub fn tag_sources_digest(campaign: &Path, data_files: &[PathBuf]) -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    for (file, _) in data_files.iter().flat_map(|file| relative_tag_files(file)) {
+        add(file.as_os_str().as_encoded_bytes());
+        match read_limited(&campaign.join(&file)) {
+            Ok(Some(bytes)) => add(&[b"there ", bytes.as_slice()].concat()),
+            Ok(None) => add(b"absent"),
+            Err(error) => add(format!("unreadable {:?}", error.kind()).as_bytes()),
+        }
+    }
+    hasher.finalize()
+}
+
+/// Why tag files of these data files (relative to the campaign), or statements in them, cannot be read; one issue each.
+pub fn unreadable(campaign: &Path, data_files: &[PathBuf]) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    in_tag_files(campaign, data_files, &mut issues);
+    issues.retain(is_unreadable);
+    issues
+}
+
+/// Tags of every source but the environment's defaults, strongest first, nearest file first.
+pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
+    let mut tags = request.hand.to_vec();
+    tags.extend(in_tag_files(request.folder, request.data_files, issues));
+    tags.extend_from_slice(request.planned);
+    tags.extend(in_name(request, request.stem, issues));
+    for (key, value, header_name) in request.header {
+        let pair = [(key.clone(), value.clone())];
+        tags.extend(tags_of(TagSource::Header, header_name, pair));
+    }
+    if let Some(voltage_v) = request.channel_voltage_v {
+        let pair = [(keys::VOLTAGE_V.to_owned(), shortest(voltage_v))];
+        tags.extend(tags_of(TagSource::Channel, "nominal level", pair));
+    }
+    tags.extend_from_slice(request.ambient);
+    tags
+}
+
+/// Tags of the files that state them, the nearest file first.
+fn in_tag_files(campaign: &Path, data_files: &[PathBuf], issues: &mut Vec<Issue>) -> Vec<Tag> {
+    let (mut tags, mut read) = (Vec::new(), Vec::new());
+    for file in data_files {
+        for (path, source) in relative_tag_files(file) {
+            // Files of one run share their folders' tags.
+            if !read.contains(&path) {
+                tags.extend(in_file(campaign, &path, source, issues));
+                read.push(path);
+            }
+        }
+    }
+    tags
+}
+
+/// Tags that are stated of each other name of the readings; a tags.toml that stands above both names says nothing new.
+pub(super) fn of_other_names(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Vec<Tag>> {
+    let own = request
+        .data_files
+        .iter()
+        .flat_map(|file| relative_tag_files(file));
+    let mut read: Vec<PathBuf> = own.map(|(path, _)| path).collect();
+    let mut of_name = |other: &OtherName| {
+        let mut tags = other.hand.clone();
+        for (path, source) in relative_tag_files(&other.file) {
+            if !read.contains(&path) {
+                tags.extend(in_file(request.folder, &path, source, issues));
+                read.push(path);
+            }
+        }
+        tags.extend_from_slice(&other.planned);
+        tags.extend(in_name(request, &stem(&other.file), issues));
+        tags
+    };
+    request.other_names.iter().map(&mut of_name).collect()
+}
+
+/// What campaign.toml says of the environment where nothing was measured.
+pub(super) fn defaults(campaign: &Campaign, environment: Option<&str>) -> Vec<Tag> {
+    let Some(environment) = environment.and_then(|id| campaign.environment(id)) else {
+        return Vec::new();
+    };
+    let stated = [
+        (
+            keys::RELATIVE_HUMIDITY_PERCENT,
+            environment.relative_humidity_percent,
+        ),
+        (keys::TEMPERATURE_C, environment.temperature_c),
+        (keys::PRESSURE_PA, environment.pressure_pa),
+    ];
+    let pairs = stated
+        .into_iter()
+        .filter_map(|(key, value)| Some((key.to_owned(), shortest(value?))));
+    tags_of(TagSource::EnvironmentDefault, &environment.id, pairs)
+}
+
+fn relative_tag_files(data_file: &Path) -> Vec<(PathBuf, TagSource)> {
+    let mut sidecar = data_file.as_os_str().to_owned();
+    sidecar.push(".toml");
+    let folders = data_file.ancestors().skip(1);
+    let folder_tags = folders.map(|folder| (folder.join(FOLDER_TAGS), TagSource::Folder));
+    std::iter::once((PathBuf::from(sidecar), TagSource::Sidecar))
+        .chain(folder_tags)
+        .collect()
+}
+
+/// The bytes of a file of tags; none where it is not there.
+fn read_limited(path: &Path) -> io::Result<Option<Vec<u8>>> {
+    match fs::metadata(path) {
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+            ) =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(error),
+        Ok(found) if !found.is_file() => Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a file")),
+        Ok(found) if found.len() > LARGEST_BYTES => {
+            let message = format!("it has {} bytes, more than {LARGEST_BYTES}", found.len());
+            Err(io::Error::new(io::ErrorKind::FileTooLarge, message))
+        }
+        Ok(_) => fs::read(path).map(Some),
+    }
+}
+
+fn in_file(campaign: &Path, relative: &Path, source: TagSource, issues: &mut Vec<Issue>) -> Vec<Tag> {
+    let shown = display_path(relative);
+    let bytes = match read_limited(&campaign.join(relative)) {
+        Ok(Some(bytes)) => bytes,
+        Ok(None) => return Vec::new(),
+        Err(error) => {
+            let issue = Issue::error("tag-file-unreadable", format!("it cannot be read: {error}"));
+            issues.push(
+                issue
+                    .at(shown)
+                    .mend("make it a text file of tags that your user may read"),
+            );
+            return Vec::new();
+        }
+    };
+    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes)).into_owned();
+    if std::str::from_utf8(&bytes).is_err() {
+        let issue = Issue::error("tag-file-unreadable", "it cannot be read: it is not UTF-8");
+        issues.push(issue.at(shown).mend("save it with the encoding UTF-8"));
+        return Vec::new();
+    }
+    let table = match toml::from_str::<toml::Table>(&text) {
+        Ok(table) => table,
+        Err(error) => {
+            issues.push(not_toml(&shown, &text, &error));
+            return Vec::new();
+        }
+    };
+    let mut pairs = Vec::new();
+    for (key, value) in table {
+        match flat(&key, &value) {
+            Some(text) => {
+                pairs.push((key, text));
+            }
+            None => issues.push(not_flat(&shown, &key, value.type_str())),
+        }
+    }
+    tags_of(source, &shown, pairs)
+}
+
+/// The text of a value that a tag can have.
+fn flat(key: &str, value: &toml::Value) -> Option<String> {
+    match value {
+        toml::Value::String(text) => Some(text.clone()),
+        toml::Value::Integer(number) => Some(number.to_string()),
+        toml::Value::Float(number) => Some(shortest(*number)),
+        toml::Value::Boolean(truth) => Some(truth.to_string()),
+        toml::Value::Datetime(moment) => Some(moment.to_string()),
+        toml::Value::Array(_) if [keys::OPEN_CIRCUIT, keys::LEAVE_OUT].contains(&key) => {
+            Some(value.to_string())
+        }
+        toml::Value::Array(_) | toml::Value::Table(_) => None,
+    }
+}
+
+fn not_toml(shown: &str, text: &str, error: &toml::de::Error) -> Issue {
+    let (line, column) = line_and_column(text, error.span().map_or(0, |span| span.start));
+    let message = format!(
+        "it cannot be read: line {line}, column {column} is not TOML: {}",
+        error.message()
+    );
+    let mend = "correct that line: key = value, texts in quotes (\"air\"), numbers with a point (2.5)";
+    Issue::error("tag-file-not-toml", message)
+        .at(format!("{shown}, line {line}, column {column}"))
+        .mend(mend)
+}
+
+fn not_flat(shown: &str, key: &str, found: &str) -> Issue {
+    let message = format!("`{key}` cannot be read: a {found} was found, one value is needed");
+    Issue::error("tag-not-flat", message)
+        .at(format!("{shown}, {key}"))
+        .mend("write one line `key = value` for each tag, without [tables]")
+}
+
+fn in_name(request: &TagRequest, stem: &str, issues: &mut Vec<Issue>) -> Vec<Tag> {
+    let Some(text) = request.name_pattern else {
+        return Vec::new();
+    };
+    let pattern = match NamePattern::compile(text) {
+        Ok(pattern) => pattern,
+        Err(error) => {
+            issues.push(Issue::warning(
+                "name-pattern-bad",
+                format!("name_pattern is not used: {error}"),
+            ));
+            return Vec::new();
+        }
+    };
+    let samples: Vec<&str> = request.campaign.samples.iter().map(|s| s.id.as_str()).collect();
+    let environments: Vec<&str> = request
+        .campaign
+        .environments
+        .iter()
+        .map(|e| e.id.as_str())
+        .collect();
+    let known = KnownIds {
+        samples: &samples,
+        environments: &environments,
+    };
+    let pairs = match pattern.match_stem(stem, known) {
+        NameMatch::None => return Vec::new(),
+        NameMatch::One(pairs) => pairs,
+        NameMatch::Several { agreed, open } => {
+            issues.extend(open.iter().map(|open| open_in_name(stem, open)));
+            agreed
+        }
+    };
+    tags_of(TagSource::FileName, stem, pairs)
+}
+
+fn open_in_name(stem: &str, (key, first, second): &(String, String, String)) -> Issue {
+    let message =
+        format!("the file name \"{stem}\" gives `{key}` as \"{first}\" or as \"{second}\": not used");
+    Issue::warning("name-ambiguous", message)
+        .at(key)
+        .mend("rename the file, or write the tag into its sidecar")
+}

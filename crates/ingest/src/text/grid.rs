@@ -1,0 +1,89 @@
+//! Reading lines of numbers into columns, without a text of its own for any cell.
+
+use super::delimiter::Delimiter;
+use super::lines::Line;
+use super::number::{self, Decimal};
+use crate::formats::cells::CellTable;
+
+/// Delimiter and decimal sign of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dialect {
+    /// Between the cells.
+    pub delimiter: Delimiter,
+    /// Inside the numbers.
+    pub decimal: Decimal,
+}
+
+/// Adds one line as a row. A delimiter behind the last field, with nothing after it, is no field.
+pub fn push_line(table: &mut CellTable, line: Line<'_>, dialect: Dialect) {
+    let needed = table.columns.len();
+    let mut filled_beyond = false;
+    let found = dialect
+        .delimiter
+        .split(line.text, |index, text| match table.columns.get_mut(index) {
+            Some(column) => {
+                column.push(line.number, number::parse(text, dialect.decimal), || {
+                    number::unquote(text).to_owned()
+                });
+            }
+            None => filled_beyond |= !text.trim().is_empty(),
+        });
+    let found = if found > needed && !filled_beyond {
+        needed
+    } else {
+        found
+    };
+    table.end_row(line.number, found);
+}
+
+/// Whether a line holds no reading: blank, only delimiters, or a comment.
+pub fn is_blank_or_comment(text: &str) -> bool {
+    let trimmed = text.trim_start();
+    trimmed.starts_with('#')
+        || trimmed
+            .chars()
+            .all(|c| matches!(c, ';' | ',' | '\t' | ' ' | '\u{1a}'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(lines: &[&str]) -> CellTable {
+        let mut table = CellTable::new(1, &[false, false], 0);
+        let dialect = Dialect {
+            delimiter: Delimiter::Semicolon,
+            decimal: Decimal::Comma,
+        };
+        for (k, &text) in lines.iter().enumerate() {
+            let line = Line {
+                number: k + 2,
+                text,
+                ended: true,
+            };
+            push_line(&mut table, line, dialect);
+        }
+        table
+    }
+
+    #[test]
+    fn ragged_rows_are_kept_and_counted() {
+        let table = table(&["0,5;1", "1", "1,5;2;", "2;3;4"]);
+        assert_eq!(table.rows(), 4);
+        assert_eq!(
+            (table.ragged.count, table.ragged.first),
+            (2, Some((3, "1".to_owned())))
+        );
+        assert_eq!(table.columns[0].numbers, [0.5, 1.0, 1.5, 2.0]);
+        assert!(table.columns[1].numbers[1].is_nan());
+    }
+
+    #[test]
+    fn cells_that_are_no_numbers_are_counted_with_their_line() {
+        let table = table(&["0;x", "1;NaN", "2;"]);
+        let column = &table.columns[1];
+        assert_eq!((column.text.count, column.text.line()), (1, 2));
+        assert_eq!((column.not_finite.count, column.not_finite.line()), (1, 3));
+        assert_eq!((column.filled, column.numbers.len()), (2, 3));
+    }
+}

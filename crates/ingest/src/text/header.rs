@@ -1,0 +1,579 @@
+//! What a column header means: name, unit, quantity and conversion to the canonical unit.
+
+use ieap_domain::Quantity;
+use ieap_domain::unit::{self, Conversion, UnitError};
+
+use super::number::unquote;
+
+/// Longest name of a column that is looked into, bytes: beyond it stands a text and no name.
+const LONGEST_NAME: usize = 400;
+
+/// What ieap makes of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Meaning {
+    /// A quantity in a unit that converts.
+    Known {
+        /// The quantity.
+        quantity: Quantity,
+        /// To its canonical unit.
+        conversion: Conversion,
+    },
+    /// The name is that of a quantity, but the unit is missing or does not fit.
+    Refused {
+        /// The quantity the name speaks of.
+        quantity: Quantity,
+        /// What is wrong with the unit.
+        error: UnitError,
+    },
+    /// Kept under its own name.
+    Other,
+}
+
+impl Meaning {
+    /// The quantity that can be used; none for refused and uninterpreted columns.
+    pub fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Meaning::Known { quantity, .. } => Some(*quantity),
+            _ => None,
+        }
+    }
+
+    /// The quantity the name speaks of, whether its unit fits or not.
+    pub fn named_quantity(&self) -> Option<Quantity> {
+        match self {
+            Meaning::Known { quantity, .. } | Meaning::Refused { quantity, .. } => Some(*quantity),
+            Meaning::Other => None,
+        }
+    }
+}
+
+/// A column as its header describes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Header {
+    /// The header's cell as the file has it.
+    pub raw_name: String,
+    /// The unit in it; empty where there is none.
+    pub raw_unit: String,
+    /// What it means.
+    pub meaning: Meaning,
+    /// Where along the strip, mm from the clamp: `voltage_v@12.5`.
+    pub position_mm: Option<f64>,
+}
+
+impl Header {
+    /// Reads a header cell such as `Time (s)`, `I/mA`, `Current [µA]`, `Temp, °C` or `curvature_per_m`.
+    pub fn parse(cell: &str) -> Header {
+        let raw_name = unquote(cell);
+        if raw_name.len() > LONGEST_NAME {
+            return Header {
+                raw_name: raw_name.to_owned(),
+                raw_unit: String::new(),
+                meaning: Meaning::Other,
+                position_mm: None,
+            };
+        }
+        let (measured, position_mm) = placed(raw_name);
+        let (name, unit) = split(measured);
+        Header {
+            raw_name: raw_name.to_owned(),
+            meaning: interpret(&name, &unit),
+            raw_unit: unit,
+            position_mm,
+        }
+    }
+
+    /// A header whose unit stands apart, as in a row of its own.
+    pub fn with_unit(name: &str, unit: &str) -> Header {
+        let (raw_name, raw_unit) = (unquote(name), unquote(unit));
+        Header {
+            raw_name: raw_name.to_owned(),
+            raw_unit: raw_unit.to_owned(),
+            meaning: interpret(raw_name, raw_unit),
+            position_mm: None,
+        }
+    }
+
+    /// A column kept under its own name, with the unit that stands in it.
+    pub fn other(cell: &str) -> Header {
+        Header {
+            meaning: Meaning::Other,
+            ..Header::parse(cell)
+        }
+    }
+}
+
+/// The cell without `@<mm>` at its end, and that position.
+fn placed(cell: &str) -> (&str, Option<f64>) {
+    let Some((name, place)) = cell.rsplit_once('@') else {
+        return (cell, None);
+    };
+    let millimetres = place.trim().trim_end_matches("mm").trim().parse::<f64>();
+    match millimetres {
+        Ok(position_mm) if position_mm.is_finite() && position_mm >= 0.0 => {
+            (name.trim_end(), Some(position_mm))
+        }
+        _ => (cell, None),
+    }
+}
+
+/// Name and unit of a header cell; the unit is empty where there is none.
+fn split(cell: &str) -> (String, String) {
+    let pair = |name: &str, unit: &str| {
+        (
+            name.trim().trim_end_matches(',').to_owned(),
+            unit.trim().to_owned(),
+        )
+    };
+    for (open, close) in [('(', ')'), ('[', ']')] {
+        if cell.ends_with(close)
+            && let Some(at) = opening(cell, open, close)
+            && at > 0
+        {
+            return pair(&cell[..at], &cell[at + 1..cell.len() - 1]);
+        }
+    }
+    if let Some((name, unit)) = cell.split_once('/').filter(|(name, _)| !name.trim().is_empty()) {
+        return if is_channel(unit) {
+            pair(cell, "")
+        } else {
+            pair(name, unit)
+        };
+    }
+    if let Some((name, unit)) = cell.rsplit_once(',').filter(|(name, _)| !name.trim().is_empty()) {
+        return pair(name, unit);
+    }
+    suffix(cell).unwrap_or_else(|| pair(cell, ""))
+}
+
+/// Whether what stands behind a stroke is an input of a device, as in `Dev0/Ai0`: a short word with a number.
+fn is_channel(text: &str) -> bool {
+    const INPUTS: [&str; 8] = ["ai", "ao", "di", "do", "ch", "ctr", "port", "line"];
+    let path = text.trim().to_ascii_lowercase();
+    let first = path.split('/').next().unwrap_or("");
+    let word = first.trim_end_matches(|c: char| c.is_ascii_digit());
+    word.len() < first.len() && INPUTS.contains(&word)
+}
+
+/// Where the bracket opens that the last character closes.
+fn opening(cell: &str, open: char, close: char) -> Option<usize> {
+    let mut depth = 0usize;
+    for (at, c) in cell.char_indices().rev() {
+        if c == close {
+            depth += 1;
+        } else if c == open {
+            depth -= 1;
+            if depth == 0 {
+                return Some(at);
+            }
+        }
+    }
+    None
+}
+
+/// `curvature_per_m`, `Time s`: a quantity's name, then a unit.
+fn suffix(cell: &str) -> Option<(String, String)> {
+    let cuts = cell.char_indices().filter(|(_, c)| matches!(c, '_' | ' '));
+    for (at, _) in cuts {
+        let (name, unit) = (&cell[..at], &cell[at + 1..]);
+        for &quantity in candidates(name) {
+            if let Some(unit) = spelled_unit(quantity, unit) {
+                return Some((name.to_owned(), unit));
+            }
+        }
+    }
+    None
+}
+
+/// The unit in the spelling that [`unit::conversion`] knows: names in lower case lose the case of their unit.
+pub(super) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
+    unit::dimension(quantity)?;
+    let proper = match (quantity, suffix.to_ascii_lowercase().as_str()) {
+        (Quantity::Current, "a") => "A",
+        (Quantity::Current, "ma") => "mA",
+        (Quantity::Current, "ua") => "uA",
+        (Quantity::Current, "na") => "nA",
+        (Quantity::Current, "pa") => "pA",
+        (Quantity::Voltage | Quantity::ControlVoltage, "v") => "V",
+        (Quantity::Voltage | Quantity::ControlVoltage, "mv") => "mV",
+        (Quantity::Voltage | Quantity::ControlVoltage, "uv") => "uV",
+        (Quantity::BlockingForce, "n") => "N",
+        (Quantity::BlockingForce, "mn") => "mN",
+        (Quantity::BlockingForce, "un") => "uN",
+        (Quantity::Temperature, "c") => "°C",
+        (Quantity::Temperature, "k") => "K",
+        (Quantity::Temperature, "f") => "°F",
+        (Quantity::Pressure, "pa") => "Pa",
+        (Quantity::Pressure, "hpa") => "hPa",
+        (Quantity::Pressure, "kpa") => "kPa",
+        (Quantity::RelativeHumidity, "percent") => "%",
+        (Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus, modulus) => {
+            match modulus {
+                "mpa" => "MPa",
+                "gpa" => "GPa",
+                "kpa" => "kPa",
+                "pa" => "Pa",
+                _ => suffix,
+            }
+        }
+        (Quantity::Frequency, "hz") => "Hz",
+        (Quantity::CurrentDensity, "a_per_cm2" | "a_cm2") => "A/cm2",
+        (Quantity::CurrentDensity, "ma_per_cm2" | "ma_cm2") => "mA/cm2",
+        (Quantity::CurrentDensity, "ua_per_cm2" | "ua_cm2") => "uA/cm2",
+        (Quantity::Curvature, "per_cm" | "per cm") => "1/cm",
+        (Quantity::Curvature, "per_m" | "per m") => "1/m",
+        (Quantity::Curvature, "per_mm" | "per mm") => "1/mm",
+        _ => suffix,
+    };
+    unit::conversion(quantity, proper)
+        .is_ok()
+        .then(|| proper.to_owned())
+}
+
+/// Quantity of a name with its unit. A letter such as `V` or `T` stands for several things, so a unit of
+/// another kind makes it a column of its own; a full name with a wrong unit is refused.
+fn interpret(name: &str, unit: &str) -> Meaning {
+    let mut refused = None;
+    for &quantity in candidates(name) {
+        match unit::conversion(quantity, unit) {
+            Ok(conversion) => return Meaning::Known { quantity, conversion },
+            Err(error) => refused = refused.or(Some((quantity, error))),
+        }
+    }
+    match refused {
+        Some((_, UnitError::WrongDimension { .. })) if name.trim().chars().count() == 1 => Meaning::Other,
+        Some((quantity, error)) => Meaning::Refused { quantity, error },
+        None => Meaning::Other,
+    }
+}
+
+/// Names with the quantities that they may stand for, the likeliest first; in small letters, blanks for `_` and `-`.
+/// German ones are those of instruments' software and of laboratories' own tables.
+const NAMES: [(&[&str], &[Quantity]); 20] = [
+    (&["t"], &[Quantity::Time, Quantity::Temperature]),
+    (
+        &[
+            "time",
+            "test time",
+            "elapsed time",
+            "time elapsed",
+            "corrected time",
+            "total time",
+            "run time",
+            "epoch time",
+            "elapsed",
+            "zeit",
+            "messzeit",
+            "laufzeit",
+            "temps",
+            "aeg",
+        ],
+        &[Quantity::Time],
+    ),
+    (
+        &[
+            "voltage",
+            "v",
+            "u",
+            "e",
+            "potential",
+            "we(1).potential",
+            "cell voltage",
+            "cell potential",
+            "ewe",
+            "ecell",
+            "vf",
+            "spannung",
+            "zellspannung",
+            "potenzial",
+            "tension",
+            "pinge",
+        ],
+        &[Quantity::Voltage],
+    ),
+    (
+        &[
+            "current",
+            "i",
+            "im",
+            "we(1).current",
+            "cell current",
+            "strom",
+            "stromst\u{e4}rke",
+            "stromstaerke",
+            "zellstrom",
+            "courant",
+            "vool",
+        ],
+        &[Quantity::Current, Quantity::CurrentDensity],
+    ),
+    (
+        &["current density", "j", "stromdichte", "densit\u{e9} de courant"],
+        &[Quantity::CurrentDensity],
+    ),
+    (
+        &[
+            "curvature",
+            "bending curvature",
+            "kappa",
+            "\u{3ba}",
+            "kr\u{fc}mmung",
+            "kruemmung",
+            "courbure",
+            "k\u{f5}verus",
+        ],
+        &[Quantity::Curvature],
+    ),
+    (
+        &[
+            "displacement",
+            "tip displacement",
+            "deflection",
+            "tip deflection",
+            "auslenkung",
+            "durchbiegung",
+            "d\u{e9}placement",
+        ],
+        &[Quantity::TipDisplacement],
+    ),
+    (
+        &[
+            "blocking force",
+            "force",
+            "blocked force",
+            "kraft",
+            "blockierkraft",
+        ],
+        &[Quantity::BlockingForce],
+    ),
+    (&["open circuit"], &[Quantity::OpenCircuit]),
+    (
+        &[
+            "temperature",
+            "temp",
+            "temp.",
+            "ambient temperature",
+            "temperatur",
+            "temp\u{e9}rature",
+        ],
+        &[Quantity::Temperature],
+    ),
+    (
+        &[
+            "relative humidity",
+            "humidity",
+            "rh",
+            "r.h.",
+            "feuchte",
+            "luftfeuchte",
+            "luftfeuchtigkeit",
+            "relative feuchte",
+            "relative luftfeuchte",
+            "rel. feuchte",
+            "r.f.",
+            "niiskus",
+        ],
+        &[Quantity::RelativeHumidity],
+    ),
+    (
+        &["pressure", "p", "ambient pressure", "druck"],
+        &[Quantity::Pressure],
+    ),
+    (
+        &["storage modulus", "e'", "e\u{2032}"],
+        &[Quantity::StorageModulus],
+    ),
+    (
+        &["loss modulus", "e''", "e\"", "e\u{2033}"],
+        &[Quantity::LossModulus],
+    ),
+    (&["complex modulus", "|e*|", "e*"], &[Quantity::ComplexModulus]),
+    (
+        &[
+            "loss factor",
+            "tan delta",
+            "tan(delta)",
+            "tan \u{3b4}",
+            "tan(\u{3b4})",
+        ],
+        &[Quantity::LossFactor],
+    ),
+    (&["speichermodul"], &[Quantity::StorageModulus]),
+    (&["verlustmodul"], &[Quantity::LossModulus]),
+    (&["verlustfaktor"], &[Quantity::LossFactor]),
+    (&["frequency", "frequenz"], &[Quantity::Frequency]),
+];
+
+/// Every known name of a column.
+pub(super) fn known_names() -> impl Iterator<Item = &'static str> {
+    let measured = NAMES.iter().flat_map(|(names, _)| names.iter().copied());
+    measured.chain(CONTROL_NAMES)
+}
+
+/// Names of what a source was told to apply.
+const CONTROL_NAMES: [&str; 13] = [
+    "control voltage",
+    "control potential",
+    "applied voltage",
+    "applied potential",
+    "potential applied",
+    "e applied",
+    "set voltage",
+    "set potential",
+    "voltage setpoint",
+    "potential setpoint",
+    "setpoint voltage",
+    "command voltage",
+    "commanded voltage",
+];
+
+/// Quantities that a name may stand for, the likeliest first; none for names ieap does not know.
+pub(super) fn candidates(name: &str) -> &'static [Quantity] {
+    let plain: String = name
+        .trim()
+        .trim_start_matches('<')
+        .trim_end_matches('>')
+        .chars()
+        .map(|c| if matches!(c, '_' | '-') { ' ' } else { c })
+        .flat_map(char::to_lowercase)
+        .collect();
+    // Quotes for primes, doubled where the cell was quoted.
+    let plain = plain
+        .replace("\"\"", "\"")
+        .replace('\u{201d}', "\"")
+        .replace('\u{2019}', "'");
+    if CONTROL_NAMES
+        .iter()
+        .any(|known| plain.split_whitespace().eq(known.split(' ')))
+    {
+        return &[Quantity::ControlVoltage];
+    }
+    let words: Vec<&str> = plain.split_whitespace().collect();
+    let name = words.join(" ");
+    let known = NAMES.iter().find(|(names, _)| names.contains(&name.as_str()));
+    known.map_or(&[], |(_, quantities)| quantities)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spellings_of_the_field_are_known() {
+        for (cell, quantity, unit) in [
+            ("time_s", Quantity::Time, "s"),
+            ("Time (s)", Quantity::Time, "s"),
+            ("t/ms", Quantity::Time, "ms"),
+            ("Test Time / s", Quantity::Time, "s"),
+            ("\"Time [min]\"", Quantity::Time, "min"),
+            ("T (\u{b0}C)", Quantity::Temperature, "\u{b0}C"),
+            ("voltage_v", Quantity::Voltage, "V"),
+            ("U/V", Quantity::Voltage, "V"),
+            ("Potential (V)", Quantity::Voltage, "V"),
+            ("WE(1).Potential (V)", Quantity::Voltage, "V"),
+            ("Ewe/V", Quantity::Voltage, "V"),
+            ("Potential applied (V)", Quantity::ControlVoltage, "V"),
+            ("E Applied(V)", Quantity::ControlVoltage, "V"),
+            ("applied_voltage_mv", Quantity::ControlVoltage, "mV"),
+            ("current_a", Quantity::Current, "A"),
+            ("current_ua", Quantity::Current, "uA"),
+            ("I/mA", Quantity::Current, "mA"),
+            ("<I>/mA", Quantity::Current, "mA"),
+            ("Current [\u{b5}A]", Quantity::Current, "\u{b5}A"),
+            ("Current (uA)", Quantity::Current, "uA"),
+            ("curvature_per_cm", Quantity::Curvature, "1/cm"),
+            ("curvature_per_m", Quantity::Curvature, "1/m"),
+            ("kappa (1/m)", Quantity::Curvature, "1/m"),
+            ("Curvature / 1/m", Quantity::Curvature, "1/m"),
+            ("tip_displacement_mm", Quantity::TipDisplacement, "mm"),
+            ("Displacement (mm)", Quantity::TipDisplacement, "mm"),
+            ("blocking_force_mn", Quantity::BlockingForce, "mN"),
+            ("open_circuit", Quantity::OpenCircuit, ""),
+            ("temperature_c", Quantity::Temperature, "\u{b0}C"),
+            ("Temp, (*F)", Quantity::Temperature, "*F"),
+            ("Temp, \u{b0}F", Quantity::Temperature, "\u{b0}F"),
+            ("RH, %", Quantity::RelativeHumidity, "%"),
+            ("relative_humidity_percent", Quantity::RelativeHumidity, "%"),
+            ("pressure_pa", Quantity::Pressure, "Pa"),
+            ("storage_modulus_mpa", Quantity::StorageModulus, "MPa"),
+            ("Storage modulus (GPa)", Quantity::StorageModulus, "GPa"),
+            ("E'/MPa", Quantity::StorageModulus, "MPa"),
+            ("E'' (MPa)", Quantity::LossModulus, "MPa"),
+            ("E\" (MPa)", Quantity::LossModulus, "MPa"),
+            ("\"E\"\"/MPa\"", Quantity::LossModulus, "MPa"),
+            ("|E*| [MPa]", Quantity::ComplexModulus, "MPa"),
+            ("tan delta", Quantity::LossFactor, ""),
+            ("loss_factor", Quantity::LossFactor, ""),
+            ("Kr\u{fc}mmung [1/m]", Quantity::Curvature, "1/m"),
+            ("Strom/mA", Quantity::Current, "mA"),
+            ("Spannung (V)", Quantity::Voltage, "V"),
+            ("Auslenkung [mm]", Quantity::TipDisplacement, "mm"),
+            ("current density (mA/cm2)", Quantity::CurrentDensity, "mA/cm2"),
+            ("Stromdichte [A/m\u{b2}]", Quantity::CurrentDensity, "A/m\u{b2}"),
+            ("I (mA/cm2)", Quantity::CurrentDensity, "mA/cm2"),
+            ("j / mA cm-2", Quantity::CurrentDensity, "mA cm-2"),
+            ("current_density_ma_cm2", Quantity::CurrentDensity, "mA/cm2"),
+            ("frequency_hz", Quantity::Frequency, "Hz"),
+            ("Frequency (rad/s)", Quantity::Frequency, "rad/s"),
+        ] {
+            let header = Header::parse(cell);
+            assert_eq!(header.meaning.quantity(), Some(quantity), "{cell}: {header:?}");
+            assert_eq!(header.raw_unit, unit, "{cell}");
+        }
+    }
+
+    #[test]
+    fn canonical_columns_are_read_as_themselves() {
+        for quantity in Quantity::ALL
+            .into_iter()
+            .filter(|quantity| *quantity != Quantity::Other)
+        {
+            let header = Header::parse(quantity.column());
+            assert_eq!(header.raw_name, quantity.column());
+            assert_eq!(header.raw_unit, quantity.unit());
+            assert_eq!(
+                header.meaning,
+                Meaning::Known {
+                    quantity,
+                    conversion: Conversion::IDENTITY
+                }
+            );
+        }
+    }
+
+    #[test]
+    fn a_quantity_without_a_unit_that_fits_is_refused() {
+        for cell in ["Time", "current", "Current (mA/kg)", "I (MA)", "Voltage (s)", "t"] {
+            assert!(
+                matches!(Header::parse(cell).meaning, Meaning::Refused { .. }),
+                "{cell}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_text_too_long_for_a_name_is_not_looked_into() {
+        let long = format!("time {}(s)", "x ".repeat(LONGEST_NAME));
+        let header = Header::parse(&long);
+        assert_eq!((header.meaning, header.raw_name), (Meaning::Other, long));
+    }
+
+    #[test]
+    fn other_columns_keep_their_names() {
+        for cell in [
+            "Index",
+            "Dev0/Ai0",
+            "cDAQ1Mod2/ai3",
+            "Current range",
+            "Distance1 (mm)",
+            "V (m)",
+            "Q+",
+            "",
+            "/s",
+            "(s)",
+            "time stamp",
+        ] {
+            let header = Header::parse(cell);
+            assert_eq!((header.meaning, header.raw_name.as_str()), (Meaning::Other, cell));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Texts under which delimiter, decimal sign, names and units are found, and what is refused.
+
+use super::*;
+use crate::text::Lines;
+
+fn layout(text: &str) -> Result<Layout, ReadError> {
+    decide(&Lines::new(text).collect::<Vec<_>>())
+}
+
+fn dialect(text: &str) -> (Delimiter, Decimal) {
+    let layout = layout(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    (layout.dialect.delimiter, layout.dialect.decimal)
+}
+
+#[test]
+fn every_delimiter_with_its_decimal_sign() {
+    for (text, delimiter, decimal) in [
+        ("time_s,current_a\n0.5,1.5\n", Delimiter::Comma, Decimal::Point),
+        (
+            "time_s;current_a\n0.5;1.5\n",
+            Delimiter::Semicolon,
+            Decimal::Point,
+        ),
+        (
+            "time_s;current_a\n0,5;1,5\n",
+            Delimiter::Semicolon,
+            Decimal::Comma,
+        ),
+        ("time_s\tcurrent_a\n0,5\t1,5\n", Delimiter::Tab, Decimal::Comma),
+        ("Time (s)  I/mA\n0.5  1.5\n", Delimiter::Blanks, Decimal::Point),
+        (
+            "Time (s) ;  I/mA\n  0,5;  1\n",
+            Delimiter::Semicolon,
+            Decimal::Comma,
+        ),
+        (
+            "\"Time, s\",\"I/mA\"\n\"0,5\",\"1,5\"\n",
+            Delimiter::Comma,
+            Decimal::Comma,
+        ),
+    ] {
+        assert_eq!(dialect(text), (delimiter, decimal), "{text}");
+    }
+}
+
+#[test]
+fn a_late_decimal_comma_is_found() {
+    let mut text = "time_s;current_a\n".to_owned();
+    (0..400).for_each(|k| text.push_str(&format!("{k};0\n")));
+    text.push_str("400;0,5\n");
+    assert_eq!(dialect(&text).1, Decimal::Comma);
+}
+
+#[test]
+fn two_readings_are_refused() {
+    for text in ["time_s,current_a\n0,5,1,5\n", "time_s;current_a\n0.5,0;1,5\n"] {
+        let error = layout(text).unwrap_err();
+        assert!(
+            matches!(error, ReadError::AmbiguousNumbers { line: 2, .. }),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn mixed_decimal_signs_are_refused() {
+    let error = layout("time_s;current_a\n0;1.5\n1;1,5\n").unwrap_err();
+    assert!(
+        error.to_string().contains("decimal point") && error.to_string().contains("decimal comma"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_preamble_may_speak_of_time() {
+    let layout = layout("Date;17.7.2024\nTime;12:30:05\nTime (s);I/mA\n0;1\n").unwrap();
+    assert_eq!((layout.header_at, layout.data_at), (2, 3));
+}
+
+#[test]
+fn units_may_stand_in_a_row_of_their_own() {
+    let layout = layout("preamble\n\ntime,current\ns,mA\n0,1\n").unwrap();
+    assert_eq!((layout.header_at, layout.data_at), (2, 4));
+    assert_eq!(layout.headers[1].meaning.quantity(), Some(Quantity::Current));
+    // Anton Paar: brackets, columns without a unit, and a blank line between.
+    let text = "Project:\tx\nInterval data:\tPoint No.\tTime\tStorage Modulus\n\t\t\t\n\t\t[min]\t[Pa]\n\t1\t0.5\t2e6\n";
+    let layout = self::layout(text).unwrap();
+    assert_eq!((layout.header_at, layout.data_at), (1, 4));
+    let units: Vec<&str> = layout
+        .headers
+        .iter()
+        .map(|header| header.raw_unit.as_str())
+        .collect();
+    assert_eq!(units, ["", "", "min", "Pa"]);
+}
+
+#[test]
+fn a_mend_does_not_advise_what_is_there() {
+    let mend = |text: &str| layout(text).unwrap_err().mend();
+    assert!(!mend("time_s\tcurrent_a\n0\t1.5\n1\t1,5\n").contains("tabs"));
+    assert!(mend("time_s,current_a\n0,5,1,5\n").contains("tabs"));
+    assert!(mend("time_s\tcurrent_a\n0\t1\t2\n1\t1\t2\n").contains("as many fields"));
+}
+
+#[test]
+fn a_missing_header_or_body_is_named() {
+    assert!(matches!(
+        layout("1,2\n3,4\n"),
+        Err(ReadError::NoHeader { line: 1, .. })
+    ));
+    assert!(matches!(
+        layout("time_s,current_a\n# no more\n"),
+        Err(ReadError::HeaderOnly { line: 1, .. })
+    ));
+}

@@ -1,0 +1,109 @@
+//! What a column may mean whose name is not known: by a name that is nearly a known one, or by its unit alone.
+
+use super::header::{Header, Meaning, candidates, known_names, spelled_unit};
+use crate::campaign_file::nearest;
+use ieap_domain::Quantity;
+use ieap_domain::unit::{self, Conversion};
+
+/// Fewest letters of a name that a slip may have been made in.
+const FEWEST_LETTERS: usize = 4;
+
+/// Quantities whose units say what is measured in a table of a run; a length or a voltage may be many things.
+const TOLD_BY_UNIT: [Quantity; 3] = [Quantity::Curvature, Quantity::Current, Quantity::CurrentDensity];
+
+/// What a column probably measures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Likely {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// The known name that was probably meant, and the conversion of the unit: name and unit leave no doubt. None where
+    /// the unit alone speaks.
+    pub named: Option<(String, Conversion)>,
+    /// The unit as it is understood.
+    pub unit: String,
+}
+
+/// What a column probably measures; none where nothing speaks for a quantity, or where it is known.
+pub fn likely(header: &Header) -> Option<Likely> {
+    if header.meaning != Meaning::Other {
+        return None;
+    }
+    by_name(header).or_else(|| by_unit(header))
+}
+
+/// `curvture_per_cm`, `Curent (mA)`: a slip in a known name, with a unit of its quantity.
+fn by_name(header: &Header) -> Option<Likely> {
+    let cell = header.raw_name.as_str();
+    let whole = (!header.raw_unit.is_empty())
+        .then(|| {
+            cell.find(['(', '[', '/', ','])
+                .map(|at| (&cell[..at], header.raw_unit.as_str()))
+        })
+        .flatten();
+    let cuts = cell.char_indices().filter(|(_, c)| matches!(c, '_' | ' '));
+    let parts = cuts.map(|(at, _)| (&cell[..at], &cell[at + 1..]));
+    whole.into_iter().chain(parts).find_map(|(name, unit)| {
+        let name = name.trim();
+        if name.chars().count() < FEWEST_LETTERS {
+            return None;
+        }
+        let meant = nearest(name, known_names())?;
+        candidates(meant).iter().find_map(|&quantity| {
+            let unit = spelled_unit(quantity, unit)?;
+            let conversion = unit::conversion(quantity, &unit).ok()?;
+            Some(Likely {
+                quantity,
+                named: Some((meant.to_owned(), conversion)),
+                unit,
+            })
+        })
+    })
+}
+
+fn by_unit(header: &Header) -> Option<Likely> {
+    let fits = |quantity: &Quantity| unit::conversion(*quantity, &header.raw_unit).is_ok();
+    let quantity = TOLD_BY_UNIT.into_iter().find(fits)?;
+    Some(Likely {
+        quantity,
+        named: None,
+        unit: header.raw_unit.clone(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_with_a_fitting_unit_leave_no_doubt_and_a_unit_alone_is_a_proposal() {
+        for (cell, quantity, meant) in [
+            ("curvture_per_cm", Quantity::Curvature, Some("curvature")),
+            ("Curent (mA)", Quantity::Current, Some("current")),
+            ("Kr\u{fc}mung [1/m]", Quantity::Curvature, Some("kr\u{fc}mmung")),
+            ("voltge_v", Quantity::Voltage, Some("voltage")),
+            ("k_strip [1/m]", Quantity::Curvature, None),
+            ("Kanal 3 (mA)", Quantity::Current, None),
+            ("signal / mA/cm2", Quantity::CurrentDensity, None),
+        ] {
+            let found = likely(&Header::parse(cell)).unwrap_or_else(|| panic!("{cell}"));
+            let name = found.named.as_ref().map(|(name, _)| name.as_str());
+            assert_eq!((found.quantity, name), (quantity, meant), "{cell}");
+        }
+    }
+
+    #[test]
+    fn known_columns_and_those_of_other_kinds_are_left_alone() {
+        for cell in [
+            "current_a",
+            "Current range",
+            "Potential applied (V)",
+            "Distance1 (mm)",
+            "Index",
+            "time stamp",
+            "Temperatur (\u{b0}C)",
+            "note",
+        ] {
+            assert_eq!(likely(&Header::parse(cell)), None, "{cell}");
+        }
+    }
+}

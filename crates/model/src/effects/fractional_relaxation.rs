@@ -1,0 +1,132 @@
+//! Relaxation by a power law.
+
+use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use crate::extended::{RelaxationMode, RunContext, System};
+
+/// See the module.
+pub(super) struct FractionalRelaxation;
+
+static ABOUT: About = About {
+    id: "fractional-relaxation",
+    code: "M3",
+    class: Class::Relaxation,
+    summary: "power-law relaxation",
+    equation: "kappa(p) = alpha p^b/(p^b + lambda^b) q(p), b = 1 - d",
+    variants: &[],
+    parameters: &[EffectParameter {
+        key: "order_shortfall",
+        symbol: "d",
+        unit: "",
+        meaning: "how far the order of the derivative falls short of 1",
+    }],
+    vanishes: "d = 0",
+    signature: "a tail of the bending that falls as a power of time",
+    twins: &["second-relaxation", "creep", "partial-relaxation"],
+    separated_by: "a hold over three decades of time; the order with its interval says more than the name",
+    sources: "Mittag-Leffler function and its spectrum of rates (Cole-Cole); Caponetto et al. 2013",
+};
+
+/// Modes to either side of the middle one.
+const SIDE: usize = 14;
+
+/// Logarithms of rates (in units of the rate of the law) and weights of an order below 1: the density
+/// sin(b pi)/(2 pi (cosh(b u) + cos(b pi))) of u in bins, each with all that it holds.
+fn spectrum(order: f64) -> Vec<(f64, f64)> {
+    use std::f64::consts::PI;
+    let up_to = |u: f64| ((PI * order / 2.0).tan() * (order * u / 2.0).tanh()).atan() / (PI * order);
+    let edges = edges(PI * (1.0 - order) / order, 4.0 / order);
+    let mut out = vec![(0.0, 2.0 * up_to(edges[0]))];
+    for (k, &edge) in edges.iter().enumerate() {
+        let (next, middle) = match edges.get(k + 1) {
+            Some(&next) => (up_to(next), (edge + next) / 2.0),
+            // Beyond the last edge the density falls as e^(-b u).
+            None => (0.5, edge + 1.0 / order),
+        };
+        let weight = next - up_to(edge);
+        out.extend([(middle, weight), (-middle, weight)]);
+    }
+    out
+}
+
+/// Edges of the bins above 0 up to `far`: as wide as the density's peak at 0, then wider, smooth in the peak's width.
+fn edges(width: f64, far: f64) -> Vec<f64> {
+    let width = width.max(1e-3);
+    let places = |u: f64| (u / width).asinh() + u / 0.8;
+    let all = places(far);
+    let edge = |k: usize| {
+        let wanted = all * (k as f64 + 0.5) / (SIDE as f64 - 0.5);
+        let (mut low, mut high) = (0.0, far);
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            if places(middle) < wanted {
+                low = middle
+            } else {
+                high = middle
+            }
+        }
+        (low + high) / 2.0
+    };
+    (0..SIDE).map(edge).collect()
+}
+
+impl Effect for FractionalRelaxation {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+        if scale.curvature_per_cm == 0.0 {
+            return Search::none();
+        }
+        if scale.base.relaxation_rate_per_s <= 0.0 {
+            return Search::none();
+        }
+        Search::over(0.02, vec![Limits::linear(0.0, 0.6)], &[])
+    }
+
+    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+        // Every mode that relaxes becomes a spectrum.
+        let order = 1.0 - parameters[0].clamp(0.0, 0.9);
+        let spectrum = spectrum(order);
+        let spread = |mode: &RelaxationMode| -> Vec<RelaxationMode> {
+            if mode.rate_per_s == 0.0 || order == 1.0 {
+                return vec![*mode];
+            }
+            let part = |&(away, weight): &(f64, f64)| RelaxationMode {
+                rate_per_s: mode.rate_per_s * away.exp(),
+                weight: mode.weight * weight,
+            };
+            spectrum.iter().map(part).collect()
+        };
+        system.relaxation = system.relaxation.iter().flat_map(spread).collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spectrum;
+
+    /// E_(1/2)(-sqrt(x)) = e^x erfc(sqrt(x)).
+    #[test]
+    fn half_order_is_the_error_function() {
+        let modes = spectrum(0.5);
+        let total: f64 = modes.iter().map(|m| m.1).sum();
+        assert!((total - 1.0).abs() < 1e-12);
+        for x in [0.03_f64, 0.1, 0.3, 1.0, 3.0, 10.0] {
+            let sum: f64 = modes.iter().map(|(u, w)| w * (-x * u.exp()).exp()).sum();
+            let exact = x.exp() * statrs::function::erf::erfc(x.sqrt());
+            assert!((sum - exact).abs() < 2e-3, "{x}: {sum} {exact}");
+        }
+    }
+
+    #[test]
+    fn near_order_one_the_modes_close_up() {
+        for order in [0.999_f64, 0.97] {
+            let away: f64 = spectrum(order)
+                .iter()
+                .map(|(u, w)| w * ((-u.exp()).exp() - (-1.0_f64).exp()))
+                .sum();
+            assert!(away.abs() < 2.0 * (1.0 - order), "{order}: {away}");
+        }
+    }
+}

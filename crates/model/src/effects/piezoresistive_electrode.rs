@@ -1,0 +1,69 @@
+//! Electrodes whose resistance changes as they bend.
+
+use super::acting::{instant, scale_resistances};
+use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use crate::extended::{RunContext, System};
+
+/// See the module.
+pub(super) struct PiezoresistiveElectrode;
+
+static ABOUT: About = About {
+    id: "piezoresistive-electrode",
+    code: "E12",
+    class: Class::Contact,
+    summary: "R changes with curvature",
+    equation: "R_k -> R_k (1 + g kappa)",
+    variants: &[],
+    parameters: &[EffectParameter {
+        key: "gauge_cm",
+        symbol: "g",
+        unit: "cm",
+        meaning: "relative change of the resistances per curvature",
+    }],
+    vanishes: "g = 0",
+    signature: "odd in the voltage; the current follows the bending, its relaxation too",
+    twins: &["joule-heating", "water-redistribution", "asymmetric-capacitance"],
+    separated_by: "reversed polarity, or a strip that is held straight",
+    sources: "strain gauges; models of metal electrodes under bending",
+};
+
+impl Effect for PiezoresistiveElectrode {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+        if scale.curvature_per_cm == 0.0 {
+            return Search::none();
+        }
+        let most = 0.9 / scale.curvature_per_cm;
+        Search::over(0.03 * most, vec![Limits::linear(-most, most)], &[])
+    }
+
+    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+        let gauge_cm = parameters[0];
+        system.laws.push(instant(move |now, c| {
+            scale_resistances(c, 1.0 + gauge_cm * now.curvature_per_cm)
+        }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::respond;
+
+    #[test]
+    fn an_edge_meets_the_resistance_of_the_bent_strip() {
+        let levels = [(0.0, Some(2.0)), (100.0, Some(0.0))];
+        let times = [100.0 - 1e-7, 100.0];
+        let found = respond(
+            &[("piezoresistive-electrode", 0, &[1.5])],
+            &levels,
+            &times,
+            &times,
+        );
+        let factor = 1.0 + 1.5 * found.curvature_per_cm[0];
+        let jump = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / factor + 1.0 / 300.0);
+        assert!((found.current_a[0] - found.current_a[1] - jump).abs() < 1e-7);
+    }
+}

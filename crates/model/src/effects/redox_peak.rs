@@ -1,0 +1,117 @@
+//! Charge stored by a reaction at one potential.
+
+use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use crate::extended::{Coefficients, Law, Now, RunContext, System};
+
+/// See the module.
+pub(super) struct RedoxPeak;
+
+static ABOUT: About = About {
+    id: "redox-peak",
+    code: "E17",
+    class: Class::Charging,
+    summary: "pseudo-capacitance at one potential",
+    equation: "dq_2/de_2 = C_2 + q_r f (1 - f)/w, f = 1/(1 + e^(-(e_2 - E_0)/w)), w = 25.7 mV",
+    variants: &[],
+    parameters: &[
+        EffectParameter {
+            key: "redox_charge_c_per_cm2",
+            symbol: "q_r",
+            unit: "C/cm2",
+            meaning: "charge of the reaction",
+        },
+        EffectParameter {
+            key: "redox_potential_v",
+            symbol: "E_0",
+            unit: "V",
+            meaning: "potential at which it takes place",
+        },
+    ],
+    vanishes: "q_r = 0",
+    signature: "further charge only where the capacitor passes E_0",
+    twins: &["voltage-dependent-capacitance"],
+    separated_by: "voltages below and above E_0, or a slow ramp",
+    sources: "Nernst equation of a surface-bound couple at 25 degrees",
+};
+
+/// Thermal voltage of one electron at 25 degrees, V.
+const WIDTH_V: f64 = 0.0257;
+
+struct Peak {
+    of_base: usize,
+    charge: f64,
+    potential_v: f64,
+}
+
+impl Law for Peak {
+    fn act(&self, now: &Now, _memory: f64, c: &mut Coefficients) {
+        let ours = |(_, b): &(usize, &crate::extended::BranchLaw)| b.of_base == Some(self.of_base);
+        let total: f64 = now
+            .branches
+            .iter()
+            .enumerate()
+            .filter(ours)
+            .map(|(_, b)| b.capacitance_f_per_cm2)
+            .sum();
+        for (k, branch) in now.branches.iter().enumerate().filter(ours) {
+            let away = (now.capacitor_v[k] - self.potential_v) / (2.0 * WIDTH_V);
+            // f (1 - f) = 1/(2 cosh)^2.
+            let bell = (2.0 * away.abs().min(300.0).cosh()).powi(-2) / WIDTH_V;
+            c.capacitance_f_per_cm2[k] += self.charge * bell * branch.capacitance_f_per_cm2 / total;
+        }
+    }
+    /// The peak is a tenth of a volt wide.
+    fn finer(&self) -> f64 {
+        5.0
+    }
+}
+
+impl Effect for RedoxPeak {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+        let Some(slowest) = scale.base.branches.last() else {
+            return Search::none();
+        };
+        let volts = scale.voltage_v;
+        if volts == 0.0 {
+            return Search::none();
+        }
+        let charge = slowest.capacitance_f_per_cm2 * volts;
+        let limits = vec![Limits::linear(0.0, 0.5 * charge), Limits::linear(-volts, volts)];
+        let potentials = [-0.6, 0.15, 0.4, 0.65, 0.85].map(|part| part * volts);
+        Search::over(0.02 * charge, limits, &[potentials.to_vec()])
+    }
+
+    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+        if let Some(of_base) = system.slowest_of_base() {
+            system.laws.push(Box::new(Peak {
+                of_base,
+                charge: parameters[0],
+                potential_v: parameters[1],
+            }));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::respond;
+
+    #[test]
+    fn charge_of_the_peak_goes_in() {
+        let times: Vec<f64> = (0..20_001).map(|k| 0.01 * f64::from(k)).collect();
+        let levels = [(0.0, Some(1.0))];
+        let with = respond(&[("redox-peak", 0, &[0.05, 0.4])], &levels, &times, &[]);
+        let without = respond(&[], &levels, &times, &[]);
+        let more: f64 = with
+            .current_a
+            .iter()
+            .zip(&without.current_a)
+            .map(|(a, b)| 0.01 * (a - b))
+            .sum();
+        assert!((more / (0.1 * 0.05) - 1.0).abs() < 2e-3, "{more}");
+    }
+}

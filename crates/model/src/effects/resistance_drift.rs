@@ -1,0 +1,58 @@
+//! Resistances that move with the clock.
+
+use super::acting::{instant, scale_resistances};
+use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use crate::extended::{RunContext, System};
+
+/// See the module.
+pub(super) struct ResistanceDrift;
+
+static ABOUT: About = About {
+    id: "resistance-drift",
+    code: "E11",
+    class: Class::Drift,
+    summary: "R changes with clock time",
+    equation: "R_k -> R_k (1 + e t/T), T the time of the last reading",
+    variants: &[],
+    parameters: &[EffectParameter {
+        key: "drift_per_run",
+        symbol: "e",
+        unit: "",
+        meaning: "relative change of the resistances over the run",
+    }],
+    vanishes: "e = 0",
+    signature: "time constants that change with clock time, whatever the drive does",
+    twins: &["water-exchange", "dispersion", "voltage-dependent-capacitance"],
+    separated_by: "the same step after idle time, or a pulse train",
+    sources: "drying and ageing of membranes",
+};
+
+impl Effect for ResistanceDrift {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn search(&self, _variant: usize, _scale: &Scale) -> Search {
+        Search::over(0.03, vec![Limits::linear(-0.8, 2.0)], &[])
+    }
+
+    fn apply(&self, _variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
+        let per_s = parameters[0] / run.duration_s.max(f64::MIN_POSITIVE);
+        system.laws.push(instant(move |now, c| {
+            scale_resistances(c, 1.0 + per_s * now.clock_s.max(0.0))
+        }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::respond;
+
+    #[test]
+    fn a_late_step_meets_the_changed_resistance() {
+        let late = [(0.0, Some(0.0)), (150.0, Some(2.0))];
+        let found = respond(&[("resistance-drift", 0, &[0.4])], &late, &[150.0], &[]);
+        let expected = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / 1.2 + 1.0 / 300.0);
+        assert!((found.current_a[0] / expected - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,393 @@
+//! Steps of an extended model: exact in charging and relaxation while the coefficients are held at the middle.
+
+use ieap_domain::Level;
+
+use super::grid::Grid;
+use super::node::{Charging, LADDER, draw, draw_now, voltages};
+use super::system::{Coefficients, Now, Responses, RunContext, System};
+
+/// Everything that a run remembers.
+#[derive(Debug, Clone, PartialEq)]
+struct State {
+    /// Capacitor voltages, node by node.
+    capacitor_v: Vec<f64>,
+    /// Charge since the start of the drive that bends, mean over the nodes, C/cm2.
+    charge: f64,
+    /// Strain of every mode of relaxation, in units of areal charge.
+    strain: Vec<f64>,
+    /// What the laws remember.
+    memory: Vec<f64>,
+    /// Voltage of the source, V.
+    source_v: f64,
+    /// Voltage across every node, V.
+    nodes_v: Vec<f64>,
+    /// Mean voltage across the strip, V, and current through it, A/cm2.
+    terminal_v: f64,
+    current: f64,
+}
+
+/// Walks a run from its start.
+pub(super) struct Stepper<'a> {
+    system: &'a System,
+    run: &'a RunContext<'a>,
+    nodes: usize,
+    linear: bool,
+    plain: Coefficients,
+}
+
+impl<'a> Stepper<'a> {
+    pub(super) fn new(system: &'a System, run: &'a RunContext<'a>) -> Stepper<'a> {
+        let along = system.electrode_resistance_ohm_per_sq > 0.0 && run.length_cm.is_some();
+        Stepper {
+            system,
+            run,
+            nodes: if along { LADDER } else { 1 },
+            linear: system.is_linear(),
+            plain: Coefficients {
+                resistance_ohm_cm2: system.branches.iter().map(|b| b.resistance_ohm_cm2).collect(),
+                capacitance_f_per_cm2: system.branches.iter().map(|b| b.capacitance_f_per_cm2).collect(),
+                steady_s_per_cm2: system.steady_s_per_cm2,
+                leak_a_per_cm2: 0.0,
+                leak_s_per_cm2: 0.0,
+                relaxation_factor: 1.0,
+                coupling_factor: 1.0,
+                emf_v: 0.0,
+            },
+        }
+    }
+
+    fn rest(&self) -> State {
+        let baseline_v = self.run.drive.baseline_v;
+        let at_rest = self.system.branches.iter().map(|b| {
+            let held = 1.0 + b.internal_conductance_s_per_cm2 * b.resistance_ohm_cm2;
+            baseline_v / held + b.residual_v
+        });
+        let node: Vec<f64> = at_rest.collect();
+        State {
+            capacitor_v: node.repeat(self.nodes),
+            charge: 0.0,
+            strain: vec![0.0; self.system.relaxation.len()],
+            memory: vec![0.0; self.system.laws.len()],
+            source_v: baseline_v,
+            nodes_v: vec![baseline_v; self.nodes],
+            terminal_v: baseline_v,
+            current: 0.0,
+        }
+    }
+
+    /// Current and curvature at the readings.
+    pub(super) fn responses(&self, grid: &Grid) -> Responses {
+        let times = &grid.time_s;
+        let start_s = self.run.start_s();
+        let mut current_a = vec![0.0; times.len()];
+        let mut curvature = vec![0.0; times.len()];
+        let mut state = self.rest();
+        let mut work = Work::new(self);
+        let mut segment = None;
+        let mut segments = self.run.drive.segments.iter().peekable();
+        let at_rest_a = self.run.area_cm2 * self.run.drive.baseline_v * self.system.rest_s_per_cm2();
+        for (k, &t) in times.iter().enumerate() {
+            if let (Some((edge_s, level)), true) = (segment, k > 0) {
+                self.step(&mut state, &mut work, times[k - 1], t, edge_s, level);
+            }
+            while let Some(next) = segments.next_if(|next| next.start_s <= t) {
+                segment = Some((next.start_s, next.level));
+            }
+            let Some((edge_s, level)) = segment else {
+                current_a[k] = at_rest_a + self.system.current_offset_a;
+                continue;
+            };
+            if self.system.source_rise_s == 0.0
+                && let Level::Voltage(v) = level
+            {
+                state.source_v = v;
+            }
+            self.see(&mut state, &mut work, t, edge_s, level);
+            current_a[k] = self.run.area_cm2 * state.current + self.system.current_offset_a;
+            curvature[k] = work.curvature;
+        }
+        if !self.system.observations.is_empty() {
+            let clock: Vec<f64> = times.iter().map(|t| t - start_s).collect();
+            for observation in &self.system.observations {
+                observation.observe(&clock, &mut curvature);
+            }
+        }
+        let shares = grid.shares as f64;
+        Responses {
+            current_a: grid.current.of(&current_a),
+            curvature_per_cm: (grid.curvature.of(&curvature).chunks(grid.shares))
+                .map(|seen| seen.iter().sum::<f64>() / shares)
+                .collect(),
+        }
+    }
+
+    /// Terminal voltage, current, coefficients and curvature at this instant.
+    fn see(&self, state: &mut State, work: &mut Work, t: f64, edge_s: f64, level: Level) {
+        self.terminals(state, work, level);
+        if !self.system.laws.is_empty() {
+            self.act(state, work, t, edge_s);
+            self.terminals(state, work, level);
+        }
+        work.curvature = self.curvature(state, work.now.coupling_factor);
+    }
+
+    /// Voltages and total current now, with the coefficients in `work.now`.
+    fn terminals(&self, state: &mut State, work: &mut Work, level: Level) {
+        let branches = self.system.branches.len();
+        for (node, e) in work.draws.iter_mut().zip(state.capacitor_v.chunks(branches)) {
+            *node = draw_now(&work.now, e);
+        }
+        let source = self.source(state.source_v, level, work.now.emf_v);
+        self.solve(source, work);
+        state.nodes_v.copy_from_slice(&work.nodes_v);
+        let per_node = 1.0 / self.nodes as f64;
+        state.terminal_v = work.nodes_v.iter().sum::<f64>() * per_node;
+        let drawn: f64 = (work.draws.iter().zip(&work.nodes_v))
+            .map(|((g, i), u)| g * u + i)
+            .sum();
+        state.current = drawn * per_node;
+    }
+
+    fn solve(&self, source: Option<f64>, work: &mut Work) {
+        let (run, out) = (self.run, &mut work.nodes_v);
+        let length_cm = run.length_cm.unwrap_or(0.0);
+        voltages(self.system, run.area_cm2, length_cm, source, &work.draws, out);
+    }
+
+    fn source(&self, source_v: f64, level: Level, emf_v: f64) -> Option<f64> {
+        match level {
+            Level::Voltage(_) => Some(source_v + emf_v),
+            Level::OpenCircuit => None,
+        }
+    }
+
+    /// Lets the laws act on the plain coefficients, into `work.now`.
+    fn act(&self, state: &State, work: &mut Work, t: f64, edge_s: f64) {
+        let branches = self.system.branches.len();
+        let curvature_per_cm = self.curvature(state, work.now.coupling_factor);
+        let (curvature_rate_per_cm_s, curvature_rate_per_cm_s_v) = self.curvature_rate(state, work);
+        let now = Now {
+            clock_s: t - self.run.start_s(),
+            since_edge_s: t - edge_s,
+            source_v: state.source_v,
+            terminal_v: state.terminal_v,
+            current_a_per_cm2: state.current,
+            steady_a_per_cm2: state.terminal_v * work.now.steady_s_per_cm2,
+            branches: &self.system.branches,
+            capacitor_v: &state.capacitor_v[..branches],
+            charge_c_per_cm2: state.charge,
+            curvature_per_cm,
+            curvature_rate_per_cm_s,
+            curvature_rate_per_cm_s_v,
+            emf_v: work.now.emf_v,
+        };
+        work.now.clone_from(&self.plain);
+        for (k, law) in self.system.laws.iter().enumerate() {
+            work.inputs[k] = law.memory_input(&now);
+            law.act(&now, state.memory[k], &mut work.now);
+        }
+    }
+
+    fn curvature(&self, state: &State, coupling_factor: f64) -> f64 {
+        let area = self.run.area_cm2;
+        let modes = self.system.relaxation.iter().zip(&state.strain);
+        let strain: f64 = modes.map(|(mode, s)| mode.weight * s).sum();
+        let bent = self.system.charge_to_curvature_per_c_cm * area * coupling_factor * strain;
+        bent + self
+            .system
+            .direct_bending
+            .as_ref()
+            .map_or(0.0, |bend| bend(area * state.charge))
+    }
+
+    /// Rate of the curvature, 1/(cm s), and how it grows with the voltage across the strip, 1/(cm s V).
+    fn curvature_rate(&self, state: &State, work: &Work) -> (f64, f64) {
+        let system = self.system;
+        let (mut charging, mut per_volt) = (0.0, system.steady_bends * work.now.steady_s_per_cm2);
+        for (k, b) in system.branches.iter().enumerate() {
+            let conductance = b.bends / work.now.resistance_ohm_cm2[k];
+            per_volt += conductance;
+            let lost = b.bends * b.internal_conductance_s_per_cm2;
+            charging -= (conductance + lost) * state.capacitor_v[k];
+        }
+        charging += per_volt * state.terminal_v;
+        let scale = system.charge_to_curvature_per_c_cm * self.run.area_cm2 * work.now.coupling_factor;
+        let (mut weight, mut relaxing) = (0.0, 0.0);
+        for (mode, s) in system.relaxation.iter().zip(&state.strain) {
+            weight += mode.weight;
+            relaxing += mode.weight * mode.rate_per_s * work.now.relaxation_factor * s;
+        }
+        (scale * (weight * charging - relaxing), scale * weight * per_volt)
+    }
+
+    /// From `from_s` to `to_s` within one segment; the coefficients of the start stand in `work.now`.
+    fn step(&self, state: &mut State, work: &mut Work, from_s: f64, to_s: f64, edge_s: f64, level: Level) {
+        let h = to_s - from_s;
+        if h <= 0.0 {
+            return;
+        }
+        if !self.linear {
+            let mut middle = state.clone();
+            self.advance(&mut middle, work, h / 2.0, level);
+            let emf_v = work.now.emf_v;
+            self.see(&mut middle, work, from_s + h / 2.0, edge_s, level);
+            // The voltage across the strip goes along a straight line: what counts is its end.
+            work.now.emf_v = 2.0 * work.now.emf_v - emf_v;
+        }
+        self.advance(state, work, h, level);
+    }
+
+    /// Advances by `h` with the coefficients in `work.now`.
+    fn advance(&self, state: &mut State, work: &mut Work, h: f64, level: Level) {
+        let system = self.system;
+        let branches = system.branches.len();
+        self.advance_source(state, h, level);
+        work.prepare(self, h);
+        let nodes = state.capacitor_v.chunks(branches).zip(&state.nodes_v);
+        for (draws, (e, &u)) in work.draws.iter_mut().zip(nodes) {
+            *draws = draw(&work.now, &work.charging, e, u);
+        }
+        let source = self.source(state.source_v, level, work.now.emf_v);
+        self.solve(source, work);
+        work.gained.fill(0.0);
+        let (mut mean_v, mut risen) = (0.0, 0.0);
+        let nodes = state.capacitor_v.chunks_mut(branches).zip(&state.nodes_v);
+        for ((e, &from), &to) in nodes.zip(&work.nodes_v) {
+            for ((e, charging), gained) in e.iter_mut().zip(&work.charging).zip(&mut work.gained) {
+                let ramp = charging.end * (to - from) / h;
+                *gained += charging.end * from - ramp / charging.rate_per_s - *e;
+                *e = (1.0 - charging.way) * *e + charging.from * from + charging.to * to;
+            }
+            mean_v += (from + to) / 2.0;
+            risen += to - from;
+        }
+        let per_node = 1.0 / self.nodes as f64;
+        let steady = mean_v * per_node * work.now.steady_s_per_cm2 * system.steady_bends;
+        let ramp = risen * per_node / h;
+        let charges = system.branches.iter().enumerate();
+        let ramped = charges.map(|(k, b)| b.bends * work.now.capacitance_f_per_cm2[k] * work.charging[k].end);
+        let steady = steady + ramp * ramped.sum::<f64>();
+        self.advance_strain(state, work, h, per_node, steady);
+        for (k, law) in system.laws.iter().enumerate() {
+            if let Some(time_s) = law.memory_time_s() {
+                let kept = (-h / time_s).exp();
+                let grown = if time_s.is_finite() {
+                    time_s * (1.0 - kept)
+                } else {
+                    h
+                };
+                state.memory[k] = state.memory[k] * kept + work.inputs[k] * grown;
+            }
+        }
+    }
+
+    /// The source's voltage after `h`.
+    fn advance_source(&self, state: &mut State, h: f64, level: Level) {
+        let rise_s = self.system.source_rise_s;
+        state.source_v = match level {
+            Level::OpenCircuit => state.terminal_v,
+            Level::Voltage(v) if rise_s == 0.0 => v,
+            Level::Voltage(v) => v - (v - state.source_v) * (-h / rise_s).exp(),
+        };
+    }
+
+    /// Charge and strain: every branch's charge that comes exponentially, and `steady` A/cm2 that come evenly.
+    fn advance_strain(&self, state: &mut State, work: &mut Work, h: f64, per_node: f64, steady: f64) {
+        let branches = self.system.branches.iter().enumerate();
+        let charges = branches.clone().map(|(k, b)| {
+            b.bends * work.now.capacitance_f_per_cm2[k] * per_node * work.gained[k] * work.charging[k].way
+        });
+        let gain = charges.sum::<f64>() + steady * h;
+        let share = self.share(state.charge, gain);
+        for (m, strain) in state.strain.iter_mut().enumerate() {
+            let left = work.kept[m];
+            let mut grown = steady * work.grown[m];
+            for (k, b) in branches.clone() {
+                let start = b.bends * work.now.capacitance_f_per_cm2[k] * per_node * work.gained[k];
+                grown += start * work.driven[m * self.system.branches.len() + k];
+            }
+            *strain = *strain * left + share * grown;
+        }
+        state.charge += gain;
+    }
+
+    /// Strain per charge while the charge grows by `gain`, C/cm2.
+    fn share(&self, charge: f64, gain: f64) -> f64 {
+        let Some(map) = &self.system.bending_charge else {
+            return 1.0;
+        };
+        let area = self.run.area_cm2;
+        let by = if gain.abs() * area > 1e-12 {
+            gain
+        } else {
+            1e-9 / area
+        };
+        (map(area * (charge + by)) - map(area * charge)) / (area * by)
+    }
+}
+
+/// What a step needs, kept from one to the next.
+struct Work {
+    now: Coefficients,
+    charging: Vec<Charging>,
+    /// Per mode: what is left of the strain, and what a steady current of 1 A/cm2 adds.
+    kept: Vec<f64>,
+    grown: Vec<f64>,
+    /// Per mode and branch: strain per charge still to come at the start of the step.
+    driven: Vec<f64>,
+    draws: Vec<(f64, f64)>,
+    nodes_v: Vec<f64>,
+    gained: Vec<f64>,
+    inputs: Vec<f64>,
+    curvature: f64,
+    prepared_s: f64,
+}
+
+impl Work {
+    fn new(stepper: &Stepper) -> Work {
+        let (branches, modes) = (stepper.system.branches.len(), stepper.system.relaxation.len());
+        Work {
+            now: stepper.plain.clone(),
+            charging: Vec::with_capacity(branches),
+            kept: vec![0.0; modes],
+            grown: vec![0.0; modes],
+            driven: vec![0.0; modes * branches],
+            draws: vec![(0.0, 0.0); stepper.nodes],
+            nodes_v: vec![0.0; stepper.nodes],
+            gained: vec![0.0; branches],
+            inputs: vec![0.0; stepper.system.laws.len()],
+            curvature: 0.0,
+            prepared_s: 0.0,
+        }
+    }
+
+    /// Exponentials of a step of `h`; those of the step before serve again where nothing changed.
+    fn prepare(&mut self, stepper: &Stepper, h: f64) {
+        let fixed = stepper.system.laws.is_empty();
+        if fixed && (h - self.prepared_s).abs() <= 1e-10 * h {
+            return;
+        }
+        self.prepared_s = h;
+        self.charging.clear();
+        for (k, branch) in stepper.system.branches.iter().enumerate() {
+            let (r, c) = (self.now.resistance_ohm_cm2[k], self.now.capacitance_f_per_cm2[k]);
+            self.charging.push(Charging::over(branch, r, c, h));
+        }
+        let branches = self.charging.len();
+        for (m, mode) in stepper.system.relaxation.iter().enumerate() {
+            let rate = mode.rate_per_s * self.now.relaxation_factor;
+            let left = (-rate * h).exp();
+            self.kept[m] = left;
+            self.grown[m] = if rate * h > 1e-8 { (1.0 - left) / rate } else { h };
+            for k in 0..branches {
+                let charging = self.charging[k];
+                let apart = (charging.rate_per_s - rate) * h;
+                self.driven[m * branches + k] = if apart.abs() > 1e-3 {
+                    charging.rate_per_s * (left - 1.0 + charging.way) * h / apart
+                } else {
+                    charging.rate_per_s * h * left * (1.0 - apart / 2.0 + apart * apart / 6.0)
+                };
+            }
+        }
+    }
+}

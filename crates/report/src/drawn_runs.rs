@@ -1,0 +1,81 @@
+//! What is drawn of runs, fetched a few pages at a time, so that memory does not grow with the campaign.
+
+use std::ops::Range;
+
+use super::input::Input;
+use super::pages::DrawnRun;
+use super::run_pages::RunPage;
+use super::site::Site;
+use ieap_domain::CurveSource;
+use ieap_domain::fault::caught;
+
+/// Runs that are drawn at a time, or those of one page: enough for every core, few enough that only their curves are in
+/// memory.
+const BATCH: usize = 32;
+
+/// Pages that are drawn together, all in turn.
+pub fn batches(pages: &[RunPage]) -> Vec<Range<usize>> {
+    let mut batches: Vec<Range<usize>> = Vec::new();
+    let mut runs = 0;
+    for (index, page) in pages.iter().enumerate() {
+        runs += page.runs.len();
+        match batches.last_mut().filter(|_| runs <= BATCH) {
+            Some(batch) => batch.end = index + 1,
+            None => {
+                batches.push(index..index + 1);
+                runs = page.runs.len();
+            }
+        }
+    }
+    batches
+}
+
+/// A page of runs before it is drawn: its index, and its runs.
+pub type ToDraw = (usize, Vec<DrawnRun>);
+
+/// Fetches page number `page` of the runs; a run whose curves cannot be had says why.
+pub fn to_draw(site: &Site, page: usize, curves: &dyn CurveSource) -> ToDraw {
+    let runs = site.run_pages[page].runs.iter();
+    let drawn = |&run: &usize| {
+        let made = caught(|| drawn_run(site.input, run, curves)).flatten();
+        made.unwrap_or_else(|reason| DrawnRun {
+            run,
+            curves: Vec::new(),
+            climate: Vec::new(),
+            failed: Some(reason),
+        })
+    };
+    (page, runs.map(drawn).collect())
+}
+
+fn drawn_run(input: &Input, run: usize, curves: &dyn CurveSource) -> Result<DrawnRun, String> {
+    let record = input.record(run);
+    Ok(DrawnRun {
+        run,
+        curves: curves.curves(record.id)?,
+        climate: match record.climate.is_empty() {
+            true => Vec::new(),
+            false => curves.climate_curves(record.id)?,
+        },
+        failed: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn batches_hold_every_page_once_and_few_runs() {
+        let page = |runs: usize| RunPage {
+            slug: String::new(),
+            group: String::new(),
+            runs: (0..runs).collect(),
+            part: 1,
+            parts: 1,
+        };
+        let pages: Vec<RunPage> = [10, 10, 10, 3, 1, 40, 2].map(page).to_vec();
+        assert_eq!(batches(&pages), [0..3, 3..5, 5..6, 6..7]);
+        assert!(batches(&[]).is_empty());
+    }
+}

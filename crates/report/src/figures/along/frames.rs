@@ -1,0 +1,61 @@
+//! The time axis of maps and curves along a strip.
+//!
+//! After one step time goes by its logarithm: charging takes seconds, creeping back hours, and both have their room.
+//! Where the drive changes again time is linear, since the logarithm counts from one change only.
+
+use crate::figures::axis::Axis;
+use crate::number::plain;
+use ieap_domain::{AlongCurve, AlongStrip};
+
+/// Frames as they lie on the axis.
+pub struct Frames {
+    /// The axis; it ends where the first and the last cell end.
+    pub axis: Axis,
+    /// Frames that are shown, in order of time.
+    pub shown: Vec<usize>,
+    /// Position of each of them.
+    pub at: Vec<f64>,
+    /// Ends of the cell of each: half-way to its neighbours.
+    pub edges: Vec<f64>,
+}
+
+/// Frames of `curve` on the axis of its strip; none where fewer than two can be shown.
+pub fn frames(strip: &AlongStrip, curve: &AlongCurve) -> Option<Frames> {
+    let since = |frame: usize| curve.time_s[frame] - strip.step_s;
+    let linear = strip.changes_again;
+    let all = 0..curve.time_s.len();
+    let shown: Vec<usize> = all.filter(|&frame| linear || since(frame) > 0.0).collect();
+    let at: Vec<f64> = shown
+        .iter()
+        .map(|&frame| {
+            if linear {
+                curve.time_s[frame]
+            } else {
+                since(frame).log10()
+            }
+        })
+        .collect();
+    let last = at.len().checked_sub(1).filter(|last| *last > 0)?;
+    let half = |k: usize| 0.5 * (at[k + 1] - at[k]);
+    let mut edges = vec![at[0] - half(0)];
+    edges.extend((0..last).map(|k| at[k] + half(k)));
+    edges.push(at[last] + half(last - 1));
+    let (low, high) = (edges[0], edges[at.len()]);
+    let axis = match linear {
+        true => Axis::linear(low, high, "Time", "s", 5),
+        false => Axis::log(10f64.powf(low), 10f64.powf(high), &title(strip.step_s), "s"),
+    };
+    Some(Frames {
+        axis,
+        shown,
+        at,
+        edges,
+    })
+}
+
+fn title(step_s: f64) -> String {
+    match step_s == 0.0 {
+        true => "Time since the step".to_owned(),
+        false => format!("Time since the step at {} s", plain(step_s)),
+    }
+}

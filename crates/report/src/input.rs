@@ -1,0 +1,138 @@
+//! Everything a report is made of, except the curves.
+
+use std::collections::BTreeMap;
+
+use ieap_analysis::laws::CampaignLaws;
+use ieap_analysis::laws::contrast::Contrast;
+use ieap_analysis::laws::matrix::ConfoundingMap;
+use ieap_analysis::monitoring::Monitoring;
+use ieap_analysis::online::Turn;
+use ieap_analysis::plan::{PlannedRun, Untying};
+use ieap_analysis::shared_effects::SharedEffect;
+use ieap_domain::{Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+
+/// What a report shows. No clock is read anywhere: the same input gives the same bytes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// The campaign.
+    pub campaign: Campaign,
+    /// Current revision of every run that results are made from, in the order in which lists show them.
+    pub runs: Vec<RunRecord>,
+    /// The runs that none are made from, each with its reason: they have a page and stand in the list of runs.
+    pub set_aside: Vec<RunRecord>,
+    /// Earlier revisions of the same paths, for the history on the run pages.
+    pub superseded: Vec<RunRecord>,
+    /// Current modulus logs with what was found in them.
+    pub modulus_logs: Vec<ModulusLog>,
+    /// Every file that the last scan saw.
+    pub files: Vec<SourceFile>,
+    /// What the report was generated from.
+    pub origin: Origin,
+    /// What came in last, newest first; the index shows the first few.
+    pub news: Vec<News>,
+    /// What the simulation gets wrong.
+    pub findings: Findings,
+    /// What holds across runs.
+    pub laws: CampaignLaws,
+    /// What it takes to tell apart what the design ties together.
+    pub untying: Vec<Untying>,
+    /// Runs to make next, the first first.
+    pub next_runs: Vec<PlannedRun>,
+    /// How far covariates leave each other unclear, by material.
+    pub confounding: Vec<ConfoundingMap>,
+    /// Environments and voltages compared.
+    pub contrasts: Vec<Contrast>,
+    /// Parameters over the life of the samples.
+    pub monitoring: Monitoring,
+    /// Climate logs: sensors, comparisons, exposure.
+    pub climate: ClimateAssessment,
+    /// Steps before the report that a fault of the program stopped: what they would have given is missing.
+    pub faults: Vec<Fault>,
+    /// Start and end of the runs whose start is known, s since 1970 UTC.
+    pub run_spans_s: Vec<(f64, f64)>,
+}
+
+impl Input {
+    /// Run number `run` of all that have a page: those of `runs`, then those of `set_aside`.
+    pub fn record(&self, run: usize) -> &RunRecord {
+        match run.checked_sub(self.runs.len()) {
+            None => &self.runs[run],
+            Some(place) => &self.set_aside[place],
+        }
+    }
+
+    /// All runs that have a page, in the order of their numbers.
+    pub fn records(&self) -> impl Iterator<Item = &RunRecord> {
+        self.runs.iter().chain(&self.set_aside)
+    }
+}
+
+/// What diagnoses found, and what is known of the effects that they name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Findings {
+    /// Of groups, by name.
+    pub groups: Vec<GroupDiagnosis>,
+    /// Of single runs, by name.
+    pub runs: Vec<GroupDiagnosis>,
+    /// What could be claimed of every single run when it came, by name.
+    pub turns: BTreeMap<String, Turn>,
+    /// Causes that several samples of a material share, with the finding in words.
+    pub shared: Vec<(SharedEffect, String)>,
+    /// Every effect that was looked for.
+    pub effects: Vec<EffectText>,
+}
+
+impl Findings {
+    /// What is known of an effect.
+    pub fn effect(&self, id: &str) -> Option<&EffectText> {
+        self.effects.iter().find(|effect| effect.id == id)
+    }
+}
+
+/// What is known of an effect, as pages print it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EffectText {
+    /// Id, `faradaic-leak`.
+    pub id: String,
+    /// What it is, in one line.
+    pub summary: String,
+    /// Governing equation.
+    pub equation: String,
+    /// What it leaves in the residual.
+    pub signature: String,
+    /// Run or instrument that tells it from its twins.
+    pub separated_by: String,
+    /// Parameters, the strength first.
+    pub parameters: Vec<EffectParameterText>,
+}
+
+/// A parameter of an effect, as pages print it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EffectParameterText {
+    /// Stored key.
+    pub key: String,
+    /// Symbol in the equation.
+    pub symbol: String,
+    /// Unit; empty for a pure number.
+    pub unit: String,
+    /// What it is, in one line.
+    pub meaning: String,
+}
+
+/// What a report was generated from, printed at the foot of every page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// Program with its version, `ieap 0.1.0`.
+    pub program: String,
+    /// State of the database in words, `change 412 of 2026-11-20T06:00:00Z`.
+    pub database: String,
+}
+
+/// A run that came in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct News {
+    /// Path of the run.
+    pub run_path: String,
+    /// When, RFC 3339 UTC.
+    pub at: String,
+}

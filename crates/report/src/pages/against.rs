@@ -1,0 +1,365 @@
+//! Every parameter against one covariate, run by run: small multiples, one a parameter and material.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::comparison::caution;
+use super::humidity::{SampleKey, sample_keys};
+use super::wording::counted;
+use crate::error::ReportError;
+use crate::figures::axis::{Axis, Scale, Tick};
+use crate::figures::calendar::calendar_axis;
+use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
+use crate::input::Input;
+use crate::site::Site;
+use ieap_analysis::comparison::against::{Against, Places};
+use ieap_analysis::conditions::material;
+use ieap_analysis::laws::facts::{Known, facts};
+use ieap_analysis::laws::words;
+use ieap_analysis::parameters::usable;
+use ieap_analysis::{PARAMETERS, ParameterInfo};
+use ieap_domain::tag::keys;
+
+/// How far beyond the values an interval may stretch an axis, as a factor.
+const STRETCH: f64 = 2.0;
+/// Ticks of names that fit side by side, and characters of all of them together.
+const MOST_NAMES: usize = 12;
+const MOST_CHARACTERS: usize = 48;
+/// Room that the marks of one name take, of the distance between two.
+const SPREAD: f64 = 0.7;
+
+#[derive(Debug, Serialize)]
+struct AgainstPage {
+    heading: String,
+    lead: &'static str,
+    caution: Vec<String>,
+    /// Tag that marks are coloured by.
+    group_by: &'static str,
+    groups: Vec<SampleKey>,
+    parameters: Vec<ParameterSection>,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterSection {
+    id: &'static str,
+    symbol: &'static str,
+    name: &'static str,
+    panels: Vec<Panel>,
+}
+
+#[derive(Debug, Serialize)]
+struct Panel {
+    /// Empty where all materials share the panel.
+    material: String,
+    figure: String,
+    note: String,
+}
+
+/// Whether runs differ in it.
+pub fn is_shown(input: &Input, against: Against) -> bool {
+    let facts = facts(&input.runs, &input.campaign, &[]);
+    against.places(&input.runs, &input.campaign, &facts).is_some()
+}
+
+/// Makes the page.
+pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
+    let input = site.input;
+    let nowhere = Places {
+        names: Vec::new(),
+        of_run: vec![None; input.runs.len()],
+    };
+    let places = against
+        .places(&input.runs, &input.campaign, &site.facts)
+        .unwrap_or(nowhere);
+    let groups = Groups::new(site, against);
+    let mut figures = BTreeMap::new();
+    let mut parameters = Vec::new();
+    for info in &PARAMETERS {
+        let section = Section {
+            site,
+            against,
+            places: &places,
+            groups: &groups,
+            info,
+        };
+        let panels = section.panels(&mut figures)?;
+        if !panels.is_empty() {
+            parameters.push(ParameterSection {
+                id: info.key,
+                symbol: info.symbol,
+                name: info.name,
+                panels,
+            });
+        }
+    }
+    let mut caution = caution(site);
+    caution.extend(input.laws.tied.iter().map(|set| words::tied(set, &input.laws)));
+    let page = AgainstPage {
+        heading: format!("Parameters against {}", name(against)),
+        lead: "One mark a run: its value with the 95 % interval by the fit and, where the covariate was measured, the standard error of its place. Runs that give a bound or nothing are left out and counted.",
+        caution,
+        group_by: groups.key,
+        groups: sample_keys(&groups.names),
+        parameters,
+    };
+    Content::new("against.html", &page, figures)
+}
+
+fn name(against: Against) -> &'static str {
+    match against {
+        Against::Humidity => "humidity",
+        Against::Voltage => "voltage",
+        Against::Environment => "environment",
+        Against::Material => "material",
+        Against::Sample => "sample",
+        Against::Time => "time",
+    }
+}
+
+/// By what marks are told apart.
+struct Groups {
+    /// Tag.
+    key: &'static str,
+    names: Vec<String>,
+    of_run: Vec<Option<usize>>,
+}
+
+impl Groups {
+    /// The environment, or the sample where the environment is what is shown against.
+    fn new(site: &Site, against: Against) -> Groups {
+        let (key, by) = match against {
+            Against::Environment => (keys::SAMPLE, Against::Sample),
+            _ => (keys::ENVIRONMENT, Against::Environment),
+        };
+        let (runs, campaign) = (&site.input.runs, &site.input.campaign);
+        match by.places(runs, campaign, &site.facts) {
+            Some(places) => Groups {
+                key,
+                names: places.names,
+                of_run: places
+                    .of_run
+                    .iter()
+                    .map(|place| Some(place.as_ref()?.value as usize))
+                    .collect(),
+            },
+            None => Groups {
+                key,
+                names: runs
+                    .iter()
+                    .find_map(|run| run.tag(key))
+                    .map(str::to_owned)
+                    .into_iter()
+                    .collect(),
+                of_run: runs.iter().map(|run| run.tag(key).map(|_| 0)).collect(),
+            },
+        }
+    }
+}
+
+/// One parameter.
+struct Section<'a> {
+    site: &'a Site<'a>,
+    against: Against,
+    places: &'a Places,
+    groups: &'a Groups,
+    info: &'static ParameterInfo,
+}
+
+impl Section<'_> {
+    fn panels(&self, figures: &mut BTreeMap<String, String>) -> Result<Vec<Panel>, ReportError> {
+        let materials = &self.site.conditions.materials;
+        let shared = [String::new()];
+        let names = if self.against == Against::Material {
+            &shared[..]
+        } else {
+            &materials[..]
+        };
+        let mut panels = Vec::new();
+        for (at, name) in names.iter().enumerate() {
+            let (marks, left_out) = self.marks(name);
+            if marks.is_empty() {
+                continue;
+            }
+            let id = format!("{}-{at}", self.info.key.replace('_', "-"));
+            let of = if name.is_empty() {
+                String::new()
+            } else {
+                format!(" of {name}")
+            };
+            let title = format!("{}{of} against {}", self.info.name, self::name(self.against));
+            let desc = "One mark a run with its 95 % interval; the numbers stand in the table of parameters.";
+            let (x, y) = (self.across(), vertical(self.info, &marks));
+            let beside = Beside {
+                names: self.groups.names.clone(),
+                ..Beside::default()
+            };
+            let drawn = sized_panel(SMALL, (&x, &y), (&marks, &beside), (&title, desc));
+            let svg = drawn.map_err(|reason| ReportError::Figure {
+                figure: id.clone(),
+                reason,
+            })?;
+            figures.insert(id.clone(), svg);
+            panels.push(Panel {
+                material: name.clone(),
+                figure: id,
+                note: match left_out {
+                    0 => String::new(),
+                    some => format!("{} left out: a bound, or not determined.", counted(some, "run")),
+                },
+            });
+        }
+        Ok(panels)
+    }
+
+    /// Marks of a material (of all where the name is empty), and how many fitted runs have none.
+    fn marks(&self, of: &str) -> (Vec<Mark>, usize) {
+        let input = self.site.input;
+        let (mut marks, mut left_out) = (Vec::new(), 0);
+        for (run, record) in input.runs.iter().enumerate() {
+            let (Some(place), Some(style)) = (self.places.of_run[run], self.groups.of_run[run]) else {
+                continue;
+            };
+            if !of.is_empty() && material(record, &input.campaign) != Some(of) {
+                continue;
+            }
+            let Some(estimate) = usable(record, self.info.key) else {
+                continue;
+            };
+            let Some(value) = estimate.value.filter(|value| value.is_finite()) else {
+                left_out += 1;
+                continue;
+            };
+            let shown = |number: Option<f64>| number.unwrap_or(value) * self.info.shown_factor;
+            marks.push(Mark {
+                x: place.value,
+                x_error: place.standard_error.unwrap_or(0.0),
+                y: value * self.info.shown_factor,
+                bar: (shown(estimate.low_95), shown(estimate.high_95)),
+                style,
+                run: Some(run),
+                came_from: 0,
+            });
+        }
+        if !self.places.names.is_empty() {
+            stand_side_by_side(&mut marks, self.places.names.len());
+        }
+        (marks, left_out)
+    }
+
+    fn across(&self) -> Axis {
+        let values = || self.places.of_run.iter().flatten();
+        if !self.places.names.is_empty() {
+            return names_axis(&self.places.names);
+        }
+        let reach = |known: &Known| known.standard_error.unwrap_or(0.0);
+        let low = values()
+            .map(|known| known.value - reach(known))
+            .fold(f64::INFINITY, f64::min);
+        let high = values()
+            .map(|known| known.value + reach(known))
+            .fold(f64::NEG_INFINITY, f64::max);
+        let margin = 0.05 * (high - low);
+        match self.against {
+            Against::Time => calendar_axis(low - margin, high + margin, 4, &self.site.zone()),
+            Against::Humidity => Axis::linear(low - margin, high + margin, "Relative humidity (%)", "", 6),
+            _ => Axis::linear(low - margin, high + margin, "Step voltage (V)", "", 6),
+        }
+    }
+}
+
+/// Runs of one name stand beside each other in their order.
+fn stand_side_by_side(marks: &mut [Mark], names: usize) {
+    for name in 0..names {
+        let own: Vec<usize> = (0..marks.len()).filter(|&k| marks[k].x == name as f64).collect();
+        let count = own.len() as f64;
+        for (at, &k) in own.iter().enumerate() {
+            marks[k].x += SPREAD * ((at as f64 + 0.5) / count - 0.5);
+        }
+    }
+}
+
+/// Places of names; where they are many or long, only some are written.
+fn names_axis(names: &[String]) -> Axis {
+    let characters: usize = names.iter().map(|name| name.chars().count() + 2).sum();
+    let every = names
+        .len()
+        .div_ceil(MOST_NAMES)
+        .max(characters.div_ceil(MOST_CHARACTERS));
+    let tick = |(at, name): (usize, &String)| Tick {
+        at: at as f64,
+        label: if at % every == 0 {
+            name.clone()
+        } else {
+            String::new()
+        },
+    };
+    Axis {
+        scale: Scale::Names,
+        low: -0.6,
+        high: names.len() as f64 - 0.4,
+        ticks: names.iter().enumerate().map(tick).collect(),
+        title: String::new(),
+        shown_factor: 1.0,
+    }
+}
+
+/// An axis that shows every value, and intervals as far as `STRETCH` lets them reach.
+fn vertical(info: &ParameterInfo, marks: &[Mark]) -> Axis {
+    let ends = |(low, high): (f64, f64), y: f64| (low.min(y), high.max(y));
+    let (low, high) = marks
+        .iter()
+        .map(|mark| mark.y)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let bars = || marks.iter().flat_map(|mark| [mark.bar.0, mark.bar.1]);
+    if info.spans_decades && low > 0.0 {
+        let reached = bars()
+            .map(|end| end.clamp(low / STRETCH, high * STRETCH))
+            .fold((low, high), ends);
+        return Axis::log(reached.0 / 1.2, reached.1 * 1.2, info.symbol, info.shown_unit);
+    }
+    let room = (STRETCH - 1.0) * (high - low).max(0.2 * high.abs().max(low.abs()));
+    let (low, high) = bars()
+        .map(|end| end.clamp(low - room, high + room))
+        .fold((low, high), ends);
+    let margin = 0.06 * (high - low);
+    let axis = Axis::linear(low - margin, high + margin, info.symbol, "", 5);
+    Axis {
+        title: format!("{} ({})", info.symbol, info.shown_unit),
+        ..axis
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_of_a_name_stand_beside_each_other_and_never_reach_the_next() {
+        let mark = |x| Mark {
+            x,
+            x_error: 0.0,
+            y: 1.0,
+            bar: (1.0, 1.0),
+            style: 0,
+            run: None,
+            came_from: 0,
+        };
+        let mut marks: Vec<Mark> = (0..50).map(|k| mark(f64::from(k % 2))).collect();
+        stand_side_by_side(&mut marks, 2);
+        assert!(marks.iter().all(|mark| (mark.x - mark.x.round()).abs() < 0.36));
+        let mut places: Vec<i64> = marks.iter().map(|mark| (1e6 * mark.x) as i64).collect();
+        places.sort_unstable();
+        places.dedup();
+        assert_eq!(places.len(), 50);
+    }
+
+    #[test]
+    fn many_names_are_written_as_far_as_there_is_room() {
+        let names: Vec<String> = (0..30).map(|k| format!("CNaf-{k:02}")).collect();
+        let axis = names_axis(&names);
+        let written = axis.ticks.iter().filter(|tick| !tick.label.is_empty()).count();
+        assert!((3..=7).contains(&written), "{written}");
+    }
+}

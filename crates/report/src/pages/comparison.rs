@@ -1,0 +1,364 @@
+//! The comparison: each parameter over all conditions, with 95 % intervals.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::wording::{
+    NOT_CONVERGED, counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label,
+    voltage_labels, why_unfitted,
+};
+use crate::error::ReportError;
+use crate::figures::axis::Axis;
+use crate::figures::comparison::{Group, Slot, comparison};
+use crate::number::significant;
+use crate::site::Site;
+use ieap_analysis::conditions::nominal_voltage_v;
+use ieap_analysis::parameters::{COMPARED, usable};
+use ieap_analysis::{Contrast, ParameterInfo, confounding, contrasts};
+use ieap_domain::Estimate;
+
+/// How far beyond the largest (or below the smallest positive) value an interval may stretch an axis.
+const STRETCH: f64 = 2.0;
+
+#[derive(Debug, Serialize)]
+struct Comparison {
+    caution: Vec<String>,
+    single_material: bool,
+    parameters: Vec<ParameterSection>,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterSection {
+    id: &'static str,
+    symbol: &'static str,
+    name: &'static str,
+    sentences: Vec<String>,
+    panels: Vec<Panel>,
+}
+
+#[derive(Debug, Serialize)]
+struct Panel {
+    material: String,
+    /// Id of the figure; none where nothing is determined.
+    figure: Option<String>,
+    /// Why there is no figure, or which runs are missing from it and why.
+    note: String,
+}
+
+/// Makes the page.
+pub fn content(site: &Site) -> Result<Content, ReportError> {
+    let mut figures = BTreeMap::new();
+    let parameters: Result<Vec<ParameterSection>, ReportError> = COMPARED
+        .iter()
+        .filter_map(|key| ParameterInfo::of(key))
+        .map(|parameter| section(site, parameter, &mut figures))
+        .collect();
+    let page = Comparison {
+        caution: caution(site),
+        single_material: site.conditions.materials.len() == 1,
+        parameters: parameters?,
+    };
+    Content::new("comparison.html", &page, figures)
+}
+
+/// What the order of the runs lets nobody tell apart, in sentences.
+pub fn caution(site: &Site) -> Vec<String> {
+    let found = confounding(&site.input.runs);
+    let mut sentences = Vec::new();
+    if !found.environment_with_age.is_empty() {
+        sentences.push(format!(
+            "The environments of {} were measured one after the other: a difference between them may also be age.",
+            listed(&found.environment_with_age)
+        ));
+    }
+    if !found.voltage_with_age.is_empty() {
+        sentences.push(format!(
+            "The voltages of {} only rose with time: an effect of voltage may also be the effect of the steps before.",
+            listed(&found.voltage_with_age)
+        ));
+    }
+    sentences
+}
+
+/// Differences beyond the 95 % intervals with at least `ratio`, the largest first.
+pub fn contrast_sentences(site: &Site, ratio: f64) -> Vec<String> {
+    let mut found: Vec<(f64, String)> = Vec::new();
+    for parameter in COMPARED.iter().filter_map(|key| ParameterInfo::of(key)) {
+        for (material, contrast) in contrasts_of(site, parameter).into_iter().enumerate() {
+            if let Contrast::Differs { ratio: Some(by), .. } = contrast
+                && by >= ratio
+            {
+                found.push((by, sentence(site, parameter, material, &contrast)));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, sentence)| sentence).collect()
+}
+
+fn contrasts_of(site: &Site, parameter: &ParameterInfo) -> Vec<Contrast> {
+    contrasts(&site.input.runs, &site.conditions, parameter.key)
+}
+
+fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &Contrast) -> String {
+    let material = &site.conditions.materials[material];
+    let (symbol, unit) = (parameter.symbol, parameter.shown_unit);
+    match contrast {
+        Contrast::Differs {
+            low_run,
+            high_run,
+            ratio,
+            at_least,
+            ..
+        } => format!(
+            "{material}: {} {symbol} differs{}{}: {} {unit} ({}) against {} {unit} ({}).",
+            parameter.name,
+            if *at_least && ratio.is_some() {
+                " at least"
+            } else {
+                ""
+            },
+            ratio.map_or_else(String::new, |ratio| format!(" {}-fold", significant(ratio, 2))),
+            estimate_of(&site.input.runs[*high_run], parameter).text,
+            condition_of(site, *high_run),
+            estimate_of(&site.input.runs[*low_run], parameter).text,
+            condition_of(site, *low_run),
+        ),
+        Contrast::Agrees { runs } => {
+            format!(
+                "{material}: the 95 % intervals of all {} overlap.",
+                counted(*runs, "run")
+            )
+        }
+        Contrast::Single => {
+            format!("{material}: one run says something of {symbol}; there is nothing to compare it with.")
+        }
+        Contrast::NotDetermined => format!("{material}: no run determines {symbol}."),
+    }
+}
+
+/// `air, 2.5 V`
+fn condition_of(site: &Site, run: usize) -> String {
+    let conditions = &site.conditions;
+    let place = conditions
+        .measured
+        .iter()
+        .find(|condition| condition.runs.contains(&run));
+    let surroundings = place.map_or_else(String::new, |c| {
+        surroundings_label(&conditions.surroundings[c.surroundings])
+    });
+    let voltage = nominal_voltage_v(&site.input.runs[run]).map_or_else(String::new, voltage_label);
+    format!("{surroundings}, {voltage}")
+}
+
+fn section(
+    site: &Site,
+    parameter: &'static ParameterInfo,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<ParameterSection, ReportError> {
+    let materials = &site.conditions.materials;
+    let groups: Vec<Vec<Group>> = (0..materials.len())
+        .map(|material| groups(site, material, parameter))
+        .collect();
+    let shared = parameter
+        .spans_decades
+        .then(|| axis(parameter, groups.iter().flatten()));
+    let mut panels = Vec::new();
+    for (material, groups) in groups.iter().enumerate() {
+        let mut panel = Panel {
+            material: materials[material].clone(),
+            figure: None,
+            note: note(site, material, parameter),
+        };
+        if groups
+            .iter()
+            .flat_map(|group| &group.slots)
+            .flat_map(|slot| &slot.estimates)
+            .any(says_something)
+        {
+            let id = format!("{}-{material}", parameter.key.replace('_', "-"));
+            let axis = shared.clone().unwrap_or_else(|| axis(parameter, groups.iter()));
+            let title = format!("{} of {}", parameter.name, panel.material);
+            let desc = format!(
+                "{} against step voltage in each environment, with 95 % intervals. The numbers stand in the table of parameters.",
+                parameter.symbol
+            );
+            let drawn = comparison(groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
+                figure: id.clone(),
+                reason,
+            })?;
+            figures.insert(id.clone(), drawn);
+            panel.figure = Some(id);
+        }
+        panels.push(panel);
+    }
+    let sentences = contrasts_of(site, parameter)
+        .iter()
+        .enumerate()
+        .filter(|(_, contrast)| !matches!(contrast, Contrast::NotDetermined))
+        .map(|(material, contrast)| sentence(site, parameter, material, contrast))
+        .collect();
+    Ok(ParameterSection {
+        id: parameter.key,
+        symbol: parameter.symbol,
+        name: parameter.name,
+        sentences,
+        panels,
+    })
+}
+
+fn says_something(estimate: &Estimate) -> bool {
+    estimate.value.or(estimate.low_95).or(estimate.high_95).is_some()
+}
+
+/// Every surroundings with every voltage of the campaign, measured or not: panels of one row line up.
+pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group> {
+    let conditions = &site.conditions;
+    let labels = voltage_labels(&conditions.voltages_v);
+    let mut environments: Vec<&str> = Vec::new();
+    let mut groups = Vec::new();
+    for (index, surroundings) in conditions.surroundings.iter().enumerate() {
+        if environments.last() != Some(&surroundings.environment.as_str()) {
+            environments.push(&surroundings.environment);
+        }
+        let slot = |(voltage, label): (usize, &String)| Slot {
+            label: label.clone(),
+            estimates: match conditions.at(material, index, voltage) {
+                Some(condition) => estimates(site, &condition.runs, parameter),
+                None => vec![],
+            },
+        };
+        groups.push(Group {
+            label: surroundings.environment.clone(),
+            humidity: humidity_label(surroundings),
+            style: environments.len() - 1,
+            slots: labels.iter().enumerate().map(slot).collect(),
+        });
+    }
+    groups
+}
+
+/// Estimates of the runs with a converged fit among `runs`, in shown units.
+fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> Vec<Estimate> {
+    let finite = |number: &f64| number.is_finite();
+    let shown = |number: Option<f64>| {
+        number
+            .filter(finite)
+            .map(|number| number * parameter.shown_factor)
+    };
+    let of = |&run: &usize| {
+        let estimate = usable(&site.input.runs[run], parameter.key)?;
+        Some(Estimate {
+            value: shown(estimate.value),
+            standard_error: shown(estimate.standard_error),
+            low_95: shown(estimate.low_95),
+            high_95: shown(estimate.high_95),
+            ..estimate.clone()
+        })
+    };
+    runs.iter().filter_map(of).collect()
+}
+
+/// An axis that shows every value and bound, and intervals as far as `STRETCH` lets them reach.
+pub fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Group>) -> Axis {
+    let estimates: Vec<&Estimate> = groups
+        .flat_map(|group| &group.slots)
+        .flat_map(|slot| &slot.estimates)
+        .collect();
+    let core = |estimate: &&Estimate| match estimate.value {
+        Some(value) => vec![value],
+        None => [estimate.low_95, estimate.high_95]
+            .into_iter()
+            .flatten()
+            .collect(),
+    };
+    let values: Vec<f64> = estimates.iter().flat_map(core).collect();
+    let ends = estimates
+        .iter()
+        .flat_map(|estimate| [estimate.low_95, estimate.high_95])
+        .flatten();
+    let unit = parameter.shown_unit;
+    if parameter.spans_decades {
+        let positive = || values.iter().copied().filter(|value| *value > 0.0);
+        let (low, high) = (
+            positive().fold(f64::INFINITY, f64::min),
+            positive().fold(0.0, f64::max),
+        );
+        let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 1.0) };
+        let reach = |(l, h): (f64, f64), end: f64| match end > 0.0 {
+            true => (l.min(end.max(low / STRETCH)), h.max(end.min(high * STRETCH))),
+            false => (l, h),
+        };
+        let (low, high) = ends.fold((low, high), reach);
+        // Room for the arrow below an upper bound: a seventh of the height.
+        let decades = (high / low).log10().max(0.3);
+        let bounded = |estimate: &&Estimate| estimate.value.is_none() && estimate.high_95.is_some();
+        let room = if estimates.iter().any(bounded) {
+            10f64.powf(decades / 6.0)
+        } else {
+            1.0
+        };
+        return Axis::log(low / room.max(1.5), high * 1.3, parameter.symbol, unit);
+    }
+    let largest = values.iter().fold(0.0, |far: f64, value| far.max(value.abs()));
+    let limit = if largest > 0.0 { STRETCH * largest } else { 1.0 };
+    let (low, high) = ends
+        .chain(values.iter().copied())
+        .fold((0.0, 0.0), |(l, h): (f64, f64), end| {
+            (l.min(end.max(-limit)), h.max(end.min(limit)))
+        });
+    Axis::linear_rounded(low, high, parameter.symbol, unit, 5)
+}
+
+/// Which runs of a material do not determine the parameter, or only bound it, by reason.
+fn note(site: &Site, material: usize, parameter: &ParameterInfo) -> String {
+    let of_material = site
+        .conditions
+        .measured
+        .iter()
+        .filter(|condition| condition.material == material);
+    let runs: Vec<usize> = of_material.flat_map(|condition| condition.runs.clone()).collect();
+    let mut bounded: BTreeMap<String, usize> = BTreeMap::new();
+    let mut missing: BTreeMap<String, usize> = BTreeMap::new();
+    for &run in &runs {
+        let record = &site.input.runs[run];
+        let estimate = usable(record, parameter.key);
+        let (reasons, reason) = match estimate {
+            Some(estimate) if estimate.value.is_some() => continue,
+            Some(estimate) => (
+                if says_something(estimate) {
+                    &mut bounded
+                } else {
+                    &mut missing
+                },
+                estimate.reason.as_deref().unwrap_or("no reason is stored"),
+            ),
+            None if record.fit.is_none() => (&mut missing, why_unfitted(record)),
+            None if record.fit.as_ref().is_some_and(|fit| !fit.converged) => (&mut missing, NOT_CONVERGED),
+            None => (&mut missing, "its model has no such parameter"),
+        };
+        *reasons.entry(reason.to_owned()).or_default() += 1;
+    }
+    let in_all = |reasons: &BTreeMap<String, usize>| reasons.values().sum::<usize>() == runs.len();
+    let sentences = [
+        reasons_sentence("Not determined", &missing, in_all(&missing)),
+        reasons_sentence("Only bounded", &bounded, false),
+    ];
+    let sentences: Vec<String> = sentences.into_iter().flatten().collect();
+    sentences.join(" ")
+}
+
+/// `Not determined in any run, because ...` or `Only bounded: 3 runs, because ...`; the most frequent first.
+fn reasons_sentence(lead: &str, reasons: &BTreeMap<String, usize>, in_all: bool) -> Option<String> {
+    let mut gathered: Vec<(&String, &usize)> = reasons.iter().collect();
+    gathered.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    if let ([(reason, _)], true) = (gathered.as_slice(), in_all) {
+        return Some(format!("{lead} in any run, because {reason}."));
+    }
+    let part = |(reason, count): &(&String, &usize)| format!("{}, because {reason}", counted(**count, "run"));
+    let parts: Vec<String> = gathered.iter().map(part).collect();
+    let where_ = if in_all { " in any run" } else { "" };
+    (!parts.is_empty()).then(|| format!("{lead}{where_}: {}.", parts.join("; ")))
+}

@@ -1,0 +1,482 @@
+//! The page of one group: what the simulation gets wrong there, the cause, the extended model and its gain.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::finding_alone::{AloneRow, alone_rows};
+use super::finding_gain::{GainSection, extension, gain_section, in_legend};
+use super::finding_words::{equation, lead, shift_words, test_words, verdict_of};
+use super::wording::{EstimateText, RunLink, listed};
+use crate::error::ReportError;
+use crate::figures::gain_bars::gain_bars;
+use crate::figures::profile::profile;
+use crate::figures::residual::residual;
+use crate::input::{EffectText, Findings};
+use crate::number::{fixed, measured, significant};
+use crate::site::Site;
+use ieap_analysis::ParameterInfo;
+use ieap_domain::campaign::Adopted;
+use ieap_domain::{Candidate, EffectFinding, GroupDiagnosis, ParameterShift, ResidualCurve, Verdict};
+
+/// Residual figures on one page; a page with more takes long to open. The worst runs come first.
+const DRAWN: usize = 16;
+/// Held-out residuals on one page.
+const HELD_OUT_DRAWN: usize = 6;
+/// Bars of the figure of gains.
+const BARS: usize = 12;
+
+#[derive(Debug, Serialize)]
+struct FindingPage {
+    name: String,
+    verdict: &'static str,
+    key: &'static str,
+    /// Plain sentence first.
+    summary: Vec<String>,
+    runs: Vec<NamedRun>,
+    effects: Vec<EffectBlock>,
+    set: Vec<SetMember>,
+    next_run: Option<NextRunText>,
+    shifts: Vec<ShiftRow>,
+    shift_words: Vec<String>,
+    /// The model adopted for the group, or how to adopt the one that was found.
+    adoption: Option<String>,
+    gain: Option<GainSection>,
+    /// What the line of a figure is called: `extended model`, or what was tried.
+    extension: &'static str,
+    profiles: Vec<ResidualBlock>,
+    held_out: Vec<ResidualBlock>,
+    /// Names of the leading causes, and rows of how alike each two are.
+    confusable: Vec<LikenessRow>,
+    bars: Option<String>,
+    chance_gain: String,
+    candidates: Vec<CandidateRow>,
+    residuals: Vec<ResidualBlock>,
+    not_drawn: String,
+    stretches: Vec<StretchRow>,
+    remarks: Vec<String>,
+    alone: Vec<AloneRow>,
+}
+
+#[derive(Debug, Serialize)]
+struct NamedRun {
+    /// None where the run is gone.
+    link: Option<RunLink>,
+    path: String,
+}
+
+#[derive(Debug, Serialize)]
+struct EffectBlock {
+    id: String,
+    variant: String,
+    summary: String,
+    equation: String,
+    parameters: Vec<ParameterRow>,
+    p: String,
+    q: String,
+    twins: String,
+    separated_by: String,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterRow {
+    symbol: String,
+    meaning: String,
+    unit: String,
+    estimate: EstimateText,
+}
+
+#[derive(Debug, Serialize)]
+struct SetMember {
+    id: String,
+    summary: String,
+    separated_by: String,
+}
+
+#[derive(Debug, Serialize)]
+struct NextRunText {
+    drive: String,
+    splits: String,
+    expected: String,
+}
+
+#[derive(Debug, Serialize)]
+struct ShiftRow {
+    symbol: String,
+    unit: String,
+    before: String,
+    after: String,
+}
+
+#[derive(Debug, Serialize)]
+struct CandidateRow {
+    effect: String,
+    variant: String,
+    forecast: String,
+    fitted: String,
+    held_out: String,
+    extra: usize,
+    left: String,
+    likeness: String,
+    detectable: String,
+    accepted: bool,
+}
+
+/// How alike the trace of a cause is to those of the others, in their order.
+#[derive(Debug, Serialize)]
+struct LikenessRow {
+    effect: String,
+    cells: Vec<LikenessCell>,
+}
+
+#[derive(Debug, Serialize)]
+struct LikenessCell {
+    text: String,
+    /// 0 to 4: how dark the cell is.
+    shade: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct ResidualBlock {
+    heading: String,
+    figure: String,
+}
+
+#[derive(Debug, Serialize)]
+struct StretchRow {
+    run: String,
+    channel: String,
+    times: String,
+    sigma: String,
+}
+
+/// Makes the page of group number `place`.
+pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
+    let findings = &site.input.findings;
+    let found = &findings.groups[place];
+    let mut figures = BTreeMap::new();
+    let residuals = residuals(found, &mut figures)?;
+    let held_out = held_out(found, &mut figures)?;
+    let profiles = profiles(found, &mut figures)?;
+    let bars = bars(found, &mut figures)?;
+    let shifts = found.shifts.iter();
+    let drawn_of = found.residuals.len();
+    let page = FindingPage {
+        name: found.group.clone(),
+        verdict: verdict_of(found),
+        key: found.verdict.key(),
+        summary: summary(found, findings),
+        runs: found.runs.iter().map(|path| named_run(site, path)).collect(),
+        effects: found
+            .effects
+            .iter()
+            .map(|effect| effect_block(effect, findings))
+            .collect(),
+        set: set(found, findings),
+        next_run: found.next_run.as_ref().map(|next| NextRunText {
+            drive: next.drive.clone(),
+            splits: listed(&next.splits),
+            expected: significant(next.expected_set_size, 2),
+        }),
+        shift_words: shifts
+            .clone()
+            .filter_map(|s| shift_words(s, &symbol(&s.key).0))
+            .collect(),
+        shifts: shifts.map(shift_row).collect(),
+        adoption: adoption(site, found),
+        gain: gain_section(found),
+        extension: extension(found),
+        profiles,
+        held_out,
+        confusable: confusable(found),
+        bars,
+        chance_gain: found
+            .gain_at_5_percent
+            .map_or_else(String::new, |gain| significant(gain, 2)),
+        candidates: found
+            .candidates
+            .iter()
+            .map(|c| candidate_row(c, findings))
+            .collect(),
+        not_drawn: match drawn_of > residuals.len() {
+            true => format!(
+                "{} of {drawn_of} residuals are drawn, the largest first.",
+                residuals.len()
+            ),
+            false => String::new(),
+        },
+        residuals,
+        stretches: stretches(found),
+        remarks: found.remarks.clone(),
+        alone: alone_rows(&found.alone),
+    };
+    Content::new("finding.html", &page, figures)
+}
+
+fn summary(found: &GroupDiagnosis, findings: &Findings) -> Vec<String> {
+    let mut sentences = vec![lead(found, findings), found.sentence.clone()];
+    sentences.extend(test_words(found));
+    sentences
+}
+
+fn named_run(site: &Site, path: &str) -> NamedRun {
+    NamedRun {
+        link: site.run_of(path).map(|run| RunLink::to(site, run)),
+        path: path.to_owned(),
+    }
+}
+
+fn effect_block(finding: &EffectFinding, findings: &Findings) -> EffectBlock {
+    let known = findings.effect(&finding.effect);
+    let text = |of: fn(&EffectText) -> &String| known.map_or_else(String::new, |effect| of(effect).clone());
+    let parameter = |parameter: &ieap_domain::Parameter| {
+        let known = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == parameter.key));
+        ParameterRow {
+            symbol: known.map_or_else(|| parameter.key.clone(), |p| p.symbol.clone()),
+            meaning: known.map_or_else(String::new, |p| p.meaning.clone()),
+            unit: known.map_or_else(String::new, |p| p.unit.clone()),
+            estimate: EstimateText::of(&parameter.estimate, 1.0),
+        }
+    };
+    EffectBlock {
+        id: finding.effect.clone(),
+        variant: finding.variant.clone().unwrap_or_default(),
+        summary: text(|effect| &effect.summary),
+        equation: text(|effect| &effect.equation),
+        parameters: finding.parameters.iter().map(parameter).collect(),
+        p: equation("p", Some(finding.p)),
+        q: equation("q", finding.q),
+        twins: listed(&finding.twins),
+        separated_by: text(|effect| &effect.separated_by),
+    }
+}
+
+/// Members of a set of several; a single cause stands above.
+fn set(found: &GroupDiagnosis, findings: &Findings) -> Vec<SetMember> {
+    if found.set.len() < 2 {
+        return Vec::new();
+    }
+    let member = |id: &String| {
+        let known = findings.effect(id);
+        SetMember {
+            id: id.clone(),
+            summary: known.map_or_else(String::new, |effect| effect.summary.clone()),
+            separated_by: known.map_or_else(String::new, |effect| effect.separated_by.clone()),
+        }
+    };
+    found.set.iter().map(member).collect()
+}
+
+/// Symbol, unit and factor under which a base parameter is shown.
+fn symbol(key: &str) -> (String, String, f64) {
+    match ParameterInfo::of(key) {
+        Some(known) => (
+            known.symbol.to_owned(),
+            known.shown_unit.to_owned(),
+            known.shown_factor,
+        ),
+        None => (key.to_owned(), String::new(), 1.0),
+    }
+}
+
+/// What was adopted for the group, or the command that would.
+fn adoption(site: &Site, found: &GroupDiagnosis) -> Option<String> {
+    let of_group = |entry: &&Adopted| entry.group == found.group;
+    if let Some(entry) = site.input.campaign.adopted.iter().rev().find(of_group) {
+        return Some(format!(
+            "Adopted in campaign.toml: the runs of this group are fitted with {}, with one parameter set for all.",
+            entry.model
+        ));
+    }
+    let named = found.verdict.names_a_cause() && !found.effects.is_empty();
+    named.then(|| {
+        format!(
+            "Not adopted: the runs are fitted with {}. To fit them with the extended model: ieap diagnose --adopt --group \"{}\"",
+            found.base_model, found.group
+        )
+    })
+}
+
+fn shift_row(shift: &ParameterShift) -> ShiftRow {
+    let (symbol, unit, factor) = symbol(&shift.key);
+    ShiftRow {
+        symbol,
+        unit,
+        before: significant(shift.before * factor, 4),
+        after: measured(shift.after * factor, shift.standard_error * factor),
+    }
+}
+
+fn bars(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Option<String>, ReportError> {
+    let id = "gains".to_owned();
+    let shown: Vec<&Candidate> = found.candidates.iter().take(BARS).collect();
+    let drawn = gain_bars(
+        &shown,
+        found.gain_at_5_percent,
+        "Gain of each candidate",
+        "Thin bars: forecast; thick bars: full fit; grey: what chance gives in 95 of 100 groups where nothing is wrong.",
+    )
+    .map_err(|reason| ReportError::Figure {
+        figure: id.clone(),
+        reason,
+    })?;
+    Ok(drawn.map(|svg| {
+        figures.insert(id.clone(), svg);
+        id
+    }))
+}
+
+fn candidate_row(candidate: &Candidate, findings: &Findings) -> CandidateRow {
+    let unit = findings
+        .effect(&candidate.effect)
+        .and_then(|effect| effect.parameters.first())
+        .map_or("", |strength| strength.unit.as_str());
+    let strength = candidate.detectable_strength.abs();
+    let optional = |gain: Option<f64>| gain.map_or_else(|| "–".to_owned(), |gain| significant(gain, 3));
+    CandidateRow {
+        effect: candidate.effect.clone(),
+        variant: candidate.variant.clone().unwrap_or_default(),
+        forecast: significant(candidate.forecast_gain, 3),
+        fitted: optional(candidate.fitted_gain),
+        held_out: optional(candidate.held_out_gain),
+        extra: candidate.extra_parameters,
+        left: format!("{} %", significant(100.0 * candidate.left_after_refit, 2)),
+        likeness: fixed(candidate.likeness, 2),
+        detectable: match strength.is_finite() {
+            true => format!("{} {unit}", significant(strength, 2))
+                .trim_end()
+                .to_owned(),
+            false => "–".to_owned(),
+        },
+        accepted: candidate.accepted,
+    }
+}
+
+/// The residuals that are drawn, the largest first; over time as well as its logarithm where something is wrong.
+fn residuals(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<ResidualBlock>, ReportError> {
+    let mut curves: Vec<&ResidualCurve> = found.residuals.iter().collect();
+    if curves.len() > DRAWN {
+        curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        curves.truncate(DRAWN);
+    }
+    let wrong = found.verdict != Verdict::Consistent;
+    let mut blocks = Vec::new();
+    for (place, curve) in curves.iter().enumerate() {
+        let id = format!("residual-{}", place + 1);
+        let heading = format!("{}: {}", curve.run, curve.channel);
+        let title = format!("Residual of the {} of {}", curve.channel, curve.run);
+        let desc = format!(
+            "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
+            extension(found)
+        );
+        let drawn = residual(curve, in_legend(found), wrong, &title, &desc).map_err(|reason| {
+            ReportError::Figure {
+                figure: id.clone(),
+                reason,
+            }
+        })?;
+        if let Some(svg) = drawn {
+            figures.insert(id.clone(), svg);
+            blocks.push(ResidualBlock { heading, figure: id });
+        }
+    }
+    Ok(blocks)
+}
+
+/// Mean square of what the base model leaves.
+fn size(curve: &ResidualCurve) -> f64 {
+    let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
+    finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
+}
+
+/// What the models leave of what took no part in their fits, the largest misfits of the base first.
+fn held_out(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<ResidualBlock>, ReportError> {
+    let mut curves: Vec<&ResidualCurve> = found.held_out_residuals.iter().collect();
+    curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let mut blocks = Vec::new();
+    for (place, curve) in curves.into_iter().take(HELD_OUT_DRAWN).enumerate() {
+        let id = format!("held-out-{}", place + 1);
+        let title = format!("Held-out residual of the {} of {}", curve.channel, curve.run);
+        let desc = format!(
+            "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
+            extension(found)
+        );
+        let drawn = residual(curve, in_legend(found), false, &title, &desc).map_err(|reason| {
+            ReportError::Figure {
+                figure: id.clone(),
+                reason,
+            }
+        })?;
+        if let Some(svg) = drawn {
+            figures.insert(id.clone(), svg);
+            let heading = format!("{}: {}", curve.run, curve.channel);
+            blocks.push(ResidualBlock { heading, figure: id });
+        }
+    }
+    Ok(blocks)
+}
+
+/// How the sum of squares rises with the strength of every accepted effect.
+fn profiles(
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<ResidualBlock>, ReportError> {
+    let mut blocks = Vec::new();
+    for (place, of) in found.profiles.iter().enumerate() {
+        let id = format!("profile-{}", place + 1);
+        let title = format!("Profile of the strength of {}", of.effect);
+        let desc = "Rise of the weighted sum of squares with all other parameters fitted anew; the level line bounds a 95 % interval.";
+        let drawn = profile((&of.values, &of.rises), (&of.key, ""), &title, desc);
+        let drawn = drawn.map_err(|reason| ReportError::Figure {
+            figure: id.clone(),
+            reason,
+        })?;
+        if let Some(svg) = drawn {
+            figures.insert(id.clone(), svg);
+            let heading = format!("{}: {}", of.effect, of.key);
+            blocks.push(ResidualBlock { heading, figure: id });
+        }
+    }
+    Ok(blocks)
+}
+
+fn confusable(found: &GroupDiagnosis) -> Vec<LikenessRow> {
+    let rows = found.confusable.effects.iter().zip(&found.confusable.likeness);
+    rows.map(|(effect, likeness)| LikenessRow {
+        effect: effect.clone(),
+        cells: likeness
+            .iter()
+            .map(|value| LikenessCell {
+                text: fixed(*value, 2),
+                shade: ((value * 5.0) as usize).min(4),
+            })
+            .collect(),
+    })
+    .collect()
+}
+
+fn stretches(found: &GroupDiagnosis) -> Vec<StretchRow> {
+    let segments = found.whereabouts.iter().flat_map(|place| &place.segments);
+    segments
+        .map(|segment| StretchRow {
+            run: segment.run.clone(),
+            channel: segment.channel.clone(),
+            times: format!(
+                "{} to {} s",
+                significant(segment.from_s, 3),
+                significant(segment.to_s, 3)
+            ),
+            sigma: fixed(segment.sigma, 1),
+        })
+        .collect()
+}

@@ -1,0 +1,26 @@
+//! The runs of a group by themselves, where no cause is found for all of them together.
+
+use serde::Serialize;
+
+use super::finding_words::{probability, verdict_word};
+use ieap_domain::RunAlone;
+
+/// A run diagnosed by itself.
+#[derive(Debug, Serialize)]
+pub struct AloneRow {
+    name: String,
+    verdict: &'static str,
+    p: String,
+    set: String,
+}
+
+/// A row for each run.
+pub fn alone_rows(alone: &[RunAlone]) -> Vec<AloneRow> {
+    let row = |run: &RunAlone| AloneRow {
+        name: run.run.clone(),
+        verdict: verdict_word(run.verdict),
+        p: probability(run.p_misfit),
+        set: run.set.join(", "),
+    };
+    alone.iter().map(row).collect()
+}

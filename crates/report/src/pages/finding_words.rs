@@ -1,0 +1,271 @@
+//! What a finding says, in words for people who do not work with probabilities.
+
+use super::wording::{counted, listed};
+use crate::input::Findings;
+use crate::number::{fixed, significant};
+use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
+
+/// Shifts below this many standard errors are not put into words.
+const CLEAR_SHIFT: f64 = 2.0;
+/// Parameters that follow from others: a shift of theirs says nothing of its own.
+const DERIVED: [&str; 4] = ["c_total_f_per_cm2", "r_parallel_ohm_cm2", "tau1_s", "tau2_s"];
+
+/// The verdict as a word of plain language.
+pub fn verdict_word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Consistent => "right to within the noise",
+        Verdict::Undecided => "undecided",
+        Verdict::Named => "wrong, cause found",
+        Verdict::Set => "wrong, several possible causes",
+        Verdict::Partial => "wrong, cause found in part",
+        Verdict::Unknown => "wrong, cause unknown",
+        Verdict::DataProblem => "readings not usable",
+    }
+}
+
+/// The verdict about a group, no stronger than its proof.
+pub fn verdict_of(found: &GroupDiagnosis) -> &'static str {
+    match found.verdict {
+        Verdict::Partial if !found.gains_clearly() => "wrong, a cause fits in part, not proved",
+        verdict => verdict_word(verdict),
+    }
+}
+
+/// The first line of a group's page.
+pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
+    let runs = match found.runs.len() {
+        1 => "this run".to_owned(),
+        n => format!("these {n} runs"),
+    };
+    let summary = |id: &String| {
+        findings
+            .effect(id)
+            .map_or_else(|| id.clone(), |effect| effect.summary.clone())
+    };
+    let causes = |ids: &[String]| listed(&ids.iter().map(summary).collect::<Vec<_>>());
+    let taken: Vec<String> = found.effects.iter().map(|effect| effect.effect.clone()).collect();
+    match found.verdict {
+        Verdict::Consistent => {
+            format!("The simulation describes {runs} to within the noise; nothing is seen to be missing.")
+        }
+        Verdict::Undecided => format!(
+            "The simulation may be wrong for {runs}, but chance can look like this: nothing is claimed."
+        ),
+        Verdict::Named => format!("The simulation of {runs} lacks {}.", causes(&taken)),
+        Verdict::Set => format!(
+            "The simulation of {runs} lacks something, and {} causes explain it equally well: {}.",
+            found.set.len(),
+            causes(&found.set)
+        ),
+        Verdict::Partial if !found.gains_clearly() => format!(
+            "The simulation is wrong for {runs}; {} fits a part of it, but is not proved to predict better what was left out.",
+            causes(&taken)
+        ),
+        Verdict::Partial => format!(
+            "The simulation of {runs} lacks {}, and something else that is not explained.",
+            causes(&taken)
+        ),
+        Verdict::Unknown => {
+            format!("The simulation is wrong for {runs}, and no cause that is known here is proved.")
+        }
+        Verdict::DataProblem => {
+            format!("Nothing is said of the simulation of {runs}, because of the readings themselves.")
+        }
+    }
+}
+
+/// How often chance alone gives as much, in words.
+pub fn chance(p: f64) -> String {
+    match p {
+        p if !p.is_finite() => "not known how often".to_owned(),
+        p if p >= 0.1 => format!("in {} of 100 cases", fixed(100.0 * p, 0)),
+        p if p >= 1e-4 => format!("in 1 of {} cases", significant(1.0 / p, 2)),
+        _ => "in fewer than 1 of 10000 cases".to_owned(),
+    }
+}
+
+/// A probability with two digits and no power of ten: `0.31`, `0.001`, `< 0.0001`; a dash where there is none.
+pub fn probability(p: Option<f64>) -> String {
+    match p.filter(|p| p.is_finite()) {
+        None => "–".to_owned(),
+        Some(p) if p < 1e-4 => "< 0.0001".to_owned(),
+        Some(p) => {
+            let decimals = (1.0 - p.log10().floor()).clamp(1.0, 5.0) as usize;
+            let text = fixed(p, decimals);
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        }
+    }
+}
+
+/// A probability with its symbol: `p = 0.31`, `p < 0.0001`.
+pub fn equation(symbol: &str, p: Option<f64>) -> String {
+    let text = probability(p);
+    match text.starts_with('<') {
+        true => format!("{symbol} {text}"),
+        false => format!("{symbol} = {text}"),
+    }
+}
+
+/// The tests of a group in words; nothing where the readings allow no finding.
+pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
+    let Some(p) = found.p_misfit.filter(|_| found.verdict != Verdict::DataProblem) else {
+        return Vec::new();
+    };
+    let misfit = format!(
+        "If the simulation were right, chance alone would leave residuals at least as bad {} ({}).",
+        chance(p),
+        equation("p", Some(p))
+    );
+    let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
+        format!(
+            "Of all findings of this campaign that are as clear as this one, a share of {} or less is expected to be chance (q).",
+            probability(Some(q)).trim_start_matches("< ")
+        )
+    });
+    [Some(misfit), together].into_iter().flatten().collect()
+}
+
+/// What the extension did to the base parameters: `α was 14 % too small: 5 standard errors`.
+pub fn shift_words(shift: &ParameterShift, symbol: &str) -> Option<String> {
+    let errors = (shift.after - shift.before).abs() / shift.standard_error;
+    if DERIVED.contains(&shift.key.as_str()) || !errors.is_finite() || errors < CLEAR_SHIFT {
+        return None;
+    }
+    let relative = (shift.before / shift.after - 1.0) * 100.0;
+    if !relative.is_finite() || shift.before * shift.after <= 0.0 {
+        return Some(format!("{symbol} changes its sign or vanishes"));
+    }
+    let direction = if relative < 0.0 { "too small" } else { "too large" };
+    let size = match relative.abs() {
+        far if far >= 300.0 => format!("{} times", significant(shift.before / shift.after, 2)),
+        near => format!("{} %", significant(near, 2)),
+    };
+    Some(format!(
+        "{symbol} was {size} {direction}: {} standard errors",
+        significant(errors, 2)
+    ))
+}
+
+/// What the campaign's groups say together.
+pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
+    if groups.is_empty() {
+        return "No group of runs has been diagnosed yet: `ieap run` or `ieap diagnose` does it.".to_owned();
+    }
+    let count = |wanted: &[Verdict]| {
+        groups
+            .iter()
+            .filter(|found| wanted.contains(&found.verdict))
+            .count()
+    };
+    let unproved = groups
+        .iter()
+        .filter(|found| found.verdict == Verdict::Partial && !found.gains_clearly())
+        .count();
+    let in_part = count(&[Verdict::Partial]) - unproved;
+    let part = |verdicts: &[Verdict], words: &str| {
+        let n = count(verdicts);
+        (n > 0).then(|| format!("in {n} {words}"))
+    };
+    let wrong = [
+        part(&[Verdict::Named], "one cause is found"),
+        part(&[Verdict::Set], "a few causes remain possible"),
+        (in_part > 0).then(|| format!("in {in_part} a cause is found for a part of it")),
+        (unproved > 0).then(|| format!("in {unproved} a cause fits a part of it and is not proved")),
+        part(&[Verdict::Unknown], "the cause is unknown"),
+    ];
+    let details: Vec<String> = wrong.into_iter().flatten().collect();
+    let n_wrong = count(&[Verdict::Named, Verdict::Set, Verdict::Partial, Verdict::Unknown]);
+    let asked = groups.len() - count(&[Verdict::DataProblem]);
+    let mut lead = match (n_wrong, asked) {
+        (_, 0) => "The readings of no group allow a finding".to_owned(),
+        (0, _) => format!(
+            "In none of {} is the simulation shown to be wrong",
+            counted(asked, "group")
+        ),
+        (n, _) if n == asked => format!("The simulation is wrong in {}", all_of(asked)),
+        (n, _) => format!("The simulation is wrong in {n} of {}", counted(asked, "group")),
+    };
+    if !details.is_empty() {
+        lead += &format!(": {}", listed(&details));
+    }
+    lead + "."
+}
+
+fn all_of(n: usize) -> String {
+    match n {
+        1 => "the one group".to_owned(),
+        n => format!("all {n} groups"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shift(before: f64, after: f64, standard_error: f64) -> ParameterShift {
+        ParameterShift {
+            key: "alpha_per_c_cm".into(),
+            before,
+            after,
+            standard_error,
+        }
+    }
+
+    #[test]
+    fn shifts_say_how_wrong_the_base_was() {
+        let words = |shift| shift_words(&shift, "α");
+        assert_eq!(
+            words(shift(0.86, 1.0, 0.028)).unwrap(),
+            "α was 14 % too small: 5.0 standard errors"
+        );
+        assert_eq!(
+            words(shift(5.0, 1.0, 0.1)).unwrap(),
+            "α was 5.0 times too large: 40 standard errors"
+        );
+        assert_eq!(words(shift(1.01, 1.0, 0.02)), None);
+        assert_eq!(
+            words(shift(1.0, -1.0, 0.02)).unwrap(),
+            "α changes its sign or vanishes"
+        );
+        assert_eq!(words(shift(1.0, 2.0, 0.0)), None);
+    }
+
+    #[test]
+    fn probabilities_are_plain_numbers() {
+        let text = |p| probability(Some(p));
+        assert_eq!(
+            [0.001, 0.31, 0.0448, 1.0, 0.00401, 1e-7].map(text),
+            ["0.001", "0.31", "0.045", "1", "0.004", "< 0.0001"]
+        );
+        assert_eq!(probability(Some(f64::NAN)), "–");
+    }
+
+    #[test]
+    fn chance_is_told_in_cases() {
+        assert_eq!(chance(0.31), "in 31 of 100 cases");
+        assert_eq!(chance(0.001), "in 1 of 1000 cases");
+        assert_eq!(chance(1e-6), "in fewer than 1 of 10000 cases");
+        assert_eq!(equation("p", Some(0.001)), "p = 0.001");
+        assert_eq!(equation("q", Some(1e-6)), "q < 0.0001");
+    }
+
+    #[test]
+    fn campaigns_in_one_sentence() {
+        let group = |verdict| GroupDiagnosis {
+            verdict,
+            ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new())
+        };
+        assert_eq!(
+            campaign_lead(&[group(Verdict::Consistent), group(Verdict::DataProblem)]),
+            "In none of 1 group is the simulation shown to be wrong."
+        );
+        assert_eq!(
+            campaign_lead(&[
+                group(Verdict::Consistent),
+                group(Verdict::Named),
+                group(Verdict::Unknown)
+            ]),
+            "The simulation is wrong in 2 of 3 groups: in 1 one cause is found and in 1 the cause is unknown."
+        );
+    }
+}

@@ -1,0 +1,421 @@
+//! The overview: what was found, which conditions are measured, what is new, what needs a hand.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::across;
+use super::comparison::{caution, contrast_sentences};
+use super::wording::{IssueText, RunLink, counted, has_warnings, humidity_label, listed, voltage_labels};
+use crate::error::ReportError;
+use crate::site::Site;
+use ieap_domain::{FileState, Issue, RunState, Severity, Standing};
+
+/// Entries shown of what came in last.
+const NEWS: usize = 8;
+/// Contrasts named on this page; the comparison has all.
+const CONTRASTS: usize = 4;
+/// Voltages from which the matrix is set tighter.
+const MANY: usize = 8;
+/// Ratio from which a contrast is worth a sentence here.
+const NOTABLE_RATIO: f64 = 1.5;
+
+/// The page's text.
+#[derive(Debug, Serialize)]
+struct Index {
+    findings: Vec<String>,
+    caution: Vec<String>,
+    /// Runs to make next, where there are any.
+    next: String,
+    /// What the modulus logs say; empty where there are none.
+    modulus: Vec<String>,
+    counts: Vec<Count>,
+    voltages: Vec<String>,
+    many_voltages: bool,
+    rows: Vec<MatrixRow>,
+    unplaced: Vec<RunLink>,
+    news: Vec<NewsRow>,
+    refused: Vec<RefusedRow>,
+    refused_more: Vec<String>,
+    waiting: Vec<RefusedRow>,
+    set_aside: Vec<AsideRow>,
+    untagged: Vec<RunIssues>,
+    problems: Vec<Problem>,
+}
+
+#[derive(Debug, Serialize)]
+struct Count {
+    number: usize,
+    label: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct MatrixRow {
+    /// Set in the first row of a material: its name, and over how many rows it stands.
+    material: Option<(String, usize)>,
+    environment: String,
+    humidity: String,
+    cells: Vec<Vec<MatrixRun>>,
+}
+
+#[derive(Debug, Serialize)]
+struct MatrixRun {
+    link: RunLink,
+    ordinal: usize,
+    /// `fitted`, `warned` or `unfitted`: class and word.
+    state: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct NewsRow {
+    link: Option<RunLink>,
+    path: String,
+    when: String,
+}
+
+#[derive(Debug, Serialize)]
+struct RefusedRow {
+    path: String,
+    missing: bool,
+    #[serde(skip)]
+    code: String,
+    issue: Option<IssueText>,
+}
+
+/// A run that no result is made from.
+#[derive(Debug, Serialize)]
+struct AsideRow {
+    link: RunLink,
+    /// `dropped`, `condemned` or `copy`.
+    standing: &'static str,
+    reason: String,
+    mend: String,
+}
+
+#[derive(Debug, Serialize)]
+struct RunIssues {
+    link: RunLink,
+    issues: Vec<IssueText>,
+}
+
+/// One kind of issue with every run that has it.
+#[derive(Debug, Serialize)]
+struct Problem {
+    issue: IssueText,
+    count: String,
+    runs: Vec<RunLink>,
+}
+
+/// Makes the page.
+pub fn content(site: &Site) -> Result<Content, ReportError> {
+    let index = Index {
+        findings: findings(site),
+        caution: caution(site),
+        next: across::next_words(site),
+        modulus: modulus(site),
+        counts: counts(site),
+        voltages: voltage_labels(&site.conditions.voltages_v),
+        many_voltages: site.conditions.voltages_v.len() > MANY,
+        rows: rows(site),
+        unplaced: site
+            .conditions
+            .unplaced
+            .iter()
+            .map(|&run| RunLink::to(site, run))
+            .collect(),
+        news: news(site),
+        refused_more: more(site),
+        refused: first_of_each_reason(files(site, FileState::Refused)),
+        waiting: files(site, FileState::Pending),
+        set_aside: set_aside(site),
+        untagged: untagged(site),
+        problems: problems(site),
+    };
+    Content::new("index.html", &index, BTreeMap::new())
+}
+
+/// Sentences shown here of the modulus logs; their page has all.
+const MODULUS_SENTENCES: usize = 3;
+
+fn modulus(site: &Site) -> Vec<String> {
+    let mut sentences = super::dma::findings(site);
+    sentences.truncate(MODULUS_SENTENCES);
+    let logs = site.input.modulus_logs.iter();
+    let waiting = logs.filter(|log| log.analysis.is_none()).count();
+    if waiting > 0 {
+        sentences.push(format!(
+            "{} could not be analysed.",
+            counted(waiting, "modulus log")
+        ));
+    }
+    sentences
+}
+
+fn findings(site: &Site) -> Vec<String> {
+    let runs = &site.input.runs;
+    let conditions = &site.conditions;
+    if runs.is_empty() {
+        let said = match site.input.set_aside.is_empty() {
+            true => "No run has been taken in yet.",
+            false => "Every run is set aside: see below.",
+        };
+        return vec![said.to_owned()];
+    }
+    let fitted = runs.iter().filter(|run| run.fit.is_some()).count();
+    let mut sentences = vec![format!(
+        "{} in {}; {} fitted.",
+        counted(runs.len(), "run"),
+        counted(conditions.measured.len(), "condition"),
+        match fitted == runs.len() {
+            true => "all are".to_owned(),
+            false => format!("{fitted} {}", if fitted == 1 { "is" } else { "are" }),
+        }
+    )];
+    sentences.extend(
+        contrast_sentences(site, NOTABLE_RATIO)
+            .into_iter()
+            .take(CONTRASTS),
+    );
+    let possible = conditions.materials.len() * conditions.surroundings.len() * conditions.voltages_v.len();
+    let missing = possible - conditions.measured.len();
+    if missing > 0 {
+        sentences.push(format!(
+            "{missing} of the {possible} combinations of material, environment and voltage are not measured."
+        ));
+    }
+    sentences.extend(needs_a_hand(site));
+    sentences
+}
+
+/// What only a person can mend.
+fn needs_a_hand(site: &Site) -> Option<String> {
+    let refused = files(site, FileState::Refused).len();
+    let untagged = site
+        .input
+        .runs
+        .iter()
+        .filter(|run| run.state == RunState::Untagged)
+        .count();
+    let stuck = |run: &&ieap_domain::RunRecord| run.fit.as_ref().is_some_and(|fit| !fit.converged);
+    let not_converged = site.input.runs.iter().filter(stuck).count();
+    let mut parts = Vec::new();
+    if refused > 0 {
+        parts.push(format!("{} could not be read", counted(refused, "file")));
+    }
+    if untagged > 0 {
+        let verb = if untagged == 1 { "lacks" } else { "lack" };
+        parts.push(format!("{} {verb} a tag", counted(untagged, "run")));
+    }
+    let condemned = site.input.set_aside.iter();
+    let condemned = condemned
+        .filter(|run| matches!(run.standing, Standing::Condemned { .. }))
+        .count();
+    if condemned > 0 {
+        let verb = if condemned == 1 { "is" } else { "are" };
+        parts.push(format!(
+            "{} {verb} set aside for wrong readings",
+            counted(condemned, "run")
+        ));
+    }
+    if not_converged > 0 {
+        parts.push(format!("{} did not converge", counted(not_converged, "fit")));
+    }
+    (!parts.is_empty()).then(|| format!("{}: see below.", listed(&parts)))
+}
+
+fn counts(site: &Site) -> Vec<Count> {
+    let runs = &site.input.runs;
+    let of_state = |state| runs.iter().filter(|run| run.state == state).count();
+    let waiting = runs
+        .iter()
+        .filter(|run| run.state == RunState::Ready && run.fit.is_none())
+        .count();
+    let count = |number, label| Count { number, label };
+    let all = vec![
+        count(runs.len(), "runs"),
+        count(runs.iter().filter(|run| run.fit.is_some()).count(), "fitted"),
+        count(
+            runs.iter().filter(|run| has_warnings(run)).count(),
+            "with warnings",
+        ),
+        count(waiting, "waiting for a fit"),
+        count(site.input.set_aside.len(), "runs set aside"),
+        count(of_state(RunState::Untagged), "lacking a tag"),
+        count(of_state(RunState::NotFitted), "not a step response"),
+        count(of_state(RunState::NoSteps), "no steps of the voltage"),
+        count(files(site, FileState::Refused).len(), "files refused"),
+        count(files(site, FileState::Pending).len(), "files waiting"),
+        count(site.input.superseded.len(), "earlier revisions kept"),
+        count(site.input.modulus_logs.len(), "modulus logs"),
+    ];
+    // The first two are always of interest, the others where there are any.
+    all.into_iter()
+        .enumerate()
+        .filter(|(k, c)| *k < 2 || c.number > 0)
+        .map(|(_, c)| c)
+        .collect()
+}
+
+fn rows(site: &Site) -> Vec<MatrixRow> {
+    let conditions = &site.conditions;
+    let span = conditions.surroundings.len();
+    let mut rows = Vec::new();
+    for (material, name) in conditions.materials.iter().enumerate() {
+        for (surroundings, at) in conditions.surroundings.iter().enumerate() {
+            let cell = |voltage| match conditions.at(material, surroundings, voltage) {
+                Some(condition) => matrix_runs(site, &condition.runs),
+                None => vec![],
+            };
+            rows.push(MatrixRow {
+                material: (surroundings == 0).then(|| (name.clone(), span)),
+                environment: at.environment.clone(),
+                humidity: humidity_label(at),
+                cells: (0..conditions.voltages_v.len()).map(cell).collect(),
+            });
+        }
+    }
+    rows
+}
+
+fn matrix_runs(site: &Site, runs: &[usize]) -> Vec<MatrixRun> {
+    let matrix_run = |(ordinal, &run): (usize, &usize)| {
+        let record = &site.input.runs[run];
+        MatrixRun {
+            link: RunLink::to(site, run),
+            ordinal: ordinal + 1,
+            state: match (record.fit.is_some(), has_warnings(record)) {
+                (false, _) => "unfitted",
+                (true, true) => "warned",
+                (true, false) => "fitted",
+            },
+        }
+    };
+    runs.iter().enumerate().map(matrix_run).collect()
+}
+
+fn news(site: &Site) -> Vec<NewsRow> {
+    let row = |news: &crate::News| {
+        let run = site.run_of(&news.run_path);
+        NewsRow {
+            link: run.map(|run| RunLink::to(site, run)),
+            path: news.run_path.clone(),
+            when: site.zone().moment(&news.at),
+        }
+    };
+    site.input.news.iter().take(NEWS).map(row).collect()
+}
+
+fn files(site: &Site, state: FileState) -> Vec<RefusedRow> {
+    let listed = site
+        .input
+        .files
+        .iter()
+        .filter(|file| file.state == state && !file.missing);
+    listed
+        .map(|file| RefusedRow {
+            path: file.path.clone(),
+            missing: file.missing,
+            code: file
+                .issue
+                .as_ref()
+                .map(|issue| issue.code.clone())
+                .unwrap_or_default(),
+            issue: file.issue.as_ref().map(IssueText::from),
+        })
+        .collect()
+}
+
+/// Files listed for one reason: a folder of thousands of foreign files must not bury the rest of the page.
+const LISTED_FILES: usize = 20;
+
+/// The first refused files of each reason.
+fn first_of_each_reason(rows: Vec<RefusedRow>) -> Vec<RefusedRow> {
+    let mut listed: BTreeMap<String, usize> = BTreeMap::new();
+    rows.into_iter()
+        .filter(|row| {
+            let of_reason = listed.entry(row.code.clone()).or_insert(0);
+            *of_reason += 1;
+            *of_reason <= LISTED_FILES
+        })
+        .collect()
+}
+
+/// How many refused files of each reason are not listed.
+fn more(site: &Site) -> Vec<String> {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for row in files(site, FileState::Refused) {
+        *counts.entry(row.code).or_insert(0) += 1;
+    }
+    let unlisted = counts.into_iter().filter(|(_, count)| *count > LISTED_FILES);
+    unlisted
+        .map(|(code, count)| {
+            format!(
+                "{} more for the same reason ({code}); ieap status lists all.",
+                counted(count - LISTED_FILES, "file")
+            )
+        })
+        .collect()
+}
+
+fn set_aside(site: &Site) -> Vec<AsideRow> {
+    let row = |(place, run): (usize, &ieap_domain::RunRecord)| AsideRow {
+        link: RunLink::to(site, site.input.runs.len() + place),
+        standing: run.standing.key(),
+        reason: run.standing.reason(),
+        mend: run.standing.mend(&run.path),
+    };
+    site.input.set_aside.iter().enumerate().map(row).collect()
+}
+
+fn untagged(site: &Site) -> Vec<RunIssues> {
+    let runs = site.input.runs.iter().enumerate();
+    runs.filter(|(_, run)| run.state == RunState::Untagged)
+        .map(|(index, run)| RunIssues {
+            link: RunLink::to(site, index),
+            issues: run.issues.iter().map(IssueText::from).collect(),
+        })
+        .collect()
+}
+
+/// Warnings and errors of runs and fits, gathered by code; the worst and the most frequent first.
+fn problems(site: &Site) -> Vec<Problem> {
+    let mut by_code: BTreeMap<String, (Issue, Vec<usize>)> = BTreeMap::new();
+    for (index, run) in site.input.runs.iter().enumerate() {
+        for issue in worrying(run) {
+            let entry = by_code
+                .entry(issue.code.clone())
+                .or_insert_with(|| (issue.clone(), vec![]));
+            if entry.1.last() != Some(&index) {
+                entry.1.push(index);
+            }
+        }
+    }
+    let mut gathered: Vec<(Issue, Vec<usize>)> = by_code.into_values().collect();
+    gathered.sort_by_key(|(issue, runs)| (std::cmp::Reverse(issue.severity), std::cmp::Reverse(runs.len())));
+    let problem = |(issue, runs): (Issue, Vec<usize>)| Problem {
+        issue: IssueText::from(&issue),
+        count: counted(runs.len(), "run"),
+        runs: runs.into_iter().map(|run| RunLink::to(site, run)).collect(),
+    };
+    gathered.into_iter().map(problem).collect()
+}
+
+/// Issues worth a place on this page: those of a run whose tags are complete, and of its fit.
+fn worrying(run: &ieap_domain::RunRecord) -> Vec<Issue> {
+    let mut issues = match run.state {
+        RunState::Untagged | RunState::NoSteps => vec![],
+        RunState::Ready | RunState::NotFitted => run.issues.clone(),
+    };
+    if let Some(fit) = &run.fit {
+        issues.extend(fit.issues.iter().cloned());
+        if !fit.converged {
+            issues.push(Issue::error(
+                "fit-not-converged",
+                format!("the fit did not converge: {}", fit.why_stopped),
+            ));
+        }
+    }
+    issues.retain(|issue| issue.severity >= Severity::Warning);
+    issues
+}

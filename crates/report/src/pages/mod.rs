@@ -1,0 +1,245 @@
+//! The pages. A page is one file here, one template, and one row in [`PAGES`]; navigation follows from the list.
+
+pub mod across;
+pub mod against;
+pub mod along;
+pub mod climate;
+pub mod comparison;
+pub mod coverage;
+pub mod dma;
+pub mod finding;
+mod finding_alone;
+mod finding_gain;
+pub mod finding_words;
+pub mod findings;
+pub mod humidity;
+pub mod index;
+pub mod monitoring;
+pub mod ratios;
+pub mod run;
+pub mod run_climate;
+pub mod run_clocks;
+mod run_evidence;
+pub mod run_figures;
+pub mod run_fit;
+pub mod run_page;
+pub mod run_tables;
+mod run_tags;
+pub mod strip;
+pub mod table5;
+pub mod wording;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::error::ReportError;
+use super::input::Input;
+use super::site::Site;
+use ieap_analysis::comparison::against::Against;
+use ieap_domain::Fault;
+
+pub use finding::content as finding_content;
+pub use run::DrawnRun;
+pub use run_page::content as run_page_content;
+pub use strip::content as strip_content;
+
+/// What a page shows: formatted text, and figures apart, so that goldens of the text stay readable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Content {
+    /// Text, ready to print; templates never calculate.
+    pub context: Value,
+    /// SVG by the id under which the context names it.
+    pub figures: BTreeMap<String, String>,
+    /// Sections that could not be made, each with its run; a box stands in their place.
+    pub faults: Vec<Fault>,
+}
+
+impl Content {
+    /// The content of `page` from its context struct.
+    ///
+    /// # Errors
+    /// [`ReportError::Context`]: a fault of the program.
+    pub fn new(
+        page: &str,
+        context: &impl Serialize,
+        figures: BTreeMap<String, String>,
+    ) -> Result<Content, ReportError> {
+        let context = serde_json::to_value(context).map_err(|source| ReportError::Context {
+            page: page.to_owned(),
+            source,
+        })?;
+        Ok(Content {
+            context,
+            figures,
+            faults: Vec::new(),
+        })
+    }
+}
+
+/// A page that the site has once.
+pub struct Page {
+    /// File name; also the name of its template.
+    pub file: &'static str,
+    /// Title in the navigation.
+    pub title: &'static str,
+    /// File of the page that it stands under; the navigation of the whole site names only pages under none.
+    pub under: Option<&'static str>,
+    /// Template text.
+    pub template: &'static str,
+    /// Whether a report of that input has the page.
+    pub is_shown: fn(&Input) -> bool,
+    /// Makes the content.
+    pub content: fn(&Site) -> Result<Content, ReportError>,
+}
+
+const COMPARISON: Option<&str> = Some("comparison.html");
+const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
+
+/// Every page that a site can have once, in the order of the navigation.
+pub const PAGES: [Page; 17] = [
+    Page {
+        file: "index.html",
+        title: "Overview",
+        under: None,
+        template: include_str!("../../../../templates/pages/index.html"),
+        is_shown: |_| true,
+        content: index::content,
+    },
+    Page {
+        file: "comparison.html",
+        title: "Comparison",
+        under: None,
+        template: include_str!("../../../../templates/pages/comparison.html"),
+        is_shown: |_| true,
+        content: comparison::content,
+    },
+    Page {
+        file: "ratios.html",
+        title: "Ratios",
+        under: COMPARISON,
+        template: include_str!("../../../../templates/pages/ratios.html"),
+        is_shown: ratios::is_shown,
+        content: ratios::content,
+    },
+    Page {
+        file: "coverage.html",
+        title: "Coverage",
+        under: COMPARISON,
+        template: include_str!("../../../../templates/pages/coverage.html"),
+        is_shown: coverage::is_shown,
+        content: coverage::content,
+    },
+    Page {
+        file: "against-humidity.html",
+        title: "Humidity",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Humidity),
+        content: |site| against::content(site, Against::Humidity),
+    },
+    Page {
+        file: "against-voltage.html",
+        title: "Voltage",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Voltage),
+        content: |site| against::content(site, Against::Voltage),
+    },
+    Page {
+        file: "against-environment.html",
+        title: "Environment",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Environment),
+        content: |site| against::content(site, Against::Environment),
+    },
+    Page {
+        file: "against-material.html",
+        title: "Material",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Material),
+        content: |site| against::content(site, Against::Material),
+    },
+    Page {
+        file: "against-sample.html",
+        title: "Sample",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Sample),
+        content: |site| against::content(site, Against::Sample),
+    },
+    Page {
+        file: "against-time.html",
+        title: "Time",
+        under: COMPARISON,
+        template: AGAINST,
+        is_shown: |input| against::is_shown(input, Against::Time),
+        content: |site| against::content(site, Against::Time),
+    },
+    Page {
+        file: "table5.html",
+        title: "Parameters",
+        under: None,
+        template: include_str!("../../../../templates/pages/table5.html"),
+        is_shown: |_| true,
+        content: table5::content,
+    },
+    Page {
+        file: "along.html",
+        title: "Along the strip",
+        under: None,
+        template: include_str!("../../../../templates/pages/along.html"),
+        is_shown: along::is_shown,
+        content: along::content,
+    },
+    Page {
+        file: "dma.html",
+        title: "Modulus (DMA)",
+        under: None,
+        template: include_str!("../../../../templates/pages/dma.html"),
+        is_shown: |input| !input.modulus_logs.is_empty(),
+        content: dma::content,
+    },
+    Page {
+        file: "findings.html",
+        title: "Findings",
+        under: None,
+        template: include_str!("../../../../templates/pages/findings.html"),
+        is_shown: |_| true,
+        content: findings::content,
+    },
+    Page {
+        file: "humidity.html",
+        title: "Across runs",
+        under: None,
+        template: include_str!("../../../../templates/pages/humidity.html"),
+        is_shown: humidity::is_shown,
+        content: humidity::content,
+    },
+    Page {
+        file: "monitoring.html",
+        title: "Monitoring",
+        under: None,
+        template: include_str!("../../../../templates/pages/monitoring.html"),
+        is_shown: monitoring::is_shown,
+        content: monitoring::content,
+    },
+    Page {
+        file: "climate.html",
+        title: "Climate",
+        under: None,
+        template: include_str!("../../../../templates/pages/climate.html"),
+        is_shown: |_| true,
+        content: climate::content,
+    },
+];
+
+/// Template of the pages of runs.
+pub const RUN_TEMPLATE: &str = include_str!("../../../../templates/pages/run.html");
+/// Template of the pages of runs that are read along the strip.
+pub const STRIP_TEMPLATE: &str = include_str!("../../../../templates/pages/strip.html");
+/// Template of the pages that every diagnosed group has.
+pub const FINDING_TEMPLATE: &str = include_str!("../../../../templates/pages/finding.html");

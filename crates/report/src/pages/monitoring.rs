@@ -1,0 +1,285 @@
+//! Monitoring: alarms first, then every parameter over the life of the samples in the reference condition.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::wording::{RunLink, counted};
+use crate::error::ReportError;
+use crate::figures::axis::Axis;
+use crate::figures::law::{Beside, Curve, Mark, law_panel};
+use crate::input::Input;
+use crate::number::significant;
+use crate::site::Site;
+use ieap_analysis::ParameterInfo;
+use ieap_analysis::laws::words::{moves, symbol};
+use ieap_analysis::monitoring::{Watched, words};
+
+/// Places at which a trend is drawn.
+const DRAWN: usize = 60;
+/// Readings at most that are drawn one by one.
+const MOST_MARKS: usize = 300;
+
+#[derive(Debug, Serialize)]
+struct MonitoringPage {
+    summary: Vec<String>,
+    alarms: Vec<AlarmRow>,
+    split: Vec<String>,
+    samples: Vec<SampleSection>,
+    charts: String,
+}
+
+#[derive(Debug, Serialize)]
+struct AlarmRow {
+    id: String,
+    message: String,
+    link: Option<RunLink>,
+    acknowledged: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct SampleSection {
+    sample: String,
+    panels: Vec<Panel>,
+}
+
+#[derive(Debug, Serialize)]
+struct Panel {
+    parameter: String,
+    sentence: String,
+    figure: Option<String>,
+    charts: Vec<ChartRow>,
+    axes: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct ChartRow {
+    chart: &'static str,
+    now: String,
+    limit: String,
+    state: String,
+}
+
+/// Whether a report of that input has the page.
+pub fn is_shown(input: &Input) -> bool {
+    let rules = &input.campaign.monitoring;
+    !input.monitoring.watched.is_empty() || !rules.reference.is_empty() || !rules.limits.is_empty()
+}
+
+/// Makes the page.
+pub fn content(site: &Site) -> Result<Content, ReportError> {
+    let monitoring = &site.input.monitoring;
+    let mut figures = BTreeMap::new();
+    let mut samples: Vec<SampleSection> = Vec::new();
+    for watched in &monitoring.watched {
+        let figure = draw(watched, figures.len())?.map(|(id, svg)| {
+            figures.insert(id.clone(), svg);
+            id
+        });
+        if samples.last().is_none_or(|last| last.sample != watched.sample) {
+            samples.push(SampleSection {
+                sample: watched.sample.clone(),
+                panels: Vec::new(),
+            });
+        }
+        if let Some(last) = samples.last_mut() {
+            last.panels.push(panel(site, watched, figure));
+        }
+    }
+    let page = MonitoringPage {
+        summary: summary(site),
+        alarms: monitoring
+            .alarms
+            .iter()
+            .map(|alarm| AlarmRow {
+                id: alarm.id.clone(),
+                message: alarm.message.clone(),
+                link: site.run_of(&alarm.run).map(|run| RunLink::to(site, run)),
+                acknowledged: alarm.acknowledged,
+            })
+            .collect(),
+        split: monitoring.split.clone(),
+        samples,
+        charts: charts_text(site),
+    };
+    Content::new("monitoring.html", &page, figures)
+}
+
+fn summary(site: &Site) -> Vec<String> {
+    let monitoring = &site.input.monitoring;
+    let Some(reference) = &monitoring.reference else {
+        return vec![format!("Nothing is watched: {}.", monitoring.why_not)];
+    };
+    let new = monitoring
+        .alarms
+        .iter()
+        .filter(|alarm| !alarm.acknowledged)
+        .count();
+    let lead = match new {
+        0 => "No alarm.".to_owned(),
+        some => format!("{}.", counted(some, "alarm")),
+    };
+    let how = match reference.is_named {
+        true => "named in campaign.toml",
+        false => "the condition repeated most",
+    };
+    vec![
+        lead,
+        format!(
+            "The reference condition is {} ({how}): {} of {} return to it.",
+            reference.text,
+            counted(reference.places.len(), "run"),
+            site.input.runs.len()
+        ),
+    ]
+}
+
+fn charts_text(site: &Site) -> String {
+    let monitoring = &site.input.monitoring;
+    let charts = 3 * monitoring.watched.len();
+    format!(
+        "Each of the three charts of a parameter brings a false alarm every {} reference runs on average, counted from the \
+         third run on: with {} in all, about one every {} runs of each sample. A shift by one standard deviation is seen \
+         after {} (Shewhart), {} (EWMA) and {} runs (CUSUM) on average once mean and scatter are known well; after few \
+         runs it takes longer.",
+        significant(monitoring.false_alarm_runs, 3),
+        counted(charts, "chart"),
+        significant(monitoring.false_alarm_runs / charts.max(1) as f64, 2),
+        run_length(monitoring, 0),
+        run_length(monitoring, 1),
+        run_length(monitoring, 2),
+    )
+}
+
+fn run_length(monitoring: &ieap_analysis::monitoring::Monitoring, chart: usize) -> String {
+    significant(monitoring.shifted_run_lengths()[chart], 2)
+}
+
+fn panel(site: &Site, watched: &Watched, figure: Option<String>) -> Panel {
+    let info = ParameterInfo::of(&watched.parameter);
+    let name = info.map_or_else(String::new, |info| format!(" {}", info.name));
+    let charts = watched.study.charts.iter().map(|charted| ChartRow {
+        chart: match charted.chart.key() {
+            "shewhart" => "Shewhart",
+            "ewma" => "EWMA",
+            _ => "CUSUM",
+        },
+        now: charted
+            .statistic
+            .last()
+            .map_or_else(|| "–".to_owned(), |(_, x)| significant(*x, 2)),
+        limit: significant(charted.limit, 3),
+        state: match charted.first_alarm {
+            Some(at) => format!("alarm since {}", site.run_name(watched.runs[at])),
+            None => "in control".to_owned(),
+        },
+    });
+    let axes = watched.other_axes.iter().map(|(axis, law)| {
+        let unit = match axis.unit() {
+            "" => String::new(),
+            unit => format!(" ({unit})"),
+        };
+        format!(
+            "over {}{unit}: {}, {}",
+            axis.label(),
+            moves(law.size, watched.series.is_log),
+            law.law.key(),
+        )
+    });
+    Panel {
+        parameter: format!("{}{name}", symbol(&watched.parameter)),
+        sentence: words::life(watched),
+        figure,
+        charts: charts.collect(),
+        axes: axes.collect(),
+    }
+}
+
+fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, ReportError> {
+    let (series, study) = (&watched.series, &watched.study);
+    if study.span.length() <= 0.0 {
+        return Ok(None);
+    }
+    let info = ParameterInfo::of(&watched.parameter);
+    let factor = info.map_or(1.0, |info| info.shown_factor);
+    let (name, unit) = info.map_or((watched.parameter.as_str(), ""), |info| {
+        (info.symbol, info.shown_unit)
+    });
+    let on_scale = |y: f64| factor * if series.is_log { y.exp() } else { y };
+    let every = series.x.len().div_ceil(MOST_MARKS);
+    let marks: Vec<Mark> = (0..series.x.len())
+        .step_by(every)
+        .map(|k| {
+            let reach = 1.96 * series.variance[k].sqrt();
+            Mark {
+                run: None,
+                came_from: 0,
+                x: series.x[k],
+                x_error: 0.0,
+                y: on_scale(series.y[k]),
+                bar: (on_scale(series.y[k] - reach), on_scale(series.y[k] + reach)),
+                style: 0,
+            }
+        })
+        .collect();
+    let law = study.trends.first().filter(|_| study.is_shown());
+    let mut curve = Curve::default();
+    if let Some(law) = law {
+        let last_step = study
+            .steps
+            .last()
+            .map_or(study.span.low, |step| series.x[step.at]);
+        for k in 0..DRAWN {
+            let x = last_step + (study.span.high - last_step) * k as f64 / (DRAWN - 1) as f64;
+            let at = |size: f64| on_scale(series.course(study, law, size)(x));
+            let ends = [law.size.low_95, law.size.high_95].map(|end| at(end.unwrap_or(law.size.value)));
+            curve.x.push(x);
+            curve.y.push(at(law.size.value));
+            curve.band.push((ends[0].min(ends[1]), ends[0].max(ends[1])));
+        }
+    }
+    let limits: Vec<f64> = watched
+        .limit
+        .iter()
+        .filter_map(|(limit, _)| limit.below.or(limit.above))
+        .map(|limit| limit * factor)
+        .collect();
+    let shown = marks
+        .iter()
+        .flat_map(|mark| [mark.y, mark.bar.0, mark.bar.1])
+        .chain(curve.y.iter().copied())
+        .chain(limits.iter().copied());
+    let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+        (low.min(y), high.max(y))
+    });
+    let y = match series.is_log && low > 0.0 && high / low > 5.0 {
+        true => Axis::log(low / 1.2, high * 1.2, name, unit),
+        false => Axis::linear_rounded(low, high, name, unit, 5),
+    };
+    let mut label = watched.axis.label().to_owned();
+    label[..1].make_ascii_uppercase();
+    let margin = 0.04 * study.span.length();
+    let x = Axis::linear(study.span.low - margin, study.span.high + margin, &label, "", 5);
+    let x = Axis {
+        title: match watched.axis.unit() {
+            "" => label,
+            unit => format!("{label} ({unit})"),
+        },
+        ..x
+    };
+    let beside = Beside {
+        law: curve,
+        limits,
+        changes: study.steps.iter().map(|step| series.x[step.at]).collect(),
+        ..Beside::default()
+    };
+    let id = format!("life-{number}");
+    let title = format!("{name} of {} over {}", watched.sample, watched.axis.label());
+    let drawn = law_panel((&x, &y), &marks, &beside, &title, &words::life(watched));
+    let svg = drawn.map_err(|reason| ReportError::Figure {
+        figure: id.clone(),
+        reason,
+    })?;
+    Ok(Some((id, svg)))
+}

@@ -1,0 +1,240 @@
+//! One run on its page: curves with the fit and its residuals, and everything that holds for it alone.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::run_climate::{ClimatePanel, climate_panel};
+use super::run_evidence::{Evidence, Fact, evidence};
+use super::run_figures::{Response, Subject, responses};
+use super::run_fit::{self as fits, ParameterRow};
+use super::run_tags::TagGroup;
+use super::wording::{IssueText, RunLink, humidity_label, voltage_label};
+use crate::error::ReportError;
+use crate::fault::REPORT_IT;
+use crate::number::significant;
+use crate::site::Site;
+use ieap_analysis::conditions::{material, nominal_voltage_v};
+use ieap_domain::tag::keys;
+use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord};
+
+/// A run with what is drawn of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnRun {
+    /// Index of the run.
+    pub run: usize,
+    /// Its curves.
+    pub curves: Vec<RunCurve>,
+    /// The climate around it.
+    pub climate: Vec<ClimateCurve>,
+    /// Why there are none of these; none where they could be had.
+    pub failed: Option<String>,
+}
+
+/// A run as its page shows it. What the page says of all its runs is taken out of it before it is printed.
+#[derive(Debug, Serialize)]
+pub struct RunSection {
+    /// Anchor on the page.
+    pub slug: String,
+    /// Name.
+    pub name: String,
+    /// `CNaf in air at 34 % RH stepped to 2.5 V`
+    pub condition: String,
+    /// Findings first: what the fit says, or why there is none.
+    summary: Vec<String>,
+    responses: Vec<Response>,
+    /// What is drawn in them.
+    pub drawn: String,
+    along: Option<AlongLine>,
+    /// Every parameter, for a run that has its page for itself.
+    pub parameters: Vec<ParameterRow>,
+    /// Remarks on parameters: symbols with what is said of them.
+    pub remarks: Vec<Fact>,
+    /// How the fit was made.
+    pub fit: Vec<Fact>,
+    /// What the diagnosis says of the run alone.
+    pub alone: String,
+    /// The page of the group that it was diagnosed in.
+    pub group: Option<RunLink>,
+    /// What is to be known of it, errors first.
+    pub issues: Vec<IssueText>,
+    climate: Option<ClimatePanel>,
+    /// What it rests on.
+    pub evidence: Evidence,
+    /// Channels with their readings.
+    pub readings: Vec<Fact>,
+    /// Tags by source.
+    pub tags: Vec<TagGroup>,
+}
+
+impl RunSection {
+    /// The box that stands for a run whose section could not be made.
+    pub fn failed(site: &Site, run: usize, reason: &str) -> RunSection {
+        let fault = Issue::error(
+            "section-fault",
+            format!("this section could not be made: {reason}"),
+        );
+        RunSection {
+            slug: site.run_slug(run).to_owned(),
+            name: site.run_name(run).to_owned(),
+            condition: String::new(),
+            summary: Vec::new(),
+            responses: Vec::new(),
+            drawn: String::new(),
+            along: None,
+            parameters: Vec::new(),
+            remarks: Vec::new(),
+            fit: Vec::new(),
+            alone: String::new(),
+            group: None,
+            issues: vec![IssueText::from(&fault.mend(REPORT_IT))],
+            climate: None,
+            evidence: Evidence::default(),
+            readings: Vec::new(),
+            tags: Vec::new(),
+        }
+    }
+}
+
+/// What was measured along the strip, and where it is shown.
+#[derive(Debug, Serialize)]
+struct AlongLine {
+    places: String,
+    href: String,
+    /// Whether the distributed model is needed; empty where nothing says so.
+    decision: String,
+}
+
+/// Run number `place` of its page; its figures go to `figures`.
+///
+/// # Errors
+/// [`ReportError::Figure`]: a fault of the program.
+pub fn section(
+    site: &Site,
+    place: usize,
+    drawn: &DrawnRun,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<RunSection, ReportError> {
+    let run = drawn.run;
+    let record = site.input.record(run);
+    if let Some(reason) = &drawn.failed {
+        return Err(ReportError::Curves {
+            run: record.path.clone(),
+            reason: reason.clone(),
+        });
+    }
+    let name = site.run_name(run);
+    let id = format!("{place}-");
+    let subject = Subject {
+        name,
+        id: &id,
+        drive: record.drive.as_ref(),
+        curves: &drawn.curves,
+    };
+    let (responses, words) = responses(&subject, figures)?;
+    let climate_id = format!("{id}climate");
+    let findings = &site.input.findings;
+    let alone = findings.runs.iter().find(|found| found.group == record.path);
+    let group = site.finding_of_run(run).map(|place| RunLink {
+        href: site.finding_href(place),
+        name: findings.groups[place].group.clone(),
+    });
+    Ok(RunSection {
+        slug: site.run_slug(run).to_owned(),
+        name: name.to_owned(),
+        condition: condition(site, run),
+        summary: summary(record),
+        responses,
+        drawn: words,
+        along: (record.is_along() && record.standing.speaks()).then(|| AlongLine {
+            places: super::along::places(record),
+            href: site.strip_href(run),
+            decision: super::along::decision(record),
+        }),
+        parameters: record.fit.as_ref().map_or_else(Vec::new, fits::parameters),
+        remarks: Vec::new(),
+        fit: record
+            .fit
+            .as_ref()
+            .map_or_else(Vec::new, |fit| fits::facts(fit, record)),
+        alone: alone.map_or_else(String::new, |found| found.sentence.clone()),
+        group,
+        issues: worst_first(record),
+        climate: climate_panel(record, &drawn.climate, name, climate_id, figures)?,
+        evidence: evidence(site, record),
+        readings: Vec::new(),
+        tags: Vec::new(),
+    })
+}
+
+/// What the fit says; of a run that no result is made from, that instead: its fit describes readings that are not used.
+fn summary(record: &RunRecord) -> Vec<String> {
+    let (standing, reason) = (&record.standing, record.standing.reason());
+    if !standing.speaks() {
+        let mend = format!("To change that: {}.", standing.mend(&record.path));
+        return vec![format!("Set aside, in no result: {reason}."), mend];
+    }
+    let mut summary = fits::summary(record);
+    if standing.is_vouched() {
+        summary.insert(0, format!("Used on a person's word: {reason}."));
+    }
+    summary
+}
+
+/// `CNaf in air at 34 % RH stepped to 2.5 V`, as far as it is known.
+pub(super) fn condition(site: &Site, run: usize) -> String {
+    let material = material(site.input.record(run), &site.input.campaign);
+    let parts: Vec<String> = material
+        .map(str::to_owned)
+        .into_iter()
+        .chain(surroundings(site, run, true))
+        .chain([stepped(site, run)])
+        .collect();
+    parts.join(" ").trim().to_owned()
+}
+
+/// `at 34 % RH stepped to 2.5 V`: what runs of one sample in one environment differ by.
+pub(super) fn own_condition(site: &Site, run: usize) -> String {
+    let parts: Vec<String> = surroundings(site, run, false)
+        .into_iter()
+        .chain([stepped(site, run)])
+        .collect();
+    parts.join(" ").trim().to_owned()
+}
+
+fn surroundings(site: &Site, run: usize, named: bool) -> Vec<String> {
+    let conditions = &site.conditions;
+    let mut measured = conditions.measured.iter();
+    let Some(place) = measured.find(|condition| condition.runs.contains(&run)) else {
+        return Vec::new();
+    };
+    let surroundings = &conditions.surroundings[place.surroundings];
+    let mut parts: Vec<String> = Vec::new();
+    if named {
+        parts.push(format!("in {}", surroundings.environment));
+    }
+    let percent = site.input.record(run).tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
+    if let Some(percent) = percent {
+        parts.push(format!("at {} % RH", significant(percent, 3)));
+    } else if surroundings.humidity_varies {
+        parts.push(humidity_label(surroundings));
+    }
+    parts
+}
+
+fn stepped(site: &Site, run: usize) -> String {
+    let voltage = nominal_voltage_v(site.input.record(run));
+    voltage.map_or_else(String::new, |voltage| {
+        format!("stepped to {}", voltage_label(voltage))
+    })
+}
+
+/// Issues of the run and of its fit, errors first, each once.
+fn worst_first(record: &RunRecord) -> Vec<IssueText> {
+    let of_fit = record.fit.iter().flat_map(|fit| &fit.issues);
+    let mut issues: Vec<&Issue> = record.issues.iter().chain(of_fit).collect();
+    issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
+    let mut texts: Vec<IssueText> = issues.into_iter().map(IssueText::from).collect();
+    texts.dedup();
+    texts
+}

@@ -1,0 +1,229 @@
+//! What a run rests on: channels, drive, files, versions, history.
+
+use serde::Serialize;
+
+use super::run_clocks::{self as clocks, FlagRow, OffsetRow};
+use super::wording::{in_unit, voltage_label};
+use crate::number::{plain, significant};
+use crate::site::Site;
+use ieap_domain::{ChannelSummary, Drive, Level, Quantity, RunCurve, RunRecord, RunStatus};
+
+/// Segments of a drive that are spelled out.
+const SEGMENTS: usize = 6;
+
+/// Digits of a hash that pages show.
+const HASH_DIGITS: usize = 16;
+
+/// What a run rests on, apart from its tags and channels.
+#[derive(Debug, Default, Serialize)]
+pub struct Evidence {
+    /// Each with what it is a fact of.
+    pub facts: Vec<Fact>,
+    offsets: Vec<OffsetRow>,
+    flags: Vec<FlagRow>,
+    files: Vec<FileRow>,
+    history: Vec<Revision>,
+}
+
+/// `Drive`, `from 0 V: 2.5 V at 0 s`
+pub type Fact = (String, String);
+
+/// A channel in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChannelText {
+    /// Quantity.
+    pub quantity: String,
+    /// Name and unit in the file, number of readings, times.
+    pub what: String,
+    /// `from −2.70 µA to 560 µA`, or the first and the last reading where the extremes are not known.
+    pub range: String,
+}
+
+#[derive(Debug, Serialize)]
+struct FileRow {
+    path: String,
+    size: String,
+    hash: String,
+    aliases: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Revision {
+    revision: u32,
+    ingested: String,
+    hashes: Vec<String>,
+    current: bool,
+}
+
+/// Gathers the evidence of `record`.
+pub fn evidence(site: &Site, record: &RunRecord) -> Evidence {
+    Evidence {
+        facts: facts(site, record),
+        offsets: clocks::offsets(record),
+        flags: clocks::flags(record),
+        files: record.files.iter().map(file).collect(),
+        history: history(site, record),
+    }
+}
+
+fn status(record: &RunRecord) -> String {
+    let word = match record.status {
+        RunStatus::Complete => "complete",
+        RunStatus::Aborted => "aborted",
+        RunStatus::StoppedEarly => "stopped early",
+        RunStatus::Cut => "cut off",
+        RunStatus::StillRunning => "still running when read",
+        RunStatus::Unknown => "not known",
+    };
+    match record.status_evidence.is_empty() {
+        true => word.to_owned(),
+        false => format!("{word}: {}", record.status_evidence),
+    }
+}
+
+/// `from 0 V: 2.5 V at 0 s, open circuit at 600 s`
+fn drive_text(drive: &Drive) -> String {
+    let segment = |segment: &ieap_domain::Segment| {
+        let level = match segment.level {
+            Level::Voltage(voltage_v) => voltage_label(voltage_v),
+            Level::OpenCircuit => "open circuit".to_owned(),
+        };
+        format!("{level} at {} s", plain(segment.start_s))
+    };
+    let shown: Vec<String> = drive.segments.iter().take(SEGMENTS).map(segment).collect();
+    let more = match drive.segments.len().saturating_sub(SEGMENTS) {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    format!(
+        "from {}: {}{more}",
+        voltage_label(drive.baseline_v),
+        shown.join(", ")
+    )
+}
+
+/// The channels of `record`; extremes come from its drawn curves, which keep them.
+pub fn channels(record: &RunRecord, curves: &[RunCurve]) -> Vec<ChannelText> {
+    record
+        .channels
+        .iter()
+        .map(|channel| channel_text(channel, curves))
+        .collect()
+}
+
+fn channel_text(channel: &ChannelSummary, curves: &[RunCurve]) -> ChannelText {
+    let unit = channel.quantity.unit();
+    let shown = |value: f64| in_unit(value, unit);
+    let raw = match channel.raw_unit.is_empty() {
+        true => channel.raw_name.clone(),
+        false => format!("{} [{}]", channel.raw_name, channel.raw_unit),
+    };
+    let excluded = match channel.excluded {
+        0 => String::new(),
+        excluded => format!(", {excluded} left out"),
+    };
+    let times = match (channel.first_time_s, channel.last_time_s) {
+        (Some(first), Some(last)) => format!(", {} … {}", in_unit(first, "s"), in_unit(last, "s")),
+        _ => String::new(),
+    };
+    let drawn = curves
+        .iter()
+        .find(|curve| curve.quantity == channel.quantity && channel.position_mm.is_none());
+    let range = match (drawn.and_then(extremes), channel.first, channel.last) {
+        (Some((low, high)), ..) => format!("from {} to {}", shown(low), shown(high)),
+        (None, Some(first), Some(last)) => format!("first {}, last {}", shown(first), shown(last)),
+        _ => String::new(),
+    };
+    ChannelText {
+        quantity: match channel.quantity {
+            Quantity::Other => "kept as it is".to_owned(),
+            quantity => quantity.label().to_owned(),
+        },
+        what: format!("{raw}, {} readings{excluded}{times}", channel.readings),
+        range,
+    }
+}
+
+/// The smallest and the largest reading of a curve: thinning keeps both.
+fn extremes(curve: &RunCurve) -> Option<(f64, f64)> {
+    let finite = || curve.measured.iter().copied().filter(|value| value.is_finite());
+    Some((finite().reduce(f64::min)?, finite().reduce(f64::max)?))
+}
+
+fn file(file: &ieap_domain::RunFile) -> FileRow {
+    FileRow {
+        path: file.path.clone(),
+        size: size(file.size_bytes),
+        hash: short_hash(&file.hash),
+        aliases: file.aliases.clone(),
+    }
+}
+
+/// The beginning of a hash, which tells any two files apart; the export and `explain` have all of it.
+fn short_hash(hash: &str) -> String {
+    hash.chars().take(HASH_DIGITS).collect()
+}
+
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..=999 => format!("{bytes} B"),
+        _ => in_unit(bytes as f64, "B"),
+    }
+}
+
+fn facts(site: &Site, record: &RunRecord) -> Vec<Fact> {
+    let drive = record.drive.as_ref();
+    let mut facts = vec![
+        ("Ended", status(record)),
+        ("Drive", drive.map_or_else(|| "not known".to_owned(), drive_text)),
+        ("Format", clocks::format(record)),
+    ];
+    if let Some(technique) = &record.technique {
+        facts.push(("Technique", technique.clone()));
+    }
+    if let Some(area_cm2) = record.area_cm2 {
+        facts.push(("Active area", format!("{} cm²", significant(area_cm2, 3))));
+    }
+    facts.push(("Taken in", site.zone().moment(&record.ingested_at)));
+    facts.push(("Data hash", short_hash(&record.data_hash)));
+    facts.extend(clocks::clocks(record).into_iter().map(|clock| ("Times", clock)));
+    facts
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
+}
+
+/// Every revision of this path, the newest first; empty where there has been one only.
+fn history(site: &Site, record: &RunRecord) -> Vec<Revision> {
+    let earlier = site.input.superseded.iter().filter(|old| old.path == record.path);
+    let mut revisions: Vec<&RunRecord> = earlier.chain([record]).collect();
+    if revisions.len() == 1 {
+        return vec![];
+    }
+    revisions.sort_by_key(|run| std::cmp::Reverse(run.revision));
+    let revision = |run: &RunRecord| Revision {
+        revision: run.revision,
+        ingested: site.zone().moment(&run.ingested_at),
+        hashes: run.files.iter().map(|file| short_hash(&file.hash)).collect(),
+        current: run.revision == record.revision,
+    };
+    revisions.into_iter().map(revision).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_domain::Segment;
+
+    #[test]
+    fn drives_in_words() {
+        let mut drive = Drive::step(2.5);
+        assert_eq!(drive_text(&drive), "from 0\u{a0}V: 2.5\u{a0}V at 0 s");
+        let pulse = |k: i32| Segment {
+            start_s: 10.0 * f64::from(k),
+            level: Level::OpenCircuit,
+        };
+        drive.segments = (0..8).map(pulse).collect();
+        assert!(drive_text(&drive).ends_with("open circuit at 50 s, and 2 more"));
+    }
+}

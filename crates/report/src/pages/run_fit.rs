@@ -1,0 +1,229 @@
+//! What the fit of one run says: its parameters, how it ended, how its residuals compare with the noise.
+
+use serde::Serialize;
+
+use super::run_evidence::Fact;
+use super::wording::{EstimateText, counted, in_unit, listed, why_unfitted};
+use crate::number::{fixed, score, significant};
+use ieap_analysis::ParameterInfo;
+use ieap_domain::{ChannelNoise, Fit, Parameter, Quantity, RunRecord};
+
+/// Residual over noise up to which the model describes the readings.
+const WITHIN_NOISE: f64 = 1.3;
+/// Residual over noise from which a misfit is called systematic whatever its shape.
+const SYSTEMATIC: f64 = 3.0;
+/// Lag-1 autocorrelation from which neighbouring residuals clearly go together.
+const CORRELATED: f64 = 0.5;
+
+/// A parameter of one run.
+#[derive(Debug, Serialize)]
+pub struct ParameterRow {
+    /// Symbol.
+    pub symbol: String,
+    name: String,
+    unit: String,
+    /// Value, error, interval and remark.
+    pub estimate: EstimateText,
+}
+
+/// Findings: how the residuals compare with the noise, what the run does not determine, or why there is no fit.
+pub fn summary(record: &RunRecord) -> Vec<String> {
+    let Some(fit) = &record.fit else {
+        return vec![format!("Not fitted: {}.", why_unfitted(record))];
+    };
+    let mut sentences = Vec::new();
+    if !fit.converged {
+        sentences.push(format!(
+            "The fit did not converge: {}. Its numbers are not to be used.",
+            fit.why_stopped
+        ));
+    }
+    match fit.noise.len() > 1 && fit.noise.iter().all(is_described) {
+        true => sentences.push(described_sentence(&fit.noise)),
+        false => sentences.extend(fit.noise.iter().map(noise_sentence)),
+    }
+    let undetermined = fit
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.estimate.value.is_none());
+    let symbols: Vec<String> = undetermined.map(|parameter| symbol_of(&parameter.key)).collect();
+    if !symbols.is_empty() {
+        sentences.push(format!("Not determined by this run: {}.", listed(&symbols)));
+    }
+    sentences
+}
+
+/// Rms of the residual of a quantity over its noise; none where it was not fitted or its noise is not known.
+pub fn residual_over_noise(fit: &Fit, quantity: Quantity) -> Option<String> {
+    let noise = fit.noise.iter().find(|noise| noise.quantity == quantity)?;
+    let ratio = noise.residual_rms / noise.standard_deviation;
+    ratio.is_finite().then(|| significant(ratio, 2))
+}
+
+/// Whether the residual of a channel is what noise would leave.
+fn is_described(noise: &ChannelNoise) -> bool {
+    noise.residual_rms / noise.standard_deviation <= WITHIN_NOISE
+        && noise.residual_autocorrelation < CORRELATED
+}
+
+/// `Residual rms 1.0 (current) and 0.81 (curvature) × the noise; the model describes the readings.`
+fn described_sentence(noise: &[ChannelNoise]) -> String {
+    let one = |noise: &ChannelNoise| {
+        let ratio = significant(noise.residual_rms / noise.standard_deviation, 2);
+        format!("{ratio} ({})", noise.quantity.label().to_lowercase())
+    };
+    let each: Vec<String> = noise.iter().map(one).collect();
+    format!(
+        "Residual rms {} × the noise; the model describes the readings.",
+        listed(&each)
+    )
+}
+
+/// How the residual of one channel compares with its noise.
+fn noise_sentence(noise: &ChannelNoise) -> String {
+    let channel = noise.quantity.label();
+    let ratio = noise.residual_rms / noise.standard_deviation;
+    if !ratio.is_finite() {
+        return format!("{channel}: the noise could not be estimated, so the residuals cannot be judged.");
+    }
+    let times = format!("{} × the noise", significant(ratio, 2));
+    let correlated = noise.residual_autocorrelation >= CORRELATED;
+    let correlation = format!(
+        "lag-1 autocorrelation {}",
+        fixed(noise.residual_autocorrelation, 2)
+    );
+    if is_described(noise) {
+        return format!("{channel}: residual rms {times}; the model describes the readings.");
+    }
+    if ratio >= SYSTEMATIC {
+        return format!(
+            "{channel}: systematic misfit, residual rms {times} ({correlation}); the model lacks something."
+        );
+    }
+    if correlated {
+        return format!(
+            "{channel}: residual rms {times}, but neighbouring residuals go together ({correlation}): a small systematic misfit."
+        );
+    }
+    format!("{channel}: residual rms {times}; more than noise alone.")
+}
+
+/// Symbol of a parameter; its key where it is not known.
+pub fn symbol_of(key: &str) -> String {
+    ParameterInfo::of(key).map_or_else(|| key.to_owned(), |parameter| parameter.symbol.to_owned())
+}
+
+/// The parameters of a fit, a row each.
+pub fn parameters(fit: &Fit) -> Vec<ParameterRow> {
+    let row = |parameter: &Parameter| {
+        let known = ParameterInfo::of(&parameter.key);
+        let (unit, factor) = known.map_or(("", 1.0), |known| known.shown_in(fit));
+        ParameterRow {
+            symbol: symbol_of(&parameter.key),
+            name: known.map_or_else(String::new, |known| known.name.to_owned()),
+            unit: unit.to_owned(),
+            estimate: EstimateText::of(&parameter.estimate, factor),
+        }
+    };
+    fit.parameters.iter().map(row).collect()
+}
+
+/// How the fit was made and ended.
+pub fn facts(fit: &Fit, record: &RunRecord) -> Vec<Fact> {
+    let program = record
+        .fit_code_version
+        .as_deref()
+        .unwrap_or("a program version that is not stored");
+    let verb = if fit.converged {
+        "converged"
+    } else {
+        "did not converge"
+    };
+    // Where a search ended well there is one reason, which says nothing of this run.
+    let why = match fit.converged {
+        true => String::new(),
+        false => format!(": {}", said_once(&fit.why_stopped)),
+    };
+    let evaluations = counted(fit.evaluations as usize, "evaluation");
+    let mut facts = vec![
+        (
+            "Model".to_owned(),
+            format!("{} version {}, fitted by {program}", fit.model, fit.model_version),
+        ),
+        ("Search".to_owned(), fit.method.clone()),
+        ("Fit".to_owned(), format!("{verb} after {evaluations}{why}")),
+    ];
+    facts.extend(fit.noise.iter().map(noise_fact));
+    facts
+}
+
+/// R² by what it is of.
+pub fn r_squared(fit: &Fit) -> Vec<Fact> {
+    let both = [
+        ("current", fit.r_squared_current),
+        ("curvature", fit.r_squared_curvature),
+    ];
+    both.into_iter()
+        .filter_map(|(of, value)| Some((format!("R² of {of}"), score(value?))))
+        .collect()
+}
+
+/// `current: x; curvature: x` as `x`.
+fn said_once(reasons: &str) -> &str {
+    let of_each = || {
+        reasons
+            .split("; ")
+            .map(|reason| reason.split_once(": ").map(|(_, why)| why))
+    };
+    match of_each().next().flatten() {
+        Some(first) if of_each().count() > 1 && of_each().all(|reason| reason == Some(first)) => first,
+        _ => reasons,
+    }
+}
+
+/// Noise of a channel and where its estimate comes from.
+fn noise_fact(noise: &ChannelNoise) -> Fact {
+    let amount = in_unit(noise.standard_deviation, noise.quantity.unit());
+    let label = format!("{} noise", noise.quantity.label().to_lowercase());
+    (
+        label,
+        format!(
+            "{amount} ({}; {})",
+            noise.basis,
+            counted(noise.readings, "reading")
+        ),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(residual_rms: f64, residual_autocorrelation: f64) -> ChannelNoise {
+        ChannelNoise {
+            quantity: Quantity::Current,
+            standard_deviation: 1e-6,
+            basis: "differences of neighbours".to_owned(),
+            character: Default::default(),
+            residual_autocorrelation,
+            residual_rms,
+            readings: 1200,
+            r_squared: None,
+        }
+    }
+
+    #[test]
+    fn residuals_are_judged_against_noise_and_correlation() {
+        assert!(noise_sentence(&noise(1.2e-6, 0.1)).contains("1.2 × the noise; the model describes"));
+        assert!(noise_sentence(&noise(1.2e-6, 0.9)).contains("small systematic misfit"));
+        assert!(
+            noise_sentence(&noise(20e-6, 0.99)).contains("systematic misfit, residual rms 20 × the noise")
+        );
+        assert!(noise_sentence(&noise(2e-6, 0.0)).contains("more than noise alone"));
+        let silent = ChannelNoise {
+            standard_deviation: 0.0,
+            ..noise(1.0, 0.0)
+        };
+        assert!(noise_sentence(&silent).contains("could not be estimated"));
+    }
+}

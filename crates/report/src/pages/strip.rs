@@ -1,0 +1,359 @@
+//! The page of one run along its strip: maps of curvature, shapes, curves at places, voltages.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::Content;
+use super::along::places;
+use super::run::condition;
+use super::wording::{RunLink, counted};
+use crate::error::ReportError;
+use crate::figures::along::map::{self, Shown, residual_end};
+use crate::figures::along::shapes::{self, Layout};
+use crate::figures::along::{curves, frames, millimetres, seconds, voltages};
+use crate::figures::svg;
+use crate::number::{fixed, measured, rounded_bound, significant};
+use crate::site::Site;
+use ieap_domain::{AlongCurve, AlongStrip, EndsRatio, Fit, Quantity};
+
+/// Width of a drawing, px.
+const WIDTH: u32 = 530;
+/// Id under which a page finds the frames of the moving picture.
+const FILM: &str = "film";
+
+#[derive(Debug, Serialize)]
+struct StripPage {
+    name: String,
+    run: RunLink,
+    condition: String,
+    places: String,
+    summary: Vec<String>,
+    maps: Vec<Panel>,
+    map_note: String,
+    shapes: Option<Panel>,
+    shapes_note: String,
+    panels: Vec<Panel>,
+}
+
+#[derive(Debug, Serialize)]
+struct Panel {
+    figure: &'static str,
+    caption: String,
+    note: String,
+}
+
+/// Makes the page of run number `run`. Without a strip, as where the readings lie at places but hold no number, it says so.
+pub fn content(site: &Site, run: usize, strip: Option<&AlongStrip>) -> Result<Content, ReportError> {
+    let nothing = AlongStrip::default();
+    let strip = strip.unwrap_or(&nothing);
+    let record = &site.input.runs[run];
+    let name = site.run_name(run);
+    let mut drawn = Drawn {
+        name,
+        figures: BTreeMap::new(),
+    };
+    let maps = drawn.maps(strip)?;
+    let shapes = drawn.shapes(strip)?;
+    let mut panels = Vec::new();
+    panels.extend(drawn.curves(strip)?);
+    panels.extend(drawn.voltages(strip)?);
+    let page = StripPage {
+        name: name.to_owned(),
+        run: RunLink::to(site, run),
+        condition: condition(site, run),
+        places: places(record),
+        summary: summary(strip, record.fit.as_ref()),
+        map_note: if maps.is_empty() {
+            String::new()
+        } else {
+            map_note(strip)
+        },
+        maps,
+        shapes_note: if shapes.is_some() {
+            shapes_note(strip)
+        } else {
+            String::new()
+        },
+        shapes,
+        panels,
+    };
+    Content::new("strip.html", &page, drawn.figures)
+}
+
+/// Sentences that stand first: how unevenly the strip bends, and how well the model describes it.
+fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
+    let mut sentences = Vec::new();
+    if strip.curvature.is_some() {
+        sentences.push(unevenness(strip));
+    }
+    let curves = || [&strip.curvature, &strip.voltage].into_iter().flatten();
+    if curves().next().is_none() {
+        return vec!["The columns of places hold no readings.".to_owned()];
+    }
+    if curves().all(|curve| curve.fitted.is_empty()) {
+        sentences.push(
+            "No distributed model is fitted to this run, so that measured values stand alone: ieap fit --model distributed fits one."
+                .to_owned(),
+        );
+        return sentences;
+    }
+    let ratios: Vec<String> = fit
+        .iter()
+        .flat_map(|fit| curves().map(move |curve| (fit, curve.quantity)))
+        .filter_map(|(fit, quantity)| {
+            let ratio = residual_ratio(fit, quantity)?;
+            Some(format!(
+                "{ratio} × the noise in the {}",
+                quantity.label().to_lowercase()
+            ))
+        })
+        .collect();
+    if !ratios.is_empty() {
+        sentences.push(format!(
+            "The distributed model leaves a residual of {}.",
+            super::wording::listed(&ratios)
+        ));
+    }
+    if fit.is_some_and(|fit| !fit.converged) {
+        sentences.push(format!("But {}.", super::wording::NOT_CONVERGED));
+    }
+    sentences
+}
+
+/// `1.02`: residual over noise of a quantity of a fit.
+pub(super) fn residual_ratio(fit: &Fit, quantity: Quantity) -> Option<String> {
+    let noise = fit.noise.iter().find(|noise| noise.quantity == quantity)?;
+    let ratio = noise.residual_rms / noise.standard_deviation;
+    ratio.is_finite().then(|| significant(ratio, 3))
+}
+
+fn unevenness(strip: &AlongStrip) -> String {
+    let at = |ratio: &EndsRatio| seconds(ratio.time_s - strip.step_s);
+    let times = |ratio: &EndsRatio| match (ratio.ratio.value, ratio.ratio.low_95) {
+        (Some(value), _) => {
+            let error = ratio.ratio.standard_error.unwrap_or(0.0);
+            format!("{} times", measured(value, error))
+        }
+        (None, low) => {
+            let low = rounded_bound(low.unwrap_or(1.0), false);
+            format!("more than {} times", low.value_text())
+        }
+    };
+    let ends = strip.ends_mm.map_or_else(Default::default, |[clamp, tip]| {
+        [clamp, tip].map(|(from, to)| match from == to {
+            true => format!("at {}", millimetres(from)),
+            false => format!("{} to {}", fixed(from, 1), millimetres(to)),
+        })
+    });
+    let [clamp, tip] = &ends;
+    match &strip.unevenness[..] {
+        [] => "How much more the strip bends near the clamp than near its tip cannot be said: at no time does the bending near the clamp stand ten times above a noise that is known.".to_owned(),
+        [only] => format!(
+            "At {} the strip bends {} as much near the clamp ({clamp}) as near its tip ({tip}).",
+            at(only),
+            times(only)
+        ),
+        [first, .., last] => format!(
+            "At {} the strip bends {} as much near the clamp ({clamp}) as near its tip ({tip}), at {} {} as much.",
+            at(first),
+            times(first),
+            at(last),
+            times(last)
+        ),
+    }
+}
+
+fn map_note(strip: &AlongStrip) -> String {
+    let Some(curve) = &strip.curvature else {
+        return String::new();
+    };
+    let time = match strip.changes_again {
+        true => "Time is linear, since the drive changes again after the step.",
+        false => "Time is logarithmic: the strip charges in seconds and creeps back far more slowly.",
+    };
+    let frames = match curve.time_s.len() < curve.frames {
+        true => format!(
+            "{} of {} frames are drawn: of each of 60 stretches of time those two in which some place lies farthest above and below its mean over the stretch.",
+            curve.time_s.len(),
+            curve.frames
+        ),
+        false => format!("All {} are drawn.", counted(curve.frames, "frame")),
+    };
+    format!(
+        "Position counts from the clamp. Each cell is one reading at one place and reaches half-way to the next; hatched is where there is none. {time} {frames} Curvature is counted from the initial shape of the strip."
+    )
+}
+
+fn shapes_note(strip: &AlongStrip) -> String {
+    let simulated = match strip.shapes.iter().any(|shape| !shape.fitted_mm.is_empty()) {
+        true => "Broad lines are measured, thin dashes over them simulated.",
+        false => "Lines are measured.",
+    };
+    let length = match strip.length_mm {
+        Some(_) => "",
+        None => " The strip's length is not known: it is drawn as far as its last place speaks.",
+    };
+    format!(
+        "To scale, the clamp at the left. Each place bends its stretch of the strip as an arc of a circle; arcs joined from the clamp on are the shape. The initial shape is subtracted from the readings: a strip that was bent beforehand is drawn as if it had been straight. {simulated}{length}"
+    )
+}
+
+/// Figures of the page.
+struct Drawn<'a> {
+    name: &'a str,
+    figures: BTreeMap<String, String>,
+}
+
+impl Drawn<'_> {
+    fn add<F>(
+        &mut self,
+        id: &'static str,
+        size: (u32, u32),
+        title: &str,
+        desc: &str,
+        draw: F,
+    ) -> Result<(), ReportError>
+    where
+        F: FnOnce(&crate::figures::canvas::Area) -> Result<(), String>,
+    {
+        let title = format!("{title} of {}", self.name);
+        let drawn = svg(size, &title, desc, draw).map_err(|reason| ReportError::Figure {
+            figure: id.to_owned(),
+            reason,
+        })?;
+        self.figures.insert(id.to_owned(), drawn);
+        Ok(())
+    }
+
+    fn maps(&mut self, strip: &AlongStrip) -> Result<Vec<Panel>, ReportError> {
+        let Some(curve) = &strip.curvature else {
+            return Ok(vec![]);
+        };
+        if frames::frames(strip, curve).is_none() {
+            return Ok(vec![]);
+        }
+        let mut maps = vec![(
+            "map-measured",
+            "Measured curvature".to_owned(),
+            String::new(),
+            Shown::Measured,
+        )];
+        if !curve.fitted.is_empty() {
+            let end = residual_end(curve);
+            maps.push((
+                "map-simulated",
+                "Simulated curvature".to_owned(),
+                String::new(),
+                Shown::Simulated,
+            ));
+            maps.push((
+                "map-difference",
+                "Measured less simulated".to_owned(),
+                format!(
+                    "In units of the noise σ of each place, {}; beyond ±{} σ the colour stays.",
+                    noise_range(curve),
+                    significant(end, 1)
+                ),
+                Shown::Residual,
+            ));
+        }
+        let mut panels = Vec::new();
+        for (figure, caption, note, shown) in maps {
+            let desc = "A map of colours: time to the right, distance from the clamp upward, one cell for each reading.";
+            self.add(figure, map::SIZE, &caption, desc, |area| {
+                map::draw(area, strip, curve, shown)
+            })?;
+            panels.push(Panel {
+                figure,
+                caption,
+                note,
+            });
+        }
+        Ok(panels)
+    }
+
+    fn shapes(&mut self, strip: &AlongStrip) -> Result<Option<Panel>, ReportError> {
+        let Some(layout) = Layout::of(strip, WIDTH) else {
+            return Ok(None);
+        };
+        let desc = "The strip seen from its side at a few times, drawn to scale from the clamp to the tip.";
+        self.add("shapes", layout.size(), "Shape", desc, |area| {
+            shapes::draw(area, strip, &layout)
+        })?;
+        self.figures.insert(FILM.to_owned(), shapes::film(strip, &layout));
+        Ok(Some(Panel {
+            figure: "shapes",
+            caption: "Shape of the strip".to_owned(),
+            note: String::new(),
+        }))
+    }
+
+    fn curves(&mut self, strip: &AlongStrip) -> Result<Option<Panel>, ReportError> {
+        let Some(curve) = &strip.curvature else {
+            return Ok(None);
+        };
+        if frames::frames(strip, curve).is_none() {
+            return Ok(None);
+        }
+        let size = (WIDTH, curves::height(curve, WIDTH));
+        let desc = "Curvature over time at a few places: readings as dots, the fitted model as lines.";
+        self.add("curves", size, "Curvature at places", desc, |area| {
+            curves::draw(area, strip, curve)
+        })?;
+        let shown = curves::shown_places(curve).len();
+        Ok(Some(Panel {
+            figure: "curves",
+            caption: "Curvature at places".to_owned(),
+            note: format!(
+                "At {shown} of {}, by their distance from the clamp. Dots are readings{}.",
+                counted(curve.places(), "place"),
+                if curve.fitted.is_empty() {
+                    ""
+                } else {
+                    ", lines are simulated"
+                }
+            ),
+        }))
+    }
+
+    fn voltages(&mut self, strip: &AlongStrip) -> Result<Option<Panel>, ReportError> {
+        let Some(voltage) = strip
+            .voltage
+            .as_ref()
+            .filter(|_| !strip.voltage_frames.is_empty())
+        else {
+            return Ok(None);
+        };
+        let size = (WIDTH, voltages::height(strip, voltage, WIDTH));
+        let desc = "Voltage between the electrodes from the clamp to the tip at a few times: readings as dots, the fitted model as lines.";
+        self.add("voltages", size, "Voltage", desc, |area| {
+            voltages::draw(area, strip, voltage)
+        })?;
+        Ok(Some(Panel {
+            figure: "voltages",
+            caption: "Voltage along the strip".to_owned(),
+            note: format!(
+                "Between the electrodes at a few times; position counts from the clamp. Dots are readings{}.",
+                if voltage.fitted.is_empty() {
+                    ""
+                } else {
+                    ", lines are simulated"
+                }
+            ),
+        }))
+    }
+}
+
+/// `0.0021 cm⁻¹` or `0.0019 to 0.0023 cm⁻¹`
+fn noise_range(curve: &AlongCurve) -> String {
+    let known = curve.noise.iter().copied().filter(|noise| noise.is_finite());
+    let (low, high) = known.fold((f64::INFINITY, 0.0f64), |(low, high), noise| {
+        (low.min(noise), high.max(noise))
+    });
+    let [low, high] = [low, high].map(|noise| significant(noise, 2));
+    match low == high {
+        true => format!("{low} cm⁻¹"),
+        false => format!("{low} to {high} cm⁻¹"),
+    }
+}

@@ -1,0 +1,46 @@
+//! The thesis's figure 26: parameters over environment and voltage, one panel a parameter and material.
+
+use super::FigureInput;
+use super::grid::{Panel, grid};
+use crate::figures::canvas::Drawing;
+use crate::figures::comparison::comparison_on;
+use crate::pages::comparison::{axis, groups};
+use ieap_analysis::ParameterInfo;
+
+/// What the thesis's figure shows, from top to bottom.
+const SHOWN: [&str; 5] = [
+    "c_total_f_per_cm2",
+    "r_parallel_ohm_cm2",
+    "rss_ohm_cm2",
+    "alpha_per_c_cm",
+    "lambda_per_s",
+];
+/// Height of a panel, px.
+const HEIGHT: u32 = 190;
+
+/// Draws it.
+pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
+    let materials = &input.site.conditions.materials;
+    let mut panels = Vec::new();
+    for parameter in SHOWN.iter().filter_map(|key| ParameterInfo::of(key)) {
+        for (material, name) in materials.iter().enumerate() {
+            let groups = groups(input.site, material, parameter);
+            let known = groups
+                .iter()
+                .flat_map(|group| &group.slots)
+                .flat_map(|slot| &slot.estimates);
+            let is_known = |estimate: &ieap_domain::Estimate| {
+                estimate.value.or(estimate.low_95).or(estimate.high_95).is_some()
+            };
+            if !known.into_iter().any(is_known) {
+                continue;
+            }
+            let y = axis(parameter, groups.iter());
+            panels.push(Panel {
+                title: name.clone(),
+                draw: Box::new(move |area| comparison_on(area, &groups, &y)),
+            });
+        }
+    }
+    grid(width, materials.len().clamp(1, 3), HEIGHT, &[], &panels)
+}

@@ -1,0 +1,117 @@
+//! What pages are made from: the input in the order of the site, and the addresses of its pages.
+
+use super::input::Input;
+use super::pages::{PAGES, Page};
+use super::run_pages::{RunPage, run_pages};
+use super::slug::slugs;
+use super::zone::Zone;
+use ieap_analysis::laws::facts::{RunFacts, facts};
+use ieap_analysis::{Conditions, conditions};
+use ieap_domain::Fault;
+use ieap_domain::fault::caught;
+
+/// What pages are made from: the input with the conditions and the names of the run pages.
+pub struct Site<'a> {
+    /// The input.
+    pub input: &'a Input,
+    /// Conditions of its runs.
+    pub conditions: Conditions,
+    /// What is known of the runs that parameters may follow; charges are not among it.
+    pub facts: Vec<RunFacts>,
+    /// Pages that the site has once, in the order of the navigation.
+    pub pages: Vec<&'static Page>,
+    /// Pages of the runs.
+    pub run_pages: Vec<RunPage>,
+    /// What could not be made, for the overview, which is made last.
+    pub faults: Vec<Fault>,
+    /// Of each run the index of its page.
+    pages_of_runs: Vec<usize>,
+    slugs: Vec<String>,
+    finding_slugs: Vec<String>,
+}
+
+impl<'a> Site<'a> {
+    /// The clock by which moments are shown.
+    pub fn zone(&self) -> Zone {
+        Zone::of(&self.input.campaign)
+    }
+
+    /// Sorts the runs of `input` into conditions and names their pages.
+    pub fn new(input: &'a Input) -> Site<'a> {
+        let run_pages = run_pages(input);
+        let mut pages_of_runs = vec![0; input.records().count()];
+        for (index, page) in run_pages.iter().enumerate() {
+            page.runs.iter().for_each(|&run| pages_of_runs[run] = index);
+        }
+        Site {
+            input,
+            run_pages,
+            pages_of_runs,
+            faults: input.faults.clone(),
+            conditions: conditions(&input.runs, &input.campaign),
+            facts: facts(&input.runs, &input.campaign, &[]),
+            pages: PAGES
+                .iter()
+                // A page that cannot say so is shown: its box tells why.
+                .filter(|page| caught(|| (page.is_shown)(input)).unwrap_or(true))
+                .collect(),
+            slugs: slugs(input.records().map(|run| run.path.as_str())),
+            finding_slugs: slugs(input.findings.groups.iter().map(|found| found.group.as_str())),
+        }
+    }
+
+    /// Address of a run, relative to the site's root: its page, and its place there where others stand on it.
+    pub fn run_href(&self, run: usize) -> String {
+        let page = self.page_of_run(run);
+        match self.run_pages[page].runs.len() {
+            1 => self.run_page_href(page),
+            _ => format!("{}#{}", self.run_page_href(page), self.slugs[run]),
+        }
+    }
+
+    /// Index of a run's page.
+    pub fn page_of_run(&self, run: usize) -> usize {
+        self.pages_of_runs[run]
+    }
+
+    /// Address of a page of runs, relative to the site's root.
+    pub fn run_page_href(&self, page: usize) -> String {
+        format!("runs/{}.html", self.run_pages[page].slug)
+    }
+
+    /// Address of the page that shows a run along its strip, relative to the site's root.
+    pub fn strip_href(&self, run: usize) -> String {
+        format!("along/{}.html", self.slugs[run])
+    }
+
+    /// What stands for a run in addresses: its place on its page, and the name of the page along its strip.
+    pub fn run_slug(&self, run: usize) -> &str {
+        &self.slugs[run]
+    }
+
+    /// Address of a group's page, relative to the site's root.
+    pub fn finding_href(&self, group: usize) -> String {
+        format!("findings/{}.html", self.finding_slugs[group])
+    }
+
+    /// The current run of that path.
+    pub fn run_of(&self, path: &str) -> Option<usize> {
+        self.input.records().position(|run| run.path == path)
+    }
+
+    /// The group that a run was diagnosed in.
+    pub fn finding_of_run(&self, run: usize) -> Option<usize> {
+        let path = &self.input.record(run).path;
+        let groups = &self.input.findings.groups;
+        groups.iter().position(|found| found.runs.contains(path))
+    }
+
+    /// Name of a run as lists show it: its path without the folder that all runs share.
+    pub fn run_name(&self, run: usize) -> &str {
+        let path = self.input.record(run).path.as_str();
+        let folder = self.input.campaign.runs_folder.trim_end_matches('/');
+        path.strip_prefix(folder)
+            .and_then(|rest| rest.strip_prefix('/'))
+            .unwrap_or(path)
+    }
+}

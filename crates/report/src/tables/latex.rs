@@ -1,0 +1,145 @@
+//! LaTeX with booktabs and siunitx: a document by itself, and a table where it is read by `\input`.
+
+use super::latex_text::{symbol, unit, words};
+use super::shown::{
+    CONCISE, MISSING, NOT_DETERMINED, ShownCell, caption, grid, group_starts, has_errors, head, note_letter,
+    note_letters, remarks, repeated,
+};
+use crate::number::Rounded;
+use ieap_analysis::tables::Table;
+
+/// Words longer than this many characters are set in a paragraph.
+const LONGEST_LINE: usize = 40;
+/// Width of such a paragraph.
+const PARAGRAPH: &str = "p{48mm}";
+
+/// What makes the file a document where no class is loaded yet: LaTeX itself tells a second `\documentclass`.
+const BEFORE: &str = r"\expandafter\ifx\csname @twoclasseserror\endcsname\documentclass
+\def\ieapend{}%
+\else
+\documentclass[a4paper]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\usepackage{booktabs,siunitx,graphicx,textcomp}
+\usepackage[landscape,margin=12mm]{geometry}
+\begin{document}
+\def\ieapend{\end{document}}%
+\fi
+";
+
+/// A table that is wider than the text is made smaller, never larger.
+const SHRINK: &str = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%\n";
+
+/// Writes the table.
+pub fn write(table: &Table) -> String {
+    let cells = grid(table);
+    let repeated = repeated(table);
+    let columns = 0..table.columns.len();
+    let layout: Vec<&str> = columns.map(|column| layout(&cells, column)).collect();
+    let mut out = format!(
+        "% {} of {}.\n% Alone it is a document; \\input it where booktabs, siunitx and graphicx are loaded.\n{BEFORE}",
+        table.name,
+        words(&table.origin)
+    );
+    out += &format!(
+        "\\begin{{table}}[htbp]\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\footnotesize\n\\setlength{{\\tabcolsep}}{{4pt}}\n",
+        words(&caption(table)),
+        table.name
+    );
+    out += SHRINK;
+    out += &format!("\\begin{{tabular}}{{{}}}\n\\toprule\n", layout.join(""));
+    let heads = table.columns.iter().map(head).map(|(text, _)| symbol(&text));
+    out += &format!("{} \\\\\n", heads.collect::<Vec<_>>().join(" & "));
+    let second = table.columns.iter().map(|column| match column.unit.as_str() {
+        "" => words(&head(column).1),
+        text => unit(text),
+    });
+    let second: Vec<String> = second.collect();
+    if second.iter().any(|line| !line.is_empty()) {
+        out += &format!("{} \\\\\n", second.join(" & "));
+    }
+    out += "\\midrule\n";
+    for (row, starts) in group_starts(table).into_iter().enumerate() {
+        if starts {
+            out += "\\addlinespace\n";
+        }
+        let texts = cells[row].iter().enumerate().map(|(column, cell)| {
+            let text = match repeated[row][column] {
+                true => String::new(),
+                false => cell_text(cell),
+            };
+            match note_letters(&table.rows[row].cells[column].notes) {
+                letters if letters.is_empty() => text,
+                letters => format!("{text}\\textsuperscript{{{letters}}}"),
+            }
+        });
+        out += &format!("{} \\\\\n", texts.collect::<Vec<_>>().join(" & "));
+    }
+    out += "\\bottomrule\n\\end{tabular}}\n";
+    out += &foot(table);
+    out += "\\end{table}\n\\ieapend\n";
+    out
+}
+
+fn layout(cells: &[Vec<ShownCell>], column: usize) -> &'static str {
+    let mut here = cells.iter().map(|row| &row[column]);
+    if here.clone().all(ShownCell::is_number) {
+        return "r";
+    }
+    match here.any(|cell| cell.text().chars().count() > LONGEST_LINE) {
+        true => PARAGRAPH,
+        false => "l",
+    }
+}
+
+fn cell_text(cell: &ShownCell) -> String {
+    match cell {
+        ShownCell::Words(text) => words(text),
+        ShownCell::Number(number) => num(number),
+        ShownCell::Below(number) => format!("$<$\\,{}", num(number)),
+        ShownCell::Above(number) => format!("$>$\\,{}", num(number)),
+        ShownCell::Between(low, high) => format!("{} to {}", num(low), num(high)),
+        ShownCell::NotDetermined => words(NOT_DETERMINED),
+        ShownCell::Missing => words(MISSING),
+    }
+}
+
+/// `\num{9.4(12)e-5}`: the uncertainty in units of the last digit, which all versions of siunitx read.
+fn num(number: &Rounded) -> String {
+    if !number.is_number() {
+        return words(&number.text());
+    }
+    let power = number.exponent.map(|power| format!("e{power}"));
+    format!("\\num{{{}{}}}", number.concise(), power.unwrap_or_default())
+}
+
+fn foot(table: &Table) -> String {
+    let notes = table
+        .notes
+        .iter()
+        .enumerate()
+        .map(|(at, note)| format!("\\textsuperscript{{{}}}~{}", note_letter(at), words(note)));
+    let concise = has_errors(table).then(|| CONCISE.to_owned());
+    let remarks: Vec<String> = remarks(table).into_iter().chain(concise).collect();
+    let lines: Vec<String> = notes.chain(remarks.iter().map(|remark| words(remark))).collect();
+    match lines.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\\par\\smallskip\n\\begin{{minipage}}{{0.95\\linewidth}}\\scriptsize\n{}\n\\end{{minipage}}\n",
+            lines.join("\\par\n")
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::rounded;
+
+    #[test]
+    fn numbers_are_left_to_siunitx() {
+        assert_eq!(num(&rounded(24.6183, 0.3142)), "\\num{24.62(31)}");
+        assert_eq!(num(&rounded(9.43e-5, 1.2e-5)), "\\num{9.4(12)e-5}");
+        assert_eq!(num(&rounded(f64::NAN, 1.0)), "--");
+    }
+}

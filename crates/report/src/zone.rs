@@ -1,0 +1,84 @@
+//! The campaign's own clock: moments are stored in UTC and shown in the zone that campaign.toml states.
+
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
+
+use ieap_domain::Campaign;
+
+/// A time zone with its name.
+#[derive(Debug, Clone)]
+pub struct Zone {
+    zone: TimeZone,
+    name: String,
+}
+
+impl Zone {
+    /// The zone of a campaign; UTC where it states none.
+    pub fn of(campaign: &Campaign) -> Zone {
+        let known = campaign
+            .timezone
+            .as_deref()
+            .and_then(|name| Some((TimeZone::get(name).ok()?, name.to_owned())));
+        known.map_or_else(Zone::utc, |(zone, name)| Zone { zone, name })
+    }
+
+    /// Universal time.
+    pub fn utc() -> Zone {
+        Zone {
+            zone: TimeZone::UTC,
+            name: "UTC".to_owned(),
+        }
+    }
+
+    /// `Europe/Tallinn`, or `UTC`.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The zone itself.
+    pub fn zone(&self) -> &TimeZone {
+        &self.zone
+    }
+
+    /// `20 Nov 2026, 08:00 +02:00` from RFC 3339, `20 Nov 2026, 06:00 UTC` where no zone is stated; text that is no such
+    /// time stays as it is.
+    pub fn moment(&self, rfc_3339: &str) -> String {
+        let format = match self.name.as_str() {
+            "UTC" => "%-d %b %Y, %H:%M UTC",
+            _ => "%-d %b %Y, %H:%M %:z",
+        };
+        self.written(rfc_3339, format)
+    }
+
+    /// `2026-11-20 08:00` where the zone stands beside it; text that is no time stays as it is.
+    pub fn short(&self, rfc_3339: &str) -> String {
+        self.written(rfc_3339, "%Y-%m-%d %H:%M")
+    }
+
+    fn written(&self, rfc_3339: &str, format: &str) -> String {
+        rfc_3339
+            .parse::<Timestamp>()
+            .map(|time| time.to_zoned(self.zone.clone()).strftime(format).to_string())
+            .unwrap_or_else(|_| rfc_3339.to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_analysis::sample_campaign::campaign;
+
+    #[test]
+    fn moments_are_shown_by_the_campaigns_clock() {
+        let mut campaign = campaign();
+        let utc = Zone::of(&campaign);
+        assert_eq!(utc.moment("2026-11-20T06:00:00Z"), "20 Nov 2026, 06:00 UTC");
+        campaign.timezone = Some("Europe/Tallinn".to_owned());
+        let zone = Zone::of(&campaign);
+        assert_eq!(zone.name(), "Europe/Tallinn");
+        assert_eq!(zone.moment("2026-11-20T06:00:00Z"), "20 Nov 2026, 08:00 +02:00");
+        assert_eq!(zone.moment("2026-07-20T23:30:00Z"), "21 Jul 2026, 02:30 +03:00");
+        assert_eq!(zone.short("2026-11-20T06:00:00Z"), "2026-11-20 08:00");
+        assert_eq!(zone.moment("<b>"), "<b>");
+    }
+}

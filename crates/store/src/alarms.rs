@@ -1,0 +1,63 @@
+//! Alarms that were told.
+
+use std::collections::BTreeSet;
+
+use rusqlite::params;
+
+use super::{Store, StoreError, Subject};
+use ieap_domain::Alarm;
+
+impl Store {
+    /// Ids of the alarms that were told.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn told_alarms(&self) -> Result<BTreeSet<String>, StoreError> {
+        let doing = "reading alarms";
+        self.check_seal(&Subject::Alarms)?;
+        let mut statement = self
+            .connection
+            .prepare_cached("SELECT id FROM alarm")
+            .map_err(|e| self.failed(doing, e))?;
+        let ids = statement
+            .query_map([], |row| row.get(0))
+            .map_err(|e| self.failed(doing, e))?;
+        ids.collect::<Result<_, _>>().map_err(|e| self.failed(doing, e))
+    }
+
+    /// Records an alarm as told. Whoever tells it does so after this: a crash in between loses a message and never
+    /// sends one twice.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_alarm(&mut self, now: &str, alarm: &Alarm) -> Result<(), StoreError> {
+        self.write("storing an alarm", now, |transaction| {
+            transaction.changes(Subject::Alarms)?;
+            transaction.execute(
+                "INSERT INTO alarm VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, NULL)",
+                params![
+                    alarm.id,
+                    alarm.sample,
+                    alarm.parameter,
+                    alarm.chart,
+                    alarm.run,
+                    alarm.message,
+                    now
+                ],
+            )?;
+            Ok(())
+        })
+    }
+
+    /// Records how the command of an alarm ended.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_alarm_command(&mut self, now: &str, id: &str, status: &str) -> Result<(), StoreError> {
+        self.write("storing how a command ended", now, |transaction| {
+            transaction.changes(Subject::Alarms)?;
+            transaction.execute("UPDATE alarm SET command_status = ?2 WHERE id = ?1", [id, status])?;
+            Ok(())
+        })
+    }
+}

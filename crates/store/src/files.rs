@@ -1,0 +1,296 @@
+//! Files of the campaign folder and the bytes that were archived from them.
+
+use std::collections::BTreeMap;
+
+use rusqlite::{Row, params};
+
+use super::{RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
+use ieap_domain::{FileState, Issue, SourceFile};
+
+/// A file as the last scan saw it and what became of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FileRow {
+    /// Path relative to the campaign as the scan displays it: with `/`, escaped without loss.
+    pub path: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// Modification time, ns since 1970.
+    pub modified_ns: i64,
+    /// Inode, or 0 where the system has none.
+    pub inode: u64,
+    /// Time of the last change of anything of the file, ns since 1970; 0 where it is not known.
+    pub changed_ns: i64,
+    /// BLAKE3 of the bytes, hexadecimal; none where they were not read.
+    pub hash: Option<String>,
+    /// What became of it.
+    pub state: FileState,
+    /// Format id and version that decided, as `id/version`; empty where none did.
+    pub reader: String,
+    /// Why it was refused or waits.
+    pub issue: Option<Issue>,
+    /// Since when it has been gone, RFC 3339 UTC.
+    pub missing_since: Option<String>,
+}
+
+impl FileRow {
+    /// What pages and `status` show of it.
+    pub fn source_file(&self) -> SourceFile {
+        SourceFile {
+            path: self.path.clone(),
+            size_bytes: self.size_bytes,
+            modified_ns: self.modified_ns,
+            state: self.state,
+            issue: self.issue.clone(),
+            missing: self.missing_since.is_some(),
+        }
+    }
+}
+
+impl Store {
+    /// Every file known, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn files(&self) -> Result<Vec<FileRow>, StoreError> {
+        self.files_where("TRUE")
+    }
+
+    /// The files that are there and were refused or wait, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn unsettled_files(&self) -> Result<Vec<FileRow>, StoreError> {
+        self.files_where("state IN ('refused', 'pending') AND missing_since IS NULL")
+    }
+
+    fn files_where(&self, condition: &str) -> Result<Vec<FileRow>, StoreError> {
+        let sql = format!(
+            "SELECT source_file.*, seal.sum FROM source_file LEFT JOIN seal ON subject = 'file' AND seal.id = path
+             WHERE {condition} ORDER BY path"
+        );
+        self.rows("listing files", &sql, [], |row| {
+            let file = read_file(row)?;
+            self.check_sealed_row(&Subject::File(file.path.clone()), row)?;
+            Ok(file)
+        })
+    }
+
+    /// Records what became of files that hold no new run: refused, pending, aliases.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn record_files(&mut self, now: &str, files: &[FileRow]) -> Result<(), StoreError> {
+        if files.is_empty() {
+            return Ok(());
+        }
+        self.write("recording files", now, |transaction| {
+            files.iter().try_for_each(|file| upsert_file(transaction, file))
+        })
+    }
+
+    /// Notes when files that are otherwise as they are stored changed last, ns since 1970: they were stored before such
+    /// times were.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn note_change_times(&mut self, now: &str, files: &[(&str, i64)]) -> Result<(), StoreError> {
+        if files.is_empty() {
+            return Ok(());
+        }
+        self.write("noting change times", now, |transaction| {
+            let sql = "UPDATE source_file SET changed_ns = ?2 WHERE path = ?1";
+            for file in files {
+                transaction.changes(Subject::File(file.0.to_owned()))?;
+                transaction
+                    .prepare_cached(sql)?
+                    .execute(params![file.0, file.1])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Files that the system could not give when they were to be read, with what it said, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn unread_files(&self) -> Result<Vec<(String, Issue)>, StoreError> {
+        let doing = "listing files that were not read";
+        let mut statement = self
+            .connection
+            .prepare_cached("SELECT path, issue FROM unread_file ORDER BY path")
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get::<_, String>(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.map(|row| {
+            let (path, issue) = row.map_err(|e| self.failed(doing, e))?;
+            Ok((path, from_json("why a file was not read", &issue)?))
+        })
+        .collect()
+    }
+
+    /// Records these as all files that the system could not give; no change where they are known as such. They have no
+    /// seal: no result is made from them, and the next scan writes them anew.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_unread_files(&mut self, now: &str, files: &[(String, Issue)]) -> Result<(), StoreError> {
+        if self.unread_files()? == files {
+            return Ok(());
+        }
+        self.write("recording files that were not read", now, |transaction| {
+            transaction.execute("DELETE FROM unread_file", [])?;
+            for (path, issue) in files {
+                let issue = to_json("why a file was not read", issue)?;
+                transaction
+                    .prepare_cached("INSERT INTO unread_file VALUES (?1, ?2)")?
+                    .execute([path, &issue])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Marks files as gone since `now`. Their runs stay.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn mark_missing(&mut self, now: &str, paths: &[String]) -> Result<(), StoreError> {
+        if paths.is_empty() {
+            return Ok(());
+        }
+        self.write("marking missing files", now, |transaction| {
+            let sql = "UPDATE source_file SET missing_since = ?2 WHERE path = ?1 AND missing_since IS NULL";
+            for path in paths {
+                transaction.changes(Subject::File(path.clone()))?;
+                transaction.prepare_cached(sql)?.execute(params![path, now])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Forgets refused and pending files that are gone: nothing of them was kept.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn forget_files(&mut self, now: &str, paths: &[String]) -> Result<(), StoreError> {
+        if paths.is_empty() {
+            return Ok(());
+        }
+        self.write("forgetting files", now, |transaction| {
+            for path in paths {
+                transaction.changes(Subject::File(path.clone()))?;
+                transaction
+                    .prepare_cached("DELETE FROM source_file WHERE path = ?1")?
+                    .execute([path])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Raw bytes that the database names: hash, size in bytes, path in the archive, and a file of a run or log that held
+    /// them, in the order of the hashes.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn contents(&self) -> Result<Vec<RunContent>, StoreError> {
+        let sql = "SELECT coalesce((SELECT min(path) FROM run_file WHERE hash = content.hash),
+                                   (SELECT min(path) FROM climate_log WHERE hash = content.hash), archive_path),
+                          hash, size_bytes, archive_path FROM content ORDER BY hash";
+        self.rows("listing raw files", sql, [], |row| {
+            Ok(RunContent {
+                path: row.get(0)?,
+                hash: row.get(1)?,
+                size_bytes: row.get::<_, i64>(2)?.unsigned_abs(),
+                archive_path: row.get(3)?,
+            })
+        })
+    }
+
+    /// Whether the database names raw bytes, or these bytes where a hash is given.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn names_content(&self, hash: Option<&str>) -> Result<bool, StoreError> {
+        let sql = "SELECT EXISTS (SELECT 1 FROM content WHERE ?1 IS NULL)
+                       OR EXISTS (SELECT 1 FROM content WHERE hash = ?1)";
+        self.connection
+            .prepare_cached(sql)
+            .and_then(|mut statement| statement.query_row([hash], |row| row.get(0)))
+            .map_err(|e| self.failed("looking for raw files", e))
+    }
+
+    /// Has every file read again at the next scan, as if its reader had changed.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn read_again(&mut self, now: &str) -> Result<(), StoreError> {
+        self.write("marking files to be read again", now, |transaction| {
+            let paths: Vec<String> = transaction
+                .prepare_cached("SELECT path FROM source_file")?
+                .query_map([], |row| row.get(0))?
+                .collect::<rusqlite::Result<_>>()?;
+            for path in paths {
+                transaction.changes(Subject::File(path))?;
+            }
+            transaction.execute("UPDATE source_file SET reader = ''", [])?;
+            Ok(())
+        })
+    }
+
+    /// Other present paths of the same bytes, by hash.
+    pub(super) fn aliases(&self) -> Result<BTreeMap<String, Vec<String>>, StoreError> {
+        let condition = "state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL";
+        let mut aliases: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for file in self.files_where(condition)? {
+            let hash = file.hash.unwrap_or_default();
+            aliases.entry(hash).or_default().push(file.path);
+        }
+        Ok(aliases)
+    }
+}
+
+/// Writes what is known of a file over what was known before.
+pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Result<(), StepError> {
+    let issue = file
+        .issue
+        .as_ref()
+        .map(|issue| to_json("a file's issue", issue))
+        .transpose()?;
+    transaction.changes(Subject::File(file.path.clone()))?;
+    let sql = "INSERT OR REPLACE INTO source_file
+        (path, size_bytes, modified_ns, inode, hash, state, reader, issue, missing_since, changed_ns)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+    transaction.prepare_cached(sql)?.execute(params![
+        file.path,
+        file.size_bytes.cast_signed(),
+        file.modified_ns,
+        file.inode.cast_signed(),
+        file.hash,
+        file.state.key(),
+        file.reader,
+        issue,
+        file.missing_since,
+        file.changed_ns,
+    ])?;
+    Ok(())
+}
+
+fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {
+    let issue: Option<String> = row.get("issue")?;
+    Ok(FileRow {
+        path: row.get("path")?,
+        size_bytes: row.get::<_, i64>("size_bytes")?.cast_unsigned(),
+        modified_ns: row.get("modified_ns")?,
+        inode: row.get::<_, i64>("inode")?.cast_unsigned(),
+        changed_ns: row.get("changed_ns")?,
+        hash: row.get("hash")?,
+        state: from_key(
+            "a file's state",
+            &row.get::<_, String>("state")?,
+            FileState::from_key,
+        )?,
+        reader: row.get("reader")?,
+        issue: issue.map(|text| from_json("a file's issue", &text)).transpose()?,
+        missing_since: row.get("missing_since")?,
+    })
+}

@@ -1,0 +1,411 @@
+//! Fits: what is to be fitted, what came out, what could not be done. Old fits stay.
+
+use rusqlite::{OptionalExtension, ToSql, params};
+
+use super::along::insert_along;
+use super::blob::{pack_f64, unpack_f64};
+use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
+use ieap_domain::{
+    AskedFit, ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve,
+};
+
+/// A run that can be fitted, with what its last fit depended on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitTask {
+    /// Row id of the run.
+    pub run_id: i64,
+    /// The run's name.
+    pub path: String,
+    /// The drive.
+    pub drive: Drive,
+    /// Active area, cm2.
+    pub area_cm2: f64,
+    /// Free length, cm, where it is known.
+    pub length_cm: Option<f64>,
+    /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
+    /// Hash of the readings, with the clock offsets that are applied and the tags that leave readings out.
+    pub data_hash: String,
+    /// Input hash of the current fit, or of the last failure.
+    pub done_input_hash: Option<String>,
+    /// How the last fit of any revision of the run was asked for.
+    pub last_asked: AskedFit,
+}
+
+/// What a fit was made from and by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitStamp {
+    /// Row id of the run.
+    pub run_id: i64,
+    /// Hash of data hash, drive, area, length, model and its version.
+    pub input_hash: String,
+    /// Version of the program.
+    pub code_version: String,
+    /// How it was asked for by hand.
+    pub asked: AskedFit,
+}
+
+impl Store {
+    /// Current runs in state `ready` whose drive and area are known, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn fit_tasks(&self) -> Result<Vec<FitTask>, StoreError> {
+        let doing = "listing runs to fit";
+        let _moment = self.snapshot()?;
+        let sql = "SELECT run.id, run.path, run.drive, run.area_cm2, run.length_cm,
+                          run.data_hash || coalesce((SELECT group_concat(':' || clock || '=' || offset_s, '')
+                              FROM clock_offset WHERE run_id = run.id AND applied = 1), '')
+                           || coalesce((SELECT group_concat(':' || key || '=' || value, '' ORDER BY key) FROM tag
+                              WHERE run_id = run.id AND chosen = 1 AND +key IN ('leave_out', 'leave_out_marked')), ''),
+                          coalesce(fit.input_hash, fit_failure.input_hash),
+                          run.electrode_resistance_ohm_per_sq, last.asked, last.id
+                   FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
+                            LEFT JOIN fit_failure ON fit_failure.run_id = run.id
+                            LEFT JOIN (SELECT own.path, max(earlier.id) AS fit_id
+                                       FROM fit AS earlier NOT INDEXED
+                                       JOIN run AS own NOT INDEXED ON own.id = earlier.run_id
+                                       GROUP BY own.path) AS newest ON newest.path = run.path
+                            LEFT JOIN fit AS last ON last.id = newest.fit_id
+                   WHERE run.superseded_at IS NULL AND run.state = 'ready' AND run.kind = 'actuation'
+                     AND run.drive IS NOT NULL AND run.area_cm2 IS NOT NULL
+                   ORDER BY run.path";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query([]).map_err(|e| self.failed(doing, e))?;
+        let mut tasks = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            self.check_seal(&Subject::Run(row.get(0).map_err(|e| self.failed(doing, e))?))?;
+            let last_fit: Option<i64> = row.get(9).map_err(|e| self.failed(doing, e))?;
+            last_fit.map_or(Ok(()), |id| self.check_seal(&Subject::Fit(id)))?;
+            let read = || -> Result<FitTask, StepError> {
+                Ok(FitTask {
+                    run_id: row.get(0)?,
+                    path: row.get(1)?,
+                    drive: from_json("a run's drive", &row.get::<_, String>(2)?)?,
+                    area_cm2: row.get(3)?,
+                    length_cm: row.get(4)?,
+                    data_hash: row.get(5)?,
+                    done_input_hash: row.get(6)?,
+                    electrode_resistance_ohm_per_sq: row.get(7)?,
+                    last_asked: match row.get::<_, Option<String>>(8)? {
+                        Some(asked) => from_json("how a fit was asked for", &asked)?,
+                        None => AskedFit::default(),
+                    },
+                })
+            };
+            tasks.push(read().map_err(self.named(doing))?);
+        }
+        Ok(tasks)
+    }
+
+    /// Stores fits, each as the current one of its run.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_fits(&mut self, now: &str, fits: &[(FitStamp, Fit)]) -> Result<(), StoreError> {
+        if fits.is_empty() {
+            return Ok(());
+        }
+        self.write("storing fits", now, |transaction| {
+            fits.iter()
+                .try_for_each(|(stamp, fit)| insert_fit(transaction, now, stamp, fit))
+        })
+    }
+
+    /// Records that a run could not be fitted, and why. An earlier fit is kept but no longer current.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_fit_failure(&mut self, now: &str, stamp: &FitStamp, issue: &Issue) -> Result<(), StoreError> {
+        self.write("storing a fit's failure", now, |transaction| {
+            retire_fit(transaction, now, stamp.run_id)?;
+            insert_failure(transaction, now, stamp.run_id, &stamp.input_hash, issue)
+        })
+    }
+
+    /// Curves of the run's current fit; empty where there is none.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn fit_curves(&self, run_id: i64) -> Result<Vec<RunCurve>, StoreError> {
+        let Some(fit_id) = self.current_fit(run_id)? else {
+            return Ok(Vec::new());
+        };
+        self.check_seal(&Subject::FitCurves(fit_id))?;
+        let sql = "SELECT quantity, readings, time_blob, measured_blob, fitted_blob, residual_blob
+                   FROM fit_curve WHERE fit_id = ?1 ORDER BY ordinal";
+        self.rows("reading a fit's curves", sql, [fit_id], read_curve)
+    }
+
+    /// Row id of the current fit of a run.
+    pub(super) fn current_fit(&self, run_id: i64) -> Result<Option<i64>, StoreError> {
+        self.check_seal(&Subject::Run(run_id))?;
+        self.connection
+            .prepare_cached("SELECT id FROM fit WHERE run_id = ?1 AND superseded_at IS NULL")
+            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)).optional())
+            .map_err(|e| self.failed("looking for a fit", e))
+    }
+
+    /// The current fit of a run (without curves) with the version of the program that made it.
+    pub(super) fn fit(&self, run_id: i64) -> Result<Option<(Fit, String)>, StoreError> {
+        self.fit_where("run_id = ?1 AND superseded_at IS NULL", &[&run_id])
+    }
+
+    /// The last fit (without curves) that a condition on table `fit` lets through.
+    pub(super) fn fit_where(
+        &self,
+        condition: &str,
+        values: &[&dyn ToSql],
+    ) -> Result<Option<(Fit, String)>, StoreError> {
+        let doing = "reading a fit";
+        let sql = format!(
+            "SELECT id, model, model_version, code_version, method, converged, why_stopped, n_samples,
+                    r_squared_current, r_squared_curvature, noise, issues, evaluations
+             FROM fit WHERE {condition} ORDER BY id DESC LIMIT 1"
+        );
+        let mut statement = self
+            .connection
+            .prepare_cached(&sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let found = statement
+            .query_row(values, |row| {
+                let fit = Fit {
+                    model: row.get(1)?,
+                    model_version: row.get(2)?,
+                    method: row.get(4)?,
+                    converged: row.get(5)?,
+                    why_stopped: row.get(6)?,
+                    n_samples: row.get::<_, i64>(7)?.unsigned_abs() as usize,
+                    parameters: Vec::new(),
+                    r_squared_current: row.get(8)?,
+                    r_squared_curvature: row.get(9)?,
+                    noise: Vec::new(),
+                    curves: Vec::new(),
+                    along: Vec::new(),
+                    issues: Vec::new(),
+                    evaluations: row.get::<_, i64>(12)?.unsigned_abs(),
+                };
+                let texts: (String, String) = (row.get(10)?, row.get(11)?);
+                Ok((row.get::<_, i64>(0)?, fit, row.get::<_, String>(3)?, texts))
+            })
+            .optional()
+            .map_err(|e| self.failed(doing, e))?;
+        let Some((fit_id, mut fit, code_version, (noise, issues))) = found else {
+            return Ok(None);
+        };
+        self.check_seal(&Subject::Fit(fit_id))?;
+        fit.noise = from_json("a fit's noise", &noise)?;
+        fit.issues = from_json("a fit's issues", &issues)?;
+        fit.parameters = self.parameters(fit_id)?;
+        Ok(Some((fit, code_version)))
+    }
+
+    fn parameters(&self, fit_id: i64) -> Result<Vec<Parameter>, StoreError> {
+        let doing = "reading a fit's parameters";
+        let sql = "SELECT key, value, standard_error, low_95, high_95, at_bound, reason
+                   FROM fit_parameter WHERE fit_id = ?1 ORDER BY ordinal";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([fit_id], read_estimate)
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Why the run could not be fitted, where that is so.
+    pub(super) fn fit_failure(&self, run_id: i64) -> Result<Option<Issue>, StoreError> {
+        let text: Option<String> = self
+            .connection
+            .prepare_cached("SELECT issue FROM fit_failure WHERE run_id = ?1")
+            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)).optional())
+            .map_err(|e| self.failed("reading a fit's failure", e))?;
+        text.map(|text| from_json("a fit's issue", &text)).transpose()
+    }
+}
+
+impl CurveSource for Store {
+    fn curves(&self, run_id: i64) -> Result<Vec<RunCurve>, String> {
+        let curves = self.fit_curves(run_id).map_err(|e| e.to_string())?;
+        if !curves.is_empty() {
+            return Ok(curves);
+        }
+        let channels = self.channels(run_id).map_err(|e| e.to_string())?;
+        Ok(channels
+            .iter()
+            .filter(|c| c.quantity.is_response() && c.position_mm.is_none() && !c.is_empty())
+            .map(|c| c.drawn())
+            .collect())
+    }
+
+    fn climate_curves(&self, run_id: i64) -> Result<Vec<ClimateCurve>, String> {
+        self.run_climate_curves(run_id).map_err(|e| e.to_string())
+    }
+}
+
+/// Records why a run, or a modulus log, came to nothing.
+pub(super) fn insert_failure(
+    transaction: &Transaction<'_>,
+    now: &str,
+    run_id: i64,
+    input_hash: &str,
+    issue: &Issue,
+) -> Result<(), StepError> {
+    let issue = to_json("a fit's issue", issue)?;
+    transaction.changes(Subject::Run(run_id))?;
+    transaction
+        .prepare_cached("INSERT OR REPLACE INTO fit_failure VALUES (?1, ?2, ?3, ?4)")?
+        .execute(params![run_id, input_hash, issue, now])?;
+    Ok(())
+}
+
+/// Marks the current fit and failure of a run as no longer current.
+pub(super) fn retire_fit(transaction: &Transaction<'_>, now: &str, run_id: i64) -> Result<(), StepError> {
+    transaction.changes(Subject::Run(run_id))?;
+    let current = "SELECT id FROM fit WHERE run_id = ?1 AND superseded_at IS NULL";
+    for fit_id in transaction.ids(current, run_id)? {
+        transaction.changes(Subject::Fit(fit_id))?;
+    }
+    transaction
+        .prepare_cached("UPDATE fit SET superseded_at = ?2 WHERE run_id = ?1 AND superseded_at IS NULL")?
+        .execute(params![run_id, now])?;
+    transaction
+        .prepare_cached("DELETE FROM fit_failure WHERE run_id = ?1")?
+        .execute([run_id])?;
+    Ok(())
+}
+
+fn insert_fit(
+    transaction: &Transaction<'_>,
+    now: &str,
+    stamp: &FitStamp,
+    fit: &Fit,
+) -> Result<(), StepError> {
+    retire_fit(transaction, now, stamp.run_id)?;
+    let sql = "INSERT INTO fit (run_id, input_hash, model, model_version, code_version, method, converged,
+                 why_stopped, n_samples, r_squared_current, r_squared_curvature, noise, issues, evaluations, made_at,
+                 asked)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
+    let asked = match stamp.asked.is_open() {
+        true => None,
+        false => Some(to_json("how a fit was asked for", &stamp.asked)?),
+    };
+    transaction.prepare_cached(sql)?.execute(params![
+        stamp.run_id,
+        stamp.input_hash,
+        fit.model,
+        fit.model_version,
+        stamp.code_version,
+        fit.method,
+        fit.converged,
+        fit.why_stopped,
+        fit.n_samples as i64,
+        fit.r_squared_current,
+        fit.r_squared_curvature,
+        to_json("a fit's noise", &fit.noise)?,
+        to_json("a fit's issues", &fit.issues)?,
+        fit.evaluations.cast_signed(),
+        now,
+        asked,
+    ])?;
+    let fit_id = transaction.last_insert_rowid();
+    transaction.made(Subject::Fit(fit_id));
+    transaction.made(Subject::FitCurves(fit_id));
+    for (ordinal, parameter) in fit.parameters.iter().enumerate() {
+        insert_parameter(transaction, fit_id, ordinal, parameter)?;
+    }
+    for (ordinal, curve) in fit.curves.iter().enumerate() {
+        insert_curve(transaction, fit_id, ordinal, curve)?;
+    }
+    for (ordinal, curve) in fit.along.iter().enumerate() {
+        insert_along(transaction, fit_id, ordinal, curve)?;
+    }
+    Ok(())
+}
+
+fn insert_parameter(
+    transaction: &Transaction<'_>,
+    fit_id: i64,
+    ordinal: usize,
+    parameter: &Parameter,
+) -> Result<(), StepError> {
+    let estimate = &parameter.estimate;
+    transaction
+        .prepare_cached("INSERT INTO fit_parameter VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)")?
+        .execute(params![
+            fit_id,
+            ordinal as i64,
+            parameter.key,
+            finite(estimate.value),
+            finite(estimate.standard_error),
+            finite(estimate.low_95),
+            finite(estimate.high_95),
+            estimate.at_bound,
+            estimate.reason,
+        ])?;
+    Ok(())
+}
+
+/// A parameter from the columns key, value, standard_error, low_95, high_95, at_bound, reason.
+pub(super) fn read_estimate(row: &rusqlite::Row<'_>) -> rusqlite::Result<Parameter> {
+    let estimate = Estimate {
+        value: row.get(1)?,
+        standard_error: row.get(2)?,
+        low_95: row.get(3)?,
+        high_95: row.get(4)?,
+        at_bound: row.get(5)?,
+        reason: row.get(6)?,
+    };
+    Ok(Parameter {
+        key: row.get(0)?,
+        estimate,
+    })
+}
+
+/// SQLite stores NaN as NULL without a word and infinities as numbers: neither may pass for a measured value.
+pub(super) fn finite(number: Option<f64>) -> Option<f64> {
+    number.filter(|number| number.is_finite())
+}
+
+fn insert_curve(
+    transaction: &Transaction<'_>,
+    fit_id: i64,
+    ordinal: usize,
+    curve: &RunCurve,
+) -> Result<(), StepError> {
+    transaction
+        .prepare_cached("INSERT INTO fit_curve VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")?
+        .execute(params![
+            fit_id,
+            ordinal as i64,
+            curve.quantity.key(),
+            curve.readings as i64,
+            pack_f64(&curve.time_s)?,
+            pack_f64(&curve.measured)?,
+            pack_f64(&curve.fitted)?,
+            pack_f64(&curve.residual_sigma)?,
+        ])?;
+    Ok(())
+}
+
+pub(super) fn read_curve(row: &rusqlite::Row<'_>) -> Result<RunCurve, StepError> {
+    let series =
+        |column: &str| -> Result<Vec<f64>, StepError> { Ok(unpack_f64(&row.get::<_, Vec<u8>>(column)?)?) };
+    Ok(RunCurve {
+        quantity: from_key(
+            "a curve's quantity",
+            &row.get::<_, String>("quantity")?,
+            Quantity::from_key,
+        )?,
+        readings: row.get::<_, i64>("readings")?.unsigned_abs() as usize,
+        time_s: series("time_blob")?,
+        measured: series("measured_blob")?,
+        fitted: series("fitted_blob")?,
+        residual_sigma: series("residual_blob")?,
+    })
+}

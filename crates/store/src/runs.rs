@@ -1,0 +1,563 @@
+//! Runs: their readings, tags and issues, revision by revision.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rusqlite::{OptionalExtension, Row, params};
+
+use super::blob::{unpack_f64, unpack_u32};
+use super::files::upsert_file;
+use super::fits::retire_fit;
+use super::modulus::retire_analysis;
+use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
+use super::origin::{delete_stated_offset, shift};
+use super::{FileRow, StepError, Store, StoreError, Subject, from_json, from_key, to_json};
+use ieap_domain::data_hash::data_hash;
+use ieap_domain::left_out;
+use ieap_domain::tag::keys;
+use ieap_domain::{
+    Channel, ChannelSummary, Issue, Quantity, RunFile, RunKind, RunOrigin, RunRecord, RunState, RunStatus,
+    Severity, Standing, Tag, TagSource,
+};
+
+impl Store {
+    /// Stores what was read from files, whole or not at all: the files, their contents, and each run as the
+    /// new current revision of its name.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_runs(&mut self, now: &str, files: &[FileRow], runs: &[NewRun]) -> Result<(), StoreError> {
+        self.write("storing a run", now, |transaction| {
+            for run in runs {
+                insert_run(transaction, now, run)?;
+            }
+            files.iter().try_for_each(|file| upsert_file(transaction, file))
+        })
+    }
+
+    /// Puts new tags, and what follows from them, in place of those of a run.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn retag(&mut self, now: &str, run_id: i64, tagging: &Tagging) -> Result<(), StoreError> {
+        self.write("storing tags", now, |transaction| {
+            transaction.changes(Subject::Run(run_id))?;
+            transaction.execute("DELETE FROM tag WHERE run_id = ?1", [run_id])?;
+            transaction.execute(
+                "DELETE FROM run_issue WHERE run_id = ?1 AND stage = 'tag'",
+                [run_id],
+            )?;
+            let sql = "UPDATE run SET state = ?2, drive = ?3, area_cm2 = ?4, length_cm = ?5, tag_digest = ?6,
+                       electrode_resistance_ohm_per_sq = ?7, no_steps = ?8 WHERE id = ?1";
+            delete_stated_offset(transaction, run_id)?;
+            let drive = tagging
+                .drive
+                .as_ref()
+                .map(|drive| to_json("a drive", drive))
+                .transpose()?;
+            transaction.prepare_cached(sql)?.execute(params![
+                run_id,
+                stored_state(tagging.state).key(),
+                drive,
+                tagging.area_cm2,
+                tagging.length_cm,
+                tagging.digest,
+                tagging.electrode_resistance_ohm_per_sq,
+                tagging.state == RunState::NoSteps
+            ])?;
+            if tagging.state != RunState::Ready {
+                retire_fit(transaction, now, run_id)?;
+                retire_analysis(transaction, now, run_id)?;
+            }
+            insert_tagging(transaction, run_id, tagging)
+        })
+    }
+
+    /// Gives a run the name of the file that now holds its bytes.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn rename_run(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
+        self.write("renaming a run", now, |transaction| {
+            transaction.changes(Subject::Runs)?;
+            for id in transaction.ids("SELECT id FROM run WHERE path = ?1", old)? {
+                transaction.changes(Subject::Run(id))?;
+            }
+            for name in [old, new] {
+                transaction.changes(Subject::HandTags(name.to_owned()))?;
+            }
+            transaction.changes(Subject::RunWords)?;
+            transaction.execute(
+                "UPDATE run_file SET path = ?2 WHERE path = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
+                [old, new],
+            )?;
+            transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
+            transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            upsert_file(transaction, file)
+        })
+    }
+
+    /// Names of current runs and their files' paths that hold the bytes of `hash`.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn runs_with_content(&self, hash: &str) -> Result<Vec<(String, String)>, StoreError> {
+        let doing = "looking for known bytes";
+        let sql = "SELECT run.path, run_file.path FROM run_file JOIN run ON run.id = run_file.run_id
+                   WHERE run_file.hash = ?1 AND run.superseded_at IS NULL ORDER BY run.path, run_file.ordinal";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([hash], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Paths and hashes of the files of the current run of that name, in order.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn contents_of(&self, path: &str) -> Result<Vec<(String, String)>, StoreError> {
+        let doing = "reading a run";
+        let sql = "SELECT run_file.path, run_file.hash FROM run_file JOIN run ON run.id = run_file.run_id
+                   WHERE run.path = ?1 AND run.superseded_at IS NULL ORDER BY run_file.ordinal";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([path], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Whether a run of that name was stored, now or earlier.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn has_run(&self, path: &str) -> Result<bool, StoreError> {
+        self.connection
+            .prepare_cached("SELECT count(*) FROM run WHERE path = ?1")
+            .and_then(|mut statement| statement.query_row([path], |row| row.get::<_, i64>(0)))
+            .map(|count| count > 0)
+            .map_err(|e| self.failed("looking for a run", e))
+    }
+
+    /// Format id and reader version of the current run of that name, as `id/version`.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn reader_of(&self, path: &str) -> Result<Option<String>, StoreError> {
+        let sql = "SELECT format || '/' || reader_version FROM run WHERE path = ?1 AND superseded_at IS NULL";
+        self.connection
+            .prepare_cached(sql)
+            .and_then(|mut statement| statement.query_row([path], |row| row.get(0)).optional())
+            .map_err(|e| self.failed("looking for a run", e))
+    }
+
+    /// Row id, name and tag digest of every current run.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn tag_digests(&self) -> Result<Vec<(i64, String, String)>, StoreError> {
+        let doing = "reading tag digests";
+        let sql = "SELECT id, path, tag_digest FROM run WHERE superseded_at IS NULL ORDER BY path";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Row id of every current run, its chosen `started_at`, and the first and last time of its readings, s.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    #[allow(clippy::type_complexity)]
+    pub fn run_times(&self) -> Result<Vec<(i64, Option<String>, Option<(f64, f64)>)>, StoreError> {
+        let doing = "reading when runs were";
+        let sql = "SELECT id,
+                     (SELECT value FROM tag WHERE run_id = run.id AND +key = 'started_at' AND chosen = 1),
+                     (SELECT min(first_time_s) FROM channel WHERE run_id = run.id),
+                     (SELECT max(last_time_s) FROM channel WHERE run_id = run.id)
+                   FROM run WHERE superseded_at IS NULL ORDER BY id";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let rows = statement
+            .query_map([], |row| {
+                let times: (Option<f64>, Option<f64>) = (row.get(2)?, row.get(3)?);
+                Ok((row.get(0)?, row.get(1)?, times.0.zip(times.1)))
+            })
+            .map_err(|e| self.failed(doing, e))?;
+        rows.collect::<rusqlite::Result<_>>()
+            .map_err(|e| self.failed(doing, e))
+    }
+
+    /// Paths of a run's files, in order.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn file_paths(&self, run_id: i64) -> Result<Vec<String>, StoreError> {
+        let sql = "SELECT path FROM run_file WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, |row| Ok(row.get(0)?))
+    }
+
+    /// Whether the run's clock starts at the voltage step, and whether its technique is a step response.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn reading_facts(&self, run_id: i64) -> Result<(bool, bool), StoreError> {
+        self.connection
+            .query_row(
+                "SELECT time_zero_is_step, is_step_response FROM run WHERE id = ?1",
+                [run_id],
+                |row| Ok((row.get(0)?, row.get(1)?)),
+            )
+            .map_err(|e| self.failed("reading a run", e))
+    }
+
+    /// Readings of a run, with the clock offsets applied that are stated, and those left out that its tags leave out.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn channels(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
+        let mut channels = self.channels_as_read(run_id)?;
+        if let Some((index, area_cm2)) =
+            self.density_as_current(run_id, channels.iter().map(|c| c.quantity))?
+        {
+            channels[index] = channels[index].as_current(area_cm2);
+        }
+        if let Some(tag) = self.chosen_tag(run_id, keys::LEAVE_OUT_MARKED)? {
+            left_out::leave_out_marked(&mut channels, &tag, &self.origin_of_checked(run_id)?.flags);
+        }
+        for (first, count, offset_s) in self.applied_offsets(run_id)? {
+            let timed = first.min(channels.len())..(first + count).min(channels.len());
+            shift(&mut channels[timed], offset_s);
+        }
+        // What is no list of stretches was pointed out when the run was tagged.
+        let stretches = self.chosen_tag(run_id, keys::LEAVE_OUT)?;
+        let stretches = stretches.and_then(|text| left_out::stretches(&text));
+        left_out::leave_out(&mut channels, &stretches.unwrap_or_default());
+        Ok(channels)
+    }
+
+    /// Which channel is a current density that stands for the current, and the active area, cm2, that makes it one: the
+    /// first, where no current was measured and the area is known.
+    fn density_as_current(
+        &self,
+        run_id: i64,
+        mut quantities: impl Iterator<Item = Quantity> + Clone,
+    ) -> Result<Option<(usize, f64)>, StoreError> {
+        let has_current = quantities.clone().any(|quantity| quantity == Quantity::Current);
+        let density = quantities.position(|quantity| quantity == Quantity::CurrentDensity);
+        let Some(index) = density.filter(|_| !has_current) else {
+            return Ok(None);
+        };
+        let sql = "SELECT area_cm2 FROM run WHERE id = ?1";
+        let area_cm2: Option<f64> = self
+            .connection
+            .query_row(sql, [run_id], |row| row.get(0))
+            .map_err(|e| self.failed("reading an area", e))?;
+        Ok(area_cm2.map(|area_cm2| (index, area_cm2)))
+    }
+
+    fn chosen_tag(&self, run_id: i64, key: &str) -> Result<Option<String>, StoreError> {
+        self.connection
+            .prepare_cached("SELECT value FROM tag WHERE run_id = ?1 AND +key = ?2 AND chosen = 1")
+            .and_then(|mut statement| {
+                statement
+                    .query_row(params![run_id, key], |row| row.get(0))
+                    .optional()
+            })
+            .map_err(|e| self.failed("reading a tag", e))
+    }
+
+    /// Readings of a run with the times of their files.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn channels_as_read(&self, run_id: i64) -> Result<Vec<Channel>, StoreError> {
+        let doing = "reading channels";
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Run(run_id))?;
+        self.check_seal(&Subject::Readings(run_id))?;
+        let sql =
+            "SELECT quantity, raw_name, raw_unit, position_mm, time_of, time_blob, value_blob, excluded_blob
+                   FROM channel WHERE run_id = ?1 ORDER BY ordinal";
+        let mut statement = self
+            .connection
+            .prepare_cached(sql)
+            .map_err(|e| self.failed(doing, e))?;
+        let mut rows = statement.query([run_id]).map_err(|e| self.failed(doing, e))?;
+        let mut channels: Vec<Channel> = Vec::new();
+        while let Some(row) = rows.next().map_err(|e| self.failed(doing, e))? {
+            let channel = read_channel(row, &channels).map_err(self.named(doing))?;
+            channels.push(channel);
+        }
+        let stored: String = self
+            .connection
+            .prepare_cached("SELECT data_hash FROM run WHERE id = ?1")
+            .and_then(|mut statement| statement.query_row([run_id], |row| row.get(0)))
+            .map_err(|e| self.failed(doing, e))?;
+        match stored == data_hash(&channels) {
+            true => Ok(channels),
+            false => Err(StoreError::Damaged {
+                what: format!("readings of run {run_id}"),
+            }),
+        }
+    }
+
+    /// Every current actuation run with tags, issues, channels (without readings) and its current fit, by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn runs(&self) -> Result<Vec<RunRecord>, StoreError> {
+        self.current(RunKind::Actuation)
+    }
+
+    /// Every current modulus log with tags, issues and channels (without readings), by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn dma_logs(&self) -> Result<Vec<RunRecord>, StoreError> {
+        self.current(RunKind::Dma)
+    }
+
+    /// Every superseded revision of an actuation run, by path and revision.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn superseded_runs(&self) -> Result<Vec<RunRecord>, StoreError> {
+        let sql = "SELECT id FROM run WHERE superseded_at IS NOT NULL ORDER BY path, revision";
+        self.records(sql, RunKind::Actuation)
+    }
+
+    fn current(&self, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Runs)?;
+        self.records(
+            "SELECT id FROM run WHERE superseded_at IS NULL ORDER BY path",
+            kind,
+        )
+    }
+
+    /// The runs of a kind among those whose ids a query gives.
+    fn records(&self, ids: &str, kind: RunKind) -> Result<Vec<RunRecord>, StoreError> {
+        let doing = "reading runs";
+        let ids: Vec<i64> = self.rows(doing, ids, [], |row| Ok(row.get(0)?))?;
+        let sql = "SELECT id, path, revision, state, status, status_evidence, format, reader_version, technique, drive,
+                          area_cm2, data_hash, ingested_at, kind, no_steps FROM run WHERE id = ?1";
+        let aliases = self.aliases()?;
+        let mut records = Vec::new();
+        for id in ids {
+            self.check_seal(&Subject::Run(id))?;
+            for mut record in self.rows(doing, sql, [id], read_record)? {
+                if record.kind == kind {
+                    self.complete(&mut record, &aliases)?;
+                    records.push(record);
+                }
+            }
+        }
+        Ok(records)
+    }
+
+    /// Fills in what other tables hold of a run.
+    fn complete(
+        &self,
+        record: &mut RunRecord,
+        aliases: &BTreeMap<String, Vec<String>>,
+    ) -> Result<(), StoreError> {
+        record.files = self.run_files(record.id, aliases)?;
+        record.tags = self.tags(record.id)?;
+        record.channels = self.channel_summaries(record.id)?;
+        record.origin = self.origin_of_checked(record.id)?;
+        record.issues = self.run_issues(record.id)?;
+        record.climate = self.run_climate(record.id)?;
+        if let Some((fit, code_version)) = self.fit(record.id)? {
+            record.fit = Some(fit);
+            record.fit_code_version = Some(code_version);
+        }
+        record.issues.extend(self.fit_failure(record.id)?);
+        Ok(())
+    }
+
+    fn run_files(
+        &self,
+        run_id: i64,
+        aliases: &BTreeMap<String, Vec<String>>,
+    ) -> Result<Vec<RunFile>, StoreError> {
+        let sql = "SELECT path, hash, size_bytes FROM run_file JOIN content USING (hash)
+                   WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, |row| {
+            let hash: String = row.get(1)?;
+            Ok(RunFile {
+                path: row.get(0)?,
+                aliases: aliases.get(&hash).cloned().unwrap_or_default(),
+                hash,
+                size_bytes: row.get::<_, i64>(2)?.unsigned_abs(),
+            })
+        })
+    }
+
+    fn tags(&self, run_id: i64) -> Result<Vec<Tag>, StoreError> {
+        self.rows_of(
+            run_id,
+            "SELECT key, value, source, detail FROM tag WHERE run_id = ?1 ORDER BY ordinal",
+            |row| {
+                let source = from_key("a tag's source", &row.get::<_, String>(2)?, TagSource::from_key)?;
+                Ok(Tag {
+                    key: row.get(0)?,
+                    value: row.get(1)?,
+                    source,
+                    detail: row.get(3)?,
+                })
+            },
+        )
+    }
+
+    fn channel_summaries(&self, run_id: i64) -> Result<Vec<ChannelSummary>, StoreError> {
+        let sql =
+            "SELECT quantity, raw_name, raw_unit, readings, excluded, first_time_s, last_time_s, first_value,
+                          last_value, position_mm FROM channel WHERE run_id = ?1 ORDER BY ordinal";
+        let mut channels = self.rows_of(run_id, sql, |row| {
+            Ok(ChannelSummary {
+                quantity: from_key("a quantity", &row.get::<_, String>(0)?, Quantity::from_key)?,
+                raw_name: row.get(1)?,
+                raw_unit: row.get(2)?,
+                readings: row.get::<_, i64>(3)?.unsigned_abs() as usize,
+                excluded: row.get::<_, i64>(4)?.unsigned_abs() as usize,
+                first_time_s: row.get(5)?,
+                last_time_s: row.get(6)?,
+                first: row.get(7)?,
+                last: row.get(8)?,
+                position_mm: row.get(9)?,
+            })
+        })?;
+        let quantities = channels.iter().map(|channel| channel.quantity);
+        if let Some((index, area_cm2)) = self.density_as_current(run_id, quantities)? {
+            let channel = &mut channels[index];
+            channel.quantity = Quantity::Current;
+            let scaled = |density: Option<f64>| density.map(|density| density * area_cm2);
+            (channel.first, channel.last) = (scaled(channel.first), scaled(channel.last));
+        }
+        Ok(channels)
+    }
+
+    fn run_issues(&self, run_id: i64) -> Result<Vec<Issue>, StoreError> {
+        let sql =
+            "SELECT severity, code, place, message, mend FROM run_issue WHERE run_id = ?1 ORDER BY ordinal";
+        self.rows_of(run_id, sql, read_issue)
+    }
+
+    /// Rows of `sql` (one parameter: the run's id), read one by one.
+    pub(super) fn rows_of<T>(
+        &self,
+        run_id: i64,
+        sql: &str,
+        read: impl Fn(&Row<'_>) -> Result<T, StepError>,
+    ) -> Result<Vec<T>, StoreError> {
+        self.rows("reading a run", sql, [run_id], read)
+    }
+}
+
+fn read_channel(row: &Row<'_>, earlier: &[Channel]) -> Result<Channel, StepError> {
+    let time_blob: Option<Vec<u8>> = row.get("time_blob")?;
+    let time_s: Arc<[f64]> = match time_blob {
+        Some(blob) => unpack_f64(&blob)?.into(),
+        None => {
+            let ordinal: i64 = row.get("time_of")?;
+            let shared = usize::try_from(ordinal)
+                .ok()
+                .and_then(|ordinal| earlier.get(ordinal));
+            let bad = StoreError::BadValue {
+                what: "a channel's times",
+                detail: format!("channel {ordinal}"),
+            };
+            shared.ok_or(bad)?.time_s.clone()
+        }
+    };
+    let values: Arc<[f64]> = unpack_f64(&row.get::<_, Vec<u8>>("value_blob")?)?.into();
+    if values.len() != time_s.len() {
+        let detail = format!("{} times, {} values", time_s.len(), values.len());
+        return Err(StoreError::BadValue {
+            what: "a channel's readings",
+            detail,
+        }
+        .into());
+    }
+    Ok(Channel {
+        quantity: from_key(
+            "a quantity",
+            &row.get::<_, String>("quantity")?,
+            Quantity::from_key,
+        )?,
+        raw_name: row.get("raw_name")?,
+        raw_unit: row.get("raw_unit")?,
+        position_mm: row.get("position_mm")?,
+        time_s,
+        values,
+        excluded: unpack_u32(&row.get::<_, Vec<u8>>("excluded_blob")?)?.into(),
+    })
+}
+
+/// Severity, code, place, message and mend, in this order.
+pub(super) fn read_issue(row: &Row<'_>) -> Result<Issue, StepError> {
+    Ok(Issue {
+        severity: from_key("a severity", &row.get::<_, String>(0)?, Severity::from_key)?,
+        code: row.get(1)?,
+        place: row.get(2)?,
+        message: row.get(3)?,
+        mend: row.get(4)?,
+    })
+}
+
+fn read_record(row: &Row<'_>) -> Result<RunRecord, StepError> {
+    let drive: Option<String> = row.get("drive")?;
+    Ok(RunRecord {
+        id: row.get("id")?,
+        kind: from_key("a run's kind", &row.get::<_, String>("kind")?, RunKind::from_key)?,
+        path: row.get("path")?,
+        revision: row.get("revision")?,
+        state: match row.get("no_steps")? {
+            true => RunState::NoSteps,
+            false => from_key(
+                "a run's state",
+                &row.get::<_, String>("state")?,
+                RunState::from_key,
+            )?,
+        },
+        status: from_key(
+            "a run's status",
+            &row.get::<_, String>("status")?,
+            RunStatus::from_key,
+        )?,
+        status_evidence: row.get("status_evidence")?,
+        format: row.get("format")?,
+        reader_version: row.get("reader_version")?,
+        technique: row.get("technique")?,
+        files: Vec::new(),
+        tags: Vec::new(),
+        channels: Vec::new(),
+        origin: RunOrigin::default(),
+        drive: drive.map(|text| from_json("a run's drive", &text)).transpose()?,
+        area_cm2: row.get("area_cm2")?,
+        data_hash: row.get("data_hash")?,
+        ingested_at: row.get("ingested_at")?,
+        issues: Vec::new(),
+        fit: None,
+        fit_code_version: None,
+        climate: Vec::new(),
+        standing: Standing::default(),
+    })
+}

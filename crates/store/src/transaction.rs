@@ -1,0 +1,252 @@
+//! Changes of the database: each is whole or not there, and a batch of them waits for the disk once.
+
+use std::ops::Deref;
+
+use rusqlite::{Connection, ToSql, TransactionBehavior};
+
+use super::{Seals, StepError, Store, StoreError, Subject};
+
+/// The transaction that a change is made in.
+pub(super) struct Transaction<'c> {
+    connection: &'c Connection,
+    seals: &'c Seals,
+}
+
+impl Deref for Transaction<'_> {
+    type Target = Connection;
+
+    fn deref(&self) -> &Connection {
+        self.connection
+    }
+}
+
+impl Transaction<'_> {
+    /// To be said before rows change: they are held against their seal, and sealed again at the end.
+    pub fn changes(&self, subject: Subject) -> Result<(), StepError> {
+        self.seals.open(self.connection, subject)
+    }
+
+    /// To be said of rows that were just made under a new id.
+    pub fn made(&self, subject: Subject) {
+        self.seals.open_new(subject);
+    }
+
+    /// Ids that a query of one parameter gives.
+    pub fn ids(&self, sql: &str, key: impl ToSql) -> rusqlite::Result<Vec<i64>> {
+        self.prepare_cached(sql)?
+            .query_map([key], |row| row.get(0))?
+            .collect()
+    }
+}
+
+/// What the database holds at one moment, for as long as this lives: another program may change it between two queries.
+/// Within a transaction it is that of the transaction.
+#[derive(Debug)]
+pub struct Snapshot<'c>(Option<&'c Connection>);
+
+impl Snapshot<'_> {
+    /// Begins with the next query.
+    pub(super) fn of(connection: &Connection) -> rusqlite::Result<Snapshot<'_>> {
+        if !connection.is_autocommit() {
+            return Ok(Snapshot(None));
+        }
+        connection.prepare_cached("BEGIN")?.execute([])?;
+        Ok(Snapshot(Some(connection)))
+    }
+}
+
+impl Drop for Snapshot<'_> {
+    fn drop(&mut self) {
+        // Nothing was changed: what fails here leaves the snapshot to the end of the connection.
+        let end = self.0.map(|connection| connection.prepare_cached("COMMIT"));
+        if let Some(Ok(mut end)) = end {
+            let _ = end.execute([]);
+        }
+    }
+}
+
+impl Store {
+    /// From here until the guard is dropped this connection reads one state of the database, whatever others write
+    /// meanwhile. Nothing can be written through it for as long.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn snapshot(&self) -> Result<Snapshot<'_>, StoreError> {
+        Snapshot::of(&self.connection).map_err(|e| self.failed("beginning to read", e))
+    }
+
+    /// Runs `work` in one transaction that takes the write lock at once, and counts the change made at `now`
+    /// (RFC 3339 UTC). On an error everything of it is rolled back. Within a batch it is a step of the batch.
+    pub(super) fn write<T>(
+        &mut self,
+        doing: &'static str,
+        now: &str,
+        work: impl FnOnce(&Transaction<'_>) -> Result<T, StepError>,
+    ) -> Result<T, StoreError> {
+        self.check_in_place()?;
+        let (in_batch, seals) = (self.in_batch(), &self.seals);
+        if !in_batch {
+            // Left by a batch that the database gave up: another connection may have written since.
+            seals.forget();
+        }
+        let whole = |connection: &Connection| {
+            let outcome = work(&Transaction { connection, seals })?;
+            seals.open(connection, Subject::Changes)?;
+            let sql = "UPDATE change_count SET changes = changes + 1, changed_at = ?1";
+            connection.prepare_cached(sql)?.execute([now])?;
+            if !in_batch {
+                seals.close(connection)?;
+            }
+            Ok(outcome)
+        };
+        let outcome = match in_batch {
+            true => step(&mut self.connection, whole),
+            false => alone(&mut self.connection, whole),
+        };
+        if outcome.is_err() && !in_batch {
+            self.seals.forget();
+        }
+        outcome.map_err(self.named(doing))
+    }
+
+    /// Begins a batch: changes from here on are on the disk, and visible to others, when [`Store::commit_batch`]
+    /// returns. The database is locked for other writers until then.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn begin_batch(&mut self) -> Result<(), StoreError> {
+        self.check_in_place()?;
+        if !self.in_batch() {
+            self.seals.forget();
+        }
+        let begun = self.connection.execute_batch("BEGIN IMMEDIATE");
+        begun.map_err(|e| self.failed("beginning a batch", e))
+    }
+
+    /// Ends a batch. Where that fails nothing of the batch is stored.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; also where the database gave the batch up because of an earlier error.
+    pub fn commit_batch(&mut self) -> Result<(), StoreError> {
+        let sealed = match self.in_batch() {
+            true => self.seals.close(&self.connection),
+            false => Ok(()),
+        };
+        let committed = sealed.and_then(|()| self.connection.execute_batch("COMMIT"));
+        self.seals.forget();
+        if self.in_batch() {
+            // The disk refused: the batch would stay open, and the next one could not begin.
+            let _ = self.connection.execute_batch("ROLLBACK");
+        }
+        committed.map_err(|e| self.failed("ending a batch", e))
+    }
+
+    fn in_batch(&self) -> bool {
+        !self.connection.is_autocommit()
+    }
+}
+
+fn alone<T>(
+    connection: &mut Connection,
+    work: impl FnOnce(&Connection) -> Result<T, StepError>,
+) -> Result<T, StepError> {
+    let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+    let outcome = work(&transaction)?;
+    transaction.commit()?;
+    Ok(outcome)
+}
+
+/// A step of a batch; one that fails takes nothing back but itself.
+fn step<T>(
+    connection: &mut Connection,
+    work: impl FnOnce(&Connection) -> Result<T, StepError>,
+) -> Result<T, StepError> {
+    let savepoint = connection.savepoint()?;
+    let outcome = work(&savepoint)?;
+    savepoint.commit()?;
+    Ok(outcome)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::FileRow;
+    use super::*;
+    use ieap_domain::FileState;
+
+    fn row(path: &str) -> FileRow {
+        FileRow {
+            path: path.to_owned(),
+            size_bytes: 1,
+            modified_ns: 1,
+            inode: 0,
+            changed_ns: 0,
+            hash: None,
+            state: FileState::Pending,
+            reader: String::new(),
+            issue: None,
+            missing_since: None,
+        }
+    }
+
+    fn paths(store: &Store) -> Vec<String> {
+        store.files().unwrap().into_iter().map(|file| file.path).collect()
+    }
+
+    #[test]
+    fn a_batch_is_seen_by_others_when_it_ends_and_by_itself_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path()).unwrap();
+        store.begin_batch().unwrap();
+        store.record_files("2026-01-01T00:00:00Z", &[row("a")]).unwrap();
+        store.record_files("2026-01-01T00:00:01Z", &[row("b")]).unwrap();
+        let other = Store::open_read_only(folder.path()).unwrap().unwrap();
+        assert_eq!((paths(&store).len(), paths(&other).len()), (2, 0));
+        store.commit_batch().unwrap();
+        assert_eq!(paths(&other), ["a", "b"]);
+        assert_eq!(other.changes().unwrap().0, 2);
+        store.record_files("2026-01-01T00:00:02Z", &[row("c")]).unwrap();
+        assert_eq!(paths(&other).len(), 3);
+    }
+
+    #[test]
+    fn a_snapshot_does_not_see_what_others_write() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path()).unwrap();
+        let other = Store::open(folder.path()).unwrap();
+        let snapshot = other.snapshot().unwrap();
+        assert_eq!(paths(&other).len(), 0);
+        store.record_files("now", &[row("a")]).unwrap();
+        assert_eq!(paths(&other).len(), 0);
+        drop(snapshot);
+        assert_eq!(paths(&other), ["a"]);
+    }
+
+    #[test]
+    fn a_step_that_fails_leaves_the_rest_of_its_batch() {
+        let mut store = Store::in_memory().unwrap();
+        store.begin_batch().unwrap();
+        store.record_files("now", &[row("a")]).unwrap();
+        let failed: Result<(), StoreError> = store.write("trying", "now", |transaction| {
+            transaction.execute("DELETE FROM source_file", [])?;
+            transaction.execute("INSERT INTO no_such_table VALUES (1)", [])?;
+            Ok(())
+        });
+        assert!(failed.is_err());
+        store.record_files("now", &[row("b")]).unwrap();
+        store.commit_batch().unwrap();
+        assert_eq!(paths(&store), ["a", "b"]);
+    }
+
+    #[test]
+    fn a_batch_that_the_database_gave_up_is_told_and_the_next_one_begins() {
+        let mut store = Store::in_memory().unwrap();
+        store.begin_batch().unwrap();
+        store.record_files("now", &[row("a")]).unwrap();
+        // What SQLite does by itself where the disk is full.
+        store.connection.execute_batch("ROLLBACK").unwrap();
+        assert!(store.commit_batch().is_err());
+        assert_eq!(paths(&store), Vec::<String>::new());
+        store.begin_batch().unwrap();
+        store.commit_batch().unwrap();
+    }
+}
