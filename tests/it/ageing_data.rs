@@ -130,6 +130,7 @@ fn actuator() -> Option<Vec<(f64, f64, f64)>> {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_sensor_that_was_zeroed_again_is_no_degradation() {
     let Some(cycles) = actuator() else {
         eprintln!("skipped: the lifetime of the actuator is not here");

@@ -354,6 +354,7 @@ fn a_campaign_file_that_is_wrong_is_refused_with_its_place() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_database_that_is_none_newer_or_locked_is_refused_with_status_4() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));

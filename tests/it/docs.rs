@@ -294,6 +294,7 @@ fn pages() -> Vec<(String, String)> {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn every_command_and_every_file_on_a_page_works() {
     let whole = world();
     let (mut ran, mut read) = (0, 0);

@@ -239,6 +239,7 @@ fn group_by_is_checked_and_a_key_that_no_run_carries_is_said() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was() {
     let folder = CampaignFolder::new();
     folder.write("campaign.toml", CAMPAIGN);

@@ -91,6 +91,7 @@ const WHOLE_OR_NOTHING: [&str; 2] = ["palmsens-session", "parquet"];
 /// Every format of the registry has at least one sample here that it reads, and of those that are not read whole or
 /// not at all some cuts, too: what was never read was never compared.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_cut_at_any_byte_of_any_format_never_changes_a_number() {
     let typed = fixtures().into_iter().map(|(format, path, bytes)| {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
@@ -136,6 +137,7 @@ fn a_cut_never_changes_a_number_that_a_profile_reads() {
 
 /// The short form of `cargo run --example fuzz_readers`, which measures time and memory, too.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn files_made_worse_never_panic() {
     let made = crate::samples::made().into_iter();
     let made = made.map(|(id, name, bytes)| (id.to_owned(), PathBuf::from(name), bytes));

@@ -364,6 +364,7 @@ fn codes(reading: &Reading) -> Vec<&str> {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_cut_of_a_real_file_never_changes_a_number() {
     // Each with the least number of cuts that can be read.
     for (file, least) in [

@@ -227,6 +227,7 @@ fn printed(material: &str) -> Option<Sample> {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn table_3_comes_back_within_its_intervals_through_frames_and_current() {
     let (mut inside, mut all) = (0, 0);
     for material in ["PtNaf", "CNaf"] {
@@ -266,11 +267,13 @@ fn table_3_comes_back_within_its_intervals_through_frames_and_current() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn ptnaf_comes_back_through_its_frames() {
     comes_back(&PTNAF);
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn cnaf_comes_back_through_its_frames() {
     comes_back(&CNAF);
 }

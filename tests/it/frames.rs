@@ -71,6 +71,7 @@ fn assert_truth(what: &str, traced: &Trace, frame: &Frame, length: f64, curvatur
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn arcs_come_back_from_every_side_dark_and_bright() {
     for (k, held) in ALL_HELD.into_iter().enumerate() {
         for dark in [true, false] {
@@ -97,6 +98,7 @@ fn arcs_come_back_from_every_side_dark_and_bright() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn shapes_of_the_distributed_model_come_back_through_a_bad_view() {
     let model = ptnaf();
     let length = 4.5 * PX_PER_CM;
@@ -143,6 +145,7 @@ fn a_strip_that_turns_back_is_followed() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn stated_errors_are_those_that_are_made() {
     let (mut square, mut count) = (0.0, 0.0);
     for seed in 0..12 {
@@ -170,6 +173,7 @@ fn stated_errors_are_those_that_are_made() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn what_cannot_be_traced_is_refused_with_its_reason() {
     let plain = Scene::default();
     let strip = |scene: &Scene, length: f64, per_cm: f64| gray(&scene.draw(length, |_| per_cm / PX_PER_CM));

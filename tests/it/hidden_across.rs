@@ -88,6 +88,7 @@ fn page(folder: &CampaignFolder) -> String {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_carry_over_after_short_rests_is_found_from_files() {
     let samples: Vec<String> = (1..=3).map(|s| format!("S{s}")).collect();
     let folder = campaign(&samples);
@@ -177,6 +178,7 @@ fn a_wrong_free_length_is_found_from_files() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn planned_runs_that_never_came_at_high_voltage_are_a_selection() {
     let folder = CampaignFolder::new();
     let mut sheet = String::from("planned,file,sample,environment,voltage_v\n");

@@ -65,6 +65,7 @@ fn check(folder: &CampaignFolder) {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn killed_at_any_moment_nothing_is_lost_doubled_or_half_done() {
     let folder = CampaignFolder::new();
     let mut state = 20_150_607u64;
@@ -110,6 +111,7 @@ fn killed_at_any_moment_nothing_is_lost_doubled_or_half_done() {
 
 /// Many files are stored in batches: a kill loses no more than the batch under way, which is read again.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn killed_while_many_files_come_in_nothing_is_lost_doubled_or_half_done() {
     const FILES: u32 = 400;
     let folder = CampaignFolder::new();

@@ -45,6 +45,7 @@ fn errors(view: &View, found: &Trace) -> Vec<(f64, f64)> {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn clean_views_keep_what_is_promised_or_say_that_they_do_not_know() {
     let views = match std::env::var_os("IEAP_LONG") {
         Some(_) => 200,
@@ -82,6 +83,7 @@ fn clean_views_keep_what_is_promised_or_say_that_they_do_not_know() {
 
 /// Something shines along an edge over a fifth of the length: the other edge tells where the strip is.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_shine_along_an_edge_does_not_bend_the_line() {
     for seed in [5015, 5027, 5101, 5111] {
         let view = View::random(seed, false);

@@ -89,6 +89,7 @@ fn lines_are_read_between_their_vertices() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_browser_reads_what_is_stored() {
     let input = input(&["CNaf"], 1);
     let curves = MadeUpCurves::of(&input);

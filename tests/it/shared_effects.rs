@@ -56,6 +56,7 @@ every_s = 3.0
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_cause_that_samples_share_predicts_the_one_left_out() {
     let folder = CampaignFolder::new();
     folder.write("campaign.toml", campaign());

@@ -276,6 +276,7 @@ fn first_difference(one: &str, other: &str) -> String {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_run_is_dropped_and_comes_back_and_deleted_files_go_at_once() {
     let folder = good();
     let _ = folder.run_json();

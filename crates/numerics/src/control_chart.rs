@@ -241,6 +241,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: cargo test -- --ignored"]
     fn simulated_series_alarm_as_often_as_computed() {
         let tries = if std::env::var_os("IEAP_LONG").is_some() {
             20_000

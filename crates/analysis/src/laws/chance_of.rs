@@ -271,6 +271,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: cargo test -- --ignored"]
     fn p_values_are_even_where_nothing_is_tied() {
         let tries = if long() { 4000 } else { 400 };
         for (samples, each, heavy) in [(6, 4, false), (3, 5, true), (4, 3, false), (12, 4, true)] {

@@ -145,6 +145,7 @@ fn nothing(_: &str, _: f64, _: usize) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn where_nothing_is_hidden_nothing_is_claimed() {
     let count = tries(24, 500);
     let (mut wrong, mut lengths) = (0, 0);
@@ -203,6 +204,7 @@ fn where_nothing_is_hidden_nothing_is_claimed() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_humidity_law_of_twice_the_spread_is_found() {
     let count = tries(20, 200);
     // Between 20 and 80 % the parameter moves by twice the standard deviation between samples.
@@ -240,6 +242,7 @@ fn a_humidity_law_of_twice_the_spread_is_found() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_confounded_pair_is_one_finding_with_both_names() {
     let count = tries(10, 200);
     let law = |key: &str, humidity: f64, _: usize| match key {
@@ -403,6 +406,7 @@ const UP_AND_DOWN: Plan = Plan {
 };
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn wetting_and_drying_are_told_apart() {
     let count = tries(5, 200);
     let late = |key: &str, humidity: f64, k: usize| match key {
@@ -425,6 +429,7 @@ fn wetting_and_drying_are_told_apart() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn where_drying_is_as_wetting_no_difference_is_claimed() {
     let count = tries(24, 200);
     let law = |key: &str, humidity: f64, _: usize| match key {

@@ -107,6 +107,7 @@ fn readings_that_do_not_tell_keep_the_caveat() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn what_follows_the_direction_is_never_told_as_humidity() {
     for size in [0.15, 1.2] {
         let direction = Direction::new();
@@ -129,6 +130,7 @@ fn what_follows_the_direction_is_never_told_as_humidity() {
 
 /// Humidity rises with the cycle but for what it wanders by from run to run: readings that follow that wandering tell.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn small_differences_tell_where_they_are_followed() {
     let law = |key: &str, humidity: f64, _: usize| match key {
         "r2_ohm_cm2" => -0.2 * humidity,

@@ -286,6 +286,7 @@ fn names_of_use_alone_need_no_run_but_a_rest() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_thousand_runs_are_planned_as_well() {
     let names: Vec<String> = (0..111).map(|k| format!("CNaf-{k:03}")).collect();
     let samples: Vec<&str> = names.iter().map(String::as_str).collect();

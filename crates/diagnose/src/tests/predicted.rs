@@ -64,6 +64,7 @@ fn runs_of_one_drive_are_held_out_one_by_one() {
 
 /// The last two fifths of every run, each by the first three of all; a right model holds nineteen of twenty readings.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn later_times_are_predicted_from_the_earlier_ones_of_all_runs() {
     let later_of = |hidden: Option<Hidden>| {
         let runs = Runs::with(hidden, FOUR, 62);
@@ -97,6 +98,7 @@ fn later_times_are_predicted_from_the_earlier_ones_of_all_runs() {
 
 /// What names the cause also carries forward: the gain on later times is told beside the proof.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_right_extension_predicts_later_times_better() {
     let slow: Hidden = (
         "diffusion-limited-leak",

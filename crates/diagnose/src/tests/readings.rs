@@ -32,6 +32,7 @@ fn a_wrong_unit_and_a_turned_sign_are_faults_of_the_readings() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn the_others_are_diagnosed_as_if_a_condemned_run_were_not_there() {
     let runs = Runs::with(None, FOUR, 7).scaled(1, 0, 1000.0);
     let mut found = runs.diagnosed();

@@ -133,6 +133,7 @@ const EVEN: DistributedModel = DistributedModel {
 };
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn even_strips_are_called_uneven_no_more_often_than_stated() {
     for (memory, neighbours) in [(0.0, 0.0), (0.6, 0.0), (0.6, 0.7)] {
         for voltages in [false, true] {
@@ -160,6 +161,7 @@ fn even_strips_are_called_uneven_no_more_often_than_stated() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn resistance_is_told_from_a_coupling_that_differs_from_place_to_place() {
     for seed in 0..draws(4) {
         let case = Case {
@@ -187,6 +189,7 @@ fn resistance_is_told_from_a_coupling_that_differs_from_place_to_place() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_break_is_found_and_placed_from_voltages_and_from_curvatures() {
     for voltages in [true, false] {
         let (mut found, mut inside) = (0, 0);
@@ -219,6 +222,7 @@ fn a_break_is_found_and_placed_from_voltages_and_from_curvatures() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn clean_strips_break_no_more_often_than_stated() {
     for (model, memory) in [(&CNAF, 0.0), (&CNAF, 0.6), (&EVEN, 0.6)] {
         for voltages in [false, true] {

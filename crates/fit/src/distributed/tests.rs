@@ -141,6 +141,7 @@ fn noiseless_samples_of_table_3_come_back() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     let (mut inside, mut all) = (0, 0);
     for seed in 0..12 {
@@ -310,6 +311,7 @@ fn every_kind_of_reading_determines_what_it_can_and_says_what_it_cannot() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn joint_fits_are_no_worse_than_phases_and_hold_the_truth() {
     let (mut inside, mut all, mut narrower) = (0, 0, 0);
     let kinds = [Quantity::Current, Quantity::Voltage, Quantity::Curvature];

@@ -102,6 +102,7 @@ fn bending_alone_tells_rates_and_curvature_per_volt_and_says_why_nothing_else() 
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn intervals_of_bending_alone_hold_the_truth() {
     for (row, relative) in [(AIR_2V, 0.003), (AIR_2V, 0.03), (CPVF_AIR_1V, 0.01)] {
         let (model, drive) = (model(&row), Drive::step(row[7]));

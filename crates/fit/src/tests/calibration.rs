@@ -13,6 +13,7 @@ const ROWS: [[f64; 8]; 6] = [
 ];
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn intervals_hold_from_sixty_points_to_thousands_and_down_to_loud_noise() {
     let (mut inside, mut determined, mut bounds, mut bounds_held, mut asked) = (0, 0, 0, 0, 0);
     for (index, points) in [60, 150, 400, 1200, 4000]
