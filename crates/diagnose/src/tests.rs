@@ -5,6 +5,7 @@ mod causes;
 mod noise;
 mod predicted;
 mod readings;
+mod tags;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -150,6 +151,7 @@ impl Runs {
             },
             length_cm: Some(LENGTH_CM),
             is_right: false,
+            tags: &[],
         })
         .collect()
     }
