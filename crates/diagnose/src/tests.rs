@@ -3,6 +3,7 @@
 mod answers;
 mod causes;
 mod noise;
+mod one_fit;
 mod predicted;
 mod readings;
 mod tags;
