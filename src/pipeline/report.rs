@@ -261,7 +261,14 @@ pub(super) fn input(
     if laws.facts.len() != runs.len() {
         laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
     }
-    let contrasts = || Ok(contrast::contrasts(&runs, &context.campaign, &laws.facts));
+    let contrasts = || {
+        Ok(contrast::contrasts(
+            &runs,
+            &context.campaign,
+            &laws.facts,
+            &laws.doubts,
+        ))
+    };
     let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
     let findings = or_nothing(step("findings", || findings(context, &runs)), &mut faults)?;
     let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
