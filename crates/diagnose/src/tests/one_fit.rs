@@ -91,19 +91,15 @@ fn hold_together(inputs: &[RunInput], model: &str) {
 
 #[test]
 fn the_stated_parameters_of_an_extended_model_leave_the_stated_residual() {
-    let leak: Hidden = (
-        "faradaic-leak",
-        Some("terminal"),
-        &[
-            ("leak_current_a_per_cm2", 4e-4),
-            ("onset_v", 1.2),
-            ("slope_v", 0.25),
-        ],
+    let filling: Hidden = (
+        "voltage-dependent-capacitance",
+        Some("all"),
+        &[("quadratic_per_v2", 0.15)],
     );
     let offset: Hidden = ("current-offset", None, &[("offset_a", 4e-5)]);
     let curved: Hidden = ("quadratic-coupling", None, &[("quadratic_cm_per_c2", 60.0)]);
-    let runs = Runs::hiding(&[leak], FOUR, 61);
-    hold_together(&runs.inputs(), "lumped-2 + faradaic-leak");
+    let runs = Runs::hiding(&[filling], FOUR, 61);
+    hold_together(&runs.inputs(), "lumped-2 + voltage-dependent-capacitance");
     let runs = Runs::hiding(&[offset, curved], FOUR, 62);
     for model in [
         "lumped-1 + current-offset",

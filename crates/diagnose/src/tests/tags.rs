@@ -5,7 +5,7 @@ use crate::between::{not_asked, p_dealt};
 use ieap_model::effects::{TagAt, tag_places};
 
 /// Readings that are kept of each run: enough for R_ss, and short.
-const READINGS: usize = 240;
+const READINGS: usize = 150;
 
 /// A group of runs under one step, each with its own factor on R_ss, and the tag `pre_charge_s` of each.
 struct Tagged {
@@ -64,7 +64,7 @@ const PRE_CHARGE_S: [f64; 8] = [600.0, 0.0, 300.0, 900.0, 60.0, 1200.0, 150.0, 7
 #[test]
 fn a_resistance_that_follows_a_tag_is_told_with_its_size() {
     let factors = PRE_CHARGE_S.map(|s| 1.5_f64.powf((s - 495.0) / 1200.0));
-    let found = Tagged::new(&factors, &PRE_CHARGE_S, 1).diagnosed(999);
+    let found = Tagged::new(&factors, &PRE_CHARGE_S, 1).diagnosed(199);
     assert!(found.verdict.names_a_cause(), "{}", found.sentence);
     let own = &found.effects[0];
     assert_eq!(own.effect, "follows:pre_charge_s", "{}", found.sentence);
@@ -136,7 +136,7 @@ impl Tagged {
 
 #[test]
 fn with_nothing_hidden_a_tag_is_not_told() {
-    for seed in 0..4 {
+    for seed in 0..3 {
         let found = Tagged::new(&[1.0; 8], &PRE_CHARGE_S, 20 + seed).diagnosed(199);
         assert!(
             found.set.is_empty() && found.effects.is_empty(),
