@@ -140,9 +140,16 @@ fn a_declared_tag_that_a_resistance_follows_is_told_adopted_and_fitted() {
     );
     assert!(low < 0.8 && 0.8 < high && high - low < 0.2, "{size:#}");
     folder.ieap(&["report"]).expect(0);
-    let page = folder.report("index.html");
-    assert!(
-        page.contains("pre_charge_s"),
-        "nothing of the tag on the first page"
-    );
+    let list = folder.report("findings.html");
+    let link = list
+        .split("href=\"")
+        .find(|rest| rest.starts_with("findings/"))
+        .unwrap();
+    let page = folder.report(link.split('"').next().unwrap());
+    for said in [
+        "a parameter that follows pre_charge_s from run to run",
+        "relative change of the parameter from the lowest to the highest value",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
 }
