@@ -186,6 +186,7 @@ pub fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
             length_cm: Some(LENGTH),
             duration_s: 600.0,
             resolved_s: None,
+            tags: &[],
         };
         model.responses(&context, &run.current_time_s, &run.curvature_time_s)
     });
@@ -298,6 +299,7 @@ pub fn inputs<'a>(case: &'a Case, channels: &'a [Vec<Channel>]) -> Vec<RunInput<
             },
             length_cm: Some(LENGTH),
             is_right: false,
+            tags: &[],
         })
         .collect()
 }

@@ -247,7 +247,14 @@ pub fn diagnosis_document(
         None => next_runs::plan_from(context, &runs, &across, &findings.groups),
     };
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
-    let compared = || Ok(contrast::contrasts(&runs, &context.campaign, &across.facts));
+    let compared = || {
+        Ok(contrast::contrasts(
+            &runs,
+            &context.campaign,
+            &across.facts,
+            &across.doubts,
+        ))
+    };
     let compared = or_nothing(step("environments and voltages compared", compared), &mut faults)?;
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();

@@ -5,8 +5,10 @@ use rayon::prelude::*;
 use super::diagnose::{library_hash, take_task};
 use super::fit::{FitSummary, Outcome, fit_fault, save};
 use super::fit_plan::{ExtendedGroup, Planned};
+use super::group_tags::take_tags;
 use super::{Context, Observer, PipelineError};
 use crate::diagnose::{RunInput, fit_extended, model_version};
+use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::fault::caught;
 use crate::domain::{Channel, Issue};
 use crate::fit::FitInput;
@@ -81,7 +83,8 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
             .collect();
         let inputs: Vec<RunInput> = tasks
             .zip(&responses)
-            .map(|(task, channels)| RunInput {
+            .zip(&group.tags)
+            .map(|((task, channels), tags)| RunInput {
                 name: &task.path,
                 input: FitInput {
                     channels,
@@ -90,6 +93,7 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
                 },
                 length_cm: task.length_cm,
                 is_right: false,
+                tags,
             })
             .collect();
         fit_extended(&inputs, &group.choice)
@@ -126,6 +130,10 @@ fn input_hash(group: &ExtendedGroup, library: &str) -> String {
         .runs
         .iter()
         .for_each(|run| take_task(&mut hasher, &run.task));
+    let ids = || group.choice.effects.iter().map(|effect| effect.about().id);
+    if ids().any(follows_a_tag) {
+        take_tags(&mut hasher, &group.tags);
+    }
     let version = model_version(group.choice.base);
     hasher.update(format!("{}/{version}/{library}", group.choice).as_bytes());
     hasher.finalize().to_hex().to_string()

@@ -4,11 +4,13 @@
 use std::collections::BTreeMap;
 
 use super::fit_choice::{Chosen, choose};
+use super::group_tags::group_tags;
 use super::{Context, PipelineError, standing};
 use crate::analysis::groups::groups;
 use crate::domain::{AskedFit, RunRecord};
 use crate::fit::{FitError, FitOptions};
 use crate::model::ModelChoice;
+use crate::model::effects::TagAt;
 use crate::store::FitTask;
 
 /// A run to be fitted, and how.
@@ -21,6 +23,8 @@ pub(super) struct Planned {
 pub(super) struct ExtendedGroup {
     pub(super) choice: ModelChoice,
     pub(super) runs: Vec<Planned>,
+    /// Where each run lies among the values of tags that differ in the group.
+    pub(super) tags: Vec<Vec<TagAt>>,
 }
 
 /// What is fitted with what.
@@ -84,11 +88,10 @@ fn grouped(
         unknown_groups,
     };
     for group in &found {
-        let of_group = group
-            .runs
-            .iter()
-            .filter_map(|&index| by_id.remove(&runs[index].id));
-        let of_group: Vec<Planned> = of_group.collect();
+        let of_group = group.runs.iter().map(|&index| &runs[index]);
+        let (records, of_group): (Vec<&RunRecord>, Vec<Planned>) = of_group
+            .filter_map(|run| Some((run, by_id.remove(&run.id)?)))
+            .unzip();
         let own = adopted.get(group.name.as_str());
         let choice = own.cloned().or_else(|| common(&of_group));
         // Runs that are set apart share nothing with others.
@@ -96,6 +99,7 @@ fn grouped(
             Some(choice) => plan.extended.push(ExtendedGroup {
                 choice,
                 runs: of_group,
+                tags: group_tags(&records, &context.campaign.extra_tags),
             }),
             None => plan
                 .single

@@ -25,6 +25,7 @@ mod fit_extended;
 mod fit_groups;
 mod fit_plan;
 pub mod fits_document;
+mod group_tags;
 mod grouping;
 pub mod groups_document;
 mod holdings;

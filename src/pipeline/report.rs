@@ -1,6 +1,6 @@
 //! Renders the report, where it is out of date, and puts it in place as a whole.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,8 @@ use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
 use crate::analysis::shared_effects::{sentence, shared_effects};
 use crate::analysis::{monitoring, same_tags, sequence};
-use crate::domain::{Fault, RunRecord, SourceFile};
+use crate::domain::diagnosis::follows_a_tag;
+use crate::domain::{Fault, GroupDiagnosis, RunRecord, SourceFile};
 use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
 use crate::pipeline::ingest::run_window;
@@ -260,7 +261,14 @@ pub(super) fn input(
     if laws.facts.len() != runs.len() {
         laws.facts = facts(&runs, &context.campaign, &vec![None; runs.len()]);
     }
-    let contrasts = || Ok(contrast::contrasts(&runs, &context.campaign, &laws.facts));
+    let contrasts = || {
+        Ok(contrast::contrasts(
+            &runs,
+            &context.campaign,
+            &laws.facts,
+            &laws.doubts,
+        ))
+    };
     let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
     let findings = or_nothing(step("findings", || findings(context, &runs)), &mut faults)?;
     let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
@@ -337,6 +345,17 @@ fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, P
                 .collect(),
         }
     };
+    // What follows a tag stands in no list.
+    let named = |one: &GroupDiagnosis| {
+        let candidates = one.candidates.iter().map(|candidate| candidate.effect.clone());
+        candidates.chain(one.set.iter().cloned()).collect::<Vec<_>>()
+    };
+    let ids: BTreeSet<String> = found.groups.iter().flat_map(named).collect();
+    let of_tags = ids
+        .iter()
+        .filter(|id| follows_a_tag(id))
+        .filter_map(|id| effects::effect(id));
+    let of_tags: Vec<&'static dyn Effect> = of_tags.collect();
     let shared = shared_effects(&found.groups, runs, &context.campaign)
         .into_iter()
         .map(|effect| {
@@ -349,7 +368,7 @@ fn findings(context: &Context, runs: &[RunRecord]) -> Result<report::Findings, P
         groups: found.groups,
         runs: found.runs,
         turns: found.turns,
-        effects: effects::ALL.iter().map(of_effect).collect(),
+        effects: effects::ALL.iter().chain(&of_tags).map(of_effect).collect(),
     })
 }
 

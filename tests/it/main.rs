@@ -13,6 +13,7 @@ mod climate_fixture;
 mod distributed;
 mod dma;
 mod docs;
+mod doubted_fits;
 mod effects;
 mod findings;
 mod findings_fixture;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ieap::analysis::laws::doubt::Doubts;
 use ieap::analysis::{Contrast, conditions, contrasts};
 use ieap::domain::tag::keys;
 use ieap::domain::{Estimate, RunRecord};
@@ -71,7 +72,7 @@ fn the_thesis_findings_come_out() {
         ),
         (2, 3, 18)
     );
-    let of = |key: &str, material: usize| match &contrasts(&runs, &table, key)[material] {
+    let of = |key: &str, material: usize| match &contrasts(&runs, &table, key, &Doubts::default())[material] {
         Contrast::Differs {
             low_run,
             high_run,

@@ -1,6 +1,7 @@
 //! What the comparison says, before any figure: by how much a parameter differs between conditions.
 
 use super::conditions::{Condition, Conditions};
+use super::laws::doubt::Doubts;
 use super::parameters::usable;
 use ieap_domain::RunRecord;
 
@@ -42,12 +43,17 @@ struct Known {
 /// The contrast of parameter `key` for each material of `table`, in its order.
 ///
 /// Single runs are compared, the two whose intervals lie farthest apart. With many runs such a pair can occur
-/// by chance: this says where to look and is no test of significance.
-pub fn contrasts(runs: &[RunRecord], table: &Conditions, key: &str) -> Vec<Contrast> {
+/// by chance: this says where to look and is no test of significance. Fits that a finding doubts enter with `doubts`'
+/// errors, or not at all.
+pub fn contrasts(runs: &[RunRecord], table: &Conditions, key: &str, doubts: &Doubts) -> Vec<Contrast> {
     (0..table.materials.len())
         .map(|material| {
             let of_material = table.measured.iter().filter(|c| c.material == material);
-            contrast(&of_material.flat_map(|c| known(runs, c, key)).collect::<Vec<_>>())
+            contrast(
+                &of_material
+                    .flat_map(|c| known(runs, c, key, doubts))
+                    .collect::<Vec<_>>(),
+            )
         })
         .collect()
 }
@@ -76,9 +82,9 @@ fn contrast(known: &[Known]) -> Contrast {
     }
 }
 
-fn known(runs: &[RunRecord], condition: &Condition, key: &str) -> Vec<Known> {
+fn known(runs: &[RunRecord], condition: &Condition, key: &str, doubts: &Doubts) -> Vec<Known> {
     let known = |&run: &usize| {
-        let estimate = usable(&runs[run], key)?;
+        let estimate = doubts.widened(&runs[run].path, key, usable(&runs[run], key)?)?;
         let (low, high) = (estimate.low_95, estimate.high_95);
         // Without an interval a value cannot be compared.
         low.or(high)?;
@@ -109,7 +115,7 @@ mod tests {
             })
             .collect();
         let table = conditions(&runs, &campaign());
-        contrasts(&runs, &table, "lambda_per_s").remove(0)
+        contrasts(&runs, &table, "lambda_per_s", &Doubts::default()).remove(0)
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::laws::words::{round, short};
 use super::pooling::{Averaging, Pooled, Repeat, pooled};
+use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, EffectFinding, FromOthers, GroupDiagnosis, RunRecord};
 use ieap_numerics::chance::chi_square_chance;
@@ -60,7 +61,8 @@ struct Carrier<'a> {
 }
 
 /// Effects that several samples of a material share, by material and id. The first effect that a group accepted counts;
-/// accidents of single runs do not.
+/// accidents of single runs do not, nor what follows a tag: its strength is that over the tag's span in one group, and
+/// across samples tags are covariates of [`crate::laws`].
 pub fn shared_effects(
     found: &[GroupDiagnosis],
     runs: &[RunRecord],
@@ -210,7 +212,7 @@ fn by_effect<'a>(
         let (Some(&sample), Some(finding)) = (sample, one.effects.first()) else {
             continue;
         };
-        if is_of_one_run(finding) {
+        if is_of_one_run(finding) || follows_a_tag(&finding.effect) {
             continue;
         }
         let material = campaign

@@ -61,12 +61,13 @@ impl Looked<'_> {
     }
 }
 
-/// Looks at every effect beside those that `current` has.
+/// Looks at every effect beside those that `current` has, but for those that are `refused`.
 pub(super) fn look<'g>(
     current: &Fitted<'g>,
     residuals: &[f64],
     signatures: &[Signature],
     directions: &[Direction],
+    refused: &[&'static str],
 ) -> Vec<Looked<'g>> {
     let has = |id: &str| {
         current
@@ -79,7 +80,7 @@ pub(super) fn look<'g>(
     for (place, direction) in directions.iter().enumerate() {
         let signature = &signatures[direction.signature];
         let id = signature.effect.about().id;
-        if has(id) {
+        if has(id) || refused.contains(&id) {
             continue;
         }
         let forecast = gain(direction, residuals);

@@ -149,7 +149,7 @@ impl<'g> Ground<'_, 'g> {
         let signatures = signatures(&there.problem, &there.at, &scale);
         let (_, tangent) = there.tangent();
         let directions = directions(&signatures, &tangent);
-        look(&there, &there.residuals(), &signatures, &directions)
+        look(&there, &there.residuals(), &signatures, &directions, &[])
     }
 
     /// The run of the largest step.

@@ -9,6 +9,7 @@ use ieap_numerics::student::quantile_95;
 use super::candidates::added;
 use super::fitted::Fitted;
 use super::group::Group;
+use super::problem::Sought;
 use super::signature::{directions, scale, signatures_of};
 use super::{RunInput, VERSION, with_base};
 
@@ -84,7 +85,10 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
     Fit {
         model: choice.to_string(),
         model_version: model_version(choice.base),
-        method: format!("simultaneous least squares over {runs} runs of the group, weighted by the noise"),
+        method: format!(
+            "simultaneous least squares over {runs} runs of the group, weighted by the noise{}",
+            forms(extended)
+        ),
         converged: extended.stop.converged(),
         why_stopped: extended.stop.words().to_owned(),
         n_samples: 0,
@@ -97,6 +101,16 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
         issues,
         evaluations: extended.evaluations,
     }
+}
+
+/// The form that each effect took, where it has several: without it its parameters are not known.
+fn forms(extended: &Fitted) -> String {
+    let of = |sought: &Sought| {
+        let about = sought.effect.about();
+        let form = about.variants.get(sought.variant)?;
+        Some(format!("; {} as {form}", about.id))
+    };
+    extended.problem.effects.iter().filter_map(of).collect()
 }
 
 /// Version of an extended model's fits: of the base, and of the procedure that extends it.

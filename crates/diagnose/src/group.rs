@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use ieap_domain::{Channel, Quantity};
 use ieap_fit::{FitInput, WhitenedChannel};
+use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
 
 use super::spikes::without_spikes;
@@ -39,6 +40,8 @@ pub struct RunInput<'a> {
     pub length_cm: Option<f64>,
     /// Whether a person looked at its readings and said that they are right.
     pub is_right: bool,
+    /// Where it lies among the values of tags that differ in its group; of every run of a group the same tags.
+    pub tags: &'a [TagAt],
 }
 
 /// A run with its readings and noise.
@@ -289,6 +292,7 @@ impl<'a> GroupRun<'a> {
             length_cm: self.given.length_cm,
             duration_s: self.duration_s,
             resolved_s,
+            tags: self.given.tags,
         }
     }
 

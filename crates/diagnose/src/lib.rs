@@ -8,6 +8,7 @@
 mod alone;
 mod base_fit;
 mod beside;
+mod between;
 mod calibration;
 mod candidates;
 mod discrepancy;

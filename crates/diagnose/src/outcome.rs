@@ -12,6 +12,7 @@ use ieap_domain::{
     Verdict,
 };
 
+use super::between::{not_asked, refused_in_words};
 use super::drawn::{drawn, paired};
 use super::fitted::Fitted;
 use super::gain::gain;
@@ -95,6 +96,7 @@ impl<'g> Shown<'_, 'g> {
     /// With what the selection found.
     pub(super) fn with_cause(&self, selection: &Selection<'g>) -> GroupDiagnosis {
         let mut found = self.frame();
+        found.remarks.extend(refused_in_words(&selection.dealt));
         let model = &selection.model;
         let taken: Vec<&'static str> = model
             .problem
@@ -211,6 +213,7 @@ impl<'g> Shown<'_, 'g> {
         // Where the model is right its time constants do not depend on the record.
         if self.p_misfit < WRONG {
             remarks.extend(super::record_length::remark(self.group, self.options.model));
+            remarks.extend(not_asked(self.group));
         }
         GroupDiagnosis {
             p_misfit: Some(self.p_misfit),

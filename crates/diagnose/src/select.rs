@@ -1,7 +1,8 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
+use super::between::{TAKEN, p_of};
 use super::calibration::{Asked, Calibration};
-use super::candidates::{AS_GOOD, INEXACT, Looked, PRICE, least_score, look};
+use super::candidates::{AS_GOOD, INEXACT, Looked, PRICE, least_score};
 use super::discrepancy;
 use super::fitted::Fitted;
 use super::group::Group;
@@ -13,9 +14,7 @@ use super::stretch::Stretch;
 
 /// Effects that are taken at most.
 const MOST_EFFECTS: usize = 3;
-/// A candidate is taken where chance gives as much in fewer groups than this ...
-const TAKEN: f64 = 0.01;
-/// ... and the Bayes information criterion asks for it this strongly.
+/// A candidate is taken where the Bayes information criterion asks for it this strongly, beside [`TAKEN`].
 const BAYES: f64 = 10.0;
 /// An effect takes another one's place where the sum of squares falls by so much more than for parameters it adds: twice
 /// what two causes that explain as well may differ by.
@@ -49,6 +48,9 @@ pub(super) struct Selection<'g> {
     pub(super) held_out: Option<HeldOut>,
     /// Single causes that alone predict held-out readings, the best first, where what fits best does not.
     pub(super) proved: Option<Vec<&'static str>>,
+    /// Tags that differ in the group, by the ids of their effects, with the chance that others explain as much beside the
+    /// base.
+    pub(super) dealt: Vec<(&'static str, f64)>,
 }
 
 /// Held-out parts by the base and by the extended model.
@@ -147,12 +149,12 @@ impl<'g> Ground<'_, 'g> {
         let residuals = model.residuals();
         let mut leftover = null.observe(self.group, &residuals, beside_base);
         let mut p_leftover = null.p_misfit(&leftover, None);
+        let mut first_dealt = None;
         while steps.len() < MOST_EFFECTS {
             let (null, directions) = later
                 .as_ref()
                 .map_or((null, beside_base), |(null, d)| (null, d.as_slice()));
-            let residuals = model.residuals();
-            let mut looked = look(&model, &residuals, self.signatures, directions);
+            let (mut looked, dealt) = self.looked(&model, directions, steps.len());
             let step = self.step(null, &model, &mut looked);
             if step && steps.is_empty() && self.asks_elsewhere(&looked) {
                 looked = self.or_elsewhere(looked);
@@ -160,7 +162,8 @@ impl<'g> Ground<'_, 'g> {
             let taken = step.then(|| looked[0].fitted.clone()).flatten();
             let p = looked
                 .first()
-                .map_or(1.0, |best| null.p_of_gain(best.gain.max(best.forecast)));
+                .map_or(1.0, |best| p_of(null, best, best.gain.max(best.forecast), &dealt));
+            first_dealt.get_or_insert(dealt);
             let rivals = if taken.is_some() {
                 rivals(&looked)
             } else {
@@ -205,6 +208,7 @@ impl<'g> Ground<'_, 'g> {
             leftover,
             held_out,
             proved: None,
+            dealt: first_dealt.unwrap_or_default(),
         };
         self.or_single(selection)
     }
@@ -321,12 +325,12 @@ impl<'g> Ground<'_, 'g> {
                 continue;
             };
             let (null, directions) = self.null(&without, (MOST_EFFECTS + 1 + place) as u64);
-            let mut looked = look(&without, &without.residuals(), self.signatures, &directions);
+            let (mut looked, dealt) = self.looked(&without, &directions, MOST_EFFECTS + 1 + place);
             let better = looked.first().and_then(|best| {
                 let fitted = best.fitted.clone()?;
                 let price = PRICE * (fitted.extra() as f64 - current.extra() as f64);
                 let is_other = best.effect != own && fitted.square + price < current.square - EXCHANGED;
-                let p = null.p_of_gain(best.gain);
+                let p = p_of(&null, best, best.gain, &dealt);
                 (is_other && p < TAKEN).then_some((fitted, p))
             });
             let rotated = match better {

@@ -6,6 +6,7 @@ use ieap_model::effects::{ALL, Applied, Effect, Limits, Scale};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 
+use super::between::asked;
 use super::group::Group;
 use super::problem::{Problem, Sought};
 use super::tangent::Tangent;
@@ -78,9 +79,11 @@ impl Signature {
 /// Effect, variant, limits, probe, and the strength at which it is absent.
 type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
 
-/// Signatures of every effect at every probe, at the base model `at`.
+/// Signatures of every effect at every probe, at the base model `at`: of the library, and of tags that differ in the group.
 pub(super) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Signature> {
-    signatures_of(ALL, problem, at, scale)
+    let mut effects = ALL.to_vec();
+    effects.extend(asked(problem.group));
+    signatures_of(&effects, problem, at, scale)
 }
 
 /// Signatures of these effects.

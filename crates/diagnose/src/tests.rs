@@ -3,8 +3,10 @@
 mod answers;
 mod causes;
 mod noise;
+mod one_fit;
 mod predicted;
 mod readings;
+mod tags;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -150,6 +152,7 @@ impl Runs {
             },
             length_cm: Some(LENGTH_CM),
             is_right: false,
+            tags: &[],
         })
         .collect()
     }

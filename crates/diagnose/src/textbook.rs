@@ -68,7 +68,7 @@ fn path<'g>(group: &'g Group<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
     while path.len() < MOST_STEPS {
         let (_, tangent) = model.tangent();
         let directions = signature::directions(&signatures, &tangent);
-        let mut looked = look(&model, &model.residuals(), &signatures, &directions);
+        let mut looked = look(&model, &model.residuals(), &signatures, &directions, &[]);
         if looked.is_empty() {
             break;
         }

@@ -4,6 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use super::{Gain, Parameter, number_or_null};
 
+/// How the id of an effect begins by which a parameter follows a tag from run to run.
+pub const FOLLOWS: &str = "follows:";
+
+/// Whether the effect of that id is that a parameter follows a tag: it says how runs of a group differ, not what is wrong
+/// in one of them.
+pub fn follows_a_tag(id: &str) -> bool {
+    id.starts_with(FOLLOWS)
+}
+
 /// What is said of a run or a group of runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

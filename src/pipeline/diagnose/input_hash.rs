@@ -3,6 +3,7 @@
 use super::subject::Subject;
 use crate::diagnose::{self, DiagnoseOptions};
 use crate::model::effects;
+use crate::pipeline::group_tags::take_tags;
 use crate::store::FitTask;
 
 /// Hash of the library of effects: ids, forms, parameters with units, equations, limits.
@@ -40,7 +41,7 @@ pub(in crate::pipeline) fn take_task(hasher: &mut blake3::Hasher, task: &FitTask
     }
 }
 
-/// Hash of readings, drives, dimensions, names, base model, library, seed, draws, versions, and of whether a run is alone.
+/// Hash of readings, drives, dimensions, names, tags that differ, base model, library, seed, draws, versions, and of whether a run is alone.
 pub(super) fn input_hash(
     subject: &Subject,
     tasks: &[FitTask],
@@ -55,6 +56,7 @@ pub(super) fn input_hash(
         hasher.update(b"right");
         take_task(&mut hasher, &tasks[member]);
     }
+    take_tags(&mut hasher, &subject.tags);
     let apart = subject.set_apart.as_ref().map_or("", |issue| &issue.message);
     let model = options.model;
     hasher.update(

@@ -351,7 +351,8 @@ fn with_inputs<R>(
     let inputs: Vec<RunInput> = members
         .iter()
         .zip(&responses)
-        .map(|(&index, channels)| RunInput {
+        .zip(&subject.tags)
+        .map(|((&index, channels), tags)| RunInput {
             name: &tasks[index].path,
             input: FitInput {
                 channels,
@@ -360,6 +361,7 @@ fn with_inputs<R>(
             },
             length_cm: tasks[index].length_cm,
             is_right: subject.right.contains(&index),
+            tags,
         })
         .collect();
     then(&inputs)

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use crate::analysis::groups::groups;
 use crate::diagnose::DiagnoseOptions;
 use crate::domain::{Issue, RunRecord};
+use crate::model::effects::TagAt;
+use crate::pipeline::group_tags::group_tags;
 use crate::pipeline::{Context, PipelineError, standing};
 use crate::store::{DiagnosisKind, FitTask};
 
@@ -22,6 +24,8 @@ pub(super) struct Subject {
     pub(super) right: Vec<usize>,
     /// Whether it is a run of a group of several.
     pub(super) of_several: bool,
+    /// Where each task lies among the values of tags that differ, in the order of the tasks.
+    pub(super) tags: Vec<Vec<TagAt>>,
 }
 
 impl Subject {
@@ -54,6 +58,10 @@ pub(super) fn subjects(
             .filter(|run| wanted(run));
         members.filter_map(|run| places.get(&run.id).copied()).collect()
     };
+    let tags_of = |members: &[usize]| -> Vec<Vec<TagAt>> {
+        let members = members.iter().map(|&index| &runs[index]).filter(|run| ready(run));
+        group_tags(&members.collect::<Vec<_>>(), &context.campaign.extra_tags)
+    };
     let mut found: Vec<Subject> = groups(&runs, group_by, &ready)
         .into_iter()
         .map(|group| Subject {
@@ -61,6 +69,7 @@ pub(super) fn subjects(
             name: group.name,
             members: tasks_of(&group.runs, &|_| true),
             right: tasks_of(&group.runs, &|run| run.standing.is_vouched()),
+            tags: tags_of(&group.runs),
             set_apart: group.set_apart,
             of_several: false,
         })
@@ -74,6 +83,7 @@ pub(super) fn subjects(
                 members: vec![member],
                 // A run alone is held against no others.
                 right: Vec::new(),
+                tags: vec![Vec::new()],
                 set_apart: group.set_apart.clone(),
                 of_several: group.members.len() > 1,
             })

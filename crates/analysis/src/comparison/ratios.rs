@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::conditions::{Condition, Conditions, HUMIDITY_GAP_PERCENT, VOLTAGE_STEP_V};
+use crate::laws::doubt::Doubts;
 use crate::laws::facts::RunFacts;
 use crate::laws::values::values;
 use crate::one_fit::SharedEstimate;
@@ -137,10 +138,11 @@ impl Reference {
     }
 }
 
-/// Ratios of `parameters` (stored keys) in every condition that has a reference and where both sides are determined.
+/// Ratios of `parameters` (stored keys) in every condition that has a reference and where both sides are determined. Fits
+/// that a finding doubts enter with `doubts`' errors, or not at all.
 pub fn ratios(
     runs: &[RunRecord],
-    facts: &[RunFacts],
+    (facts, doubts): (&[RunFacts], &Doubts),
     conditions: &Conditions,
     reference: &Reference,
     parameters: &[&str],
@@ -168,8 +170,8 @@ pub fn ratios(
             ) {
                 continue;
             }
-            let upper = Side::new(runs, facts, &places(index), key);
-            let lower = Side::new(runs, facts, &places(base), key);
+            let upper = Side::new(runs, (facts, doubts), &places(index), key);
+            let lower = Side::new(runs, (facts, doubts), &places(base), key);
             let ratio = upper.zip(lower).and_then(|(upper, lower)| ratio(&upper, &lower));
             found.extend(ratio.map(|(log, samples_in_both, runs)| Ratio {
                 parameter: (*key).to_owned(),
@@ -201,8 +203,13 @@ struct Side<'a>(BTreeMap<&'a str, Vec<Repeat>>);
 
 impl<'a> Side<'a> {
     /// None where a value is not positive: such values have no ratio.
-    fn new(runs: &[RunRecord], facts: &'a [RunFacts], places: &[usize], key: &str) -> Option<Side<'a>> {
-        let values = values(runs, facts, places, key);
+    fn new(
+        runs: &[RunRecord],
+        (facts, doubts): (&'a [RunFacts], &Doubts),
+        places: &[usize],
+        key: &str,
+    ) -> Option<Side<'a>> {
+        let values = values(runs, facts, places, key).in_doubt(doubts, runs, facts);
         if !values.is_log {
             return None;
         }
@@ -294,6 +301,10 @@ mod tests {
     }
 
     fn found(runs: &[RunRecord], rules: &CompareRules) -> (Reference, Vec<Ratio>) {
+        found_in_doubt(runs, rules, &Doubts::default())
+    }
+
+    fn found_in_doubt(runs: &[RunRecord], rules: &CompareRules, doubts: &Doubts) -> (Reference, Vec<Ratio>) {
         let mut campaign = campaign();
         let second = Sample {
             id: "CNaf-02".to_owned(),
@@ -303,7 +314,7 @@ mod tests {
         let facts = facts(runs, &campaign, &[]);
         let table = conditions(runs, &campaign);
         let reference = reference(&table, rules).unwrap();
-        let ratios = ratios(runs, &facts, &table, &reference, &["lambda_per_s"]);
+        let ratios = ratios(runs, (&facts, doubts), &table, &reference, &["lambda_per_s"]);
         (reference, ratios)
     }
 
@@ -345,6 +356,41 @@ mod tests {
         assert!((ratio.value - 2.0).abs() < 1e-9, "{ratio:?}");
         assert_eq!((ratio.samples_in_both, ratio.runs), (2, (2, 3)));
         assert!(ratio.low_95 < 2.0 && ratio.high_95 > 2.0 && ratio.high_95 < 2.6);
+    }
+
+    #[test]
+    fn a_fit_in_doubt_widens_its_ratio_and_one_that_nobody_can_mend_has_none() {
+        use crate::laws::doubt::Findings;
+        use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
+        let runs = [
+            measured("a", "CNaf-01", "vacuum", 2.0, 1e-3),
+            measured("b", "CNaf-01", "air", 2.0, 2e-3),
+        ];
+        let of = |verdict: Verdict| {
+            let mut group =
+                GroupDiagnosis::data_problem("g", vec![runs[1].path.clone()], "lumped-2", String::new());
+            group.verdict = verdict;
+            group.q_misfit = Some(0.001);
+            group.shifts = vec![ParameterShift {
+                key: "lambda_per_s".to_owned(),
+                before: 2e-3,
+                after: 1e-3,
+                standard_error: 1e-5,
+            }];
+            let findings = Findings {
+                groups: &[group],
+                runs: &[],
+            };
+            let doubts = Doubts::new(findings, &runs);
+            found_in_doubt(&runs, &CompareRules::default(), &doubts).1
+        };
+        let (plain, wide) = (found(&runs, &CompareRules::default()).1, of(Verdict::Named));
+        assert!(plain[0].low_95 > 1.9, "{plain:?}");
+        assert!(
+            wide[0].low_95 < 1.0 && (wide[0].value - 2.0).abs() < 1e-9,
+            "{wide:?}"
+        );
+        assert!(of(Verdict::Unknown).is_empty());
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::covariate::Covariate;
+use super::doubt::Doubts;
 use super::facts::RunFacts;
 use super::fitted::Interval;
 use super::words::{counted, round, short, symbol};
@@ -80,14 +81,21 @@ type Levels = BTreeMap<(String, String, String), Level>;
 
 /// Compares environments at each voltage, and the ends of the voltages in each environment, for the parameters that
 /// figure 26 of the thesis compares. The environment that stands first in the campaign is the reference.
-pub fn contrasts(runs: &[RunRecord], campaign: &Campaign, facts: &[RunFacts]) -> Vec<Contrast> {
+///
+/// Fits that a finding doubts enter with `doubts`' errors, or not at all.
+pub fn contrasts(
+    runs: &[RunRecord],
+    campaign: &Campaign,
+    facts: &[RunFacts],
+    doubts: &Doubts,
+) -> Vec<Contrast> {
     let mut materials: Vec<&str> = facts.iter().map(|fact| fact.material.as_str()).collect();
     materials.sort_unstable();
     materials.dedup();
     let mut found = Vec::new();
     for material in materials {
         for key in COMPARED {
-            let levels = levels(runs, facts, material, key);
+            let levels = levels(runs, facts, doubts, (material, key));
             found.extend(of_environments(campaign, &levels, material, key));
             found.extend(of_voltages(campaign, &levels, material, key));
         }
@@ -95,7 +103,7 @@ pub fn contrasts(runs: &[RunRecord], campaign: &Campaign, facts: &[RunFacts]) ->
     found
 }
 
-fn levels(runs: &[RunRecord], facts: &[RunFacts], material: &str, key: &str) -> Levels {
+fn levels(runs: &[RunRecord], facts: &[RunFacts], doubts: &Doubts, (material, key): (&str, &str)) -> Levels {
     let mut levels = Levels::new();
     let mut shared = BTreeSet::new();
     for fact in facts.iter().filter(|fact| fact.material == material) {
@@ -104,12 +112,16 @@ fn levels(runs: &[RunRecord], facts: &[RunFacts], material: &str, key: &str) -> 
         else {
             continue;
         };
-        let Some(estimate) = usable(&runs[fact.run], key) else {
+        let run = &runs[fact.run];
+        let Some(estimate) = usable(run, key) else {
+            continue;
+        };
+        let Some(widened) = doubts.widened(&run.path, key, estimate) else {
             continue;
         };
         let condition = (environment, volts, fact.sample.clone());
         // Repeats that share one parameter set are one measurement of this condition.
-        let own = SharedEstimate::of(&runs[fact.run], estimate);
+        let own = SharedEstimate::of(run, estimate);
         if own.is_some() && !shared.insert((condition.clone(), own.clone())) {
             continue;
         }
@@ -121,7 +133,7 @@ fn levels(runs: &[RunRecord], facts: &[RunFacts], material: &str, key: &str) -> 
             above: None,
             shared: own,
         });
-        level.add(estimate);
+        level.add(&widened);
     }
     levels
 }
@@ -394,7 +406,7 @@ mod tests {
             })
             .collect();
         let facts = facts(&runs, &campaign(), &vec![None; runs.len()]);
-        contrasts(&runs, &campaign(), &facts)
+        contrasts(&runs, &campaign(), &facts, &Doubts::default())
             .iter()
             .map(sentence)
             .collect()

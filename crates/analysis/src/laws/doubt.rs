@@ -4,7 +4,11 @@
 use std::collections::BTreeMap;
 
 use crate::false_discovery::CLAIMED_BELOW;
-use ieap_domain::{GroupDiagnosis, RunRecord, Verdict};
+use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::{Estimate, GroupDiagnosis, ParameterShift, RunRecord, Verdict};
+
+/// Half-width of a 95 % interval in standard errors.
+const HALF_WIDTH: f64 = 1.959_963_984_540_054;
 
 /// What the current findings say against fits of single runs.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,18 +42,19 @@ pub struct Doubted {
 }
 
 /// Doubts of every run.
-#[derive(Debug, Clone, Default)]
-pub struct Doubts<'a> {
-    /// The finding that widens the errors of a run, or none where the run is left out, by the run's name.
-    of_runs: BTreeMap<&'a str, Option<&'a GroupDiagnosis>>,
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Doubts {
+    /// What widens the errors of a run, or none where the run is left out, by the run's name.
+    of_runs: BTreeMap<String, Option<Vec<ParameterShift>>>,
 }
 
-impl<'a> Doubts<'a> {
+impl Doubts {
     /// What `findings` say of the fits of `runs`.
     ///
     /// The fits of an extended model hold what its finding said. A run that is right by itself, in a group that has no
-    /// named cause, is right: the runs of such a group differ, and that is what is asked across runs.
-    pub fn new(findings: Findings<'a>, runs: &[RunRecord]) -> Doubts<'a> {
+    /// named cause or one that follows a tag from run to run, is right: the runs of such a group differ, and that is what
+    /// is asked across runs.
+    pub fn new(findings: Findings, runs: &[RunRecord]) -> Doubts {
         let is_right_alone = |name: &str| {
             let alone = findings.runs.iter().find(|found| found.group == name);
             alone.is_some_and(|found| found.verdict == Verdict::Consistent)
@@ -61,12 +66,13 @@ impl<'a> Doubts<'a> {
         };
         let mut of_runs = BTreeMap::new();
         for group in findings.groups.iter().filter(|group| is_claimed(group)) {
-            let names_cause = group.verdict.names_a_cause() && !group.shifts.is_empty();
+            let is_between_runs = group.effects.iter().any(|own| follows_a_tag(&own.effect));
+            let names_cause = group.verdict.names_a_cause() && !group.shifts.is_empty() && !is_between_runs;
             for name in group.runs.iter().filter(|name| fits_base(name)) {
                 if names_cause {
-                    of_runs.insert(name.as_str(), Some(group));
+                    of_runs.insert(name.clone(), Some(group.shifts.clone()));
                 } else if !is_right_alone(name) {
-                    of_runs.insert(name.as_str(), None);
+                    of_runs.insert(name.clone(), None);
                 }
             }
         }
@@ -81,15 +87,37 @@ impl<'a> Doubts<'a> {
     /// What the misfit may do to the parameter of a run: the size of its shift on the scale of logarithms, or of the
     /// values. 0 where nothing is known against the fit; none where it cannot be said.
     pub fn shift(&self, run: &str, key: &str, is_log: bool) -> Option<f64> {
-        let Some(found) = self.of_runs.get(run) else {
+        let Some(shifts) = self.of_runs.get(run) else {
             return Some(0.0);
         };
-        let (before, after) = both_ways(found.as_ref()?, key)?;
+        let (before, after) = both_ways(shifts.as_ref()?, key)?;
         let shift = match is_log {
             true => (before / after).ln(),
             false => before - after,
         };
         shift.is_finite().then_some(shift.abs())
+    }
+
+    /// The estimate of a run with what the misfit may do to it in its error and its interval; none where it cannot be said,
+    /// and of a bound in doubt.
+    pub fn widened(&self, run: &str, key: &str, estimate: &Estimate) -> Option<Estimate> {
+        let ends = estimate.low_95.zip(estimate.high_95);
+        let is_log = estimate.value.is_some_and(|value| value > 0.0) && ends.is_none_or(|(low, _)| low > 0.0);
+        let shift = self.shift(run, key, is_log)?;
+        if shift == 0.0 {
+            return Some(estimate.clone());
+        }
+        let (value, (low, high)) = estimate.value.zip(ends)?;
+        let scale = |x: f64| if is_log { x.ln() } else { x };
+        let back = |y: f64| if is_log { y.exp() } else { y };
+        let (y, reach) = (scale(value), HALF_WIDTH * shift);
+        let slope = if is_log { value } else { 1.0 };
+        Some(Estimate {
+            low_95: Some(back(y - (y - scale(low)).hypot(reach))),
+            high_95: Some(back(y + (scale(high) - y).hypot(reach))),
+            standard_error: estimate.standard_error.map(|error| error.hypot(slope * shift)),
+            ..estimate.clone()
+        })
     }
 
     /// The groups in doubt, in the order of `findings`.
@@ -126,9 +154,9 @@ fn is_claimed(group: &GroupDiagnosis) -> bool {
 }
 
 /// A parameter of the base model and of the extended one, fitted to the group; sums and products of such as well.
-fn both_ways(found: &GroupDiagnosis, key: &str) -> Option<(f64, f64)> {
+fn both_ways(shifts: &[ParameterShift], key: &str) -> Option<(f64, f64)> {
     let of = |key: &str| {
-        let shift = found.shifts.iter().find(|shift| shift.key == key)?;
+        let shift = shifts.iter().find(|shift| shift.key == key)?;
         Some((shift.before, shift.after))
     };
     let branches = |name: &dyn Fn(usize) -> String| (1..).map_while(|k| of(&name(k))).collect::<Vec<_>>();
@@ -157,7 +185,6 @@ fn both_ways(found: &GroupDiagnosis, key: &str) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
     use crate::sample_campaign::{fit, known, run};
-    use ieap_domain::ParameterShift;
 
     fn finding(group: &str, runs: &[&str], verdict: Verdict, q: f64) -> GroupDiagnosis {
         let runs = runs.iter().map(|run| (*run).to_owned()).collect();
@@ -210,6 +237,16 @@ mod tests {
         assert!((parallel - 0.5).abs() < 1e-12, "{parallel}");
         assert_eq!(doubts.shift(&a, "tau1_s", true), Some(0.0));
         assert_eq!(doubts.shift(&a, "lambda_per_s", true), None);
+        let stated = known(2.0, 0.1);
+        let wide = doubts.widened(&a, "rss_ohm_cm2", &stated).unwrap();
+        assert!(
+            wide.low_95.unwrap() < 0.55 && wide.high_95.unwrap() > 7.5,
+            "{wide:?}"
+        );
+        assert_eq!(doubts.widened(&c, "rss_ohm_cm2", &stated), Some(stated.clone()));
+        assert_eq!(doubts.widened(&b, "rss_ohm_cm2", &stated), None);
+        let bound = Estimate::below(3.0, "search limit");
+        assert_eq!(doubts.widened(&a, "rss_ohm_cm2", &bound), None);
         assert!(doubts.leaves_out(&b) && !doubts.leaves_out(&a));
         assert!(!doubts.leaves_out(&c), "right by itself");
         assert_eq!(doubts.shift(&d, "rss_ohm_cm2", true), Some(0.0), "extended");
@@ -219,6 +256,37 @@ mod tests {
             .map(|one| (one.group.as_str(), one.treatment, one.runs.len()))
             .collect();
         assert_eq!(what, [("n", Treatment::Widened, 1), ("u", Treatment::LeftOut, 1)]);
+    }
+
+    #[test]
+    fn runs_that_differ_as_a_tag_says_are_right_by_themselves() {
+        let mut runs = [
+            run("a", "CNaf-01", "air", Some(34.0), 2.0),
+            run("b", "CNaf-01", "air", Some(34.0), 2.0),
+        ];
+        for run in &mut runs {
+            run.fit = Some(fit(&[("rss_ohm_cm2", known(2.0, 0.1))]));
+        }
+        let [a, b] = [0, 1].map(|k: usize| runs[k].path.clone());
+        let mut group = finding("g", &[&a, &b], Verdict::Named, 0.001);
+        group.shifts = vec![shift("rss_ohm_cm2", 2.0, 4.0)];
+        group.effects = vec![ieap_domain::EffectFinding {
+            effect: "follows:pre_charge_s".to_owned(),
+            variant: None,
+            parameters: Vec::new(),
+            p: 0.001,
+            q: None,
+            twins: Vec::new(),
+        }];
+        let groups = [group];
+        let alone = [finding(&a, &[&a], Verdict::Consistent, 0.9)];
+        let findings = Findings {
+            groups: &groups,
+            runs: &alone,
+        };
+        let doubts = Doubts::new(findings, &runs);
+        assert_eq!(doubts.shift(&a, "rss_ohm_cm2", true), Some(0.0));
+        assert!(doubts.leaves_out(&b));
     }
 
     #[test]

@@ -61,6 +61,8 @@ pub struct CampaignLaws {
     pub selections: Vec<Selection>,
     /// Groups whose fits are in doubt, and what was done with them.
     pub doubted: Vec<Doubted>,
+    /// What is done with each of their runs.
+    pub doubts: Doubts,
     /// Number of questions that share the q-values.
     pub questions: usize,
 }
@@ -92,6 +94,7 @@ pub fn find(evidence: &Evidence) -> CampaignLaws {
     }
     laws.selections = selections(evidence.attempts, evidence.seed);
     laws.facts = facts;
+    laws.doubts = doubts;
     judge(&mut laws, shares_fits(evidence.runs));
     laws
 }

@@ -22,6 +22,16 @@ pub struct Value {
     pub variance: f64,
 }
 
+impl Value {
+    /// With a further error of this size.
+    fn widened(self, shift: f64) -> Value {
+        Value {
+            variance: self.variance + shift * shift,
+            ..self
+        }
+    }
+}
+
 /// Values of one parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
@@ -119,16 +129,34 @@ impl Values {
     pub fn in_doubt(mut self, doubts: &Doubts, runs: &[RunRecord], facts: &[RunFacts]) -> Values {
         let all = std::mem::take(&mut self.values);
         for value in all {
-            let run = &runs[facts[value.place].run];
-            match doubts.shift(&run.path, &self.key, self.is_log) {
-                Some(shift) => self.values.push(Value {
-                    variance: value.variance + shift * shift,
-                    ..value
-                }),
+            match self.shift(doubts, &value, runs, facts) {
+                Some(shift) => self.values.push(value.widened(shift)),
                 None => self.left_out.push(value.place),
             }
         }
         self
+    }
+
+    /// The same with all values kept: over the life of one sample in one condition a misfit that nobody can name is the
+    /// same from run to run, and a change of the parameter is seen beside it.
+    #[must_use]
+    pub fn in_doubt_of_one_series(
+        mut self,
+        doubts: &Doubts,
+        runs: &[RunRecord],
+        facts: &[RunFacts],
+    ) -> Values {
+        let widened = |value: &Value| {
+            let shift = self.shift(doubts, value, runs, facts);
+            value.widened(shift.unwrap_or(0.0))
+        };
+        self.values = self.values.iter().map(widened).collect();
+        self
+    }
+
+    fn shift(&self, doubts: &Doubts, value: &Value, runs: &[RunRecord], facts: &[RunFacts]) -> Option<f64> {
+        let run = &runs[facts[value.place].run];
+        doubts.shift(&run.path, &self.key, self.is_log)
     }
 }
 

@@ -108,7 +108,7 @@ pub fn monitor(runs: &[RunRecord], campaign: &Campaign, laws: &CampaignLaws) -> 
     let limits = Limits::for_false_alarms(rules.false_alarm_runs);
     monitoring.watched = questions
         .par_iter()
-        .filter_map(|(places, key)| watch(runs, campaign, facts, places, (key, limits)))
+        .filter_map(|(places, key)| watch(runs, campaign, laws, places, (key, limits)))
         .collect();
     if let Some(why_not) = without_order(facts, &questions).filter(|_| monitoring.watched.is_empty()) {
         monitoring.why_not = why_not;
@@ -142,11 +142,12 @@ fn without_order(facts: &[RunFacts], questions: &[(Vec<usize>, String)]) -> Opti
 fn watch(
     runs: &[RunRecord],
     campaign: &Campaign,
-    facts: &[RunFacts],
+    laws: &CampaignLaws,
     places: &[usize],
     (key, limits): (&str, Limits),
 ) -> Option<Watched> {
-    let found = values(runs, facts, places, key);
+    let facts = &laws.facts;
+    let found = values(runs, facts, places, key).in_doubt_of_one_series(&laws.doubts, runs, facts);
     if found.values.len() < reference::FEWEST_RUNS {
         return None;
     }

@@ -2,6 +2,7 @@
 
 use super::{RIGHT, Shown, WRONG};
 use crate::select::BEATEN;
+use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, Verdict};
 use ieap_model::effects::effect;
 
@@ -14,7 +15,10 @@ impl Shown<'_, '_> {
         let proof = format!("{}{}", proof(found), doubt(found));
         match found.verdict {
             Verdict::Named => {
-                let names: Vec<String> = taken.iter().map(|id| summary(id)).collect();
+                let names: Vec<String> = taken
+                    .iter()
+                    .map(|id| with_parameter(found, id, summary(id)))
+                    .collect();
                 format!("The simulation misses {}: {place}.{proof}", names.join(" and "))
             }
             Verdict::Set => format!(
@@ -45,6 +49,18 @@ impl Shown<'_, '_> {
                 (self.base.square / self.group.rows().max(1) as f64).sqrt()
             ),
         }
+    }
+}
+
+/// The words about an effect; where it follows a tag with the parameter that does, which the tag does not say.
+fn with_parameter(found: &GroupDiagnosis, id: &str, words: String) -> String {
+    let own = found
+        .effects
+        .iter()
+        .find(|own| own.effect == id && follows_a_tag(id));
+    match own.and_then(|own| own.variant.as_deref()) {
+        Some(parameter) => format!("{words} in {parameter}"),
+        None => words,
     }
 }
 

@@ -48,6 +48,7 @@ fn noise_that_grows_with_the_voltage_is_remarked_and_even_noise_is_not() {
                 },
                 length_cm: None,
                 is_right: false,
+                tags: &[],
             })
             .collect();
         let group = group::Group::new(&inputs);

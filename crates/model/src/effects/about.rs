@@ -23,6 +23,8 @@ pub enum Class {
     Motion,
     /// The frame in which bending is measured.
     Frame,
+    /// What is another in every run, and goes with a tag.
+    FromRunToRun,
 }
 
 impl Class {
@@ -39,6 +41,7 @@ impl Class {
             Class::Coupling => "coupling",
             Class::Motion => "motion",
             Class::Frame => "frame",
+            Class::FromRunToRun => "from run to run",
         }
     }
 }

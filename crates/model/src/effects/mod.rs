@@ -22,6 +22,7 @@ mod electrolytic_drying;
 mod exposure_smoothing;
 mod faradaic_leak;
 mod fast_branch;
+mod followed_tag;
 mod fractional_relaxation;
 mod friction;
 mod joule_heating;
@@ -58,6 +59,7 @@ mod water_exchange;
 mod water_redistribution;
 
 pub use about::{About, Class, EffectParameter};
+pub use followed_tag::{TagAt, tag_places};
 pub use search::{Limits, Scale, Search};
 
 use super::extended::{RunContext, System};
@@ -90,7 +92,8 @@ pub struct Applied {
     pub parameters: Vec<f64>,
 }
 
-/// Every effect that can be simulated and fitted, in the order of the catalogue.
+/// Every effect that can be simulated and fitted, in the order of the catalogue. What follows a tag from run to run is not
+/// among them: which tags there are a campaign says ([`tag_places`]).
 pub static ALL: &[&dyn Effect] = &[
     &series_resistance::SeriesResistance,
     &slow_branch::SlowBranch,
@@ -142,7 +145,8 @@ pub static ALL: &[&dyn Effect] = &[
     &noncircular_shape::NoncircularShape,
 ];
 
-/// The effect of that id.
+/// The effect of that id: one of the list, or one that follows a tag.
 pub fn effect(id: &str) -> Option<&'static dyn Effect> {
-    ALL.iter().copied().find(|effect| effect.about().id == id)
+    let listed = ALL.iter().copied().find(|effect| effect.about().id == id);
+    listed.or_else(|| followed_tag::of_id(id))
 }

@@ -197,6 +197,7 @@ mod tests {
             length_cm: None,
             duration_s: 600.0,
             resolved_s: None,
+            tags: &[],
         };
         let times: Vec<f64> = (0..=600).map(f64::from).collect();
         let plain = refined(&times, &run, 0.01, GROWTH).len();

@@ -1,7 +1,7 @@
 //! What an extended model is made of: the places where an effect may act.
 
 use crate::LumpedModel;
-use crate::effects::Applied;
+use crate::effects::{Applied, TagAt};
 use ieap_domain::Drive;
 
 use super::grid::Grid;
@@ -23,6 +23,8 @@ pub struct RunContext<'a> {
     /// Shortest time that steps resolve, s: held while parameters are searched, so that the steps do not jump with
     /// them; none for the model's own.
     pub resolved_s: Option<f64>,
+    /// Where the run lies among the values of tags that differ in its group.
+    pub tags: &'a [TagAt],
 }
 
 impl RunContext<'_> {

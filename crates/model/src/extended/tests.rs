@@ -37,6 +37,7 @@ pub(crate) fn context(drive: &Drive) -> RunContext<'_> {
         length_cm: Some(0.5),
         duration_s: 300.0,
         resolved_s: None,
+        tags: &[],
     }
 }
 

@@ -15,6 +15,7 @@ use crate::figures::comparison::{Group, Slot, comparison};
 use crate::number::significant;
 use crate::site::Site;
 use ieap_analysis::conditions::nominal_voltage_v;
+use ieap_analysis::laws::words;
 use ieap_analysis::parameters::{COMPARED, usable};
 use ieap_analysis::{Contrast, ParameterInfo, confounding, contrasts};
 use ieap_domain::Estimate;
@@ -56,7 +57,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         .map(|parameter| section(site, parameter, &mut figures))
         .collect();
     let page = Comparison {
-        caution: caution(site),
+        caution: caution(site).into_iter().chain(doubts(site)).collect(),
         single_material: site.conditions.materials.len() == 1,
         parameters: parameters?,
     };
@@ -82,6 +83,11 @@ pub fn caution(site: &Site) -> Vec<String> {
     sentences
 }
 
+/// Fits that a finding doubts, and what is done with them.
+pub fn doubts(site: &Site) -> Vec<String> {
+    site.input.laws.doubted.iter().map(words::doubted).collect()
+}
+
 /// Differences beyond the 95 % intervals with at least `ratio`, the largest first.
 pub fn contrast_sentences(site: &Site, ratio: f64) -> Vec<String> {
     let mut found: Vec<(f64, String)> = Vec::new();
@@ -99,7 +105,12 @@ pub fn contrast_sentences(site: &Site, ratio: f64) -> Vec<String> {
 }
 
 fn contrasts_of(site: &Site, parameter: &ParameterInfo) -> Vec<Contrast> {
-    contrasts(&site.input.runs, &site.conditions, parameter.key)
+    contrasts(
+        &site.input.runs,
+        &site.conditions,
+        parameter.key,
+        &site.input.laws.doubts,
+    )
 }
 
 fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &Contrast) -> String {

@@ -1,6 +1,6 @@
 //! Monitoring: alarms first, then every parameter over the life of the samples in the reference condition.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
@@ -13,6 +13,7 @@ use crate::input::Input;
 use crate::number::significant;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
+use ieap_analysis::laws::doubt::Doubted;
 use ieap_analysis::laws::words::{moves, symbol};
 use ieap_analysis::monitoring::{Watched, words};
 
@@ -124,7 +125,7 @@ fn summary(site: &Site) -> Vec<String> {
         true => "named in campaign.toml",
         false => "the condition repeated most",
     };
-    vec![
+    let mut sentences = vec![
         lead,
         format!(
             "The reference condition is {} ({how}): {} of {} return to it.",
@@ -132,7 +133,37 @@ fn summary(site: &Site) -> Vec<String> {
             counted(reference.places.len(), "run"),
             site.input.runs.len()
         ),
-    ]
+    ];
+    sentences.extend(in_doubt(site));
+    sentences
+}
+
+/// Groups of watched runs whose fits a finding doubts. None is left out: what is wrong in all of them alike is no change.
+fn in_doubt(site: &Site) -> Option<String> {
+    let watched = site
+        .input
+        .monitoring
+        .watched
+        .iter()
+        .flat_map(|watched| &watched.runs);
+    let watched: BTreeSet<&str> = watched.map(|&run| site.input.runs[run].path.as_str()).collect();
+    let has_some = |found: &&Doubted| found.runs.iter().any(|run| watched.contains(run.as_str()));
+    let groups: BTreeSet<&str> = site
+        .input
+        .laws
+        .doubted
+        .iter()
+        .filter(has_some)
+        .map(|found| found.group.as_str())
+        .collect();
+    let names: Vec<&str> = groups.into_iter().collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "The model is wrong for {}: its runs are watched all the same, since what is wrong in all of them alike is no \
+             change; where the cause is known the errors hold what it moves each parameter by.",
+            names.join("; ")
+        )
+    })
 }
 
 fn charts_text(site: &Site) -> String {

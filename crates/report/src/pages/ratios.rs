@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::comparison::caution;
+use super::comparison::{caution, doubts};
 use super::wording::{counted, humidity_label, surroundings_label, voltage_label, voltage_labels};
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
@@ -71,7 +71,8 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let chosen = reference(conditions, &input.campaign.compare);
     let keys: Vec<&str> = PARAMETERS.iter().map(|info| info.key).collect();
     let found = chosen.as_ref().map_or_else(Vec::new, |chosen| {
-        ratios(&input.runs, &site.facts, conditions, chosen, &keys)
+        let facts = (site.facts.as_slice(), &input.laws.doubts);
+        ratios(&input.runs, facts, conditions, chosen, &keys)
     });
     let mut figures = BTreeMap::new();
     let mut parameters = Vec::new();
@@ -93,7 +94,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         .collect();
     let page = RatiosPage {
         lead: lead(chosen.as_ref()),
-        caution: caution(site),
+        caution: caution(site).into_iter().chain(doubts(site)).collect(),
         parameters,
         columns: shown.iter().map(|info| info.symbol).collect(),
         rows: rows(site, &found, &shown),

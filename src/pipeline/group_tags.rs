@@ -1,0 +1,30 @@
+//! Tags that differ between the runs of a group, as a diagnosis asks for them.
+
+use crate::domain::RunRecord;
+use crate::domain::tag::keys;
+use crate::model::effects::{TagAt, tag_places};
+
+/// Where each run lies among the values of the tags that campaign.toml declares, and of who measured.
+pub(super) fn group_tags(runs: &[&RunRecord], declared: &[String]) -> Vec<Vec<TagAt>> {
+    let mut asked: Vec<&str> = declared.iter().map(String::as_str).collect();
+    asked.push(keys::OPERATOR);
+    asked.sort_unstable();
+    asked.dedup();
+    let mut places = vec![Vec::new(); runs.len()];
+    for key in asked {
+        let values: Vec<Option<&str>> = runs.iter().map(|run| run.tag(key)).collect();
+        for (places, own) in places.iter_mut().zip(tag_places(key, &values)) {
+            places.extend(own);
+        }
+    }
+    places
+}
+
+/// Adds to a hash what a group's result follows from these tags; nothing where none differs.
+pub(super) fn take_tags(hasher: &mut blake3::Hasher, places: &[Vec<TagAt>]) {
+    for place in places.iter().flatten() {
+        hasher.update(&(place.id.len() as u64).to_le_bytes());
+        hasher.update(place.id.as_bytes());
+        hasher.update(&place.at.to_le_bytes());
+    }
+}
