@@ -4,7 +4,7 @@
 //! shown beside every smooth trend also each trend with it, by one criterion in which the search for the place is paid.
 
 use super::series::{Change, SHOWN_BELOW, Series, Study};
-use crate::laws::chance_of::ask;
+use crate::laws::chance_of::{Answer, ask};
 use crate::laws::fitted::{self, AS_GOOD, Fitted, Interval, Material};
 use crate::laws::shape::{Bend, Law, STEP_PAID, progress};
 use ieap_numerics::correlation::Autoregression;
@@ -26,6 +26,96 @@ const TRENDS: [Law; 5] = [
     Law::Knee,
 ];
 
+/// The same, and a step.
+const COURSES: [Law; 6] = [
+    Law::Linear,
+    Law::SquareRoot,
+    Law::Exponential,
+    Law::Approach,
+    Law::Step,
+    Law::Knee,
+];
+
+/// What scatters about a flexible course.
+struct Scatter {
+    /// Variance of each reading, as large as makes the readings count as independent ones.
+    variance: Vec<f64>,
+    /// How it goes on from one reading to the next.
+    correlation: f64,
+    /// Readings that tell as much as one independent one.
+    per_independent: f64,
+    /// Number of the sample of each reading: all are of one.
+    sample: Vec<usize>,
+    /// Places at which laws may bend.
+    levels: Vec<f64>,
+}
+
+/// What is new in each reading, where scatter goes on from one to the next: readings and columns less what the one before
+/// foretells (Cochrane and Orcutt 1949). What scatters so can be exchanged, and a level stays a level.
+struct Innovations {
+    correlation: f64,
+    variance: Vec<f64>,
+    segment: Vec<usize>,
+    /// Readings that have one before them in their segment; all where nothing goes on.
+    kept: Vec<usize>,
+}
+
+impl Innovations {
+    fn of(variance: &[f64], segment: &[usize], correlation: f64) -> Innovations {
+        let correlation = correlation.max(0.0);
+        let follows = |&k: &usize| correlation == 0.0 || (k > 0 && segment[k] == segment[k - 1]);
+        let kept: Vec<usize> = (0..segment.len()).filter(follows).collect();
+        let mut numbers: Vec<usize> = kept.iter().map(|&k| segment[k]).collect();
+        numbers.dedup();
+        let number = |k: usize| numbers.iter().position(|&own| own == segment[k]).unwrap_or(0);
+        Innovations {
+            correlation,
+            variance: kept.iter().map(|&k| variance[k]).collect(),
+            segment: kept.iter().map(|&k| number(k)).collect(),
+            kept,
+        }
+    }
+
+    fn column(&self, column: &[f64]) -> Vec<f64> {
+        let before = |k: usize| match self.correlation > 0.0 {
+            true => self.correlation * column[k - 1],
+            false => 0.0,
+        };
+        self.kept.iter().map(|&k| column[k] - before(k)).collect()
+    }
+
+    fn model(&self, columns: &[Vec<f64>]) -> Grouped {
+        let columns: Vec<Vec<f64>> = columns.iter().map(|column| self.column(column)).collect();
+        Grouped::new(&self.variance, &self.segment, &columns)
+    }
+
+    fn with_each(&self, base: &[Vec<f64>], columns: &[Vec<f64>]) -> (Grouped, Vec<Grouped>) {
+        let null = self.model(base);
+        let with = |column: &Vec<f64>| {
+            let mut model = null.clone();
+            model.take_out(&self.column(column));
+            model
+        };
+        let models = columns.iter().map(with).collect();
+        (null, models)
+    }
+
+    /// How often chance does as well as the best of `columns`, each beside `base`.
+    fn ask(&self, y: &[f64], base: &[Vec<f64>], columns: &[Vec<f64>], seed: u64) -> Option<Answer> {
+        let (null, alternatives) = self.with_each(base, columns);
+        ask(&self.column(y), &null, &alternatives, &self.segment, seed)
+    }
+
+    /// Sums of squares that each of `columns` leaves beside `base`.
+    fn squares(&self, y: &[f64], base: &[Vec<f64>], columns: &[Vec<f64>]) -> Vec<f64> {
+        let (null, alternatives) = self.with_each(base, columns);
+        let left = null.residual(&self.column(y));
+        let mut room = Vec::new();
+        let square = |model: &Grouped| model.square_left(&left, &mut room);
+        alternatives.iter().map(square).collect()
+    }
+}
+
 /// A step that is shown beside every smooth trend.
 struct Beside {
     column: Vec<f64>,
@@ -36,7 +126,7 @@ struct Beside {
 impl Series {
     /// Adds what happens over the axis, beside the jumps between segments.
     pub(super) fn add_course(&self, study: &mut Study, segment: &[usize], seed: u64) {
-        let shapes: Vec<Vec<f64>> = [
+        let mut shapes: Vec<Vec<f64>> = [
             (Law::Exponential, 0.0),
             (Law::SquareRoot, 0.0),
             (Law::Threshold, 0.6),
@@ -48,31 +138,25 @@ impl Series {
         })
         .collect();
         let places = self.places();
-        study.p_trend = self.chance_of_any(segment, &shapes, &places, seed);
-        let mut flexible = shapes.clone();
-        let (mut variance, mut memory) = self.scatter(segment, &flexible);
+        let mut scatter = self.scatter(segment, &shapes, 0);
+        // A step that is there makes neighbours alike: how the scatter goes on is told beside the likeliest one.
+        if let Some(step) = self.likeliest(segment, &shapes, &scatter, &places) {
+            let beside: Vec<Vec<f64>> = shapes.iter().cloned().chain([step]).collect();
+            scatter.correlation = self.scatter(segment, &beside, STEP_PAID - 1).correlation;
+        }
+        study.p_trend = self.chance_of_any(segment, &shapes, &places, scatter.correlation, seed);
         let beside = study
             .is_shown()
-            .then(|| self.beside(segment, &shapes, &variance, &places, seed))
+            .then(|| self.beside(segment, &shapes, &scatter, &places, seed))
             .flatten();
         if let Some(beside) = &beside {
-            flexible.push(beside.column.clone());
-            (variance, memory) = self.scatter(segment, &flexible);
+            // What the step was is no scatter.
+            shapes.push(beside.column.clone());
+            scatter = self.scatter(segment, &shapes, STEP_PAID - 1);
         }
-        let nuisance = Grouped::new(&variance, segment, &[]);
-        let material = Material {
-            y: &self.y,
-            variance: &variance,
-            sample: &vec![0; self.y.len()],
-            nuisance: &nuisance,
-            x: &self.x,
-            levels: &levels(&self.x),
-            span: study.span,
-            is_log: self.is_log,
-            readings: nuisance.freedom() as f64 / memory,
-        };
-        let [linear, root, exponential, approach, knee] = TRENDS;
-        study.trends = fitted::compare(&material, &[linear, root, exponential, approach, Law::Step, knee]);
+        let nuisance = Grouped::new(&scatter.variance, segment, &[]);
+        let material = self.material(study, &scatter, &nuisance);
+        study.trends = fitted::compare(&material, &COURSES);
         if let Some(beside) = beside {
             self.add_both(study, &material, segment, beside);
         }
@@ -102,49 +186,76 @@ impl Series {
         segment: &[usize],
         shapes: &[Vec<f64>],
         places: &[usize],
+        correlation: f64,
         seed: u64,
     ) -> Option<f64> {
         let variance = self.with(shared_variance(&self.y, &self.variance, segment, &[]));
-        let null = Grouped::new(&variance, segment, &[]);
         let steps = places.iter().map(|&at| self.column(at));
-        let alternatives: Vec<Grouped> = shapes
-            .iter()
-            .cloned()
-            .chain(steps)
-            .map(|column| Grouped::new(&variance, segment, &[column]))
-            .collect();
-        let answer = ask(&self.y, &null, &alternatives, segment, seed)?;
+        let columns: Vec<Vec<f64>> = shapes.iter().cloned().chain(steps).collect();
+        let innovations = Innovations::of(&variance, segment, correlation);
+        let answer = innovations.ask(&self.y, &[], &columns, seed)?;
         // Steps at neighbouring places are nearly the same question: their number says little.
         Some(answer.p.min(answer.drawn))
     }
 
-    /// Variance of each reading about a flexible course, with what goes on from one to the next; and how many readings
-    /// tell as much as an independent one.
-    fn scatter(&self, segment: &[usize], flexible: &[Vec<f64>]) -> (Vec<f64>, f64) {
-        let variance = self.with(shared_variance(&self.y, &self.variance, segment, flexible));
-        let memory = self.memory(segment, flexible, &variance);
-        (variance.iter().map(|v| memory * v).collect(), memory)
-    }
-
-    /// Readings that tell as much about a trend as one independent one, from how each reading's departure from a flexible
-    /// course goes on to the next; 1 for too few.
-    fn memory(&self, segment: &[usize], shapes: &[Vec<f64>], variance: &[f64]) -> f64 {
+    /// What scatters about a course of the `flexible` columns, for the best of which `searched` places more were paid; without memory where there are too few readings to tell.
+    fn scatter(&self, segment: &[usize], flexible: &[Vec<f64>], searched: usize) -> Scatter {
         let n = self.y.len();
+        let variance = self.with(shared_variance(&self.y, &self.variance, segment, flexible));
+        let mut scatter = Scatter {
+            variance,
+            correlation: 0.0,
+            per_independent: 1.0,
+            sample: vec![0; n],
+            levels: levels(&self.x),
+        };
         if n < FEWEST_FOR_STEP {
-            return 1.0;
+            return scatter;
         }
-        let flexible = Grouped::new(variance, segment, shapes);
-        let left = flexible.residual(&self.y);
+        let model = Grouped::new(&scatter.variance, segment, flexible);
+        let left = model.residual(&self.y);
         let goes_on = (1..n).filter(|&k| segment[k] == segment[k - 1]);
         let product: f64 = goes_on.map(|k| left[k] * left[k - 1]).sum();
-        let square = dot(&left, &left);
-        let terms = (n - flexible.freedom()) as f64;
-        let own = Autoregression::from_sums(square, product, n as f64, terms);
-        n as f64 / own.effective_readings(n as f64)
+        let terms = (n - model.freedom() + searched) as f64;
+        let own = Autoregression::from_sums(dot(&left, &left), product, n as f64, terms);
+        scatter.correlation = own.correlation;
+        scatter.per_independent = n as f64 / own.effective_readings(n as f64);
+        let inflation = scatter.per_independent;
+        scatter.variance.iter_mut().for_each(|v| *v *= inflation);
+        scatter
+    }
+
+    /// What laws are fitted to, with `nuisance` taken out.
+    fn material<'a>(&'a self, study: &Study, scatter: &'a Scatter, nuisance: &'a Grouped) -> Material<'a> {
+        Material {
+            y: &self.y,
+            variance: &scatter.variance,
+            sample: &scatter.sample,
+            nuisance,
+            x: &self.x,
+            levels: &scatter.levels,
+            span: study.span,
+            is_log: self.is_log,
+            readings: nuisance.freedom() as f64 / scatter.per_independent,
+        }
     }
 
     fn with(&self, shared: f64) -> Vec<f64> {
         self.variance.iter().map(|v| (v + shared).max(1e-18)).collect()
+    }
+
+    /// The step that leaves the least beside a flexible trend, whatever the scatter is like.
+    fn likeliest(
+        &self,
+        segment: &[usize],
+        shapes: &[Vec<f64>],
+        scatter: &Scatter,
+        places: &[usize],
+    ) -> Option<Vec<f64>> {
+        let columns: Vec<Vec<f64>> = places.iter().map(|&at| self.column(at)).collect();
+        let squares = Innovations::of(&scatter.variance, segment, 0.0).squares(&self.y, shapes, &columns);
+        let best = (0..columns.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]))?;
+        columns.into_iter().nth(best)
     }
 
     /// The best place of a step beside a flexible trend, where chance does not bring it.
@@ -152,30 +263,18 @@ impl Series {
         &self,
         segment: &[usize],
         shapes: &[Vec<f64>],
-        variance: &[f64],
+        scatter: &Scatter,
         places: &[usize],
         seed: u64,
     ) -> Option<Beside> {
-        let null = Grouped::new(variance, segment, shapes);
-        let alternatives: Vec<Grouped> = places
-            .iter()
-            .map(|&at| {
-                let mut model = null.clone();
-                model.take_out(&self.column(at));
-                model
-            })
-            .collect();
-        let answer = ask(&self.y, &null, &alternatives, segment, seed.wrapping_add(1))?;
+        let columns: Vec<Vec<f64>> = places.iter().map(|&at| self.column(at)).collect();
+        let innovations = Innovations::of(&scatter.variance, segment, scatter.correlation);
+        let answer = innovations.ask(&self.y, shapes, &columns, seed.wrapping_add(1))?;
         let p = answer.p.min(answer.drawn);
         if p > SHOWN_BELOW {
             return None;
         }
-        let left = null.residual(&self.y);
-        let mut room = Vec::new();
-        let squares: Vec<f64> = alternatives
-            .iter()
-            .map(|model| model.square_left(&left, &mut room))
-            .collect();
+        let squares = innovations.squares(&self.y, shapes, &columns);
         let best = (0..places.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]))?;
         let freedom = answer.freedom as f64;
         let allowed = squares[best] * (1.0 + quantile_95(freedom).powi(2) / freedom);

@@ -60,8 +60,9 @@ fn step(x: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_pure_step_is_told_as_one() {
-    let studies = studies(1000, &step);
+    let studies = studies(61000, &step);
     let (steps, both) = counts(&studies, Law::Step);
     let holds = |study: &&Study| {
         let at = study.trends[0].bend_at.unwrap();
@@ -86,7 +87,7 @@ fn a_pure_step_is_told_as_one() {
 
 #[test]
 fn a_drift_is_no_step() {
-    let studies = studies(2000, &|x| -0.25 * x / 60.0);
+    let studies = studies(62000, &|x| -0.25 * x / 60.0);
     let (steps, both) = counts(&studies, Law::Step);
     println!(
         "drift: step in {steps} of {}, with a step in {both}",
@@ -98,8 +99,9 @@ fn a_drift_is_no_step() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_knee_is_no_step() {
-    let studies = studies(3000, &|x| -0.6 * (x - 40.0).max(0.0) / 20.0);
+    let studies = studies(63000, &|x| -0.6 * (x - 40.0).max(0.0) / 20.0);
     let (knees, both) = counts(&studies, Law::Knee);
     let (steps, _) = counts(&studies, Law::Step);
     println!(
@@ -111,8 +113,9 @@ fn a_knee_is_no_step() {
 }
 
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn a_drift_with_a_step_is_told_as_both() {
-    let studies = studies(4000, &|x| 1.3 * step(x) + 0.4 * x / 60.0);
+    let studies = studies(64000, &|x| 1.3 * step(x) + 0.4 * x / 60.0);
     let (steps, both) = counts(&studies, Law::Step);
     let holds = |study: &&Study| {
         let (size, truth) = (study.trends[0].size, 0.4 * 59.0 / 60.0);
@@ -124,13 +127,15 @@ fn a_drift_with_a_step_is_told_as_both() {
         "drift and step: both in {both} of {}, step alone in {steps}; {held} trends held",
         studies.len()
     );
-    assert!(both >= studies.len() * 7 / 10, "{both}");
+    // Three in four are told: fewer come by chance in one of 1,000 tries.
+    let missed = at_most(0.25, studies.len());
+    assert!(both >= studies.len() - missed, "{both}");
     assert!(held >= both - at_most(0.08, both), "{held}");
 }
 
 #[test]
 fn of_nothing_nothing_is_told() {
-    let studies = studies(5000, &|_| 0.0);
+    let studies = studies(65000, &|_| 0.0);
     let shown = studies.iter().filter(|study| study.is_shown()).count();
     println!("nothing: told in {shown} of {}", studies.len());
     assert!(
