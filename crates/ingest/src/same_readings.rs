@@ -4,9 +4,13 @@
 //! Bytes and even numbers differ between exports: of delimiters, units and rounding. Numbers are held against each other
 //! within the last digit that either export prints.
 
+mod alike;
+
 use std::collections::BTreeSet;
 
 use ieap_domain::{Channel, Quantity};
+
+pub use alike::Alike;
 
 /// Version of the rule that marks are made by; another one makes stored marks out of date.
 pub const VERSION: u32 = 1;
@@ -94,19 +98,6 @@ fn rounded(value: f64, digits: i32) -> u64 {
 
 fn exponent(value: f64) -> i32 {
     value.abs().log10().floor() as i32
-}
-
-/// Whether so many marks are shared that the records must be looked at; each list is that of a record.
-pub fn may_be_same(one: &[u64], other: &[u64]) -> bool {
-    let other: BTreeSet<u64> = other.iter().copied().collect();
-    [0, 1].into_iter().any(|kind| {
-        let of_kind = one.iter().filter(|mark| **mark & 1 == kind);
-        let shared = of_kind.clone().filter(|mark| other.contains(mark)).count();
-        let fewer = of_kind
-            .count()
-            .min(other.iter().filter(|mark| **mark & 1 == kind).count());
-        shared > 0 && shared >= SHARED.min(fewer)
-    })
 }
 
 /// Whether every response of `part` stands in `whole` too, at the same times or all later or earlier by the same time.
@@ -248,9 +239,16 @@ impl Digits {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
     use std::sync::Arc;
 
     use super::*;
+
+    /// Whether their marks lead from one record to another.
+    fn may_be_same(one: &[u64], other: &[u64]) -> bool {
+        let all = BTreeMap::from([(1, one.to_vec()), (2, other.to_vec())]);
+        !Alike::of(&all).to(1, one).is_empty()
+    }
 
     /// A decaying current with noise of its own, as exported with so many digits, in a unit, from a row, every so many rows.
     fn record(

@@ -1,10 +1,10 @@
 //! Finds runs that hold the same readings, whatever their files look like.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::now;
 use crate::domain::{Channel, SameReadings};
-use crate::ingest::same_readings::{VERSION, marks, may_be_same, stands_in};
+use crate::ingest::same_readings::{Alike, VERSION, marks, stands_in};
 use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
 
@@ -51,26 +51,16 @@ fn pairs(
     fresh: &[i64],
     all: &BTreeMap<i64, Vec<u64>>,
 ) -> Result<Vec<SameReadings>, PipelineError> {
-    let mut holders: BTreeMap<u64, Vec<i64>> = BTreeMap::new();
-    for (id, marks) in all {
-        marks
-            .iter()
-            .for_each(|mark| holders.entry(*mark).or_default().push(*id));
-    }
+    let mut alike = Alike::of(all);
     let mut same = Vec::new();
     for &id in fresh {
         interrupt::check();
-        let near: BTreeSet<i64> = all[&id]
-            .iter()
-            .flat_map(|mark| holders[mark].iter().copied())
-            .collect();
         let is_new = |other: &i64| fresh.binary_search(other).is_ok();
         // Of two new ones the first looks at the second.
-        let others = near
-            .into_iter()
-            .filter(|other| *other != id && (!is_new(other) || *other > id));
+        let others = alike.to(id, &all[&id]);
+        let others = others.into_iter().filter(|other| !is_new(other) || *other > id);
         let mut own: Option<Vec<Channel>> = None;
-        for other in others.filter(|other| may_be_same(&all[&id], &all[other])) {
+        for other in others {
             let own = match &mut own {
                 Some(own) => own,
                 none => none.insert(context.store.channels_as_read(id)?),
