@@ -59,16 +59,15 @@ fn visible(text: &str) -> Cow<'_, str> {
 /// apostrophe before it. A number is none. [`from_csv_text`] takes the apostrophes off again.
 pub fn csv_text(text: &str) -> Cow<'_, str> {
     let visible = visible(text);
-    match pieces(&visible).any(|(piece, _)| is_formula(piece)) {
-        false => visible,
-        true => {
-            let marked = |(piece, end): (&str, &str)| match is_formula(piece) {
-                true => format!("{TEXT_MARK}{piece}{end}"),
-                false => format!("{piece}{end}"),
-            };
-            Cow::Owned(pieces(&visible).map(marked).collect())
-        }
+    let calculates = pieces(&visible).any(|(piece, _)| is_formula(piece));
+    if !calculates {
+        return visible;
     }
+    let marked = |(piece, end): (&str, &str)| match is_formula(piece) {
+        true => format!("{TEXT_MARK}{piece}{end}"),
+        false => format!("{piece}{end}"),
+    };
+    Cow::Owned(pieces(&visible).map(marked).collect())
 }
 
 /// A cell that [`csv_text`] wrote, without the apostrophes that it put there.
