@@ -69,7 +69,7 @@ impl Alike {
             // Coarse marks say nothing of two records that both have fine ones.
             let fine = match has_fine(&own) && !is_fine(kind) {
                 true => &[][..],
-                false => &holders.fine,
+                false => &holders.fine[..],
             };
             for &place in fine.iter().chain(&holders.coarse) {
                 let shared = &mut self.shared[place as usize];
