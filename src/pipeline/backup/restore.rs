@@ -168,10 +168,13 @@ impl Restore {
 
 /// Refuses a folder that holds something.
 fn refuse_filled(folder: &Path) -> Result<(), PipelineError> {
-    match fs::read_dir(folder) {
-        Ok(mut entries) if entries.next().is_none() => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        _ => Err(BackupError::NotEmpty {
+    let is_free = match fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_none(),
+        Err(error) => error.kind() == std::io::ErrorKind::NotFound,
+    };
+    match is_free {
+        true => Ok(()),
+        false => Err(BackupError::NotEmpty {
             folder: folder.to_owned(),
         }
         .into()),
