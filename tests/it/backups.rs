@@ -74,7 +74,7 @@ fn a_restored_campaign_answers_as_the_original() {
         (&"ieap/restore/1".into(), &3.into())
     );
     assert_eq!(answers(&restored), answers(folder.path()));
-    let status = |folder: &Path| ieap(folder, &["status", "--json"]).json();
+    let status = |folder: &Path| ieap(folder, &["status", "--json"]).json()["status"].clone();
     assert_eq!(status(&restored)["set_aside"], status(folder.path())["set_aside"]);
     assert!(status(folder.path())["set_aside"][0].is_object());
     for name in [
@@ -285,7 +285,7 @@ fn backups_under_load_hold_a_moment_each() {
         // What the backup found in runs/ and the database did not know yet comes in now, once.
         let restored = elsewhere.path().join(&new);
         ieap(&restored, &["ingest"]).expect(0);
-        let runs = ieap(&restored, &["status", "--json"]).json()["runs"]
+        let runs = ieap(&restored, &["status", "--json"]).json()["status"]["runs"]
             .as_u64()
             .unwrap();
         assert_eq!(runs as usize, 1 + 5 * turn, "{seen:?}");

@@ -39,7 +39,8 @@ impl Shelf {
     /// # Errors
     /// It lies in the campaign, holds something else, is of another database, or cannot be written.
     pub fn open(folder: &Path, campaign: &Path, id: &str) -> Result<Shelf, PipelineError> {
-        let existing = folder.ancestors().find_map(|above| above.canonicalize().ok());
+        let absolute = std::path::absolute(folder).map_err(failed(folder, "finding the folder"))?;
+        let existing = absolute.ancestors().find_map(|above| above.canonicalize().ok());
         let inside = match (existing, campaign.canonicalize()) {
             (Some(existing), Ok(campaign)) => existing.starts_with(campaign),
             _ => false,
