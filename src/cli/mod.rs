@@ -1,5 +1,6 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
+mod backup;
 mod completions;
 mod diagnose;
 mod dma;
@@ -114,6 +115,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     Trace(trace::TraceArgs),
     Export(export::ExportArgs),
+    Backup(backup::BackupArgs),
+    Restore(backup::RestoreArgs),
     Formats(formats::FormatsArgs),
     Models(models::ModelsArgs),
     Effects(effects::EffectsArgs),
@@ -257,6 +260,8 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Simulate(args) => simulate::run(args, global, output),
         Verb::Trace(args) => trace::run(args, output),
         Verb::Export(args) => export::run(args, output),
+        Verb::Backup(args) => backup::run(args, global, output),
+        Verb::Restore(args) => backup::run_restore(args, output),
         Verb::Formats(args) => formats::run(args, output),
         Verb::Models(args) => models::run(args, output),
         Verb::Effects(args) => effects::run(args, output),

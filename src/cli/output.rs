@@ -10,6 +10,7 @@ use super::Global;
 use super::exit::{self, CliError};
 use super::printable::printable;
 use crate::domain::Issue;
+use crate::domain::safe_text::json_text;
 use crate::pipeline::Observer;
 
 /// `count` things: `1 file`, `3 files`.
@@ -105,7 +106,8 @@ impl Output {
     pub fn document<T: Serialize>(&self, value: &T) -> Result<(), CliError> {
         if self.json {
             let text = serde_json::to_string_pretty(value).map_err(|e| CliError::internal(&e.to_string()))?;
-            self.write(format!("{text}\n").as_bytes());
+            // A program reads the same text; a terminal is not moved by it.
+            self.write(format!("{}\n", json_text(&text)).as_bytes());
         }
         Ok(())
     }

@@ -2,25 +2,14 @@
 
 use std::borrow::Cow;
 
+use crate::domain::safe_text::{is_unseen, replaced};
+
 /// `text` with control characters (but line ends and tabs) and direction marks written as `\u{..}`, so that a
 /// file name or a header can neither move the cursor nor disguise itself.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let hidden = |c: char| {
-        (c.is_control() && c != '\n' && c != '\t')
-            || ('\u{202a}'..='\u{202e}').contains(&c)
-            || ('\u{2066}'..='\u{2069}').contains(&c)
-    };
-    if !text.chars().any(hidden) {
-        return Cow::Borrowed(text);
-    }
-    let show = |c: char| {
-        if hidden(c) {
-            c.escape_unicode().to_string()
-        } else {
-            c.to_string()
-        }
-    };
-    Cow::Owned(text.chars().map(show).collect())
+    replaced(text, is_unseen, |character| {
+        character.escape_unicode().to_string()
+    })
 }
 
 #[cfg(test)]

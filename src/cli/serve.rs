@@ -11,7 +11,7 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::{CampaignArg, Global};
 use crate::pipeline::Observer;
-use crate::pipeline::serve::{DEFAULT_BIND, DEFAULT_PORT, Server};
+use crate::pipeline::serve::{DEFAULT_BIND, DEFAULT_PORT, Limits, Server};
 
 /// Show the report in a browser of this machine, until stopped (Ctrl-C); pages follow what `watch` renders
 #[derive(Debug, Args)]
@@ -35,7 +35,7 @@ pub fn run(args: &ServeArgs, global: &Global, output: &Output) -> Result<u8, Cli
         )));
     }
     let address = SocketAddr::new(args.bind, args.port);
-    let server = Server::listen(&folder, address).map_err(|error| {
+    let server = Server::listen(&folder, address, Limits::default()).map_err(|error| {
         CliError::usage(&format!(
             "cannot listen at {address}: {error}; another --port or --bind may do"
         ))

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::backup::BackupError;
 use super::holdings::HoldingsError;
 use super::simulate::SpecError;
 use crate::analysis::ExportError;
@@ -32,6 +33,9 @@ pub enum PipelineError {
     /// The database and the archive are not there, or not those of one campaign.
     #[error(transparent)]
     Holdings(#[from] HoldingsError),
+    /// There is no backup, or it is not restored.
+    #[error(transparent)]
+    Backup(#[from] BackupError),
     /// The runs folder cannot be listed.
     #[error(transparent)]
     Scan(#[from] ScanError),
@@ -167,6 +171,7 @@ impl PipelineError {
             | E::NotOurs { .. }
             | E::Export(ExportError::Write { .. }) => true,
             E::Report(error) => error.is_of_disk(),
+            E::Backup(error) => !error.is_usage(),
             _ => false,
         }
     }

@@ -1,5 +1,7 @@
 //! What is said of many files alike is told once, with the files that it is of.
 
+use std::collections::HashMap;
+
 use serde::Serialize;
 
 use crate::domain::Issue;
@@ -19,12 +21,14 @@ pub struct Together {
 /// Brings files together of which the same is said, but for their names and the places in them.
 pub fn together<'a>(entries: impl IntoIterator<Item = (&'a str, Vec<Issue>)>) -> Vec<Together> {
     let mut told: Vec<(Vec<Issue>, Together)> = Vec::new();
+    // Looked up and not searched for: each of thousands of runs may have a mend of its own.
+    let mut places: HashMap<Vec<Said>, usize> = HashMap::new();
     for (path, issues) in entries {
         let plain: Vec<Issue> = issues.iter().map(|issue| nameless(issue, path)).collect();
-        let alike = |known: &&mut (Vec<Issue>, Together)| {
-            known.0.len() == plain.len() && known.0.iter().zip(&plain).all(|(a, b)| says_the_same(a, b))
-        };
-        match told.iter_mut().find(alike) {
+        let place = *places
+            .entry(plain.iter().map(said).collect())
+            .or_insert(told.len());
+        match told.get_mut(place) {
             Some((known, together)) => {
                 for (known, own) in known.iter_mut().zip(&plain) {
                     if known.place != own.place {
@@ -51,8 +55,11 @@ fn nameless(issue: &Issue, path: &str) -> Issue {
     }
 }
 
-fn says_the_same(a: &Issue, b: &Issue) -> bool {
-    (&a.code, &a.message, &a.mend) == (&b.code, &b.message, &b.mend)
+/// What an issue says, wherever it is.
+type Said = (String, String, String);
+
+fn said(issue: &Issue) -> Said {
+    (issue.code.clone(), issue.message.clone(), issue.mend.clone())
 }
 
 #[cfg(test)]

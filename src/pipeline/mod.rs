@@ -4,6 +4,7 @@ mod across_runs;
 mod adopt;
 pub mod alarms;
 mod along;
+pub mod backup;
 pub mod campaign_document;
 mod climate;
 mod command;

@@ -15,6 +15,7 @@ use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
 use crate::analysis::plan::list::{Grounds, OpenRow};
 use crate::analysis::plan::{PlannedRun, Untying, next_runs, untie, words};
+use crate::domain::safe_text::csv_text;
 use crate::domain::tag::keys;
 use crate::domain::{GroupDiagnosis, RunRecord};
 use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
@@ -383,12 +384,14 @@ fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineErro
     let of_row = |row: &Vec<(String, String)>| -> Vec<String> {
         let cell = |column: &&str| {
             let known = row.iter().find(|(key, _)| key == column);
-            known.map_or_else(String::new, |(_, value)| value.clone())
+            // The reader of sheets takes off what keeps a spreadsheet from calculating.
+            known.map_or_else(String::new, |(_, value)| csv_text(value).into_owned())
         };
         columns.iter().map(cell).collect()
     };
     let as_io = |error: csv::Error| failed(std::io::Error::other(error));
-    writer.write_record(&columns).map_err(as_io)?;
+    let names = columns.iter().map(|column| csv_text(column).into_owned());
+    writer.write_record(names).map_err(as_io)?;
     for row in rows {
         writer.write_record(of_row(row)).map_err(as_io)?;
     }

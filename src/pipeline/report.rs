@@ -70,6 +70,8 @@ impl RenderReport {
     pub fn run(&self, context: &Context, observer: &dyn Observer) -> Result<ReportSummary, PipelineError> {
         let target = context.folder.join(REPORT_FOLDER);
         let index = target.join("index.html");
+        // Also where nothing is to be rendered: what was cut short would stay until something changes.
+        let kept = own_folder::remove_leftovers(&context.folder, FRESH);
         // What others write meanwhile is shown the next time, whole.
         let _snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
@@ -89,7 +91,7 @@ impl RenderReport {
             return Ok(unchanged(Some(refused)));
         }
         let input = input(context, changes, &changed_at)?;
-        for kept in own_folder::remove_leftovers(&context.folder, FRESH) {
+        for kept in kept {
             observer.warn(&format!(
                 "{}: looks like what a rendering left that was cut short, but carries no mark of ours; it stays. Remove it if it is not yours.",
                 kept.display()

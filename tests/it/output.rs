@@ -155,3 +155,76 @@ fn threads_are_bounded_and_their_number_is_said() {
             .is_empty()
     );
 }
+
+/// Tags and names went raw into CSV files, where a spreadsheet calculates them, and into JSON on a terminal.
+#[test]
+fn no_text_of_a_file_is_a_formula_or_moves_a_terminal() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    let tags = "note = \"=cmd|' /C calc'!A0\"\noperator = \"@SUM(A1)\"\ninstrument = \"a\\u001b[31m\\u202eb\"\ncycle = -2\n";
+    folder.write("runs/a.csv.toml", tags);
+    folder.run_json();
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    folder
+        .ieap(&["export", "--what", "all", "--format", "csv", "-o", "out"])
+        .expect(0);
+    folder.ieap(&["table", "runs", "-o", "runs-table.csv"]).expect(0);
+    let texts = [
+        "out/runs.csv",
+        "out/tags.csv",
+        "out/fits.csv",
+        "runs-table.csv",
+        "report/table5.csv",
+    ]
+    .map(read);
+    for text in &texts {
+        assert!(!text.contains(['\u{1b}', '\u{202e}']), "{text}");
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        for cell in reader
+            .records()
+            .flat_map(|row| row.unwrap().iter().map(str::to_owned).collect::<Vec<_>>())
+        {
+            let is_number = cell.parse::<f64>().is_ok();
+            assert!(is_number || !cell.starts_with(['=', '+', '-', '@']), "{cell:?}");
+        }
+    }
+    assert!(
+        texts[1].contains("'=cmd|' /C calc'!A0") && texts[1].contains("'@SUM(A1)"),
+        "{}",
+        texts[1]
+    );
+    assert!(texts[1].contains(",-2,"), "a number stays one: {}", texts[1]);
+    // Machines that take no harm get the text as it is.
+    let json = folder
+        .ieap(&["export", "--what", "tags", "-o", "tags.json"])
+        .expect(0);
+    assert!(!json.stdout.contains('\u{1b}') && read("tags.json").contains("\"=cmd|' /C calc'!A0\""));
+    let shown = folder.ieap(&["table", "runs", "--format", "json"]).expect(0);
+    assert!(
+        !shown.stdout.contains('\u{202e}') && !shown.stdout.contains("\\u{"),
+        "{}",
+        shown.stdout
+    );
+    shown.json();
+    for arguments in [
+        &["status"][..],
+        &["status", "--json"],
+        &["table", "runs"],
+        &["fit", "--json"],
+    ] {
+        let told = folder.ieap(arguments);
+        let all = told.stdout + &told.stderr;
+        assert!(!all.contains(['\u{1b}', '\u{202e}']), "{arguments:?}: {all}");
+    }
+}
+
+/// A rendering that was cut short left its folder until something changed.
+#[test]
+fn what_a_rendering_left_goes_at_the_next_look() {
+    let folder = fitted();
+    folder.write(".report-4000000000/.passing", ".report-4000000000");
+    folder.write(".report-4000000000/index.html", "half");
+    folder.ieap(&["report"]).expect(0);
+    assert!(!folder.join(".report-4000000000").exists());
+    assert!(folder.join("report/index.html").exists());
+}

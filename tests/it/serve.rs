@@ -5,8 +5,9 @@ use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use ieap::pipeline::serve::Server;
+use ieap::pipeline::serve::{Limits, Server};
 
 /// A server on a free port until the value is dropped.
 pub struct Running {
@@ -18,8 +19,13 @@ pub struct Running {
 impl Running {
     /// Serves the report of the campaign in `folder`.
     pub fn of(folder: &Path) -> Running {
+        Running::with(folder, Limits::default())
+    }
+
+    /// The same for clients with those limits.
+    fn with(folder: &Path, limits: Limits) -> Running {
         let any = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
-        let server = Server::listen(folder, any).expect("a server");
+        let server = Server::listen(folder, any, limits).expect("a server");
         let (address, stop) = (server.address(), Arc::new(AtomicBool::new(false)));
         let heard = stop.clone();
         let thread = std::thread::spawn(move || server.run(&heard).expect("an orderly end"));
@@ -30,9 +36,13 @@ impl Running {
         }
     }
 
+    fn connect(&self) -> TcpStream {
+        TcpStream::connect(self.address).expect("a connection")
+    }
+
     /// The whole answer to a request with these lines.
     pub fn ask(&self, lines: &str) -> String {
-        let mut stream = TcpStream::connect(self.address).expect("a connection");
+        let mut stream = self.connect();
         let request = format!("{}\r\n\r\n", lines.replace('\n', "\r\n"));
         stream.write_all(request.as_bytes()).expect("a request");
         let mut answer = Vec::new();
@@ -163,4 +173,118 @@ fn an_address_that_is_taken_is_said() {
         .arg(folder.path())
         .assert()
         .code(2);
+}
+
+/// A request of which a byte comes now and then began its 10 s anew with each of them: 64 such clients, and nobody else
+/// was served.
+#[test]
+fn clients_that_ask_drop_by_drop_are_left_and_others_served() {
+    let folder = campaign();
+    let limits = Limits {
+        clients: 8,
+        patience: Duration::from_millis(1500),
+        ..Limits::default()
+    };
+    let running = Running::with(folder.path(), limits);
+    let mut dripping: Vec<TcpStream> = (0..limits.clients).map(|_| running.connect()).collect();
+    let begun = Instant::now();
+    let mut drip = || {
+        for stream in &mut dripping {
+            // Those that were left take no more.
+            let _ = stream.write_all(b"G");
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    };
+    drip();
+    let busy = running.ask("GET / HTTP/1.1\nHost: localhost");
+    assert!(busy.starts_with("HTTP/1.1 503"), "{busy}");
+    let served = loop {
+        drip();
+        let answer = running.ask("GET / HTTP/1.1\nHost: localhost");
+        if answer.starts_with("HTTP/1.1 200") {
+            break begun.elapsed();
+        }
+        assert!(begun.elapsed() < Duration::from_secs(60), "nobody else is served");
+    };
+    assert!(
+        served > Duration::from_millis(500),
+        "the places were never taken: {served:?}"
+    );
+}
+
+/// Whoever takes an answer too slowly is left in the middle of it.
+#[test]
+fn clients_that_take_drop_by_drop_are_left() {
+    let folder = campaign();
+    let large = folder.path().join("report/large.csv");
+    std::fs::write(&large, vec![b'x'; 30_000_000]).expect("a file");
+    let limits = Limits {
+        patience: Duration::from_millis(300),
+        slowest_bytes_per_s: 100_000_000,
+        ..Limits::default()
+    };
+    let running = Running::with(folder.path(), limits);
+    let mut stream = running.connect();
+    stream
+        .write_all(b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        .expect("a request");
+    std::thread::sleep(Duration::from_millis(1500));
+    let mut taken = Vec::new();
+    let _ = stream.read_to_end(&mut taken);
+    assert!(
+        taken.starts_with(b"HTTP/1.1 200") && taken.len() < 30_000_000,
+        "{}",
+        taken.len()
+    );
+    // Whoever takes it at once has all of it.
+    let whole = Running::of(folder.path()).ask("GET /large.csv HTTP/1.1\nHost: localhost");
+    assert!(whole.len() > 30_000_000, "{}", whole.len());
+}
+
+/// 60 clients that do not read 30 MB held 1.15 GB.
+#[cfg(target_os = "linux")]
+#[test]
+fn clients_that_do_not_read_cost_no_memory() {
+    let folder = campaign();
+    std::fs::write(folder.path().join("campaign.toml"), "[campaign]\nid = \"a\"\n").expect("a file");
+    std::fs::write(folder.path().join("report/large.csv"), vec![b'x'; 30_000_000]).expect("a file");
+    let mut server = std::process::Command::new(assert_cmd::cargo::cargo_bin("ieap"))
+        .args(["serve", "--port", "0", "--json"])
+        .arg(folder.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("the program");
+    let mut said = String::new();
+    let mut stdout = server.stdout.take().expect("its output");
+    let mut part = [0; 256];
+    while !said.contains('}') {
+        let count = stdout.read(&mut part).expect("its output");
+        said.push_str(std::str::from_utf8(&part[..count]).expect("text"));
+    }
+    let url: serde_json::Value = serde_json::from_str(&said).expect("a document");
+    let url = url["url"].as_str().expect("a text");
+    let address: SocketAddr = url
+        .trim_start_matches("http://")
+        .trim_end_matches('/')
+        .parse()
+        .expect("an address");
+    let waiting: Vec<TcpStream> = (0..40)
+        .map(|_| {
+            let mut stream = TcpStream::connect(address).expect("a connection");
+            let request = b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\n\r\n";
+            stream.write_all(request).expect("a request");
+            stream
+        })
+        .collect();
+    std::thread::sleep(Duration::from_secs(3));
+    let status = std::fs::read_to_string(format!("/proc/{}/status", server.id())).expect("its state");
+    server.kill().expect("its end");
+    let _ = server.wait();
+    drop(waiting);
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let largest_kb: u64 = line
+        .and_then(|line| line.trim().trim_end_matches(" kB").parse().ok())
+        .expect("a size");
+    assert!(largest_kb < 150_000, "{largest_kb} kB");
 }

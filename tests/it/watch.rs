@@ -4,7 +4,7 @@ use std::io::Write;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, command, run_table};
+use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, command, counted, run_table};
 use crate::serve::Running;
 
 /// Waits until `done`, at the longest for half a minute.
@@ -89,6 +89,38 @@ fn files_that_arrive_are_taken_and_it_stops_cleanly_when_told() {
     assert!(said.contains("Stopped"), "{said}");
     // Nothing is left over for the next run.
     assert_eq!(folder.run_json()["ingest"]["new"], serde_json::json!([]));
+}
+
+/// Many quiet repeats that come at once, as after an overflow of events: every run was held against every other, so that
+/// 1,500 files took minutes, and the last of 20,000 were not in after ten.
+#[cfg(unix)]
+#[test]
+fn thousands_of_files_that_came_while_it_stood_still_are_taken_in() {
+    let folder = CampaignFolder::new();
+    let watching = Watching::start(&folder, &[]);
+    let tell = |signal: &str| {
+        let pid = watching.child.id().to_string();
+        let told = std::process::Command::new("kill").args([signal, &pid]).status();
+        assert!(told.unwrap().success());
+    };
+    tell("-STOP");
+    let count = counted(1_000, 20_000);
+    for seed in 0..count {
+        folder.write(&format!("runs/{seed}.csv"), run_table(seed as u32));
+    }
+    tell("-CONT");
+    let begun = Instant::now();
+    let longest = Duration::from_secs(counted(120, 600) as u64);
+    let runs = || -> i64 {
+        let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+        let sql = "SELECT count(*) FROM run JOIN run_marks ON run_marks.run_id = run.id";
+        database.query_row(sql, [], |row| row.get(0)).unwrap()
+    };
+    while runs() < count as i64 {
+        assert!(begun.elapsed() < longest, "{} of {count} files are in", runs());
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    drop(watching);
 }
 
 #[test]

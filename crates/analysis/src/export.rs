@@ -15,6 +15,7 @@ use super::conditions::{Conditions, conditions, material, nominal_voltage_v};
 use super::disk_file::DiskFile;
 use super::one_fit::SharedEstimate;
 use super::parameters::{PARAMETERS, usable};
+use ieap_domain::safe_text::csv_text;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, Parameter, RunRecord};
 
@@ -190,12 +191,26 @@ pub fn conditions_table(runs: &[RunRecord], campaign: &Campaign) -> Result<DataF
 pub fn write_table(table: &mut DataFrame, format: TableFormat, path: &Path) -> Result<(), ExportError> {
     let (mut file, told) = DiskFile::create(path)?;
     let written = match format {
-        TableFormat::Csv => CsvWriter::new(&mut file).finish(table),
+        TableFormat::Csv => {
+            for_spreadsheets(table).and_then(|mut table| CsvWriter::new(&mut file).finish(&mut table))
+        }
         TableFormat::Parquet => ParquetWriter::new(&mut file).finish(table).map(|_| ()),
         TableFormat::Json => super::json_rows::write(table, &mut file),
     };
     written.map_err(|source| told.why(source))?;
     file.flush().map_err(|source| told.failed(source))
+}
+
+/// The table with texts and names of columns that a spreadsheet does not calculate; numbers stay what they are.
+fn for_spreadsheets(table: &DataFrame) -> Result<DataFrame, PolarsError> {
+    let safe = |column: &Column| {
+        let name = csv_text(column.name());
+        match column.str() {
+            Ok(cells) => texts(&name, cells.iter().map(|cell| Some(csv_text(cell?).into_owned()))),
+            Err(_) => column.clone().with_name(name.as_ref().into()),
+        }
+    };
+    DataFrame::new(table.height(), table.columns().iter().map(safe).collect())
 }
 
 /// Columns that say which run a row is about.

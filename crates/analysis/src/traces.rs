@@ -12,6 +12,7 @@ use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
 
 use super::disk_file::{Buffered, DiskFile, Told};
 use super::{ExportError, TableFormat};
+use ieap_domain::safe_text::csv_text;
 use ieap_domain::{Channel, Quantity};
 
 /// Writes channels as rows of run, quantity, unit, time, value and whether the reading is left out of fits.
@@ -52,7 +53,11 @@ impl TraceWriter {
             .iter()
             .filter(|c| c.quantity != Quantity::Other && !c.is_empty())
         {
-            let mut rows = rows(run, channel).map_err(|source| self.told.why(source))?;
+            let name = match self.sink {
+                Sink::Csv(_) => csv_text(run),
+                Sink::Parquet(_) => run.into(),
+            };
+            let mut rows = rows(&name, channel).map_err(|source| self.told.why(source))?;
             let written = match &mut self.sink {
                 Sink::Csv(file) => CsvWriter::new(file)
                     .include_header(self.rows == 0)

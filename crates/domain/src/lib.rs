@@ -22,6 +22,7 @@ mod number_or_null;
 pub mod origin;
 pub mod quantity;
 pub mod run;
+pub mod safe_text;
 pub mod seconds;
 pub mod standing;
 pub mod tag;

@@ -4,19 +4,14 @@
 //! Bytes and even numbers differ between exports: of delimiters, units and rounding. Numbers are held against each other
 //! within the last digit that either export prints.
 
-use std::collections::BTreeSet;
+mod alike;
+mod marks;
 
 use ieap_domain::{Channel, Quantity};
 
-/// Version of the rule that marks are made by; another one makes stored marks out of date.
-pub const VERSION: u32 = 1;
-/// Marks of each of the two kinds: a part that holds a tenth of a record shares about six of them with it.
-const MARKS: usize = 64;
-/// Marks of one kind that two records must share to be looked at.
-const SHARED: usize = 3;
-/// Digits of values that go into a mark: no export prints fewer. Those of times go on in step with the rows.
-const VALUE_DIGITS: i32 = 3;
-const TIME_DIGITS: i32 = 4;
+pub use alike::Alike;
+pub use marks::{VERSION, marks};
+
 /// Most digits of a number that are not the noise of a conversion.
 const MOST_DIGITS: i32 = 12;
 /// Numbers that the digits of a channel are told from.
@@ -29,101 +24,59 @@ const ANCHOR: usize = 3;
 /// Places that are tried.
 const PLACES: usize = 16;
 
-/// The marks of a record: hashes of some of its readings, chosen by their value alone, so that two records of the same
-/// readings choose the same. Those of the two kinds differ in their lowest bit.
-pub fn marks(channels: &[Channel]) -> Vec<u64> {
-    let (mut by_time, mut by_order) = (BTreeSet::new(), BTreeSet::new());
-    for channel in responses(channels) {
-        let seed = channel
-            .quantity
-            .key()
-            .bytes()
-            .fold(channel.position_mm.map_or(0, f64::to_bits), |seed, byte| {
-                mixed(seed ^ u64::from(byte))
-            });
-        let value = |at: usize| rounded(channel.values[at], VALUE_DIGITS);
-        for at in (0..channel.len()).filter(|&at| channel.values[at] != 0.0 && channel.values[at].is_finite())
-        {
-            let time = rounded(channel.time_s[at], TIME_DIGITS);
-            keep(&mut by_time, mixed(mixed(seed ^ time) ^ value(at)) & !1);
-            let follows = at + 2 < channel.len();
-            if follows && value(at) != value(at + 1) {
-                let order = (0..3).fold(seed, |hash, step| mixed(hash ^ value(at + step)));
-                keep(&mut by_order, order | 1);
-            }
-        }
-    }
-    by_time.into_iter().chain(by_order).collect()
-}
-
-/// Keeps the smallest hashes.
-fn keep(marks: &mut BTreeSet<u64>, mark: u64) {
-    if marks.len() < MARKS || marks.last().is_some_and(|last| mark < *last) {
-        marks.insert(mark);
-        if marks.len() > MARKS {
-            marks.pop_last();
-        }
-    }
-}
-
-/// A hash in which every bit counts (splitmix64).
-fn mixed(mut state: u64) -> u64 {
-    state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    state = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    state ^ (state >> 31)
-}
-
-/// The number to so many digits, as one.
-fn rounded(value: f64, digits: i32) -> u64 {
-    if value == 0.0 || !value.is_finite() {
-        return 0;
-    }
-    let decade = exponent(value);
-    // What rounds up to the next decade is its first number.
-    let mantissa = (value * 10f64.powi(digits - 1 - decade)).round();
-    let (mantissa, decade) = match mantissa.abs() >= 10f64.powi(digits) {
-        true => (mantissa / 10.0, decade + 1),
-        false => (mantissa, decade),
-    };
-    (mantissa as i64)
-        .cast_unsigned()
-        .wrapping_mul(4096)
-        .wrapping_add(i64::from(decade).cast_unsigned())
-}
-
 fn exponent(value: f64) -> i32 {
     value.abs().log10().floor() as i32
 }
 
-/// Whether so many marks are shared that the records must be looked at; each list is that of a record.
-pub fn may_be_same(one: &[u64], other: &[u64]) -> bool {
-    let other: BTreeSet<u64> = other.iter().copied().collect();
-    [0, 1].into_iter().any(|kind| {
-        let of_kind = one.iter().filter(|mark| **mark & 1 == kind);
-        let shared = of_kind.clone().filter(|mark| other.contains(mark)).count();
-        let fewer = of_kind
-            .count()
-            .min(other.iter().filter(|mark| **mark & 1 == kind).count());
-        shared > 0 && shared >= SHARED.min(fewer)
-    })
+/// The responses of a record, made ready to be held against those of others.
+#[derive(Debug)]
+pub struct Record {
+    responses: Vec<Response>,
 }
 
-/// Whether every response of `part` stands in `whole` too, at the same times or all later or earlier by the same time.
-pub fn stands_in(part: &[Channel], whole: &[Channel]) -> bool {
-    let mut any = false;
-    for channel in responses(part) {
-        let same =
-            |other: &&Channel| other.quantity == channel.quantity && other.position_mm == channel.position_mm;
-        let Some(other) = responses(whole).find(same) else {
-            return false;
+/// A response with how finely its values and its times are printed.
+#[derive(Debug)]
+struct Response {
+    channel: Channel,
+    values: Digits,
+    times: Digits,
+}
+
+impl Record {
+    /// Of the channels of a run.
+    pub fn of(channels: &[Channel]) -> Record {
+        let response = |channel: &Channel| Response {
+            channel: channel.clone(),
+            values: Digits::of(&channel.values),
+            times: Digits::of(&channel.time_s),
         };
-        if !channel_stands_in(channel, other) {
-            return false;
+        Record {
+            responses: responses(channels).map(response).collect(),
         }
-        any = true;
     }
-    any
+
+    /// Number of its readings.
+    pub fn len(&self) -> usize {
+        self.responses.iter().map(|response| response.channel.len()).sum()
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether every response of this record stands in `whole` too, at the same times or all later or earlier by the same
+    /// time.
+    pub fn stands_in(&self, whole: &Record) -> bool {
+        let stands = |part: &Response| {
+            let (quantity, position_mm) = (part.channel.quantity, part.channel.position_mm);
+            let mut others = whole.responses.iter();
+            let other = others
+                .find(|other| other.channel.quantity == quantity && other.channel.position_mm == position_mm);
+            other.is_some_and(|other| channel_stands_in(part, other))
+        };
+        !self.responses.is_empty() && self.responses.iter().all(stands)
+    }
 }
 
 fn responses(channels: &[Channel]) -> impl Iterator<Item = &Channel> {
@@ -132,12 +85,13 @@ fn responses(channels: &[Channel]) -> impl Iterator<Item = &Channel> {
         .filter(|channel| channel.is_response() && channel.quantity != Quantity::Other)
 }
 
-fn channel_stands_in(part: &Channel, whole: &Channel) -> bool {
+fn channel_stands_in(part: &Response, whole: &Response) -> bool {
+    let values = part.values.coarser(whole.values);
+    let times = part.times.coarser(whole.times);
+    let (part, whole) = (&part.channel, &whole.channel);
     if part.len() > whole.len() {
         return false;
     }
-    let values = Digits::of(&part.values).coarser(Digits::of(&whole.values));
-    let times = Digits::of(&part.time_s).coarser(Digits::of(&whole.time_s));
     let is_equal = |shift_s: f64| {
         let mut from = 0;
         (0..part.len()).all(|at| {
@@ -248,9 +202,25 @@ impl Digits {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
     use std::sync::Arc;
 
     use super::*;
+
+    fn stands_in(part: &[Channel], whole: &[Channel]) -> bool {
+        Record::of(part).stands_in(&Record::of(whole))
+    }
+
+    /// Whether their marks lead from one record to another.
+    fn may_be_same(one: &[u64], other: &[u64]) -> bool {
+        let all = BTreeMap::from([(1, one.to_vec()), (2, other.to_vec())]);
+        !Alike::of(&all).to(1, one).is_empty()
+    }
+
+    /// A hash in which every bit counts (splitmix64).
+    fn mixed(state: u64) -> u64 {
+        marks::mixed(state)
+    }
 
     /// A decaying current with noise of its own, as exported with so many digits, in a unit, from a row, every so many rows.
     fn record(

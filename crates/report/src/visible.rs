@@ -2,6 +2,10 @@
 
 use std::io::{self, Write};
 
+use ieap_domain::safe_text::stand_in;
+
+pub use ieap_domain::safe_text::one_line;
+
 /// Writes `text` for HTML or SVG, element content and quoted attributes alike.
 ///
 /// Markup characters become entities. Control characters become their control pictures (`ESC` is `␛`), and
@@ -39,20 +43,6 @@ pub fn indexed(text: &str) -> String {
     escaped(text).replace('\u{a700}', "<sub>c</sub>")
 }
 
-/// `text` with everything visible and nothing escaped: for formats that have escapes of their own. Line breaks and
-/// tabs become blanks, so that it stays one line.
-pub fn one_line(text: &str) -> String {
-    text.chars()
-        .fold(String::with_capacity(text.len()), |mut out, character| {
-            match (character, stand_in(character)) {
-                ('\n' | '\t', _) => out.push(' '),
-                (_, Some(shown)) => out.push_str(&shown),
-                (plain, None) => out.push(plain),
-            }
-            out
-        })
-}
-
 /// What stands for a character that cannot stand for itself in markup.
 fn replacement(character: char) -> Option<String> {
     let entity = match character {
@@ -64,24 +54,6 @@ fn replacement(character: char) -> Option<String> {
         other => return stand_in(other),
     };
     Some(entity.to_owned())
-}
-
-/// What stands for a character that nobody would see.
-fn stand_in(character: char) -> Option<String> {
-    match character {
-        '\n' | '\t' => None,
-        '\u{7f}' => Some("␡".to_owned()),
-        '\u{0}'..='\u{1f}' => char::from_u32(0x2400 + character as u32).map(String::from),
-        // C1 controls, bidirectional overrides and isolates, zero-width characters, byte order mark.
-        '\u{80}'..='\u{9f}'
-        | '\u{200b}'..='\u{200f}'
-        | '\u{2028}'..='\u{202e}'
-        | '\u{2060}'..='\u{2069}'
-        | '\u{feff}'
-        | '\u{fffe}'
-        | '\u{ffff}' => Some(format!("⟨U+{:04X}⟩", character as u32)),
-        _ => None,
-    }
 }
 
 #[cfg(test)]

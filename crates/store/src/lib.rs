@@ -8,6 +8,7 @@ mod alarms;
 mod along;
 mod blob;
 mod climate;
+mod copy;
 mod diagnoses;
 mod error;
 mod files;
@@ -115,7 +116,7 @@ impl Store {
             // database on a read-only disk can be read as it stands.
             let log = folder.join(format!("{FILE_NAME}-wal"));
             let settled = std::fs::metadata(log).map_or(true, |log| log.len() == 0);
-            match (refused, as_uri(&path)) {
+            match (refused, as_uri(&path, "immutable=1")) {
                 (StoreError::CannotOpen { .. } | StoreError::ReadOnly { .. }, Some(uri)) if settled => {
                     open_to_read(&path, &uri, flags | OpenFlags::SQLITE_OPEN_URI)
                 }
@@ -226,8 +227,9 @@ fn open_to_read(path: &Path, name: &str, flags: OpenFlags) -> Result<(Connection
     Ok((connection, version))
 }
 
-/// The database as a file that nothing changes; none where the path is no UTF-8.
-fn as_uri(path: &Path) -> Option<String> {
+/// The database as an address with a setting, such as `immutable=1` for a file that nothing changes; none where the path is
+/// no UTF-8.
+fn as_uri(path: &Path, setting: &str) -> Option<String> {
     let path = std::path::absolute(path).ok()?;
     let escaped: String = path
         .to_str()?
@@ -237,7 +239,7 @@ fn as_uri(path: &Path) -> Option<String> {
             c => c.to_string(),
         })
         .collect();
-    Some(format!("file:{escaped}?immutable=1"))
+    Some(format!("file:{escaped}?{setting}"))
 }
 
 /// A failure inside a transaction, before the step's name is added.

@@ -110,7 +110,7 @@ fn is_known(
         }
         return Ok(same_reader);
     }
-    if holders.len() == 1 && changes.gone.contains(holder) {
+    if holders.len() == 1 && changes.gone.binary_search(holder).is_ok() {
         context
             .store
             .rename_log(&now, holder, path, &row(FileState::Log))?;

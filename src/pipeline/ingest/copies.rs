@@ -1,10 +1,11 @@
 //! Finds runs that hold the same readings, whatever their files look like.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use super::now;
-use crate::domain::{Channel, SameReadings};
-use crate::ingest::same_readings::{VERSION, marks, may_be_same, stands_in};
+use crate::domain::SameReadings;
+use crate::ingest::same_readings::{Alike, Record, VERSION, marks};
 use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
 
@@ -51,44 +52,63 @@ fn pairs(
     fresh: &[i64],
     all: &BTreeMap<i64, Vec<u64>>,
 ) -> Result<Vec<SameReadings>, PipelineError> {
-    let mut holders: BTreeMap<u64, Vec<i64>> = BTreeMap::new();
-    for (id, marks) in all {
-        marks
-            .iter()
-            .for_each(|mark| holders.entry(*mark).or_default().push(*id));
-    }
+    let (mut alike, mut records) = (Alike::of(all), Records::of(context));
     let mut same = Vec::new();
     for &id in fresh {
         interrupt::check();
-        let near: BTreeSet<i64> = all[&id]
-            .iter()
-            .flat_map(|mark| holders[mark].iter().copied())
-            .collect();
         let is_new = |other: &i64| fresh.binary_search(other).is_ok();
         // Of two new ones the first looks at the second.
-        let others = near
-            .into_iter()
-            .filter(|other| *other != id && (!is_new(other) || *other > id));
-        let mut own: Option<Vec<Channel>> = None;
-        for other in others.filter(|other| may_be_same(&all[&id], &all[other])) {
-            let own = match &mut own {
-                Some(own) => own,
-                none => none.insert(context.store.channels_as_read(id)?),
-            };
-            let channels = context.store.channels_as_read(other)?;
-            same.extend(compared((id, own), (other, &channels)));
-        }
+        let others = alike.to(id, &all[&id]);
+        let mut others = others.into_iter().filter(|other| !is_new(other) || *other > id);
+        others.try_for_each(|other| -> Result<(), PipelineError> {
+            same.extend(compared((id, &*records.get(id)?), (other, &*records.get(other)?)));
+            Ok(())
+        })?;
     }
     Ok(same)
 }
 
-fn compared((one, of_one): (i64, &[Channel]), (other, of_other): (i64, &[Channel])) -> Vec<SameReadings> {
+/// Readings that stay in memory: 64 MB with their times.
+const MOST_READINGS: usize = 4 << 20;
+
+/// Records made ready once, however many others they are held against; a bounded number of readings stays in memory.
+struct Records<'a> {
+    context: &'a Context,
+    ready: BTreeMap<i64, Rc<Record>>,
+    readings: usize,
+}
+
+impl Records<'_> {
+    fn of(context: &Context) -> Records<'_> {
+        Records {
+            context,
+            ready: BTreeMap::new(),
+            readings: 0,
+        }
+    }
+
+    fn get(&mut self, id: i64) -> Result<Rc<Record>, PipelineError> {
+        if let Some(record) = self.ready.get(&id) {
+            return Ok(record.clone());
+        }
+        let record = Rc::new(Record::of(&self.context.store.channels_as_read(id)?));
+        if self.readings + record.len() > MOST_READINGS {
+            self.ready.clear();
+            self.readings = 0;
+        }
+        self.readings += record.len();
+        self.ready.insert(id, record.clone());
+        Ok(record)
+    }
+}
+
+fn compared((one, of_one): (i64, &Record), (other, of_other): (i64, &Record)) -> Vec<SameReadings> {
     let pair = |run_id, in_run_id, whole| SameReadings {
         run_id,
         in_run_id,
         whole,
     };
-    match (stands_in(of_one, of_other), stands_in(of_other, of_one)) {
+    match (of_one.stands_in(of_other), of_other.stands_in(of_one)) {
         (true, true) => vec![pair(one, other, true), pair(other, one, true)],
         (true, false) => vec![pair(one, other, false)],
         (false, true) => vec![pair(other, one, false)],

@@ -265,12 +265,13 @@ impl Ingest<'_> {
     ) -> Vec<Group> {
         let ready = self.ready_files(readers, stored, changes, summary);
         let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
+        let waiting: BTreeSet<&str> = summary.waiting.iter().map(String::as_str).collect();
         let by_path: BTreeMap<&str, &Arc<SeenFile>> =
             seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
         groups::grouped(by_path.keys().copied())
             .into_iter()
             .filter(|(_, paths)| paths.iter().any(|path| due.contains(path)))
-            .filter(|(_, paths)| !paths.iter().any(|path| summary.waiting.iter().any(|w| w == path)))
+            .filter(|(_, paths)| !paths.iter().any(|path| waiting.contains(path)))
             .map(|(run_name, paths)| Group {
                 kind: kind_of(&run_name),
                 run_name,
@@ -299,8 +300,8 @@ pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
     )?;
     let stored = context.store.files()?;
     let changes = scan::diff(&known(&stored), &seen);
-    let listed = |path: &String| seen.issues.iter().any(|issue| issue.place == *path);
-    let gone = changes.gone.iter().filter(|path| !listed(path)).count();
+    let listed: BTreeSet<&String> = seen.issues.iter().map(|issue| &issue.place).collect();
+    let gone = changes.gone.iter().filter(|path| !listed.contains(path)).count();
     let outdated = Readers::of(&context.profiles, context.campaign.date_order, &stored);
     let outdated = outdated.outdated(&stored);
     let unchanged = changes.unchanged.iter();
@@ -372,9 +373,8 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
     summary.untagged = context.store.untagged_runs()?;
     summary.unreadable_tags = unreadable_tags(context)?;
     let aside = standing::runs(context)?.set_aside;
-    summary
-        .untagged
-        .retain(|name| aside.iter().all(|run| run.path != *name));
+    let aside: BTreeSet<&str> = aside.iter().map(|run| run.path.as_str()).collect();
+    summary.untagged.retain(|name| !aside.contains(name.as_str()));
     summary.waiting_for = status::waiting_for(context)?;
     let untagged = summary.untagged.iter().map(String::as_str);
     summary.proposed_pattern = status::proposed_pattern(context, untagged);

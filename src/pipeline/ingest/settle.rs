@@ -1,5 +1,7 @@
 //! Decides what files that were read come to, and stores it: one transaction a run.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
 use super::readers::{Readers, format_of, reader_of};
 use super::start::without_open_dates;
@@ -155,7 +157,7 @@ fn is_known(
     }
     let moved = holders.len() == 1
         && run_path == file_path
-        && changes.gone.contains(file_path)
+        && changes.gone.binary_search(file_path).is_ok()
         && !context.store.has_run(&path)?;
     if moved {
         let (old, new) = (run_path.clone(), path.clone());
@@ -395,24 +397,22 @@ pub fn gone(
         .filter(|issue| !issue.place.is_empty())
         .map(|issue| refused_entry(readers, issue))
         .collect();
-    let listed = |path: &String| outside.iter().any(|row| row.path == *path);
     let all_renamed = summary.renamed.iter().chain(&summary.logs.renamed);
-    let renamed_from: Vec<&String> = all_renamed.map(|(old, _)| old).collect();
-    let renamed = |path: &String| renamed_from.contains(&path);
-    let gone: Vec<&String> = changes
-        .gone
-        .iter()
-        .filter(|path| !listed(path) && !renamed(path))
-        .collect();
+    let renamed_from = all_renamed.map(|(old, _)| old);
+    // A whole folder may go at once: what is known of each file is looked up, not searched for.
+    let stays: BTreeSet<&String> = outside.iter().map(|row| &row.path).chain(renamed_from).collect();
+    let known: BTreeMap<&String, &FileRow> = stored.iter().map(|row| (&row.path, row)).collect();
     let is_run = |path: &String| {
-        let holds = |state| matches!(state, FileState::Run | FileState::Log);
-        stored.iter().any(|file| file.path == *path && holds(file.state))
+        let state = known.get(path).map(|row| row.state);
+        matches!(state, Some(FileState::Run | FileState::Log))
     };
-    let (runs, others): (Vec<String>, Vec<String>) = gone.into_iter().cloned().partition(is_run);
+    let gone = changes.gone.iter().filter(|path| !stays.contains(path));
+    let (runs, others): (Vec<String>, Vec<String>) = gone.cloned().partition(is_run);
     context.store.mark_missing(&now, &runs)?;
     context.store.forget_files(&now, &others)?;
     summary.gone.extend(runs);
-    let fresh: Vec<FileRow> = outside.into_iter().filter(|row| !stored.contains(row)).collect();
+    let is_stored = |row: &FileRow| known.get(&row.path).is_some_and(|known| *known == row);
+    let fresh: Vec<FileRow> = outside.iter().filter(|row| !is_stored(row)).cloned().collect();
     Ok(context.store.record_files(&now, &fresh)?)
 }
 

@@ -1,6 +1,10 @@
 //! Answers: a file of the report with its tag, or why there is none.
+//!
+//! A file goes from the disk to the client piece by piece, so that a client that takes it slowly costs no memory. The open
+//! file stays the one whose tag was sent: a report is exchanged whole and its files are never written over.
 
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
 use super::request::{Refusal, Request};
@@ -13,8 +17,30 @@ const NO_REPORT: &str = "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"
 <title>No report yet</title></head><body><main><h1>No report yet</h1><p><code>ieap run</code> makes one; this page looks again by itself.</p>\
 </main></body></html>";
 
+/// Bytes of a file that are in memory at a time.
+const PIECE_BYTES: usize = 64 * 1024;
+
+/// What is sent after the head.
+#[derive(Debug)]
+pub enum Body {
+    /// A short text.
+    Text(Vec<u8>),
+    /// A file from its beginning, and its size in bytes.
+    File(File, u64),
+}
+
+impl Body {
+    /// Its size, bytes.
+    pub fn size_bytes(&self) -> u64 {
+        match self {
+            Body::Text(text) => text.len() as u64,
+            Body::File(_, size_bytes) => *size_bytes,
+        }
+    }
+}
+
 /// An answer.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug)]
 pub struct Answer {
     /// Status line, `200 OK`.
     pub status: &'static str,
@@ -23,7 +49,7 @@ pub struct Answer {
     /// Tag of the body's version.
     pub tag: Option<String>,
     /// Body.
-    pub body: Vec<u8>,
+    pub body: Body,
 }
 
 impl Answer {
@@ -32,7 +58,7 @@ impl Answer {
             status,
             media_type: "text/plain; charset=utf-8",
             tag: None,
-            body: format!("{text}\n").into_bytes(),
+            body: Body::Text(format!("{text}\n").into_bytes()),
         }
     }
 
@@ -42,6 +68,7 @@ impl Answer {
             Refusal::Malformed => Answer::told("400 Bad Request", "this is no request for a page"),
             Refusal::Method => Answer::told("405 Method Not Allowed", "pages can be read and nothing else"),
             Refusal::Path => Answer::told("404 Not Found", "the report has no such file"),
+            Refusal::Slow => Answer::told("408 Request Timeout", "the request took too long"),
         }
     }
 
@@ -61,59 +88,59 @@ impl Answer {
 
     /// The file below `root` that `request` asks for.
     pub fn to(request: &Request, root: &Path) -> Answer {
-        let Some(body) = contents(root, &request.file) else {
-            if request.file == Path::new("favicon.ico") {
-                return Answer {
-                    status: "200 OK",
-                    media_type: "image/svg+xml",
-                    tag: None,
-                    body: ICON.into(),
-                };
-            }
-            if request.file == Path::new("index.html") {
-                return Answer {
-                    media_type: "text/html; charset=utf-8",
-                    body: NO_REPORT.into(),
-                    ..Answer::refusal(Refusal::Path)
-                };
-            }
-            return Answer::refusal(Refusal::Path);
+        let Some(file) = opened(root, &request.file) else {
+            return Answer::without_file(request);
         };
-        let tag = format!("\"{}\"", &blake3::hash(&body).to_hex()[..24]);
-        let media_type = media_type(&request.file);
+        let Ok((body, tag)) = tagged(file) else {
+            return Answer::told("500 Internal Server Error", "the file cannot be read");
+        };
         let is_known = |known: &String| {
             known
                 .split(',')
                 .any(|one| [tag.as_str(), "*"].contains(&one.trim()))
         };
-        match request.known_tags.as_ref().is_some_and(is_known) {
-            true => Answer {
-                status: "304 Not Modified",
-                media_type,
-                tag: Some(tag),
-                body: Vec::new(),
-            },
-            false => Answer {
+        let (status, body) = match request.known_tags.as_ref().is_some_and(is_known) {
+            true => ("304 Not Modified", Body::Text(Vec::new())),
+            false => ("200 OK", body),
+        };
+        Answer {
+            status,
+            media_type: media_type(&request.file),
+            tag: Some(tag),
+            body,
+        }
+    }
+
+    /// What is said where the report has no such file.
+    fn without_file(request: &Request) -> Answer {
+        match request.file.to_str() {
+            Some("favicon.ico") => Answer {
                 status: "200 OK",
-                media_type,
-                tag: Some(tag),
-                body,
+                media_type: "image/svg+xml",
+                tag: None,
+                body: Body::Text(ICON.into()),
             },
+            Some("index.html") => Answer {
+                media_type: "text/html; charset=utf-8",
+                body: Body::Text(NO_REPORT.into()),
+                ..Answer::refusal(Refusal::Path)
+            },
+            _ => Answer::refusal(Refusal::Path),
         }
     }
 
     /// Writes the answer; without its body where only the head is wanted.
     ///
     /// # Errors
-    /// The client is gone.
-    pub fn write(&self, out: &mut impl Write, head_only: bool) -> io::Result<()> {
+    /// The client is gone or too slow, or the file cannot be read any more.
+    pub fn write(self, out: &mut impl Write, head_only: bool) -> io::Result<()> {
         let mut head = format!(
             "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-cache\r\n\
              X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
              Content-Security-Policy: default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'\r\n",
             self.status,
             self.media_type,
-            self.body.len()
+            self.body.size_bytes()
         );
         if let Some(tag) = &self.tag {
             head.push_str(&format!("ETag: {tag}\r\n"));
@@ -123,21 +150,50 @@ impl Answer {
         }
         head.push_str("\r\n");
         out.write_all(head.as_bytes())?;
-        if !head_only {
-            out.write_all(&self.body)?;
+        match self.body {
+            _ if head_only => {}
+            Body::Text(text) => out.write_all(&text)?,
+            // Never more than the head said.
+            Body::File(file, size_bytes) => in_pieces(file.take(size_bytes), |piece| out.write_all(piece))?,
         }
         out.flush()
     }
 }
 
-/// Bytes of a file of the folder. A link that leads out of it is none.
-fn contents(root: &Path, file: &Path) -> Option<Vec<u8>> {
+/// A file of the folder. A link that leads out of it is none.
+fn opened(root: &Path, file: &Path) -> Option<File> {
     let root = std::fs::canonicalize(root).ok()?;
     let path = std::fs::canonicalize(root.join(file)).ok()?;
     if !path.starts_with(&root) || !path.is_file() {
         return None;
     }
-    std::fs::read(path).ok()
+    File::open(path).ok()
+}
+
+/// A file as a body, and the tag of its content.
+fn tagged(mut file: File) -> io::Result<(Body, String)> {
+    let (mut hasher, mut size_bytes) = (blake3::Hasher::new(), 0);
+    in_pieces(&mut file, |piece| {
+        hasher.update(piece);
+        size_bytes += piece.len() as u64;
+        Ok(())
+    })?;
+    file.rewind()?;
+    let tag = format!("\"{}\"", &hasher.finalize().to_hex()[..24]);
+    Ok((Body::File(file, size_bytes), tag))
+}
+
+/// Hands over what can be read, piece by piece.
+fn in_pieces(mut from: impl Read, mut hand_over: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
+    let mut piece = vec![0; PIECE_BYTES];
+    loop {
+        match from.read(&mut piece) {
+            Ok(0) => return Ok(()),
+            Ok(count) => hand_over(&piece[..count])?,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
 }
 
 fn media_type(file: &Path) -> &'static str {

@@ -1,14 +1,15 @@
 //! Shows the report over HTTP, by default to this machine alone.
 //!
-//! A report is a folder of small files, so that the server reads one file a request and closes the connection: no
-//! library is needed for that, and none that is small is kept up. Only GET and HEAD of plain names below `report/` are
-//! answered. On a loopback address the request must call the machine by a loopback name, so that no page of another
+//! A report is a folder of files, so that the server sends one file a request and closes the connection: no library is
+//! needed for that, and none that is small is kept up. Only GET and HEAD of plain names below `report/` are answered.
+//! Whoever asks or takes too slowly is left ([`Limits`]), so that nobody keeps others from the report. On a loopback address the request must call the machine by a loopback name, so that no page of another
 //! site reads the report through a name of its own.
 
 pub mod answer;
+mod deadline;
 pub mod request;
 
-use std::io;
+use std::io::{self, Read};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,21 +18,41 @@ use std::time::Duration;
 
 use super::report::REPORT_FOLDER;
 use answer::Answer;
+use deadline::Timed;
 
 /// Port that is taken without a wish.
 pub const DEFAULT_PORT: u16 = 8421;
 /// Address that is taken without a wish: this machine alone.
 pub const DEFAULT_BIND: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
-/// Clients served at a time.
-const MOST_CLIENTS: usize = 64;
-/// How long a client may take to ask, or to take its answer.
-const PATIENCE: Duration = Duration::from_secs(10);
 /// How often the server looks whether it is to stop.
 const GLANCE: Duration = Duration::from_millis(50);
+
+/// What a client may take of the server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Clients served at a time; the next one is told to come again.
+    pub clients: usize,
+    /// Time that a whole request may take, from the connection on, and longest time in which nothing of an answer is taken.
+    pub patience: Duration,
+    /// Slowest line that is served, bytes a second: an answer may take its size over this, and `patience` more.
+    pub slowest_bytes_per_s: u64,
+}
+
+impl Default for Limits {
+    /// 64 clients, of which a browser is at most six; 10 s are long for a request of one line; 50 kB/s is a slow mobile line.
+    fn default() -> Limits {
+        Limits {
+            clients: 64,
+            patience: Duration::from_secs(10),
+            slowest_bytes_per_s: 50_000,
+        }
+    }
+}
 
 /// A server that listens.
 #[derive(Debug)]
 pub struct Server {
+    limits: Limits,
     listener: TcpListener,
     root: PathBuf,
     address: SocketAddr,
@@ -42,10 +63,11 @@ impl Server {
     ///
     /// # Errors
     /// What the system says: the port is taken, or the address is not one of this machine.
-    pub fn listen(folder: &Path, address: SocketAddr) -> io::Result<Server> {
+    pub fn listen(folder: &Path, address: SocketAddr, limits: Limits) -> io::Result<Server> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
         Ok(Server {
+            limits,
             address: listener.local_addr()?,
             listener,
             root: folder.join(REPORT_FOLDER),
@@ -81,33 +103,47 @@ impl Server {
         Ok(())
     }
 
-    fn hand_over(&self, mut stream: TcpStream, clients: &Arc<AtomicUsize>) {
-        let timed = stream
-            .set_nonblocking(false)
-            .and_then(|()| stream.set_read_timeout(Some(PATIENCE)))
-            .and_then(|()| stream.set_write_timeout(Some(PATIENCE)));
-        if timed.is_err() {
+    fn hand_over(&self, stream: TcpStream, clients: &Arc<AtomicUsize>) {
+        if clients.load(Ordering::SeqCst) >= self.limits.clients {
+            turn_away(&stream);
             return;
         }
-        if clients.load(Ordering::SeqCst) >= MOST_CLIENTS {
-            let _ = Answer::busy().write(&mut stream, false);
+        if stream.set_nonblocking(false).is_err() {
             return;
         }
         clients.fetch_add(1, Ordering::SeqCst);
-        let (root, counted, only_loopback) = (self.root.clone(), clients.clone(), !self.is_open());
-        let spawned = std::thread::Builder::new().spawn(move || {
+        let counted = Counted(clients.clone());
+        let (root, only_loopback, limits) = (self.root.clone(), !self.is_open(), self.limits);
+        // Where no thread can be had the client goes with what was to serve it.
+        let _ = std::thread::Builder::new().spawn(move || {
+            let _counted = counted;
             // A client that goes away in the middle concerns nobody else.
-            let _ = serve(&mut stream, &root, only_loopback);
-            counted.fetch_sub(1, Ordering::SeqCst);
+            let _ = serve(&stream, &root, only_loopback, limits);
         });
-        if spawned.is_err() {
-            clients.fetch_sub(1, Ordering::SeqCst);
-        }
     }
 }
 
-fn serve(stream: &mut TcpStream, root: &Path, only_loopback: bool) -> io::Result<()> {
-    let (answer, head_only) = match request::read(stream) {
+/// A client that counts until it is gone, however that comes about.
+struct Counted(Arc<AtomicUsize>);
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// Says that there are too many clients, without waiting for this one.
+fn turn_away(stream: &TcpStream) {
+    if stream.set_nonblocking(true).is_ok() {
+        // A request that stays unread would have the system take the answer back.
+        let _ = (&mut &*stream).read(&mut [0; request::LONGEST_HEAD]);
+        let _ = Answer::busy().write(&mut &*stream, false);
+    }
+}
+
+fn serve(stream: &TcpStream, root: &Path, only_loopback: bool, limits: Limits) -> io::Result<()> {
+    let mut asking = Timed::new(stream, limits.patience, limits.patience);
+    let (answer, head_only) = match request::read(&mut asking) {
         Ok(None) => return Ok(()),
         Err(why) => (Answer::refusal(why), false),
         Ok(Some(request)) => match only_loopback && !request.host.as_deref().is_none_or(is_loopback_name) {
@@ -115,7 +151,9 @@ fn serve(stream: &mut TcpStream, root: &Path, only_loopback: bool) -> io::Result
             false => (Answer::to(&request, root), request.head_only),
         },
     };
-    answer.write(stream, head_only)
+    let of_size = Duration::from_secs(answer.body.size_bytes() / limits.slowest_bytes_per_s.max(1));
+    let mut taking = Timed::new(stream, limits.patience + of_size, limits.patience);
+    answer.write(&mut taking, head_only)
 }
 
 /// Whether a `Host` is a name that only this machine has: `localhost:8421`, `127.0.0.1`, `[::1]:80`.

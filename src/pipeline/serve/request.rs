@@ -1,10 +1,10 @@
 //! What a client asks for: the head of an HTTP/1 request, as far as a folder of files needs it.
 
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::PathBuf;
 
 /// Longest head taken in, bytes.
-const LONGEST_HEAD: usize = 8 * 1024;
+pub(super) const LONGEST_HEAD: usize = 8 * 1024;
 /// The one hidden file that may be read: it says what a report was made from, so that pages notice a new one.
 const MADE_FROM: &str = ".made-from";
 
@@ -30,6 +30,8 @@ pub enum Refusal {
     Method,
     /// A path that can be no file of a report.
     Path,
+    /// It did not come in the time that a request may take.
+    Slow,
 }
 
 /// Reads the head of a request. None where the client hung up before it.
@@ -45,12 +47,18 @@ pub fn read(stream: &mut impl Read) -> Result<Option<Request>, Refusal> {
         }
         match stream.read(&mut part) {
             Ok(0) | Err(_) if head.is_empty() => return Ok(None),
+            Err(error) if is_late(&error) => return Err(Refusal::Slow),
             Ok(0) | Err(_) => return Err(Refusal::Malformed),
             Ok(count) => head.extend_from_slice(&part[..count]),
         }
     }
     let head = String::from_utf8(head).map_err(|_| Refusal::Malformed)?;
     parsed(&head).map(Some)
+}
+
+/// Whether a time limit ended it; systems differ in how they say so.
+fn is_late(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock)
 }
 
 fn parsed(head: &str) -> Result<Request, Refusal> {

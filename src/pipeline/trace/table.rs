@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{RefusedFrame, ViewSummary};
+use crate::domain::safe_text::one_line;
 use crate::strip::{Bending, Initial};
 
 /// What a frame adds to the tables.
@@ -83,7 +84,12 @@ impl Tables {
             bending.bandwidth_mm
         );
         self.errors.push('\n');
-        let _ = writeln!(self.hashes, "# frame {} blake3 {}", row.frame, row.hash);
+        let _ = writeln!(
+            self.hashes,
+            "# frame {} blake3 {}",
+            one_line(&row.frame),
+            row.hash
+        );
     }
 
     /// Both tables; the frames that were refused and the hashes of the others stand as comments behind the rows, for
@@ -96,8 +102,8 @@ impl Tables {
             let _ = writeln!(
                 table,
                 "# refused frame {}, {}",
-                frame.frame,
-                frame.reason.replace(['\n', '\r'], " ")
+                one_line(&frame.frame),
+                one_line(&frame.reason)
             );
         }
         table += &self.hashes;

@@ -6,7 +6,8 @@ use std::path::{Component, Path};
 use toml::Spanned;
 
 use super::error::CampaignFileError as Error;
-use super::{DEFAULT_MODEL, line_and_column, raw, tags};
+use super::lines::Lines;
+use super::{DEFAULT_MODEL, raw, tags};
 use crate::name_pattern::NamePattern;
 use crate::scan::is_own_product;
 use ieap_domain::campaign::Adopted;
@@ -16,10 +17,10 @@ use ieap_domain::{AskedFit, Campaign, DateOrder, Environment, Issue, Material, R
 /// Absolute zero, degrees Celsius.
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 
-/// Checks one file; `text` gives the line of each entry.
+/// Checks one file; `lines` gives the line of each entry.
 pub(super) struct Checker<'a> {
     pub path: &'a Path,
-    pub text: &'a str,
+    pub lines: &'a Lines<'a>,
 }
 
 impl Checker<'_> {
@@ -78,7 +79,7 @@ impl Checker<'_> {
     /// Group and model of each; whether they exist is known when runs are fitted.
     fn adopted(&self, entries: Vec<Spanned<raw::Adopted>>) -> Result<Vec<Adopted>, Error> {
         let of = |entry: Spanned<raw::Adopted>| {
-            let (line, _) = line_and_column(self.text, entry.span().start);
+            let (line, _) = self.lines.place(entry.span().start);
             let place = format!("line {line}, [[adopted]]");
             let entry = entry.into_inner();
             Ok(Adopted {
@@ -305,7 +306,7 @@ impl Checker<'_> {
         id: Option<String>,
         taken: &mut BTreeSet<String>,
     ) -> Result<(String, String), Error> {
-        let (line, _) = line_and_column(self.text, entry.span().start);
+        let (line, _) = self.lines.place(entry.span().start);
         let place = format!("line {line}, [[{table}]]");
         let id = self.filled(id, &place, "id")?;
         if !taken.insert(id.clone()) {

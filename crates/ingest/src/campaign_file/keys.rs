@@ -3,7 +3,8 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{line_and_column, nearest};
+use super::lines::Lines;
+use super::nearest;
 use ieap_domain::Issue;
 
 /// Each table with the keys that it may hold.
@@ -111,7 +112,7 @@ const KNOWN: [(&str, &[&str]); 14] = [
 ];
 
 /// One warning for each key that is not known, in the file's order.
-pub(super) fn unknown_keys(file: &DeTable, text: &str) -> Vec<Issue> {
+pub(super) fn unknown_keys(file: &DeTable, lines: &Lines<'_>) -> Vec<Issue> {
     let mut found = Vec::new();
     for (name, value) in file {
         match KNOWN.iter().find(|(table, _)| table == name.get_ref()) {
@@ -121,7 +122,7 @@ pub(super) fn unknown_keys(file: &DeTable, text: &str) -> Vec<Issue> {
     }
     found.sort_by_key(|(offset, _)| *offset);
     let place = |offset| {
-        let (line, column) = line_and_column(text, offset);
+        let (line, column) = lines.place(offset);
         format!("line {line}, column {column}")
     };
     found

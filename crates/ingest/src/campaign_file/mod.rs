@@ -5,6 +5,7 @@ mod climate;
 mod compare;
 mod error;
 mod keys;
+mod lines;
 mod monitoring;
 mod nearest;
 mod raw;
@@ -98,7 +99,8 @@ fn from_text(text: String, path: &Path) -> Result<Loaded, CampaignFileError> {
             found: error.message().to_owned(),
         }
     })?;
-    let mut warnings = keys::unknown_keys(tree.get_ref(), &text);
+    let lines = lines::Lines::of(&text);
+    let mut warnings = keys::unknown_keys(tree.get_ref(), &lines);
     let raw: raw::File = toml::from_str(&text).map_err(|error| {
         let (line, column) = line_and_column(&text, error.span().map_or(0, |span| span.start));
         CampaignFileError::WrongType {
@@ -108,7 +110,7 @@ fn from_text(text: String, path: &Path) -> Result<Loaded, CampaignFileError> {
             found: error.message().to_owned(),
         }
     })?;
-    let checked = check::Checker { path, text: &text };
+    let checked = check::Checker { path, lines: &lines };
     let campaign = checked.campaign(raw, &mut warnings)?;
     Ok(Loaded {
         campaign,

@@ -6,6 +6,7 @@ use super::{IS_DAMAGED, LARGEST_BYTES, SheetRow, is_numeric};
 use crate::text::number::{self, Cell, Decimal};
 use crate::text::{Decoded, decode};
 use ieap_domain::Issue;
+use ieap_domain::safe_text::from_csv_text;
 use ieap_domain::tag::keys;
 
 /// Column with the planned id.
@@ -101,7 +102,7 @@ fn delimiter(text: &str) -> Option<u8> {
 }
 
 fn named(cell: &str) -> String {
-    number::unquote(cell).to_lowercase()
+    from_csv_text(number::unquote(cell)).to_lowercase()
 }
 
 fn check_columns(columns: &[String]) -> Result<(), Issue> {
@@ -157,7 +158,8 @@ fn row(
             "put cells that hold the delimiter in quotation marks",
         ));
     }
-    let cells = || columns.iter().zip(record.iter().map(str::trim));
+    let values: Vec<String> = record.iter().map(|cell| from_csv_text(cell.trim())).collect();
+    let cells = || columns.iter().zip(values.iter().map(String::as_str));
     let cell = |wanted: &str| {
         cells()
             .find(|(column, _)| *column == wanted)

@@ -1,8 +1,10 @@
-//! CSV for programs: rounded numbers in plain notation, uncertainty and interval in columns of their own.
+//! CSV for programs: rounded numbers in plain notation, uncertainty and interval in columns of their own. Texts are written
+//! so that a spreadsheet calculates none of them.
 
 use super::shown::{ShownCell, grid, note_letter};
 use crate::number::{Rounded, rounded, rounded_bound};
 use ieap_analysis::tables::{Cell, Content, Table};
+use ieap_domain::safe_text::csv_text;
 
 /// Writes the table. A column with measured numbers becomes four: the value, `_standard_error`, `_low_95`,
 /// `_high_95`; a last column, `notes`, has the footnotes of the row.
@@ -14,7 +16,7 @@ pub fn write(table: &Table) -> String {
     let measured: Vec<bool> = (0..table.columns.len()).map(is_measured).collect();
     let mut head: Vec<String> = Vec::new();
     for (column, measured) in table.columns.iter().zip(&measured) {
-        head.push(column.key.clone());
+        head.push(csv_text(&column.key).into_owned());
         if *measured {
             head.extend(["standard_error", "low_95", "high_95"].map(|part| format!("{}_{part}", column.key)));
         }
@@ -62,7 +64,12 @@ fn numbers(cell: &Cell) -> [String; 4] {
             };
             [String::new(), String::new(), bound(low, false), bound(high, true)]
         }
-        Content::Text(words) => [words.clone(), String::new(), String::new(), String::new()],
+        Content::Text(words) => [
+            csv_text(words).into_owned(),
+            String::new(),
+            String::new(),
+            String::new(),
+        ],
         _ => Default::default(),
     }
 }
@@ -70,7 +77,7 @@ fn numbers(cell: &Cell) -> [String; 4] {
 /// A cell without uncertainty; what is not there is empty.
 fn field(shown: &ShownCell) -> String {
     match shown {
-        ShownCell::Words(words) => words.clone(),
+        ShownCell::Words(words) => csv_text(words).into_owned(),
         ShownCell::Number(number) => machine(number),
         ShownCell::NotDetermined | ShownCell::Missing => String::new(),
         other => other.text(),
@@ -98,7 +105,7 @@ fn notes(table: &Table, cells: &[Cell]) -> String {
             parts.push(format!("{}: {text}", column.key));
         }
     }
-    parts.join("; ")
+    csv_text(&parts.join("; ")).into_owned()
 }
 
 /// One record after RFC 4180, with a line feed.

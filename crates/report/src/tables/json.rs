@@ -5,15 +5,15 @@ use serde_json::{Map, Value, json};
 use super::shown::{ShownCell, caption, grid, remarks};
 use ieap_analysis::pooling::Pooled;
 use ieap_analysis::tables::{Cell, Content, Table};
+use ieap_domain::safe_text::json_text;
 
 /// Schema of the document.
 const SCHEMA: &str = "ieap/table/1";
 
 /// Writes the table.
 pub fn write(table: &Table) -> String {
-    let mut text = serde_json::to_string_pretty(&document(table)).unwrap_or_default();
-    text.push('\n');
-    text
+    let text = serde_json::to_string_pretty(&document(table)).unwrap_or_default();
+    format!("{}\n", json_text(&text))
 }
 
 fn document(table: &Table) -> Value {

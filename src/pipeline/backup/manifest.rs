@@ -1,0 +1,193 @@
+//! What a backup holds: `backup.json`, written last. A folder without one is no backup, or one that was never finished.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::error::BackupError;
+use crate::pipeline::PipelineError;
+use crate::pipeline::whole_file::put_bytes;
+
+/// Name of the file inside the backup.
+pub const FILE_NAME: &str = "backup.json";
+/// Schema of the document.
+const SCHEMA: &str = "ieap/backup-contents/1";
+
+/// What a backup holds.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Schema of this document.
+    schema: String,
+    /// Campaign id.
+    pub campaign: String,
+    /// Id of the database.
+    pub database_id: String,
+    /// When it was made, RFC 3339 UTC.
+    pub made_at: String,
+    /// Program that made it.
+    pub program: String,
+    /// Number of changes of the database until then.
+    pub changes: u64,
+    /// The copy of the database; its path is that inside the backup.
+    pub database: StoredFile,
+    /// The other files of the campaign, by their paths in it; their bytes lie in `archive/` of the backup under their hashes.
+    pub files: Vec<StoredFile>,
+    /// What is not in the backup, with the reason.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// A file of a backup.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoredFile {
+    /// Path as the scan displays it: with `/`, escaped without loss.
+    pub path: String,
+    /// Size, bytes.
+    pub size_bytes: u64,
+    /// BLAKE3 of its bytes, hexadecimal.
+    pub blake3: String,
+    /// Modification time, ns since 1970; 0 where it is of no use.
+    pub modified_ns: i64,
+}
+
+/// What is not in a backup.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// Path relative to the campaign.
+    pub path: String,
+    /// Why, and how to mend it.
+    pub reason: String,
+}
+
+/// What was found out of a campaign beside its files.
+pub struct Head {
+    /// Campaign id.
+    pub campaign: String,
+    /// Id of the database.
+    pub database_id: String,
+    /// When the backup is made, RFC 3339 UTC.
+    pub made_at: String,
+    /// Number of changes of the database.
+    pub changes: u64,
+}
+
+impl Manifest {
+    /// Of these files.
+    pub fn of(head: Head, database: StoredFile, files: Vec<StoredFile>, left_out: Vec<LeftOut>) -> Manifest {
+        Manifest {
+            schema: SCHEMA.to_owned(),
+            campaign: head.campaign,
+            database_id: head.database_id,
+            made_at: head.made_at,
+            program: format!("ieap {}", crate::pipeline::CODE_VERSION),
+            changes: head.changes,
+            database,
+            files,
+            left_out,
+        }
+    }
+
+    /// Reads that of the backup in `folder`; none where there is none.
+    ///
+    /// # Errors
+    /// It cannot be read, or is damaged.
+    pub fn read(folder: &Path) -> Result<Option<Manifest>, PipelineError> {
+        let path = folder.join(FILE_NAME);
+        let text = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => {
+                return Err(PipelineError::File {
+                    path,
+                    doing: "reading what the backup holds",
+                    source,
+                });
+            }
+        };
+        parsed(&text).map(Some).map_err(|detail| {
+            let folder = folder.to_owned();
+            BackupError::DamagedManifest { folder, detail }.into()
+        })
+    }
+
+    /// Writes it in one step, safe on the disk: from here on the backup is the new one.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn write(&self, folder: &Path) -> Result<(), PipelineError> {
+        let internal = |error: serde_json::Error| PipelineError::Fault {
+            step: "writing what the backup holds".to_owned(),
+            reason: error.to_string(),
+        };
+        let backup = serde_json::to_value(self).map_err(internal)?;
+        let document = serde_json::json!({ "checksum": checksum(&backup), "backup": backup });
+        let text = serde_json::to_string_pretty(&document).map_err(internal)?;
+        put_bytes(&folder.join(FILE_NAME), true, format!("{text}\n").as_bytes())
+    }
+}
+
+fn parsed(text: &[u8]) -> Result<Manifest, String> {
+    let mut document: Value = serde_json::from_slice(text).map_err(|error| error.to_string())?;
+    let backup = document["backup"].take();
+    if document["checksum"] != checksum(&backup) {
+        return Err("its checksum does not match".to_owned());
+    }
+    match backup["schema"].as_str() {
+        Some(SCHEMA) => serde_json::from_value(backup).map_err(|error| error.to_string()),
+        found => Err(format!(
+            "schema {}, this program knows {SCHEMA}",
+            found.unwrap_or("none")
+        )),
+    }
+}
+
+/// BLAKE3 of a document without its blanks.
+fn checksum(backup: &Value) -> String {
+    blake3::hash(backup.to_string().as_bytes()).to_hex().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn manifest() -> Manifest {
+        let file = |path: &str| StoredFile {
+            path: path.to_owned(),
+            size_bytes: 7,
+            blake3: "ab".repeat(32),
+            modified_ns: -1,
+        };
+        let head = Head {
+            campaign: "c".to_owned(),
+            database_id: "d".to_owned(),
+            made_at: "2026-01-01T00:00:00Z".to_owned(),
+            changes: u64::MAX,
+        };
+        Manifest::of(
+            head,
+            file("campaign.db"),
+            vec![file("runs/µ \"a\".csv")],
+            Vec::new(),
+        )
+    }
+
+    #[test]
+    fn what_was_written_is_read_and_any_flipped_byte_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(Manifest::read(folder.path()).unwrap(), None);
+        manifest().write(folder.path()).unwrap();
+        assert_eq!(Manifest::read(folder.path()).unwrap(), Some(manifest()));
+        let path = folder.path().join(FILE_NAME);
+        let sound = fs::read(&path).unwrap();
+        for at in 0..sound.len() {
+            let mut flipped = sound.clone();
+            flipped[at] ^= 1;
+            fs::write(&path, &flipped).unwrap();
+            let read = Manifest::read(folder.path());
+            // A blank between two words of JSON may become another one.
+            assert!(read.is_err() || read.unwrap() == Some(manifest()), "byte {at}");
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! The folder of a backup: bytes under their hashes, as an archive keeps them, and copies of the database.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::error::BackupError;
+use super::manifest;
+use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming};
+use crate::pipeline::PipelineError;
+use crate::store::InstanceLock;
+
+/// How the name of a copy of the database begins; its hash follows.
+pub const DATABASE: &str = "campaign.db.";
+/// Ending of the name of a copy that is not finished.
+pub const UNFINISHED: &str = "unfinished";
+/// Most files, and most bytes, that are in memory and wait for the disk together.
+const MOST_FILES: usize = 128;
+const MOST_BYTES: usize = 16 << 20;
+
+/// The folder of a backup under way.
+pub struct Shelf {
+    folder: PathBuf,
+    archive: Archive,
+    /// Sizes of what is there, bytes, by hash.
+    there: BTreeMap<String, u64>,
+    /// Read, and not written yet.
+    waiting: Vec<(String, Vec<u8>, PathBuf)>,
+    /// Number and bytes of files that were copied.
+    pub copied: (usize, u64),
+    /// Keeps another backup out.
+    _lock: InstanceLock,
+}
+
+impl Shelf {
+    /// Opens the folder for a backup of the database with that id; makes it where there is none.
+    ///
+    /// # Errors
+    /// It lies in the campaign, holds something else, is of another database, or cannot be written.
+    pub fn open(folder: &Path, campaign: &Path, id: &str) -> Result<Shelf, PipelineError> {
+        let absolute = std::path::absolute(folder).map_err(failed(folder, "finding the folder"))?;
+        let existing = absolute.ancestors().find_map(|above| above.canonicalize().ok());
+        let inside = match (existing, campaign.canonicalize()) {
+            (Some(existing), Ok(campaign)) => existing.starts_with(campaign),
+            _ => false,
+        };
+        if inside {
+            return Err(BackupError::InsideCampaign {
+                folder: folder.to_owned(),
+            }
+            .into());
+        }
+        let archive = Archive::new(folder);
+        match archive.owner()? {
+            Some(found) if found != id => {
+                return Err(BackupError::OfAnother {
+                    folder: folder.to_owned(),
+                    found,
+                    needed: id.to_owned(),
+                }
+                .into());
+            }
+            // A copy of a campaign has an owner, too.
+            owner => refuse_other(folder, owner.is_some())?,
+        }
+        fs::create_dir_all(folder).map_err(failed(folder, "making the folder"))?;
+        let lock = InstanceLock::take(folder)?;
+        archive.set_owner(id)?;
+        archive.remove_partial()?;
+        Ok(Shelf {
+            there: (archive.entries()?.into_iter())
+                .map(|entry| (entry.hash, entry.size_bytes))
+                .collect(),
+            folder: folder.to_owned(),
+            archive,
+            waiting: Vec::new(),
+            copied: (0, 0),
+            _lock: lock,
+        })
+    }
+
+    /// Reads every file that is there; those that are damaged are forgotten, to be copied again. Gives their hashes.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn check_all(&mut self) -> Result<Vec<String>, PipelineError> {
+        let damaged = self.archive.verify(&self.archive.entries()?)?;
+        let hashes = damaged.into_iter().map(|finding| finding.wanted.hash);
+        let hashes: Vec<String> = hashes.collect();
+        hashes.iter().for_each(|hash| {
+            self.there.remove(hash);
+        });
+        Ok(hashes)
+    }
+
+    /// Whether bytes with that hash are there; looked at is their size.
+    pub fn holds(&self, hash: &str, size_bytes: u64) -> bool {
+        self.there.get(hash) == Some(&size_bytes)
+    }
+
+    /// How many of these hashes are there.
+    pub fn count_of(&self, hashes: &[String]) -> usize {
+        hashes
+            .iter()
+            .filter(|hash| self.there.contains_key(*hash))
+            .count()
+    }
+
+    /// Keeps bytes under their hash, unless they are there.
+    ///
+    /// # Errors
+    /// The disk refuses, or does not give back what was written.
+    pub fn keep(&mut self, hash: String, bytes: Vec<u8>, name: &Path) -> Result<(), PipelineError> {
+        if self.holds(&hash, bytes.len() as u64) {
+            return Ok(());
+        }
+        self.there.insert(hash.clone(), bytes.len() as u64);
+        self.waiting.push((hash, bytes, name.to_owned()));
+        let waiting: usize = self.waiting.iter().map(|(_, bytes, _)| bytes.len()).sum();
+        match self.waiting.len() >= MOST_FILES || waiting >= MOST_BYTES {
+            true => self.write(),
+            false => Ok(()),
+        }
+    }
+
+    /// Writes what waits: when this returns it is on the disk, and was read back.
+    ///
+    /// # Errors
+    /// As [`Shelf::keep`].
+    pub fn write(&mut self) -> Result<(), PipelineError> {
+        let waiting = std::mem::take(&mut self.waiting);
+        let incoming: Vec<Incoming<'_>> = waiting
+            .iter()
+            .map(|(hash, bytes, name)| Incoming { hash, bytes, name })
+            .collect();
+        let stored: Vec<Archived> = (self.archive.store_all(&incoming)?.into_iter())
+            .map(|(archived, _)| archived)
+            .collect();
+        if let Some(wrong) = self.archive.verify(&stored)?.into_iter().next() {
+            return Err(BackupError::NotAsWritten {
+                folder: self.folder.clone(),
+                path: wrong.wanted.path,
+            }
+            .into());
+        }
+        self.copied.0 += stored.len();
+        self.copied.1 += stored.iter().map(|archived| archived.size_bytes).sum::<u64>();
+        Ok(())
+    }
+
+    /// Removes what only earlier backups named: copies of the database, and files that people have changed since.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn forget(&self, database: &str, hashes: impl Iterator<Item = String>) -> Result<(), PipelineError> {
+        for hash in hashes.filter(|hash| self.there.contains_key(hash)) {
+            let path = self.archive.find(&hash)?;
+            fs::remove_file(&path).map_err(failed(&path, "removing"))?;
+        }
+        for name in databases(&self.folder)?
+            .into_iter()
+            .filter(|name| name != database)
+        {
+            let path = self.folder.join(name);
+            fs::remove_file(&path).map_err(failed(&path, "removing"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a folder that holds what no backup does.
+fn refuse_other(folder: &Path, is_begun: bool) -> Result<(), PipelineError> {
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(source) => return Err(failed(folder, "looking into it")(source)),
+    };
+    for entry in entries {
+        let entry = entry.map_err(failed(folder, "looking into it"))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let ours = is_database(&name)
+            || [FOLDER, manifest::FILE_NAME, InstanceLock::FILE_NAME].contains(&name.as_str())
+            // Of a list that was cut short, or of a file manager.
+            || name.starts_with('.');
+        if !ours || !is_begun && !name.starts_with('.') && name != InstanceLock::FILE_NAME {
+            let folder = folder.to_owned();
+            return Err(BackupError::NotABackup { folder, found: name }.into());
+        }
+    }
+    Ok(())
+}
+
+/// Whether a name is that of a copy of the database: its hash, or that it is not finished.
+fn is_database(name: &str) -> bool {
+    let hash = name.strip_prefix(DATABASE);
+    hash.is_some_and(|hash| {
+        hash == UNFINISHED || hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit())
+    })
+}
+
+fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
+    let entries = fs::read_dir(folder).map_err(failed(folder, "looking into it"))?;
+    let names = entries
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned());
+    Ok(names.filter(|name| is_database(name)).collect())
+}
+
+/// BLAKE3 and size, bytes, of a file, read piece by piece.
+///
+/// # Errors
+/// What the system says.
+pub fn hash_of(path: &Path) -> io::Result<(String, u64)> {
+    let (mut hasher, mut size_bytes) = (blake3::Hasher::new(), 0);
+    let mut file = fs::File::open(path)?;
+    let mut piece = vec![0; 1 << 20];
+    loop {
+        let count = file.read(&mut piece)?;
+        if count == 0 {
+            return Ok((hasher.finalize().to_hex().to_string(), size_bytes));
+        }
+        hasher.update(&piece[..count]);
+        size_bytes += count as u64;
+    }
+}
+
+/// Brings the names in a folder to the disk, where the system can.
+///
+/// # Errors
+/// What the system says.
+pub fn sync_names(folder: &Path) -> io::Result<()> {
+    match cfg!(unix) {
+        true => fs::File::open(folder)?.sync_all(),
+        false => Ok(()),
+    }
+}
+
+pub(super) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(io::Error) -> PipelineError {
+    let path = path.to_owned();
+    move |source| PipelineError::File { path, doing, source }
+}
