@@ -8,12 +8,14 @@ mod alarms;
 mod along;
 mod blob;
 mod climate;
+mod content;
 mod diagnoses;
 mod error;
 mod files;
 mod fits;
 mod history;
 mod in_place;
+pub mod journal;
 mod listed;
 mod lock;
 mod migration;
@@ -34,12 +36,14 @@ use std::time::Duration;
 use rusqlite::{Connection, OpenFlags};
 
 pub use climate::{LogRecord, NewLog, NewSeries};
+pub use content::Content;
 pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
 pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};
 pub use history::{Earlier, ResultOrigin};
-pub use in_place::{Found, found, set_aside};
+pub use in_place::{Found, found, put_in_place, set_aside};
+use journal::Journal;
 pub use lock::InstanceLock;
 pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
@@ -68,6 +72,7 @@ pub struct Store {
     path: PathBuf,
     place: in_place::Place,
     seals: Seals,
+    journal: Journal,
 }
 
 impl Store {
@@ -95,6 +100,7 @@ impl Store {
             place: in_place::Place::of(&path),
             path,
             seals,
+            journal: Journal::of(folder),
         })
     }
 
@@ -131,6 +137,7 @@ impl Store {
                 connection,
                 path,
                 place: in_place::Place::default(),
+                journal: Journal::default(),
             })),
             0 => Ok(None),
             found if found > migration::NEWEST => Err(StoreError::Newer {
@@ -163,6 +170,7 @@ impl Store {
             path,
             place: in_place::Place::default(),
             seals,
+            journal: Journal::default(),
         })
     }
 
