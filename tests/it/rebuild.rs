@@ -78,6 +78,16 @@ fn same(one: &Content, other: &Content) {
     assert_eq!(one.hash(), other.hash());
 }
 
+/// A campaign is sound, and its database comes back as it is when it is deleted.
+pub fn comes_back(folder: &CampaignFolder) {
+    folder.ieap(&["verify"]).expect(0);
+    let before = content(folder);
+    without_database(folder.path());
+    let rebuilt = folder.ieap(&["rebuild"]);
+    assert!([0, 3].contains(&rebuilt.status), "{rebuilt:#?}");
+    same(&content(folder), &before);
+}
+
 #[test]
 fn a_lost_or_broken_database_is_made_anew_and_says_the_same() {
     let folder = campaign();
