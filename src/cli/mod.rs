@@ -22,6 +22,7 @@ mod next;
 mod output;
 mod printable;
 mod profile;
+mod rebuild;
 mod report;
 mod run;
 mod serve;
@@ -32,6 +33,7 @@ mod table;
 mod tag;
 mod threads;
 mod trace;
+mod verify;
 mod watch;
 
 use std::io::Write;
@@ -107,6 +109,8 @@ enum Verb {
     Drop(drop::DropArgs),
     Undrop(drop::UndropArgs),
     Status(status::StatusArgs),
+    Verify(verify::VerifyArgs),
+    Rebuild(rebuild::RebuildArgs),
     Table(table::TableArgs),
     Explain(explain::ExplainArgs),
     Figure(figure::FigureArgs),
@@ -185,6 +189,13 @@ impl CampaignArg {
 fn say_what_is_not_understood(context: &Context, output: &Output) {
     let warnings = context.warnings.iter();
     warnings.for_each(|issue| output.issue("campaign.toml", issue));
+    if !context.damage.is_empty() {
+        output.message(
+            "After the disorderly end of the last ieap, this was found (`ieap verify` looks at everything):",
+        );
+        let damage = context.damage.iter();
+        damage.for_each(|issue| output.issue("damage", issue));
+    }
 }
 
 /// The campaign folder meant by `given`, or found from the current folder upward.
@@ -252,6 +263,8 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Drop(args) => drop::run(args, global, output),
         Verb::Undrop(args) => drop::run_undrop(args, global, output),
         Verb::Status(args) => status::run(args, output),
+        Verb::Verify(args) => verify::run(args, output),
+        Verb::Rebuild(args) => rebuild::run(args, global, output),
         Verb::Table(args) => table::run(args, output),
         Verb::Explain(args) => explain::run(args, output),
         Verb::Figure(args) => figure::run(args, output),

@@ -100,8 +100,9 @@ fn open(args: &RunArgs, global: &Global, output: &Output) -> Result<Context, Cli
             output.message(&format!("The old database was moved aside: {}", aside.display()));
         }
         output.message(
-            "A new database is made. What only the old one held is not in it: tags set by hand, which runs were \
-             dropped and why, earlier revisions and fits, which alarms were told, and runs whose files are gone.",
+            "A new database is made from the files in the campaign alone; the journal was moved aside with the old one. Not \
+             in it are tags set by hand, which runs were dropped and why, earlier revisions and fits, which alarms were \
+             told, and runs whose files are gone.",
         );
         context
     } else if args.new_archive {

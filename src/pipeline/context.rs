@@ -10,7 +10,8 @@ use crate::ingest::{campaign_file, filesystem, scan};
 use crate::store::{self, InstanceLock, Store, StoreError};
 
 use super::ingest::ReadFile;
-use super::{PipelineError, holdings};
+use super::rebuild::aside;
+use super::{PipelineError, holdings, verify};
 
 /// Version of this program, as fits and reports record it.
 pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -30,6 +31,8 @@ pub struct Context {
     pub sheets: RunSheets,
     /// BLAKE3 of campaign.toml's text.
     pub campaign_digest: String,
+    /// What a look at the campaign found that followed a disorderly end: raw files that are lost, a damaged journal.
+    pub damage: Vec<Issue>,
     /// The database.
     pub store: Store,
     /// How data files are read.
@@ -49,9 +52,15 @@ impl Context {
         // Whoever was killed while it archived left these; with the lock held nobody writes them now.
         Archive::new(folder).remove_partial()?;
         holdings::refuse_lost_database(folder)?;
-        let store = open_locked(folder, &mut lock)?;
+        let mut store = open_locked(folder, &mut lock)?;
         holdings::check_and_mark(folder, &store)?;
-        Context::with(folder, loaded, store, Some(lock))
+        store.begin_journal()?;
+        let ended_in_order = lock.last_ended_in_order();
+        let mut context = Context::with(folder, loaded, store, Some(lock))?;
+        if !ended_in_order {
+            context.damage = verify::of_archive(&context)?;
+        }
+        Ok(context)
     }
 
     /// The same with a new database; what lies in its place is moved aside, and its new name given.
@@ -67,7 +76,9 @@ impl Context {
         let mut lock = InstanceLock::take(folder)?;
         let archive = Archive::new(folder);
         archive.remove_partial()?;
-        let aside = store::set_aside(folder, &now().replace([':', '-'], ""))?;
+        let mark = now().replace([':', '-'], "");
+        let aside = store::set_aside(folder, &mark)?;
+        store::journal::set_aside(folder, &mark)?;
         let store = Store::open(folder)?;
         archive.set_owner(&store.identity()?)?;
         lock.found_sound();
@@ -87,7 +98,52 @@ impl Context {
         let mut store = open_locked(folder, &mut lock)?;
         store.read_again(&now())?;
         Archive::new(folder).set_owner(&store.identity()?)?;
+        store.begin_journal()?;
         Context::with(folder, loaded, store, Some(lock))
+    }
+
+    /// Begins a new database of a campaign beside the one that it has, in a folder of its own; nothing that is done with it
+    /// goes to the journal. Whatever lies in the place of the old one is not looked at.
+    ///
+    /// # Errors
+    /// As [`Context::open`]; the folder cannot be made, or holds what the program did not write.
+    pub fn open_aside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(folder)?;
+        refuse_network(folder, allow_network)?;
+        let lock = InstanceLock::take(folder)?;
+        Archive::new(folder).remove_partial()?;
+        let aside = aside::emptied(folder)?;
+        let mut store = Store::open(&aside)?;
+        store.keep_journal_in(None);
+        Context::with(folder, loaded, store, Some(lock))
+    }
+
+    /// Puts the database that was begun so in the place of the old one, which is moved aside; gives its new name.
+    ///
+    /// # Errors
+    /// A file cannot be renamed; the new database then stays where it was made.
+    pub fn put_in_place(self) -> Result<Option<PathBuf>, PipelineError> {
+        let Context {
+            folder,
+            store,
+            _lock: mut lock,
+            ..
+        } = self;
+        // The last connection writes everything into the one file.
+        drop(store);
+        let mark = now().replace([':', '-'], "");
+        let old = store::put_in_place(&aside::path_in(&folder), &folder, &mark)?;
+        aside::remove(&folder)?;
+        if let Some(lock) = lock.as_mut() {
+            lock.found_sound();
+        }
+        Ok(old)
+    }
+
+    /// The same campaign with another database.
+    pub(super) fn with_store(&self, store: Store) -> Result<Context, PipelineError> {
+        let loaded = campaign_file::read(&self.folder)?;
+        Context::with(&self.folder, loaded, store, None)
     }
 
     /// Opens a campaign beside a working instance, for changes that do not read files or fit.
@@ -169,6 +225,7 @@ impl Context {
             campaign_digest: digest(&loaded.text),
             campaign: loaded.campaign,
             warnings: loaded.warnings,
+            damage: Vec::new(),
             store,
             read_file: scan::read_stable,
             _lock: lock,

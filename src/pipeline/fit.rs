@@ -1,5 +1,7 @@
 //! Fits every run that has no fit yet, or whose readings, tags or model changed.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::context::{CODE_VERSION, now};
@@ -9,7 +11,7 @@ use super::fit_extended;
 use super::fit_plan::{Planned, fit_plan};
 use super::{Context, Observer, PipelineError};
 use crate::domain::fault::caught;
-use crate::domain::{Channel, Fit, Issue};
+use crate::domain::{AskedFit, Channel, Fit, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
 use crate::numerics::interrupt;
@@ -57,7 +59,20 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
-        let plan = fit_plan(context, &self.choice.asked())?;
+        self.run_as_kept(context, &BTreeMap::new(), observer)
+    }
+
+    /// The same for a database without earlier fits: `kept` says how runs were asked to be fitted, by their names.
+    ///
+    /// # Errors
+    /// As of [`FitRuns::run`].
+    pub(super) fn run_as_kept(
+        &self,
+        context: &mut Context,
+        kept: &BTreeMap<String, AskedFit>,
+        observer: &dyn Observer,
+    ) -> Result<FitSummary, PipelineError> {
+        let plan = fit_plan(context, &self.choice.asked(), kept)?;
         let in_groups = plan.extended.iter().flat_map(|group| &group.runs);
         let chosen = plan.single.iter().chain(in_groups).map(|run| &run.chosen);
         let choices = held(chosen, &context.campaign);
@@ -89,7 +104,7 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails.
     pub fn due(&self, context: &Context) -> Result<usize, PipelineError> {
-        let plan = fit_plan(context, &self.choice.asked())?;
+        let plan = fit_plan(context, &self.choice.asked(), &BTreeMap::new())?;
         let (_, due) = self.sorted(plan.single);
         Ok(due.len() + fit_extended::due(&plan.extended, self.again))
     }

@@ -10,14 +10,14 @@ use thiserror::Error;
 use super::PipelineError;
 use super::report::{FAULTS, REPORT_FOLDER, STAMP};
 use crate::ingest::archive::{Archive, FOLDER};
-use crate::store::{self, FILE_NAME, Found, Store};
+use crate::store::{self, FILE_NAME, Found, Store, journal};
 
 /// Why a campaign is not worked on as it stands.
 #[derive(Debug, Error)]
 pub enum HoldingsError {
     /// There was a database.
     #[error(
-        "{}: {found}, but {evidence}, so this campaign had a database. Put a backup of it back. If there is none, `ieap run --new-database` makes a new one from the files in the campaign; lost then are tags set by hand, which runs were dropped and why, earlier revisions and fits, which alarms were told, and runs whose files are gone.", path.display()
+        "{}: {found}, but {evidence}, so this campaign had a database. `ieap rebuild` makes it anew from archive and journal, with tags set by hand, dropped runs and deleted files; or put a backup of it back. Without archive and journal, `ieap run --new-database` makes one from the files in the campaign alone.", path.display()
     )]
     DatabaseLost {
         /// Where it should be.
@@ -75,6 +75,9 @@ fn evidence(folder: &Path) -> Result<Option<&'static str>, PipelineError> {
     let archive = Archive::new(folder);
     if archive.owner()?.is_some() {
         return Ok(Some("archive/database-id names one"));
+    }
+    if journal::path_in(folder).exists() {
+        return Ok(Some("archive/journal.jsonl was kept for one"));
     }
     if archive.holds_anything()? {
         return Ok(Some("archive/ holds raw files"));

@@ -171,6 +171,13 @@ fn listed(folder: &Path) -> Option<BTreeSet<String>> {
     Some(text.lines().map(str::to_owned).collect())
 }
 
+/// Files that a finished folder lists and that are not there.
+pub fn missing(folder: &Path) -> Vec<String> {
+    let mut listed = listed(folder).unwrap_or_default();
+    listed.retain(|name| !name.is_empty() && !folder.join(name).exists());
+    listed.into_iter().collect()
+}
+
 /// The same; of a folder without a list, which was looked through before, all that is in it.
 fn listed_or_all(folder: &Path) -> io::Result<BTreeSet<String>> {
     if let Some(listed) = listed(folder) {

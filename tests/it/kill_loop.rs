@@ -5,6 +5,7 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use crate::campaign::{CampaignFolder, command, run_table};
+use crate::rebuild::comes_back;
 
 /// Kills in the short form.
 const KILLS: u32 = 15;
@@ -103,6 +104,7 @@ fn killed_at_any_moment_nothing_is_lost_doubled_or_half_done() {
         .filter(|name| name.starts_with(".report"))
         .collect();
     assert!(leftovers.is_empty(), "{leftovers:?}");
+    comes_back(&folder);
     eprintln!(
         "{killed} of {} kills met a working program; {files} files, all fitted",
         kills()
@@ -151,5 +153,7 @@ fn killed_while_many_files_come_in_nothing_is_lost_doubled_or_half_done() {
         .filter(|name| name.starts_with(".part-"))
         .collect();
     assert!(half.is_empty(), "{half:?}");
+    drop(database);
+    comes_back(&folder);
     eprintln!("{killed} of {} kills met a working program", kills());
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use rusqlite::params;
 
+use super::journal::{Entry, ToldAlarm};
 use super::{Store, StoreError, Subject};
 use ieap_domain::Alarm;
 
@@ -31,6 +32,22 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn save_alarm(&mut self, now: &str, alarm: &Alarm) -> Result<(), StoreError> {
+        let told = ToldAlarm {
+            id: alarm.id.clone(),
+            sample: alarm.sample.clone(),
+            parameter: alarm.parameter.clone(),
+            chart: alarm.chart.clone(),
+            run: alarm.run.clone(),
+            message: alarm.message.clone(),
+        };
+        self.save_told(now, &told)
+    }
+
+    /// The same of an alarm as the journal has it.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn save_told(&mut self, now: &str, alarm: &ToldAlarm) -> Result<(), StoreError> {
         self.write("storing an alarm", now, |transaction| {
             transaction.changes(Subject::Alarms)?;
             transaction.execute(
@@ -45,6 +62,7 @@ impl Store {
                     now
                 ],
             )?;
+            transaction.says(now, Entry::Told(alarm.clone()));
             Ok(())
         })
     }
@@ -57,6 +75,8 @@ impl Store {
         self.write("storing how a command ended", now, |transaction| {
             transaction.changes(Subject::Alarms)?;
             transaction.execute("UPDATE alarm SET command_status = ?2 WHERE id = ?1", [id, status])?;
+            let (id, status) = (id.to_owned(), status.to_owned());
+            transaction.says(now, Entry::Command { id, status });
             Ok(())
         })
     }

@@ -3,7 +3,8 @@
 use rusqlite::{OptionalExtension, Row, params};
 
 use super::blob::{pack_f64, unpack_f64};
-use super::files::upsert_file;
+use super::files::{say_renamed, upsert_file};
+use super::journal::{Entry, NamedBytes};
 use super::{
     FileRow, RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json,
 };
@@ -79,7 +80,16 @@ impl Store {
     /// See [`StoreError`].
     pub fn save_log(&mut self, now: &str, file: &FileRow, log: &NewLog) -> Result<(), StoreError> {
         self.write("storing a climate log", now, |transaction| {
-            insert_log(transaction, now, log)?;
+            let revision = insert_log(transaction, now, log)?;
+            let file_of_log = NamedBytes {
+                path: log.content.path.clone(),
+                hash: log.content.hash.clone(),
+            };
+            let entry = Entry::Log {
+                file: file_of_log,
+                revision,
+            };
+            transaction.says(now, entry);
             upsert_file(transaction, file)
         })
     }
@@ -95,6 +105,7 @@ impl Store {
                 transaction.changes(Subject::Log(id))?;
             }
             transaction.execute("UPDATE climate_log SET path = ?2 WHERE path = ?1", [old, new])?;
+            say_renamed(transaction, now, old, file);
             upsert_file(transaction, file)
         })
     }
@@ -256,7 +267,7 @@ fn read_series(row: &Row<'_>) -> Result<LogSeries, StepError> {
     })
 }
 
-fn insert_log(transaction: &Transaction<'_>, now: &str, log: &NewLog) -> Result<(), StepError> {
+fn insert_log(transaction: &Transaction<'_>, now: &str, log: &NewLog) -> Result<i64, StepError> {
     let content = &log.content;
     transaction
         .prepare_cached("INSERT OR IGNORE INTO content VALUES (?1, ?2, ?3, ?4)")?
@@ -303,7 +314,8 @@ fn insert_log(transaction: &Transaction<'_>, now: &str, log: &NewLog) -> Result<
     ])?;
     let log_id = transaction.last_insert_rowid();
     transaction.made(Subject::Log(log_id));
-    insert_series(transaction, log_id, &log.series)
+    insert_series(transaction, log_id, &log.series)?;
+    Ok(revision)
 }
 
 fn insert_series(transaction: &Transaction<'_>, log_id: i64, series: &[NewSeries]) -> Result<(), StepError> {

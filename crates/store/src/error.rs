@@ -40,7 +40,7 @@ pub enum StoreError {
     },
     /// The file is no database, or is damaged.
     #[error(
-        "{path}: this is not a readable SQLite database ({detail}). Put a backup of it back. If there is none, `ieap run --new-database` moves it aside and makes a new one from the files in the campaign; what only the database held is lost then."
+        "{path}: this is not a readable SQLite database ({detail}). `ieap rebuild` moves it aside and makes a new one from archive and journal, or put a backup of it back. Without archive and journal, `ieap run --new-database` makes one from the files in the campaign alone."
     )]
     NotADatabase {
         /// The database file.
@@ -160,7 +160,7 @@ pub enum StoreError {
     },
     /// A stored value does not read back.
     #[error(
-        "the database holds a value that does not read back: {what} ({detail}). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
+        "the database holds a value that does not read back: {what} ({detail}). `ieap rebuild` makes it anew from archive and journal, or put a backup of campaign.db back. Without archive and journal, `ieap run --new-database` starts anew from the files in the campaign."
     )]
     BadValue {
         /// Which value.
@@ -170,7 +170,7 @@ pub enum StoreError {
     },
     /// Stored rows are not those that were stored.
     #[error(
-        "campaign.db is damaged: {what} is not as it was stored (its checksum does not match). Put a backup of campaign.db back. If there is none, `ieap run --new-database` starts anew from the files in the campaign."
+        "campaign.db is damaged: {what} is not as it was stored (its checksum does not match). `ieap rebuild` makes it anew from archive and journal, or put a backup of campaign.db back. Without archive and journal, `ieap run --new-database` starts anew from the files in the campaign."
     )]
     Damaged {
         /// Which rows.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rusqlite::{Row, params};
 
+use super::journal::{Entry, NamedBytes};
 use super::{RunContent, StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
 use ieap_domain::{FileState, Issue, SourceFile};
 
@@ -84,7 +85,10 @@ impl Store {
             return Ok(());
         }
         self.write("recording files", now, |transaction| {
-            files.iter().try_for_each(|file| upsert_file(transaction, file))
+            files.iter().try_for_each(|file| {
+                say_alias(transaction, now, file)?;
+                upsert_file(transaction, file)
+            })
         })
     }
 
@@ -162,7 +166,9 @@ impl Store {
             let sql = "UPDATE source_file SET missing_since = ?2 WHERE path = ?1 AND missing_since IS NULL";
             for path in paths {
                 transaction.changes(Subject::File(path.clone()))?;
-                transaction.prepare_cached(sql)?.execute(params![path, now])?;
+                if transaction.prepare_cached(sql)?.execute(params![path, now])? > 0 {
+                    transaction.says(now, Entry::Gone { path: path.clone() });
+                }
             }
             Ok(())
         })
@@ -273,6 +279,34 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
         file.changed_ns,
     ])?;
     Ok(())
+}
+
+/// Says that a file holds the bytes of another, where that is news.
+fn say_alias(transaction: &Transaction<'_>, now: &str, file: &FileRow) -> Result<(), StepError> {
+    let Some(hash) = file.hash.as_ref().filter(|_| file.state == FileState::Alias) else {
+        return Ok(());
+    };
+    let sql = "SELECT EXISTS (SELECT 1 FROM source_file WHERE path = ?1 AND hash = ?2 AND state = 'alias'
+                   AND missing_since IS NULL)";
+    let is_known: bool = transaction
+        .prepare_cached(sql)?
+        .query_row([&file.path, hash], |row| row.get(0))?;
+    if !is_known {
+        let (path, hash) = (file.path.clone(), hash.clone());
+        let file = NamedBytes { path, hash };
+        transaction.says(now, Entry::Alias { file });
+    }
+    Ok(())
+}
+
+/// Says that a run or a log took the name of the file that now holds its bytes.
+pub(super) fn say_renamed(transaction: &Transaction<'_>, now: &str, old: &str, file: &FileRow) {
+    let file = NamedBytes {
+        path: file.path.clone(),
+        hash: file.hash.clone().unwrap_or_default(),
+    };
+    let old = old.to_owned();
+    transaction.says(now, Entry::Renamed { old, file });
 }
 
 fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {

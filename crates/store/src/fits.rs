@@ -4,6 +4,7 @@ use rusqlite::{OptionalExtension, ToSql, params};
 
 use super::along::insert_along;
 use super::blob::{pack_f64, unpack_f64};
+use super::journal::Entry;
 use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
 use ieap_domain::{
     AskedFit, ClimateCurve, CurveSource, Drive, Estimate, Fit, Issue, Parameter, Quantity, RunCurve,
@@ -287,6 +288,7 @@ fn insert_fit(
     fit: &Fit,
 ) -> Result<(), StepError> {
     retire_fit(transaction, now, stamp.run_id)?;
+    say_how_asked(transaction, now, stamp)?;
     let sql = "INSERT INTO fit (run_id, input_hash, model, model_version, code_version, method, converged,
                  why_stopped, n_samples, r_squared_current, r_squared_curvature, noise, issues, evaluations, made_at,
                  asked)
@@ -324,6 +326,28 @@ fn insert_fit(
     }
     for (ordinal, curve) in fit.along.iter().enumerate() {
         insert_along(transaction, fit_id, ordinal, curve)?;
+    }
+    Ok(())
+}
+
+/// Says how the fit was asked for, where that is another way than the last fit of any revision of the run was.
+fn say_how_asked(transaction: &Transaction<'_>, now: &str, stamp: &FitStamp) -> Result<(), StepError> {
+    let sql = "SELECT own.path, (SELECT asked FROM fit WHERE id = (
+                   SELECT max(fit.id) FROM fit JOIN run ON run.id = fit.run_id WHERE run.path = own.path))
+               FROM run AS own WHERE own.id = ?1";
+    let (run, last): (String, Option<String>) = transaction
+        .prepare_cached(sql)?
+        .query_row([stamp.run_id], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    let last: AskedFit = match last {
+        Some(asked) => from_json("how a fit was asked for", &asked)?,
+        None => AskedFit::default(),
+    };
+    let asked = match stamp.asked.is_open() {
+        true => AskedFit::default(),
+        false => stamp.asked.clone(),
+    };
+    if asked != last {
+        transaction.says(now, Entry::Asked { run, asked });
     }
     Ok(())
 }

@@ -73,6 +73,30 @@ pub fn set_aside(folder: &Path, mark: &str) -> Result<Option<PathBuf>, StoreErro
     Ok(moved)
 }
 
+/// Puts the database that was made in the folder `made` in the place of that of the campaign in `folder`. What lies there is
+/// moved aside; gives its new name.
+///
+/// # Errors
+/// A file cannot be brought to the disk or renamed. Where that is the last step the campaign has no database for the
+/// moment, and the one that was made stays in `made`.
+pub fn put_in_place(made: &Path, folder: &Path, mark: &str) -> Result<Option<PathBuf>, StoreError> {
+    let (from, to) = (made.join(FILE_NAME), folder.join(FILE_NAME));
+    let failed = |path: &Path, source| StoreError::File {
+        path: path.to_owned(),
+        doing: "putting the new database in place",
+        source,
+    };
+    let synced = std::fs::File::open(&from).and_then(|file| file.sync_all());
+    synced.map_err(|source| failed(&from, source))?;
+    let aside = set_aside(folder, mark)?;
+    std::fs::rename(&from, &to).map_err(|source| failed(&to, source))?;
+    #[cfg(unix)]
+    std::fs::File::open(folder)
+        .and_then(|folder| folder.sync_all())
+        .map_err(|source| failed(folder, source))?;
+    Ok(aside)
+}
+
 /// Device and inode of a file.
 type FileId = (u64, u64);
 
@@ -92,6 +116,29 @@ impl Place {
             log: Cell::new(None),
         }
     }
+
+    /// Refuses where the database at `path`, or its write-ahead log, is another one than was opened.
+    pub fn check(&self, path: &Path) -> Result<(), StoreError> {
+        let Some(file) = self.file else {
+            return Ok(());
+        };
+        let log_path = PathBuf::from(format!("{}-wal", path.display()));
+        let log = file_id(&log_path);
+        let changed = match (self.log.get(), log) {
+            _ if file_id(path) != Some(file) => Some(path),
+            (Some(known), found) if found != Some(known) => Some(log_path.as_path()),
+            (_, found) => {
+                self.log.set(found);
+                None
+            }
+        };
+        match changed {
+            None => Ok(()),
+            Some(path) => Err(StoreError::Replaced {
+                path: path.to_owned(),
+            }),
+        }
+    }
 }
 
 impl Store {
@@ -101,23 +148,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Replaced`].
     pub fn check_in_place(&self) -> Result<(), StoreError> {
-        let Some(file) = self.place.file else {
-            return Ok(());
-        };
-        let log_path = PathBuf::from(format!("{}-wal", self.path.display()));
-        let log = file_id(&log_path);
-        let changed = match (self.place.log.get(), log) {
-            _ if file_id(&self.path) != Some(file) => Some(&self.path),
-            (Some(known), found) if found != Some(known) => Some(&log_path),
-            (_, found) => {
-                self.place.log.set(found);
-                None
-            }
-        };
-        match changed {
-            None => Ok(()),
-            Some(path) => Err(StoreError::Replaced { path: path.clone() }),
-        }
+        self.place.check(&self.path)
     }
 
     /// What tells this database from every other.
@@ -128,6 +159,31 @@ impl Store {
         self.connection
             .query_row("SELECT id FROM identity", [], |row| row.get(0))
             .map_err(|e| self.failed("reading the database's id", e))
+    }
+}
+
+impl Store {
+    /// Makes this the database of an archive: a database that is made anew from it takes the id of the old one.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn take_identity(&mut self, now: &str, id: &str) -> Result<(), StoreError> {
+        self.write("taking the database's id", now, |transaction| {
+            transaction.execute("UPDATE identity SET id = ?1", [id])?;
+            Ok(())
+        })
+    }
+
+    /// Copies the database, as it is at one moment, into `folder` and opens the copy. What is said to it goes to no journal.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn copy_in(&self, folder: &Path) -> Result<Store, StoreError> {
+        let copied = self.connection.backup("main", folder.join(FILE_NAME), None);
+        copied.map_err(|e| self.failed("copying the database", e))?;
+        let mut copy = Store::open(folder)?;
+        copy.keep_journal_in(None);
+        Ok(copy)
     }
 }
 

@@ -8,6 +8,7 @@ mod alarms;
 mod along;
 mod blob;
 mod climate;
+mod content;
 mod copy;
 mod diagnoses;
 mod error;
@@ -15,6 +16,7 @@ mod files;
 mod fits;
 mod history;
 mod in_place;
+pub mod journal;
 mod listed;
 mod lock;
 mod migration;
@@ -35,12 +37,14 @@ use std::time::Duration;
 use rusqlite::{Connection, OpenFlags};
 
 pub use climate::{LogRecord, NewLog, NewSeries};
+pub use content::Content;
 pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
 pub use error::StoreError;
 pub use files::FileRow;
 pub use fits::{FitStamp, FitTask};
 pub use history::{Earlier, ResultOrigin};
-pub use in_place::{Found, found, set_aside};
+pub use in_place::{Found, found, put_in_place, set_aside};
+use journal::Journal;
 pub use lock::InstanceLock;
 pub use modulus::ModulusStamp;
 pub use new_run::{NewRun, RunContent, Tagging};
@@ -69,6 +73,7 @@ pub struct Store {
     path: PathBuf,
     place: in_place::Place,
     seals: Seals,
+    journal: Journal,
 }
 
 impl Store {
@@ -96,6 +101,7 @@ impl Store {
             place: in_place::Place::of(&path),
             path,
             seals,
+            journal: Journal::of(folder),
         })
     }
 
@@ -132,6 +138,7 @@ impl Store {
                 connection,
                 path,
                 place: in_place::Place::default(),
+                journal: Journal::default(),
             })),
             0 => Ok(None),
             found if found > migration::NEWEST => Err(StoreError::Newer {
@@ -164,6 +171,7 @@ impl Store {
             path,
             place: in_place::Place::default(),
             seals,
+            journal: Journal::default(),
         })
     }
 

@@ -99,8 +99,8 @@ pub(super) fn stored_state(state: RunState) -> RunState {
     }
 }
 
-/// Stores a run as the new current revision of its name.
-pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<(), StepError> {
+/// Stores a run as the new current revision of its name; gives its number.
+pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<i64, StepError> {
     let revision = supersede(transaction, now, &run.path)? + 1;
     let tagging = &run.tagging;
     let drive = tagging
@@ -145,7 +145,8 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
     insert_channels(transaction, run_id, &run.channels)?;
     insert_origin(transaction, now, run_id, &run.origin)?;
     insert_issues(transaction, run_id, "read", 0, &run.issues)?;
-    insert_tagging(transaction, run_id, tagging)
+    insert_tagging(transaction, run_id, tagging)?;
+    Ok(revision)
 }
 
 /// Retires the current revision of a run; gives the newest revision number so far (0: none).

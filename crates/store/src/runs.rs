@@ -6,12 +6,13 @@ use std::sync::Arc;
 use rusqlite::{OptionalExtension, Row, params};
 
 use super::blob::{unpack_f64, unpack_u32};
-use super::files::upsert_file;
+use super::files::{say_renamed, upsert_file};
 use super::fits::retire_fit;
+use super::journal::{Entry, NamedBytes, NamedRun};
 use super::modulus::retire_analysis;
 use super::new_run::{NewRun, Tagging, insert_run, insert_tagging, stored_state};
 use super::origin::{delete_stated_offset, shift};
-use super::{FileRow, StepError, Store, StoreError, Subject, from_json, from_key, to_json};
+use super::{FileRow, RunContent, StepError, Store, StoreError, Subject, from_json, from_key, to_json};
 use ieap_domain::data_hash::data_hash;
 use ieap_domain::left_out;
 use ieap_domain::tag::keys;
@@ -28,8 +29,24 @@ impl Store {
     /// See [`StoreError`].
     pub fn save_runs(&mut self, now: &str, files: &[FileRow], runs: &[NewRun]) -> Result<(), StoreError> {
         self.write("storing a run", now, |transaction| {
+            let mut named = Vec::with_capacity(runs.len());
             for run in runs {
-                insert_run(transaction, now, run)?;
+                let revision = insert_run(transaction, now, run)?;
+                let name = run.path.clone();
+                named.push(NamedRun { name, revision });
+            }
+            if let Some(first) = runs.first() {
+                let named_bytes = |content: &RunContent| NamedBytes {
+                    path: content.path.clone(),
+                    hash: content.hash.clone(),
+                };
+                let read = Entry::Read {
+                    kind: first.kind,
+                    reader: first.format.clone(),
+                    files: first.contents.iter().map(named_bytes).collect(),
+                    runs: named,
+                };
+                transaction.says(now, read);
             }
             files.iter().try_for_each(|file| upsert_file(transaction, file))
         })
@@ -94,6 +111,7 @@ impl Store {
             transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
             transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
             transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
+            say_renamed(transaction, now, old, file);
             upsert_file(transaction, file)
         })
     }

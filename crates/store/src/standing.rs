@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rusqlite::params;
 
+use super::journal::Entry;
 use super::{Store, StoreError, Subject};
 use ieap_domain::{RunWord, SameReadings};
 
@@ -26,6 +27,7 @@ impl Store {
                     word.said_at,
                     word.data_hash
                 ])?;
+                transaction.says(&word.said_at, Entry::Word(word.clone()));
             }
             Ok(())
         })

@@ -2,10 +2,13 @@
 
 use rusqlite::params;
 
+use serde::{Deserialize, Serialize};
+
+use super::journal::Entry;
 use super::{Store, StoreError, Subject};
 
 /// A tag that a person set with `ieap tag`.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HandTag {
     /// The run's name.
     pub run_path: String,
@@ -37,6 +40,7 @@ impl Store {
                     tag.set_by,
                     tag.set_at
                 ])?;
+                transaction.says(&tag.set_at, Entry::Tag(tag.clone()));
             }
             Ok(())
         })

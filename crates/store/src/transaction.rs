@@ -4,12 +4,14 @@ use std::ops::Deref;
 
 use rusqlite::{Connection, ToSql, TransactionBehavior};
 
+use super::journal::{Entry, Journal};
 use super::{Seals, StepError, Store, StoreError, Subject};
 
 /// The transaction that a change is made in.
 pub(super) struct Transaction<'c> {
     connection: &'c Connection,
     seals: &'c Seals,
+    journal: &'c Journal,
 }
 
 impl Deref for Transaction<'_> {
@@ -29,6 +31,12 @@ impl Transaction<'_> {
     /// To be said of rows that were just made under a new id.
     pub fn made(&self, subject: Subject) {
         self.seals.open_new(subject);
+    }
+
+    /// To be said of what no file holds, with the time at which it was said (RFC 3339 UTC): it is on the disk before this
+    /// is committed.
+    pub fn says(&self, at: &str, entry: Entry) {
+        self.journal.says(at, entry);
     }
 
     /// Ids that a query of one parameter gives.
@@ -84,18 +92,25 @@ impl Store {
         work: impl FnOnce(&Transaction<'_>) -> Result<T, StepError>,
     ) -> Result<T, StoreError> {
         self.check_in_place()?;
-        let (in_batch, seals) = (self.in_batch(), &self.seals);
+        let in_batch = self.in_batch();
         if !in_batch {
             // Left by a batch that the database gave up: another connection may have written since.
-            seals.forget();
+            self.forget_changes();
         }
+        let said_before = self.journal.len();
+        let (seals, journal, place, path) = (&self.seals, &self.journal, &self.place, &self.path);
         let whole = |connection: &Connection| {
-            let outcome = work(&Transaction { connection, seals })?;
+            let outcome = work(&Transaction {
+                connection,
+                seals,
+                journal,
+            })?;
             seals.open(connection, Subject::Changes)?;
             let sql = "UPDATE change_count SET changes = changes + 1, changed_at = ?1";
             connection.prepare_cached(sql)?.execute([now])?;
             if !in_batch {
                 seals.close(connection)?;
+                journal.write(connection, || place.check(path))?;
             }
             Ok(outcome)
         };
@@ -103,8 +118,11 @@ impl Store {
             true => step(&mut self.connection, whole),
             false => alone(&mut self.connection, whole),
         };
-        if outcome.is_err() && !in_batch {
-            self.seals.forget();
+        if outcome.is_err() {
+            self.journal.keep_first(said_before);
+            if !in_batch {
+                self.seals.forget();
+            }
         }
         outcome.map_err(self.named(doing))
     }
@@ -117,7 +135,7 @@ impl Store {
     pub fn begin_batch(&mut self) -> Result<(), StoreError> {
         self.check_in_place()?;
         if !self.in_batch() {
-            self.seals.forget();
+            self.forget_changes();
         }
         let begun = self.connection.execute_batch("BEGIN IMMEDIATE");
         begun.map_err(|e| self.failed("beginning a batch", e))
@@ -128,17 +146,30 @@ impl Store {
     /// # Errors
     /// See [`StoreError`]; also where the database gave the batch up because of an earlier error.
     pub fn commit_batch(&mut self) -> Result<(), StoreError> {
-        let sealed = match self.in_batch() {
-            true => self.seals.close(&self.connection),
+        let ended = match self.in_batch() {
+            true => self.end_changes(),
             false => Ok(()),
         };
-        let committed = sealed.and_then(|()| self.connection.execute_batch("COMMIT"));
-        self.seals.forget();
+        let commit = || Ok(self.connection.execute_batch("COMMIT")?);
+        let committed: Result<(), StepError> = ended.and_then(|()| commit());
+        self.forget_changes();
         if self.in_batch() {
             // The disk refused: the batch would stay open, and the next one could not begin.
             let _ = self.connection.execute_batch("ROLLBACK");
         }
-        committed.map_err(|e| self.failed("ending a batch", e))
+        committed.map_err(self.named("ending a batch"))
+    }
+
+    /// Seals what changed and writes down what was said.
+    fn end_changes(&self) -> Result<(), StepError> {
+        self.seals.close(&self.connection)?;
+        let in_place = || self.place.check(&self.path);
+        self.journal.write(&self.connection, in_place)
+    }
+
+    fn forget_changes(&self) {
+        self.seals.forget();
+        self.journal.keep_first(0);
     }
 
     fn in_batch(&self) -> bool {

@@ -9,4 +9,4 @@ mod take_in;
 pub use assess::assess;
 pub use of_run::climate_of;
 pub use shelf::Shelf;
-pub use take_in::{LogSummary, holds_logs, settle_log};
+pub use take_in::{LogSummary, holds_logs, new_log, settle_log};

@@ -11,7 +11,7 @@ use crate::ingest::scan::Changes;
 use crate::pipeline::context::now;
 use crate::pipeline::ingest::{Outcome, PreparedFile, Readers, content_of, file_row, set_aside};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{NewLog, NewSeries};
+use crate::store::{FileRow, NewLog, NewSeries};
 
 /// What became of the climate logs.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
@@ -132,14 +132,32 @@ fn store(
     summary: &mut LogSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let Some(content) = content_of(prepared) else {
+    let path = prepared.file.display.clone();
+    let count = log.series.len();
+    let Some((row, new)) = new_log(readers, prepared, reading, log) else {
         return Ok(());
     };
-    let path = prepared.file.display.clone();
     let known = context.store.has_log(&path)?;
-    let count = log.series.len();
     let words = if known { "new revision of log" } else { "read log" };
     observer.say(&format!("{words} {path} ({}, {count} series)", reading.format));
+    context.store.save_log(&now(), &row, &new)?;
+    if known {
+        &mut summary.revised
+    } else {
+        &mut summary.new
+    }
+    .push(path);
+    Ok(())
+}
+
+/// A log as it is stored, with what is known of its file; none where its bytes are not archived.
+pub fn new_log(
+    readers: &Readers,
+    prepared: &PreparedFile,
+    reading: &Reading,
+    log: Log,
+) -> Option<(FileRow, NewLog)> {
+    let content = content_of(prepared)?;
     let mut issues = reading.issues.clone();
     let data_hash = log.data_hash();
     let series = checked(&log.series, &mut issues);
@@ -167,14 +185,7 @@ fn store(
         reader,
         None,
     );
-    context.store.save_log(&now(), &row, &new)?;
-    if known {
-        &mut summary.revised
-    } else {
-        &mut summary.new
-    }
-    .push(path);
-    Ok(())
+    Some((row, new))
 }
 
 /// The series with what their readings show of the sensors.

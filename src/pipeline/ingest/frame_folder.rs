@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::prepare::{Outcome, PreparedFile, not_read_now};
 use crate::domain::Issue;
+use crate::ingest::Reading;
 use crate::ingest::archive;
 use crate::ingest::formats::plain_table::PlainTable;
 use crate::ingest::formats::{Format, ReadContext};
@@ -34,6 +35,19 @@ pub fn prepare(campaign: &Path, file: &SeenFile, folder: &Path) -> PreparedFile 
         outcome,
         profile: None,
     }
+}
+
+/// What was traced from a folder before, as its table says; what tracing remarked on frames is not in the table.
+///
+/// # Errors
+/// The table cannot be read.
+pub fn reading_of_table(bytes: &[u8]) -> Result<Reading, Issue> {
+    let mut reading = PlainTable
+        .read(bytes, &ReadContext::default())
+        .map_err(|error| error.issue())?;
+    reading.format = FORMAT;
+    reading.reader_version = strip::VERSION;
+    Ok(reading)
 }
 
 fn traced(campaign: &Path, folder: &Path) -> Result<(Vec<u8>, Outcome), Outcome> {
@@ -65,11 +79,7 @@ fn traced(campaign: &Path, folder: &Path) -> Result<(Vec<u8>, Outcome), Outcome>
         return Err(Outcome::Pending(issue));
     }
     let bytes = traced.table.into_bytes();
-    let mut reading = PlainTable
-        .read(&bytes, &ReadContext::default())
-        .map_err(|error| Outcome::Refused(error.issue()))?;
-    reading.format = FORMAT;
-    reading.reader_version = strip::VERSION;
+    let mut reading = reading_of_table(&bytes).map_err(Outcome::Refused)?;
     reading.issues.extend(refused(&traced.refused, given.files.len()));
     reading.issues.push(Issue::note(
         "frames-traced",

@@ -2,7 +2,7 @@
 
 mod batch;
 mod copies;
-mod frame_folder;
+pub(super) mod frame_folder;
 mod groups;
 mod left_out;
 mod places;
@@ -32,10 +32,11 @@ use batch::in_batches;
 use prepare::Group;
 pub(super) use readers::Readers;
 
+pub(super) use batch::together;
 pub use prepare::ReadFile;
-pub(super) use prepare::{Outcome, PreparedFile};
+pub(super) use prepare::{Outcome, PreparedFile, With, joined, prepare_bytes, run_parts};
 pub use retag::{retag_runs, run_window};
-pub(super) use settle::{content_of, set_aside};
+pub(super) use settle::{content_of, runs_of, set_aside};
 
 /// The verb `ingest`.
 pub struct Ingest<'a> {

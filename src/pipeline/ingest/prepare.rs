@@ -156,11 +156,15 @@ fn prepare_file(with: With<'_>, kind: RunKind, file: &SeenFile) -> PreparedFile 
             };
         }
     };
-    let hash = archive::hash(&bytes);
+    prepare_bytes(with, kind, file, bytes)
+}
+
+/// Reads bytes as those of a file.
+pub fn prepare_bytes(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: Vec<u8>) -> PreparedFile {
     let (outcome, profile) = read(with, kind, file, &bytes);
     PreparedFile {
         file: file.clone(),
-        hash: Some(hash),
+        hash: Some(archive::hash(&bytes)),
         bytes,
         archived: None,
         outcome,

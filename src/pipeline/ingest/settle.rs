@@ -192,30 +192,7 @@ fn store_runs(
     summary: &mut IngestSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    let readings = readings_of(files);
-    let Some(first) = readings.first().copied() else {
-        return Ok(());
-    };
-    let (parts, join_issues) = if readings.len() == 1 {
-        (run_parts(first, kind), Vec::new())
-    } else {
-        let (part, issues) = joined(&readings);
-        (vec![part], issues)
-    };
-    let contents = contents_of(files);
-    let rows: Vec<FileRow> = files.iter().filter_map(|file| run_row(readers, file)).collect();
-    // A single file keeps its own name; a joined run takes that of the stem.
-    let base = if files.len() == 1 {
-        files[0].file.display.as_str()
-    } else {
-        run_name
-    };
-    let names = run_names(context, base, &parts, &contents)?;
-    let runs: Vec<NewRun> = parts
-        .into_iter()
-        .zip(names)
-        .map(|(part, name)| new_run((context, shelf), name, kind, part, files, &contents, &join_issues))
-        .collect::<Result<_, _>>()?;
+    let (rows, runs) = runs_of(context, (readers, shelf), (run_name, kind), files, &[])?;
     for run in &runs {
         let known = context.store.has_run(&run.path)?;
         observer.say(&format!(
@@ -231,7 +208,51 @@ fn store_runs(
         }
         .push(run.path.clone());
     }
-    Ok(context.store.save_runs(&now(), &rows, &runs)?)
+    match runs.is_empty() {
+        true => Ok(()),
+        false => Ok(context.store.save_runs(&now(), &rows, &runs)?),
+    }
+}
+
+/// The runs that files hold, tagged, with what is known of the files. The first runs take the names of `given`.
+///
+/// # Errors
+/// The database cannot be read.
+pub(in crate::pipeline) fn runs_of(
+    context: &Context,
+    (readers, shelf): (&Readers, &Shelf),
+    (run_name, kind): (&str, RunKind),
+    files: &[PreparedFile],
+    given: &[String],
+) -> Result<(Vec<FileRow>, Vec<NewRun>), PipelineError> {
+    let readings = readings_of(files);
+    let Some(first) = readings.first().copied() else {
+        return Ok((Vec::new(), Vec::new()));
+    };
+    let (parts, join_issues) = if readings.len() == 1 {
+        (run_parts(first, kind), Vec::new())
+    } else {
+        let (part, issues) = joined(&readings);
+        (vec![part], issues)
+    };
+    let contents = contents_of(files);
+    let rows: Vec<FileRow> = files.iter().filter_map(|file| run_row(readers, file)).collect();
+    // A single file keeps its own name; a joined run takes that of the stem.
+    let base = if files.len() == 1 {
+        files[0].file.display.as_str()
+    } else {
+        run_name
+    };
+    let mut names = run_names(context, base, &parts, &contents)?;
+    for (name, given) in names.iter_mut().zip(given) {
+        name.clone_from(given);
+    }
+    let runs: Vec<NewRun> = parts
+        .into_iter()
+        .zip(names)
+        .map(|(part, name)| new_run((context, shelf), name, kind, part, files, &contents, &join_issues))
+        .collect::<Result<_, _>>()?;
+    Ok((rows, runs))
 }
 
 /// A name for each part: that of the file, with `#TABLE` where it has several. A name that another part has, or a run of

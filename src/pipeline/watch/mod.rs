@@ -11,10 +11,12 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use super::run::render;
+use super::verify::Weekly;
 use super::{
     Context, DiagnoseSummary, Ingest, IngestSummary, Interrupt, Made, Observer, PipelineError, ReportSummary,
     Run,
 };
+use crate::domain::Issue;
 use crate::ingest::scan::SeenFile;
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
 use bell::Bell;
@@ -181,6 +183,7 @@ impl Shared<'_> {
     fn work(&self, context: &mut Context) -> Result<(), PipelineError> {
         let mut refusals = Refusals::default();
         let mut first = true;
+        let weekly = Weekly::of(&context.folder);
         while self.work.wait(self.stop) {
             self.reload(context);
             let made = context.check_in_place().and_then(|()| {
@@ -195,11 +198,30 @@ impl Shared<'_> {
                         (self.hear)(&Watched::Made(&made, &report));
                     }
                     self.diagnosis.ring();
+                    let looked = weekly.look(context, jiff::Timestamp::now());
+                    self.tell_damage(refusals.passed(looked, self.observer)?.flatten());
                 }
                 None => self.work.ring_after(AFTER_REFUSAL, self.stop),
             }
         }
         Ok(())
+    }
+
+    /// Says what the weekly look found.
+    fn tell_damage(&self, found: Option<Vec<Issue>>) {
+        match found.as_deref() {
+            None => {}
+            Some([]) => self
+                .observer
+                .say("weekly look: database, raw files and journal are there and sound"),
+            Some(found) => {
+                for issue in found {
+                    let warning = format!("weekly look: {} {}. {}", issue.place, issue.message, issue.mend);
+                    self.observer.warn(&warning);
+                }
+                self.observer.warn("`ieap verify` looks at everything");
+            }
+        }
     }
 
     /// Diagnoses turn by turn, as long as something is left.

@@ -242,7 +242,8 @@ impl Archive {
             .find(|path| hash_in_name(path).as_deref() == Some(hash)))
     }
 
-    fn relative(&self, path: &Path) -> String {
+    /// The path of a file of the archive as it is stored: relative to the campaign, with `/`.
+    pub fn relative(&self, path: &Path) -> String {
         super::scan::display_path(path.strip_prefix(&self.campaign).unwrap_or(path))
     }
 }

@@ -27,7 +27,7 @@ const SEAL_BYTES: usize = 16;
 const OF_SCHEMA: &str = "schema";
 
 /// A checksum over values in order.
-type Seal = [u8; SEAL_BYTES];
+pub(super) type Seal = [u8; SEAL_BYTES];
 
 /// The seals of an open database.
 #[derive(Debug, Default)]
@@ -137,9 +137,9 @@ impl Store {
         let subjects =
             Subject::all(&self.connection).map_err(|e| self.failed("listing what is stored", e))?;
         for subject in subjects {
-            wrong.extend(self.check_seal(&subject).err().map(|error| error.to_string()));
+            wrong.extend(self.check_seal(&subject).err().map(in_words));
             if let Subject::Readings(run_id) = subject {
-                wrong.extend(self.channels_as_read(run_id).err().map(|error| error.to_string()));
+                wrong.extend(self.channels_as_read(run_id).err().map(in_words));
             }
         }
         wrong.dedup();
@@ -166,6 +166,16 @@ impl Store {
         })?;
         faults.retain(|fault| fault != "ok");
         Ok(faults)
+    }
+}
+
+/// What is wrong, without the way to mend it.
+fn in_words(error: StoreError) -> String {
+    match error {
+        StoreError::Damaged { what } => {
+            format!("{what} is not as it was stored (its checksum does not match)")
+        }
+        other => other.to_string(),
     }
 }
 
@@ -220,14 +230,14 @@ fn close(connection: &Connection, subject: &Subject) -> rusqlite::Result<()> {
     Ok(())
 }
 
-fn finished(hasher: &blake3::Hasher) -> Seal {
+pub(super) fn finished(hasher: &blake3::Hasher) -> Seal {
     let mut seal = [0; SEAL_BYTES];
     seal.copy_from_slice(&hasher.finalize().as_bytes()[..SEAL_BYTES]);
     seal
 }
 
 /// Adds the values of a row, each with its type and length.
-fn add_row(hasher: &mut blake3::Hasher, row: &Row<'_>, columns: usize) -> rusqlite::Result<()> {
+pub(super) fn add_row(hasher: &mut blake3::Hasher, row: &Row<'_>, columns: usize) -> rusqlite::Result<()> {
     hasher.update(b"r");
     for column in 0..columns {
         let number;

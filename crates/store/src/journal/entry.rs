@@ -1,0 +1,113 @@
+//! What the journal of a campaign holds: one entry for each thing that no file says.
+
+use serde::{Deserialize, Serialize};
+
+use crate::HandTag;
+use ieap_domain::{AskedFit, RunKind, RunWord};
+
+/// Something that was said or decided, and that the files of a campaign do not hold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "what", rename_all = "kebab-case")]
+pub enum Entry {
+    /// Runs were read from files, under these names.
+    Read {
+        /// What is measured.
+        kind: RunKind,
+        /// Format id of the reader.
+        reader: String,
+        /// The files, in order.
+        files: Vec<NamedBytes>,
+        /// The runs, in the order of the tables in the files.
+        runs: Vec<NamedRun>,
+    },
+    /// A climate log was read from a file.
+    Log {
+        /// The file.
+        file: NamedBytes,
+        /// Revision of the log.
+        revision: i64,
+    },
+    /// A file was found to hold the bytes of another.
+    Alias {
+        /// The file.
+        file: NamedBytes,
+    },
+    /// A run or a climate log took the name of the file that its bytes were moved to.
+    Renamed {
+        /// Its name before.
+        old: String,
+        /// Its file now.
+        file: NamedBytes,
+    },
+    /// A file was no longer there.
+    Gone {
+        /// Its path.
+        path: String,
+    },
+    /// A tag was set by hand, or taken back.
+    Tag(HandTag),
+    /// A run was taken out of all results, or put back.
+    Word(RunWord),
+    /// How a run is fitted was asked for by hand; open: as campaign.toml says from now on.
+    Asked {
+        /// The run's name.
+        run: String,
+        /// What was asked for.
+        asked: AskedFit,
+    },
+    /// An alarm was told.
+    Told(ToldAlarm),
+    /// The command of an alarm ended.
+    Command {
+        /// Id of the alarm.
+        id: String,
+        /// How it ended.
+        status: String,
+    },
+}
+
+/// Bytes of the archive under the name that they came in with.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedBytes {
+    /// Path of the file, relative to the campaign, with `/`.
+    pub path: String,
+    /// BLAKE3 of the bytes, hexadecimal.
+    pub hash: String,
+}
+
+/// A run by its name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedRun {
+    /// The run's name.
+    pub name: String,
+    /// Which revision of it was read.
+    pub revision: i64,
+}
+
+/// An alarm as it was told.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ToldAlarm {
+    /// Id.
+    pub id: String,
+    /// Sample.
+    pub sample: String,
+    /// Stored key of the parameter.
+    pub parameter: String,
+    /// Chart that showed it.
+    pub chart: String,
+    /// Run with which it began.
+    pub run: String,
+    /// What was said.
+    pub message: String,
+}
+
+/// An entry as it stands in the journal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// Its number: each line has the next one.
+    pub n: u64,
+    /// When it was written, RFC 3339 UTC.
+    pub at: String,
+    /// What it says.
+    pub entry: Entry,
+}

@@ -1,0 +1,205 @@
+//! The journal as a database would have it written: for campaigns that had none.
+
+use std::path::Path;
+
+use rusqlite::{Connection, Row};
+
+use super::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+use crate::{HandTag, StepError, from_json, from_key};
+use ieap_domain::{RunKind, RunWord};
+
+/// An entry with the time at which it was said.
+type Said = (String, Entry);
+
+/// Writes the journal of the campaign in `folder`, which has none, from what the connection sees.
+pub(super) fn write(connection: &Connection, folder: &Path) -> Result<(), StepError> {
+    let said = entries(connection)?;
+    if said.is_empty() {
+        return Ok(());
+    }
+    let mut text = String::new();
+    for (n, (at, entry)) in (1..).zip(said) {
+        text += &super::written(&Line { n, at, entry })?;
+    }
+    Ok(super::put(folder, &text)?)
+}
+
+/// Everything that a database holds and no file does, in an order in which it can be said again.
+pub(super) fn entries(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let mut said = reads(connection)?;
+    for rows in [logs, aliases, gone, tags, words, asked, alarms, commands] {
+        said.extend(rows(connection)?);
+    }
+    Ok(said)
+}
+
+fn rows(
+    connection: &Connection,
+    sql: &str,
+    read: impl Fn(&Row<'_>) -> Result<Said, StepError>,
+) -> Result<Vec<Said>, StepError> {
+    let mut statement = connection.prepare_cached(sql)?;
+    let mut rows = statement.query([])?;
+    let mut said = Vec::new();
+    while let Some(row) = rows.next()? {
+        said.push(read(row)?);
+    }
+    Ok(said)
+}
+
+/// Runs in the order in which they came; those of one file that came together stand in one entry.
+fn reads(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let mut said: Vec<Said> = Vec::new();
+    let mut statement = connection
+        .prepare_cached("SELECT id, path, revision, kind, ingested_at, format FROM run ORDER BY id")?;
+    let mut found = statement.query([])?;
+    while let Some(row) = found.next()? {
+        let run = NamedRun {
+            name: row.get(1)?,
+            revision: row.get(2)?,
+        };
+        let of_run = files(connection, row.get(0)?)?;
+        let kind_now = from_key(
+            "what a run measures",
+            &row.get::<_, String>(3)?,
+            RunKind::from_key,
+        )?;
+        let came_at: String = row.get(4)?;
+        let read_by: String = row.get(5)?;
+        if let Some((
+            at,
+            Entry::Read {
+                kind,
+                files,
+                runs,
+                reader,
+            },
+        )) = said.last_mut()
+        {
+            let is_new = runs.iter().all(|other| other.name != run.name);
+            let is_same = *at == came_at && *kind == kind_now && *reader == read_by;
+            if is_same && *files == of_run && is_new {
+                runs.push(run);
+                continue;
+            }
+        }
+        let entry = Entry::Read {
+            kind: kind_now,
+            reader: read_by,
+            files: of_run,
+            runs: vec![run],
+        };
+        said.push((came_at, entry));
+    }
+    Ok(said)
+}
+
+fn files(connection: &Connection, run_id: i64) -> rusqlite::Result<Vec<NamedBytes>> {
+    connection
+        .prepare_cached("SELECT path, hash FROM run_file WHERE run_id = ?1 ORDER BY ordinal")?
+        .query_map([run_id], |row| {
+            Ok(NamedBytes {
+                path: row.get(0)?,
+                hash: row.get(1)?,
+            })
+        })?
+        .collect()
+}
+
+fn logs(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT ingested_at, path, hash, revision FROM climate_log ORDER BY id";
+    rows(connection, sql, |row| {
+        let file = NamedBytes {
+            path: row.get(1)?,
+            hash: row.get(2)?,
+        };
+        let revision = row.get(3)?;
+        Ok((row.get(0)?, Entry::Log { file, revision }))
+    })
+}
+
+fn aliases(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT changed_at, path, hash FROM source_file, change_count
+               WHERE state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL ORDER BY path";
+    rows(connection, sql, |row| {
+        let file = NamedBytes {
+            path: row.get(1)?,
+            hash: row.get(2)?,
+        };
+        Ok((row.get(0)?, Entry::Alias { file }))
+    })
+}
+
+fn gone(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT missing_since, path FROM source_file WHERE missing_since IS NOT NULL ORDER BY path";
+    rows(connection, sql, |row| {
+        Ok((row.get(0)?, Entry::Gone { path: row.get(1)? }))
+    })
+}
+
+fn tags(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT run_path, key, value, set_by, set_at FROM hand_tag ORDER BY id";
+    rows(connection, sql, |row| {
+        let tag = HandTag {
+            run_path: row.get(0)?,
+            key: row.get(1)?,
+            value: row.get(2)?,
+            set_by: row.get(3)?,
+            set_at: row.get(4)?,
+        };
+        Ok((tag.set_at.clone(), Entry::Tag(tag)))
+    })
+}
+
+fn words(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY id";
+    rows(connection, sql, |row| {
+        let word = RunWord {
+            run_path: row.get(0)?,
+            drops: row.get(1)?,
+            why: row.get(2)?,
+            said_by: row.get(3)?,
+            said_at: row.get(4)?,
+            data_hash: row.get(5)?,
+        };
+        Ok((word.said_at.clone(), Entry::Word(word)))
+    })
+}
+
+/// How the newest fit of each name was asked for, where it was.
+fn asked(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT fit.made_at, newest.path, fit.asked
+               FROM (SELECT run.path, max(fit.id) AS id FROM fit JOIN run ON run.id = fit.run_id GROUP BY run.path) AS newest
+               JOIN fit ON fit.id = newest.id WHERE fit.asked IS NOT NULL ORDER BY newest.path";
+    rows(connection, sql, |row| {
+        let asked = from_json("how a fit was asked for", &row.get::<_, String>(2)?)?;
+        let run = row.get(1)?;
+        Ok((row.get(0)?, Entry::Asked { run, asked }))
+    })
+}
+
+fn alarms(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT raised_at, id, sample, parameter, chart, run_path, message FROM alarm ORDER BY id";
+    rows(connection, sql, |row| {
+        let told = ToldAlarm {
+            id: row.get(1)?,
+            sample: row.get(2)?,
+            parameter: row.get(3)?,
+            chart: row.get(4)?,
+            run: row.get(5)?,
+            message: row.get(6)?,
+        };
+        Ok((row.get(0)?, Entry::Told(told)))
+    })
+}
+
+fn commands(connection: &Connection) -> Result<Vec<Said>, StepError> {
+    let sql = "SELECT raised_at, id, command_status FROM alarm WHERE command_status IS NOT NULL ORDER BY id";
+    rows(connection, sql, |row| {
+        let entry = Entry::Command {
+            id: row.get(1)?,
+            status: row.get(2)?,
+        };
+        Ok((row.get(0)?, entry))
+    })
+}

@@ -1,0 +1,61 @@
+//! The end of a journal: its last line, and half a line that a crash left.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+
+use super::line;
+
+/// Bytes of the end that are looked at first: more than most lines have.
+const FIRST_LOOK_BYTES: u64 = 16 * 1024;
+
+/// Where a journal ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Last {
+    /// Number of the last line; 0 where there is none.
+    pub n: u64,
+    /// Size of the file, bytes.
+    pub bytes: u64,
+}
+
+/// The bytes without the part after the last line feed: a line whose writing was cut short, of which nobody was told. A
+/// disk that lost its power may keep the length of a line and not its content, which then reads as zeros.
+pub(super) fn without_torn_end(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|&byte| byte == b'\n');
+    &bytes[..end.map_or(0, |end| end + 1)]
+}
+
+/// Cuts off a torn end, and leaves the file where the next line goes.
+pub(super) fn mended(file: &mut File) -> io::Result<Last> {
+    let size = file.metadata()?.len();
+    let mut look = FIRST_LOOK_BYTES;
+    loop {
+        let from = size.saturating_sub(look);
+        let mut end = Vec::new();
+        file.seek(SeekFrom::Start(from))?;
+        Read::by_ref(file).take(size - from).read_to_end(&mut end)?;
+        let whole = without_torn_end(&end);
+        match last_number(whole, from == 0) {
+            None if from > 0 => look *= 8,
+            found => {
+                let bytes = from + whole.len() as u64;
+                if bytes < size {
+                    file.set_len(bytes)?;
+                }
+                file.seek(SeekFrom::Start(bytes))?;
+                let n = found.unwrap_or(0);
+                return Ok(Last { n, bytes });
+            }
+        }
+    }
+}
+
+/// Number of the last line; damaged ones after the last that can be read count as one each. None where none can be read.
+fn last_number(whole: &[u8], is_from_start: bool) -> Option<u64> {
+    let lines: Vec<&[u8]> = whole.strip_suffix(b"\n")?.split(|&byte| byte == b'\n').collect();
+    // The first one may be cut off by where the look begins: its checksum tells.
+    let read = lines.iter().rev().enumerate();
+    let mut numbers = read.filter_map(|(after, text)| Some(line::read(text).ok()?.n + after as u64));
+    numbers
+        .next()
+        .or_else(|| is_from_start.then_some(lines.len() as u64))
+}

@@ -1,0 +1,65 @@
+//! `ieap rebuild`.
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{self, CliError};
+use super::output::{Output, counted};
+use super::{CampaignArg, Global, ingest};
+use crate::pipeline::{Rebuild, RebuildSummary};
+
+/// Make the database anew from archive and journal, where it is lost or damaged; the old one is kept under another name
+///
+/// Runs, earlier revisions, tags set by hand, dropped runs and deleted files come back, and runs are fitted. `ieap run`
+/// then diagnoses and renders.
+#[derive(Debug, Args)]
+pub struct RebuildArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+}
+
+pub fn run(args: &RebuildArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let rebuild = Rebuild {
+        allow_network: global.i_know,
+    };
+    let summary = rebuild.run(&args.campaign.folder()?, output)?;
+    print(&summary, output);
+    output.document(&json!({ "schema": "ieap/rebuild/1", "rebuild": summary }))?;
+    Ok(exit::after(summary.has_fault(), summary.is_whole()))
+}
+
+fn print(summary: &RebuildSummary, output: &Output) {
+    output.result(&format!(
+        "A new database: {}, {}, {} by hand; {}",
+        counted(summary.runs, "run"),
+        counted(summary.climate_logs, "climate log"),
+        counted(summary.words, "word"),
+        counted(summary.fit.fitted, "fit")
+    ));
+    output.result(&format!("content hash: {}", summary.content_hash));
+    if let Some(aside) = &summary.set_aside {
+        output.result(&format!("The old database is kept: {}", aside.display()));
+    }
+    for issue in &summary.journal {
+        output.issue("journal", issue);
+    }
+    if !summary.lost.is_empty() {
+        output.message(&format!(
+            "{} did not come back:",
+            counted(summary.lost.len(), "reading")
+        ));
+    }
+    for (name, issue) in &summary.lost {
+        output.issue(name, issue);
+    }
+    if !summary.without_name.is_empty() {
+        output.message(&format!(
+            "{} of the archive in no run: the journal does not name them. To take one in, copy it into the runs folder.",
+            counted(summary.without_name.len(), "raw file")
+        ));
+        let paths = summary.without_name.iter();
+        paths.for_each(|path| output.message(&format!("  {path}")));
+    }
+    ingest::left_out(&summary.ingest, output);
+    output.message("`ieap run` diagnoses and renders from it.");
+}

@@ -1,0 +1,76 @@
+//! The archive: the bytes of every raw file against the hash that it is named by.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use super::{Part, counted};
+use crate::domain::Issue;
+use crate::ingest::archive::{Archive, Archived};
+use crate::pipeline::{Context, Observer, PipelineError};
+
+/// Name of the part.
+const NAME: &str = "archive";
+
+/// Reads every raw file that the database names, and every other that lies there.
+///
+/// # Errors
+/// The archive or the database cannot be read.
+pub fn part(context: &Context, observer: &dyn Observer) -> Result<Part, PipelineError> {
+    let archive = Archive::new(&context.folder);
+    // A database whose rows are damaged may not say which there should be.
+    let Ok(contents) = context.store.contents() else {
+        return alone(&context.folder);
+    };
+    let wanted: Vec<Archived> = (contents.into_iter())
+        .map(|content| Archived {
+            hash: content.hash,
+            path: content.archive_path,
+            size_bytes: content.size_bytes,
+        })
+        .collect();
+    let named: BTreeSet<&str> = wanted.iter().map(|wanted| wanted.hash.as_str()).collect();
+    let mut beside = archive.entries()?;
+    beside.retain(|entry| !named.contains(entry.hash.as_str()));
+    observer.begin("checking raw files", 2);
+    let mut findings: Vec<Issue> = archive
+        .verify(&wanted)?
+        .iter()
+        .map(|found| found.issue())
+        .collect();
+    observer.advance();
+    findings.extend(archive.verify(&beside)?.iter().map(|found| found.issue()));
+    observer.end();
+    findings.extend(beside.iter().map(|entry| {
+        Issue::note("raw-file-of-no-run", "no run or log of the database is of it")
+            .at(&entry.path)
+            .mend("nothing needs to be done: a reading that was cut short leaves such files")
+    }));
+    let looked_at = format!(
+        "hashes of {} of runs and logs, and of {} beside them",
+        counted(wanted.len(), "raw file"),
+        counted(beside.len(), "file")
+    );
+    Ok(Part {
+        part: NAME,
+        looked_at,
+        findings,
+    })
+}
+
+/// The same where no database says which files there should be.
+///
+/// # Errors
+/// The archive cannot be read.
+pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
+    let archive = Archive::new(folder);
+    let there = archive.entries()?;
+    Ok(Part {
+        part: NAME,
+        looked_at: format!("hashes of {}", counted(there.len(), "raw file")),
+        findings: archive
+            .verify(&there)?
+            .iter()
+            .map(|found| found.issue())
+            .collect(),
+    })
+}

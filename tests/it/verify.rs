@@ -1,0 +1,168 @@
+//! `ieap verify` finds what is lost or damaged, and says how to mend it.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+use crate::campaign::{CampaignFolder, run_table};
+
+fn campaign() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    for (name, seed) in [("a", 1), ("b", 2)] {
+        folder.write(&format!("runs/{name}.csv"), run_table(seed));
+    }
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    folder.ieap(&["tag", "runs/a.csv", "note=by hand"]).expect(0);
+    folder
+}
+
+/// Codes of all errors that are found, each of which says how to mend it, and the exit status.
+fn found(folder: &CampaignFolder, options: &[&str]) -> (i32, Vec<String>) {
+    let ended = folder.ieap(&[&["verify", "--json"], options].concat());
+    let parts = ended.json()["verify"]["parts"].as_array().unwrap().clone();
+    let findings = parts
+        .iter()
+        .flat_map(|part| part["findings"].as_array().unwrap().clone());
+    let errors: Vec<Value> = findings.filter(|found| found["severity"] == "error").collect();
+    for error in &errors {
+        let says = |field: &str| error[field].as_str().unwrap().contains("ieap ");
+        assert!(says("mend") || says("message"), "{error}");
+    }
+    let codes = errors
+        .iter()
+        .map(|error| error["code"].as_str().unwrap().to_owned());
+    (ended.status, codes.collect())
+}
+
+fn is_sound(folder: &CampaignFolder) {
+    assert_eq!(found(folder, &[]), (0, Vec::new()));
+}
+
+fn blob(folder: &CampaignFolder, seed: u32) -> PathBuf {
+    let hash = blake3::hash(run_table(seed).as_bytes()).to_hex().to_string();
+    folder.join(&format!("archive/{}/{hash}.csv", &hash[..2]))
+}
+
+fn change(folder: &CampaignFolder, sql: &str) {
+    rusqlite::Connection::open(folder.join("campaign.db"))
+        .unwrap()
+        .execute_batch(sql)
+        .unwrap();
+}
+
+#[test]
+fn a_raw_file_that_is_lost_or_changed_is_found_and_the_original_mends_it() {
+    let folder = campaign();
+    is_sound(&folder);
+    let (path, whole) = (blob(&folder, 1), run_table(1).into_bytes());
+    let mut flipped = whole.clone();
+    flipped[200] ^= 1;
+    for left in [None, Some(&flipped)] {
+        let _ = fs::remove_file(&path);
+        if let Some(bytes) = left {
+            fs::write(&path, bytes).unwrap();
+        }
+        assert_eq!(found(&folder, &[]), (4, vec!["raw-file-lost".to_owned()]));
+        folder.write("runs/a.csv", &whole);
+        folder.ieap(&["run", "--no-diagnose"]).expect(0);
+        is_sound(&folder);
+    }
+}
+
+#[test]
+fn a_number_that_changed_is_found_and_a_rebuilding_mends_it() {
+    let folder = campaign();
+    change(
+        &folder,
+        "UPDATE fit_parameter SET value = value * 1.001 WHERE ordinal = 0",
+    );
+    let (status, codes) = found(&folder, &[]);
+    assert_eq!((status, codes[0].as_str()), (4, "database-damaged"));
+    folder.ieap(&["rebuild"]).expect(0);
+    is_sound(&folder);
+    fs::write(
+        folder.join("campaign.db"),
+        "no database at all, only some text that is long enough",
+    )
+    .unwrap();
+    let (status, codes) = found(&folder, &[]);
+    assert_eq!((status, codes[0].as_str()), (4, "database-not-opened"));
+}
+
+#[test]
+fn what_is_sealed_and_wrong_is_found_by_deriving_it_again() {
+    for (wrong, code) in [
+        (
+            "UPDATE fit_parameter SET value = value * 1.0000001 WHERE ordinal = 0",
+            "result-differs",
+        ),
+        (
+            "UPDATE run_file SET hash = (SELECT hash FROM run_file WHERE path = 'runs/b.csv') WHERE path = 'runs/a.csv'",
+            "readings-differ",
+        ),
+    ] {
+        let folder = campaign();
+        assert_eq!(found(&folder, &["--deep"]), (0, Vec::new()));
+        // Without seals the next opening makes them of what is there.
+        change(&folder, &format!("{wrong}; DELETE FROM seal"));
+        folder.ieap(&["report"]).expect(0);
+        let (status, codes) = found(&folder, &["--deep"]);
+        assert_eq!(status, 4);
+        assert!(codes.iter().any(|found| found == code), "{codes:?}");
+    }
+}
+
+#[test]
+fn a_journal_that_is_gone_damaged_or_says_something_else_is_found() {
+    let folder = campaign();
+    let path = folder.join("archive/journal.jsonl");
+    let whole = fs::read_to_string(&path).unwrap();
+    let lines: Vec<&str> = whole.split_inclusive('\n').collect();
+    fs::remove_file(&path).unwrap();
+    assert_eq!(found(&folder, &[]).1, ["no-journal"]);
+    fs::write(&path, whole.replacen("by hand", "by haNd", 1)).unwrap();
+    assert_eq!(found(&folder, &[]).1, ["journal-damaged", "journal-differs"]);
+    fs::write(&path, lines[1..].concat()).unwrap();
+    assert_eq!(
+        found(&folder, &[]).1,
+        ["journal-lines-missing", "journal-differs"]
+    );
+    // Half a line is a program that was killed.
+    fs::write(&path, whole.clone() + "{\"n\":9").unwrap();
+    is_sound(&folder);
+    fs::write(&path, &whole).unwrap();
+    is_sound(&folder);
+    // What is damaged is made anew from the database, as the finding says.
+    fs::write(&path, "\n").unwrap();
+    assert_eq!(found(&folder, &[]).0, 4);
+    fs::remove_file(&path).unwrap();
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    is_sound(&folder);
+}
+
+#[test]
+fn a_page_of_the_report_that_is_gone_is_found() {
+    let folder = campaign();
+    folder.ieap(&["report"]).expect(0);
+    is_sound(&folder);
+    fs::remove_file(folder.join("report/index.html")).unwrap();
+    assert_eq!(found(&folder, &[]), (4, vec!["report-file-missing".to_owned()]));
+    folder.ieap(&["report", "--again"]).expect(0);
+    is_sound(&folder);
+}
+
+#[test]
+fn raw_files_are_looked_for_after_a_disorderly_end() {
+    let folder = campaign();
+    fs::remove_file(blob(&folder, 2)).unwrap();
+    let quiet = folder.ieap(&["report"]).expect(0);
+    assert!(!quiet.stderr.contains("disorderly"), "{}", quiet.stderr);
+    folder.write("campaign.db.lock", "process 1 on another\n");
+    let told = folder.ieap(&["report"]).expect(0);
+    assert!(
+        told.stderr.contains("disorderly") && told.stderr.contains("it is not in the archive"),
+        "{}",
+        told.stderr
+    );
+}
