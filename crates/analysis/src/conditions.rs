@@ -70,6 +70,20 @@ impl Conditions {
                 == (material, surroundings, voltage)
         })
     }
+
+    /// Where a run that is not among those of the table would stand: indices of its material, surroundings and voltage.
+    /// None where no run of the table was measured with that material, at that voltage, or near that humidity.
+    pub fn place_of(&self, run: &RunRecord, campaign: &Campaign) -> Option<(usize, usize, usize)> {
+        let place = place(0, run, campaign)?;
+        let material = self.materials.iter().position(|name| name == place.material)?;
+        let of_voltage = |volts: &f64| (volts / VOLTAGE_STEP_V).round() as i64 == place.voltage_step;
+        let voltage = self.voltages_v.iter().position(of_voltage)?;
+        let apart = |surroundings: &Surroundings| surroundings.apart_percent(&place);
+        let near = self.surroundings.iter().enumerate();
+        let near = near.filter_map(|(at, surroundings)| Some((apart(surroundings)?, at)));
+        let (_, surroundings) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((material, surroundings, voltage))
+    }
 }
 
 /// Material of a run: that of its sample, or the sample's id where the campaign does not know the sample.
@@ -195,6 +209,18 @@ fn levels(places: &[Place], environment: String) -> Vec<Surroundings> {
 }
 
 impl Surroundings {
+    /// How far a run's humidity lies outside the level, percentage points; none where it would be a level of its own.
+    fn apart_percent(&self, place: &Place) -> Option<f64> {
+        let apart = match (self.humidity, place.humidity_percent) {
+            (Some(level), Some(percent)) => (level.low_percent - percent)
+                .max(percent - level.high_percent)
+                .max(0.0),
+            (None, None) => 0.0,
+            _ => return None,
+        };
+        (self.environment == place.environment && apart <= HUMIDITY_GAP_PERCENT).then_some(apart)
+    }
+
     fn holds(&self, place: &Place) -> bool {
         let humidity_fits = match (self.humidity, place.humidity_percent) {
             (Some(level), Some(percent)) => (level.low_percent..=level.high_percent).contains(&percent),
