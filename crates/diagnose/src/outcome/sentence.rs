@@ -134,7 +134,12 @@ mod tests {
             }),
             ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new())
         };
-        cause(&found, "after steps", &["warburg"], &["warburg (diffusion)".to_owned()])
+        cause(
+            &found,
+            "after steps",
+            &["warburg"],
+            &["warburg (diffusion)".to_owned()],
+        )
     }
 
     #[test]

@@ -297,7 +297,14 @@ mod tests {
         };
         for verdict in [Verdict::Named, Verdict::Set, Verdict::Partial] {
             for text in said(found(verdict, 23_250.0)) {
-                let claims = ["in part", "a part of it", "found", "lacks", "remain possible", "explain"];
+                let claims = [
+                    "in part",
+                    "a part of it",
+                    "found",
+                    "lacks",
+                    "remain possible",
+                    "explain",
+                ];
                 assert!(claims.iter().all(|claim| !text.contains(claim)), "{text}");
                 assert!(text.contains("proved"), "{text}");
             }

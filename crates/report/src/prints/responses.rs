@@ -100,11 +100,12 @@ pub fn speaking(lines: &[Line]) -> impl Iterator<Item = &Line> {
     lines.iter().filter(|line| !line.aside)
 }
 
-/// Notes which of the lines are of runs set aside, with whether anything of them lies within the axes.
+/// Notes which of the lines are of runs set aside, with whether most of them lies within the axes.
 pub fn note_aside(seen: &mut BTreeMap<usize, bool>, (x, y): (&Axis, &Axis), lines: &[Line]) {
     for line in lines.iter().filter(|line| line.aside) {
-        let mut points = line.measured.iter().chain(&line.fitted);
-        let within = points.any(|point| x.shows(point.0) && y.shows(point.1));
+        let points = || line.measured.iter().chain(&line.fitted);
+        let inside = points().filter(|point| x.shows(point.0) && y.shows(point.1));
+        let within = 2 * inside.count() > points().count();
         *seen.entry(line.run).or_default() |= within;
     }
 }
@@ -115,7 +116,7 @@ pub fn aside_words(site: &Site, seen: &BTreeMap<usize, bool>) -> Vec<String> {
         let (name, reason) = (site.run_name(run), site.input.record(run).standing.reason());
         match within {
             true => format!("Open dots, dashed: set aside, in no result: {name} ({reason})."),
-            false => format!("Set aside, outside the axes: {name} ({reason})."),
+            false => format!("Set aside, mostly outside the axes: {name} ({reason})."),
         }
     };
     seen.iter().map(said).collect()
@@ -213,7 +214,7 @@ fn draw_aside(
     let every = (dots.len() / MOST_OPEN).max(1);
     let open = dots.iter().step_by(every);
     chart
-        .draw_series(open.map(|&point| Circle::new(point, 20, pale.stroke_width(6))))
+        .draw_series(open.map(|&point| Circle::new(point, 20, pale.stroke_width(8))))
         .map_err(|error| error.to_string())?;
     let (dash, gap) = (60, 45);
     let line = DashedLineSeries::new(simulated.iter().copied(), dash, gap, pale.stroke_width(14));
