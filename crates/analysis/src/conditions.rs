@@ -280,6 +280,27 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_is_not_of_the_table_stands_where_the_others_of_its_condition_do() {
+        let runs = [
+            run("a", "CNaf-01", "air", Some(30.0), 1.2),
+            run("b", "CNaf-01", "air", Some(60.0), 2.5),
+            run("c", "CPvf-01", "vacuum", None, 2.5),
+        ];
+        let table = conditions(&runs, &campaign());
+        let place = |sample, environment, percent, volts| {
+            table.place_of(&run("odd", sample, environment, percent, volts), &campaign())
+        };
+        // Vacuum, then air at two levels; the levels stay as they are.
+        assert_eq!(place("CNaf-01", "air", Some(34.0), 2.5), Some((0, 1, 1)));
+        assert_eq!(place("CPvf-01", "air", Some(57.0), 1.2), Some((1, 2, 0)));
+        assert_eq!(place("CNaf-01", "vacuum", None, 1.2), Some((0, 0, 0)));
+        assert_eq!(place("CNaf-01", "air", Some(45.0), 2.5), None);
+        assert_eq!(place("CNaf-01", "air", None, 2.5), None);
+        assert_eq!(place("CNaf-01", "air", Some(30.0), 2.0), None);
+        assert_eq!(place("CNaf-01", "inert", None, 2.5), None);
+    }
+
+    #[test]
     fn humidity_levels_are_clusters_and_the_thesis_range_is_one() {
         let humidities = [28.0, 31.0, 34.0, 38.0, 60.0, 61.0];
         let runs: Vec<RunRecord> = humidities
