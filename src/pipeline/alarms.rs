@@ -9,6 +9,7 @@ use super::command::{self, Ended};
 use super::context::now;
 use super::diagnose::condemned_ahead;
 use super::fault::step;
+use super::standing::SetAside;
 use super::{Context, DiagnoseChoice, Observer, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
@@ -50,6 +51,35 @@ fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, Pipeline
         ..CampaignLaws::default()
     };
     step("monitoring", || Ok(monitor(runs, &context.campaign, &laws())))
+}
+
+/// An alarm that was told and is taken back, because its run was set aside later.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct TakenBack {
+    /// Id of the alarm.
+    pub id: String,
+    /// What it said.
+    pub message: String,
+    /// Its run, and why no result is made from that.
+    pub set_aside: SetAside,
+}
+
+/// The alarms that were told of runs that are among `set_aside` now.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn taken_back(context: &Context, set_aside: &[RunRecord]) -> Result<Vec<TakenBack>, PipelineError> {
+    let told = context.store.told_of_runs()?.into_iter();
+    let of_one = |[id, run, message]: [String; 3]| {
+        let run = set_aside.iter().find(|aside| aside.path == run)?;
+        let set_aside = SetAside::of(run);
+        Some(TakenBack {
+            id,
+            message,
+            set_aside,
+        })
+    };
+    Ok(told.filter_map(of_one).collect())
 }
 
 impl RaiseAlarms {

@@ -312,6 +312,14 @@ fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
     let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
     let told = std::fs::read_to_string(folder.join("told.txt")).unwrap();
     assert!(told.contains("runs/6.csv"), "{told}");
+    // Condemned later, it is taken back, and that is said.
+    let _ = folder.ieap(&["status", "--alarms"]).expect(5);
+    let _ = folder.run_json();
+    let lifted = folder.ieap(&["status", "--alarms"]).expect(0).stdout;
+    assert!(
+        lifted.contains("is taken back") && lifted.contains("its unit is wrong"),
+        "{lifted}"
+    );
     // Where one follows, the alarm waits for what it says of the run, and then there is none.
     let folder = watched_with_an_odd_run();
     let run = folder.run_json();
