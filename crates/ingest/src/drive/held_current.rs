@@ -5,8 +5,9 @@ use ieap_domain::{Channel, Issue, Quantity};
 
 /// A current is held where so many of its readings ...
 const MOST: f64 = 0.95;
-/// ... lie within this part of their median.
-const HELD_WITHIN: f64 = 0.02;
+/// ... lie within this part of their median: galvanostats hold to a per mil and better, and a current that answers a drifting
+/// voltage drifts with it.
+const HELD_WITHIN: f64 = 5e-3;
 
 /// The same, with one sentence about a voltage that goes in no steps because the current is held.
 pub(super) fn told(mut found: FoundDrive, channels: &[Channel]) -> FoundDrive {
