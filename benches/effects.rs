@@ -52,6 +52,7 @@ fn simulations(criterion: &mut Criterion) {
             length_cm: Some(0.5),
             duration_s: END_S,
             resolved_s: None,
+            tags: &[],
         };
         for (id, parameters) in effects {
             let applied = effect(id).map(|effect| Applied {

@@ -147,7 +147,12 @@ fn proof_words(gain: &Gain) -> String {
 
 fn print(group: &GroupEntry, output: &Output) {
     let count = counted(group.runs.len(), "run");
-    output.result(&format!("{} ({count}): {}", group.group, group.verdict.key()));
+    let doubt = match group.verdict.names_a_cause() && group.gain_is_clear == Some(false) {
+        true => ", not proved",
+        false => "",
+    };
+    let verdict = group.verdict.key();
+    output.result(&format!("{} ({count}): {verdict}{doubt}", group.group));
     output.result(&format!("    {}", group.sentence));
     for condemned in &group.condemned {
         output.result(&format!(

@@ -41,7 +41,7 @@ fn alarms_only(status: &Status, output: &Output) -> Result<u8, CliError> {
         });
     }
     output.document(
-        &json!({ "schema": "ieap/alarms/1", "alarms": status.alarms, "not_watched": status.monitoring }),
+        &json!({ "schema": "ieap/alarms/1", "alarms": status.alarms, "taken_back": status.alarms_taken_back, "not_watched": status.monitoring }),
     )?;
     Ok(match status.alarms.iter().any(|alarm| !alarm.acknowledged) {
         true => ALARM,
@@ -58,6 +58,13 @@ fn alarms(status: &Status, output: &Output) {
             .collect();
         list(output, "alarm", title, &lines);
     }
+    let taken_back: Vec<String> = status
+        .alarms_taken_back
+        .iter()
+        .map(|one| format!("{} {} But {}", one.id, one.message, one.set_aside.reason))
+        .collect();
+    let title = "that was told and is taken back, for its run is set aside";
+    list(output, "alarm", title, &taken_back);
 }
 
 fn print(status: &Status, output: &Output) {

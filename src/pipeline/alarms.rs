@@ -1,21 +1,29 @@
-//! Alarms of long-term monitoring: found from the current fits, each told once.
+//! Alarms of long-term monitoring: found from the current fits, each told once, and none because of readings that the
+//! diagnosis of their group is about to condemn.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
 use super::command::{self, Ended};
 use super::context::now;
+use super::diagnose::condemned_ahead;
 use super::fault::step;
-use super::{Context, Observer, PipelineError, standing};
+use super::standing::SetAside;
+use super::{Context, DiagnoseChoice, Observer, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Monitoring, monitor};
-use crate::domain::{Alarm, AlarmSign, Campaign};
+use crate::domain::{Alarm, AlarmSign, Campaign, RunRecord};
 use crate::numerics::interrupt;
 
 /// The verb that `run` and `watch` end with.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct RaiseAlarms;
+#[derive(Debug, Clone, Default)]
+pub struct RaiseAlarms {
+    /// The diagnosis that follows, if one does: a new alarm waits until it is known which runs of its series that will
+    /// condemn, and for no more of it.
+    pub diagnosis: Option<DiagnoseChoice>,
+}
 
 /// What was told.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
@@ -33,13 +41,45 @@ pub struct AlarmSummary {
 /// # Errors
 /// The database cannot be read, or a fault of the program stops it.
 pub fn monitoring(context: &Context) -> Result<Monitoring, PipelineError> {
-    let runs = standing::speaking(context)?;
+    watched(context, &standing::speaking(context)?)
+}
+
+fn watched(context: &Context, runs: &[RunRecord]) -> Result<Monitoring, PipelineError> {
     // The charge that passed is one axis among several and no alarm depends on it.
     let laws = || CampaignLaws {
-        facts: facts(&runs, &context.campaign, &vec![None; runs.len()]),
+        facts: facts(runs, &context.campaign, &vec![None; runs.len()]),
         ..CampaignLaws::default()
     };
-    step("monitoring", || Ok(monitor(&runs, &context.campaign, &laws())))
+    step("monitoring", || Ok(monitor(runs, &context.campaign, &laws())))
+}
+
+/// An alarm that was told and is taken back, because its run was set aside later.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct TakenBack {
+    /// Id of the alarm.
+    pub id: String,
+    /// What it said.
+    pub message: String,
+    /// Its run, and why no result is made from that.
+    pub set_aside: SetAside,
+}
+
+/// The alarms that were told of runs that are among `set_aside` now.
+///
+/// # Errors
+/// The database cannot be read.
+pub fn taken_back(context: &Context, set_aside: &[RunRecord]) -> Result<Vec<TakenBack>, PipelineError> {
+    let told = context.store.told_of_runs()?.into_iter();
+    let of_one = |[id, run, message]: [String; 3]| {
+        let run = set_aside.iter().find(|aside| aside.path == run)?;
+        let set_aside = SetAside::of(run);
+        Some(TakenBack {
+            id,
+            message,
+            set_aside,
+        })
+    };
+    Ok(told.filter_map(of_one).collect())
 }
 
 impl RaiseAlarms {
@@ -48,16 +88,15 @@ impl RaiseAlarms {
     ///
     /// # Errors
     /// The database fails.
-    pub fn run(self, context: &mut Context, observer: &dyn Observer) -> Result<AlarmSummary, PipelineError> {
-        let alarms = monitoring(context)?.alarms;
+    pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<AlarmSummary, PipelineError> {
         let told = context.store.told_alarms()?;
-        let standing: Vec<Alarm> = alarms.into_iter().filter(|alarm| !alarm.acknowledged).collect();
+        // A change is told once, whichever of its signs came first then.
+        let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
+        let standing = self.alarms(context, &is_new)?;
         let mut summary = AlarmSummary {
             standing: standing.len(),
             ..AlarmSummary::default()
         };
-        // A change is told once, whichever of its signs came first then.
-        let is_new = |alarm: &&Alarm| !alarm.shown_by.iter().any(|sign| told.contains(&sign.id));
         for alarm in standing.iter().filter(is_new) {
             context.store.save_alarm(&now(), alarm)?;
             observer.warn(&format!("alarm: {}", alarm.message));
@@ -74,6 +113,34 @@ impl RaiseAlarms {
             interrupt::check();
         }
         Ok(summary)
+    }
+
+    /// Alarms that are not acknowledged. Where one is new they are those without the runs that diagnoses will condemn.
+    fn alarms(
+        &self,
+        context: &Context,
+        is_new: &dyn Fn(&&Alarm) -> bool,
+    ) -> Result<Vec<Alarm>, PipelineError> {
+        let runs = standing::speaking(context)?;
+        let mut found = watched(context, &runs)?;
+        let open = |alarm: &&Alarm| !alarm.acknowledged;
+        let new: Vec<&Alarm> = found.alarms.iter().filter(open).filter(is_new).collect();
+        if let Some(choice) = self.diagnosis.as_ref().filter(|_| !new.is_empty()) {
+            let samples: BTreeSet<&str> = new.iter().map(|alarm| alarm.sample.as_str()).collect();
+            let of_new = found
+                .watched
+                .iter()
+                .filter(|one| samples.contains(one.sample.as_str()));
+            let asked = of_new
+                .flat_map(|one| &one.runs)
+                .map(|&run| runs[run].path.clone());
+            let ahead = condemned_ahead(context, choice, &asked.collect())?;
+            if !ahead.is_empty() {
+                found = watched(context, &standing::speaking_without(context, ahead)?)?;
+            }
+        }
+        found.alarms.retain(|alarm| !alarm.acknowledged);
+        Ok(found.alarms)
     }
 }
 

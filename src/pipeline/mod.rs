@@ -61,7 +61,7 @@ pub use crate::numerics::global::methods;
 pub use crate::numerics::interrupt::Interrupt;
 pub use across_runs::campaign_laws;
 pub use adopt::{Adopt, AdoptSummary};
-pub use alarms::{AlarmSummary, RaiseAlarms};
+pub use alarms::{AlarmSummary, RaiseAlarms, TakenBack};
 pub use climate::LogSummary;
 pub use context::{CODE_VERSION, Context};
 pub use diagnose::{DiagnoseChoice, DiagnoseRuns, DiagnoseSummary};

@@ -26,7 +26,7 @@ use crate::report;
 
 /// Folder of the report inside a campaign.
 pub const REPORT_FOLDER: &str = "report";
-/// Says what a report was made from, so that an unchanged one is not made again. A report with faults has none.
+/// Says what a report was made from, so that an unchanged one is not made again. One with faults says it beside them.
 pub(super) const STAMP: &str = ".made-from";
 /// What a fault of the program left out of the report; there where something is.
 pub(super) const FAULTS: &str = ".faults.json";
@@ -53,12 +53,22 @@ pub struct ReportSummary {
     pub faults: Vec<Fault>,
 }
 
+/// What stands in [`FAULTS`].
+#[derive(Debug, Default, serde::Serialize, serde::Deserialize)]
+struct Faulty {
+    /// The stamp that the report would have without them: the same input would only bring the same faults again.
+    made_from: String,
+    faults: Vec<Fault>,
+}
+
+fn faulty(folder: &Path) -> Option<Faulty> {
+    let text = std::fs::read_to_string(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
 /// What a fault of the program left out of the report that stands.
 pub fn report_faults(folder: &Path) -> Vec<Fault> {
-    let text = std::fs::read_to_string(folder.join(REPORT_FOLDER).join(FAULTS));
-    text.ok()
-        .and_then(|text| serde_json::from_str(&text).ok())
-        .unwrap_or_default()
+    faulty(folder).map_or_else(Vec::new, |faulty| faulty.faults)
 }
 
 impl RenderReport {
@@ -85,7 +95,10 @@ impl RenderReport {
             faults: Vec::new(),
         };
         if current && !self.again {
-            return Ok(unchanged(None));
+            return Ok(ReportSummary {
+                faults: report_faults(&context.folder),
+                ..unchanged(None)
+            });
         }
         if let Some(refused) = not_ours(&context.folder)? {
             return Ok(unchanged(Some(refused)));
@@ -127,8 +140,9 @@ fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
 /// Whether a report with that stamp is there.
 fn stands(context: &Context, stamp: &str) -> bool {
     let folder = context.folder.join(REPORT_FOLDER);
-    folder.join("index.html").exists()
-        && std::fs::read_to_string(folder.join(STAMP)).is_ok_and(|found| found == stamp)
+    let made_from = std::fs::read_to_string(folder.join(STAMP)).ok();
+    let made_from = made_from.or_else(|| Some(faulty(&context.folder)?.made_from));
+    folder.join("index.html").exists() && made_from.is_some_and(|found| found == stamp)
 }
 
 /// Whether the report shows the campaign as it is.
@@ -218,7 +232,7 @@ fn write_fresh(
     let rendered = rendered?;
     let (name, text) = match rendered.faults.is_empty() {
         true => (STAMP, stamp.to_owned()),
-        false => (FAULTS, serde_json::json!(rendered.faults).to_string()),
+        false => (FAULTS, faults_text(stamp, &rendered.faults)),
     };
     std::fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
     fresh
@@ -226,6 +240,14 @@ fn write_fresh(
         .map_err(failed(folder, "listing the report's files"))?;
     sync(folder);
     Ok(rendered)
+}
+
+fn faults_text(stamp: &str, faults: &[Fault]) -> String {
+    let faulty = Faulty {
+        made_from: stamp.to_owned(),
+        faults: faults.to_vec(),
+    };
+    serde_json::json!(faulty).to_string()
 }
 
 /// Brings the report to the disk before it takes the old one's place. What fails here costs durability only:

@@ -84,7 +84,7 @@ impl Run {
     /// Does the main job once with every file that is there. A file that is still written when it is read is
     /// noticed (its size or time changes, or its last line is not whole) and taken as a new revision later.
     ///
-    /// A diagnosis may take long: alarms are raised before it, and where there is something to diagnose a first report
+    /// A diagnosis may take long: alarms are raised before it, of runs that it will not condemn, and where there is something to diagnose a first report
     /// stands before it begins.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ impl Run {
             let later = self.fits().run(context, observer)?;
             fit.fitted += later.fitted;
             fit.not_converged.extend(later.not_converged);
-            let later = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
+            let later = or_nothing(self.alarms().run(context, observer), &mut faults)?;
             alarms.standing = later.standing;
             alarms.new.extend(later.new);
             alarms.failed_commands.extend(later.failed_commands);
@@ -152,7 +152,7 @@ impl Run {
         let fit = self.fits().run(context, observer)?;
         let modulus = AnalyseModulus::default().run(context, observer)?;
         let mut faults = Vec::new();
-        let alarms = or_nothing(RaiseAlarms.run(context, observer), &mut faults)?;
+        let alarms = or_nothing(self.alarms().run(context, observer), &mut faults)?;
         Ok(Made {
             fit,
             modulus,
@@ -165,6 +165,12 @@ impl Run {
     fn fits(&self) -> FitRuns {
         let choice = self.fit.clone();
         FitRuns { choice, again: false }
+    }
+
+    /// The alarms that belong to it.
+    fn alarms(&self) -> RaiseAlarms {
+        let diagnosis = (!self.skip_diagnosis).then(|| self.diagnosis().choice);
+        RaiseAlarms { diagnosis }
     }
 
     /// The diagnosis that belongs to it.

@@ -55,7 +55,8 @@ impl Runs {
 /// # Errors
 /// The database cannot be read.
 pub fn all(context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
-    decided(context, context.store.runs()?, true)
+    let diagnosed = context.store.condemned_by_diagnosis()?;
+    decided(context, context.store.runs()?, Some(&diagnosed))
 }
 
 /// The same, by whether they speak.
@@ -79,7 +80,20 @@ pub fn speaking(context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
 /// # Errors
 /// The database cannot be read.
 pub(super) fn to_diagnose(context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
-    Ok(Runs::of(decided(context, context.store.runs()?, false)?).speaking)
+    Ok(Runs::of(decided(context, context.store.runs()?, None)?).speaking)
+}
+
+/// The runs that results are made from once diagnoses that are due have condemned those of `ahead`: row id and reason.
+///
+/// # Errors
+/// The database cannot be read.
+pub(super) fn speaking_without(
+    context: &Context,
+    ahead: BTreeMap<i64, String>,
+) -> Result<Vec<RunRecord>, PipelineError> {
+    let mut diagnosed = context.store.condemned_by_diagnosis()?;
+    diagnosed.extend(ahead);
+    Ok(Runs::of(decided(context, context.store.runs()?, Some(&diagnosed))?).speaking)
 }
 
 /// Runs as they were, those of them that speak now: what is found out about readings is true of their earlier fits too.
@@ -101,14 +115,13 @@ pub(super) fn speaking_earlier(
 fn decided(
     context: &Context,
     mut runs: Vec<RunRecord>,
-    with_diagnosis: bool,
+    diagnosed: Option<&BTreeMap<i64, String>>,
 ) -> Result<Vec<RunRecord>, PipelineError> {
-    let diagnosed = context.store.condemned_by_diagnosis()?;
     let grounds = Grounds {
         campaign: &context.campaign,
         words: &context.store.run_words()?,
         same: &context.store.same_readings()?,
-        diagnosed: with_diagnosis.then_some(&diagnosed),
+        diagnosed,
     };
     decide(&mut runs, &grounds);
     Ok(runs)

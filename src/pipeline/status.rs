@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::alarms::TakenBack;
 use super::context::CODE_VERSION;
 use super::fault::or_nothing;
 use super::fit::is_of_failed_fit;
@@ -88,6 +89,8 @@ pub struct Status {
     pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
     /// Alarms of long-term monitoring.
     pub alarms: Vec<Alarm>,
+    /// Alarms that were told of runs that were set aside later.
+    pub alarms_taken_back: Vec<TakenBack>,
     /// Why nothing is watched; none where something is.
     pub monitoring: Option<String>,
     /// Why the report cannot be written anew: its folder holds what the program did not write.
@@ -232,6 +235,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         climate: climate(context, &runs)?,
         monitoring: watched.reference.is_none().then_some(watched.why_not),
         alarms: watched.alarms,
+        alarms_taken_back: super::alarms::taken_back(context, &set_aside)?,
         report_refused: super::report::not_ours(&context.folder)?,
         faults,
         planned: planned(context, &standing::all(context)?)?,

@@ -260,7 +260,7 @@ fn worked_through(folder: &Path) -> Result<Option<Context>, TestCaseError> {
     prop_assert!(!found.has_fault(), "{:?}", found.failed);
     let logs = AnalyseModulus::default().run(context_of, &Silent);
     prop_assert!(!logs.map_err(|error| failed("modulus", &error))?.has_fault());
-    RaiseAlarms
+    RaiseAlarms::default()
         .run(context_of, &Silent)
         .map_err(|error| failed("alarms", &error))?;
     let report = RenderReport::default().run(context_of, &Silent);

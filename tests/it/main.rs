@@ -5,6 +5,7 @@ mod ageing_data;
 mod along;
 mod any_runs;
 mod architecture;
+mod aside;
 mod backups;
 mod bad_input;
 mod beside;

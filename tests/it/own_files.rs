@@ -87,6 +87,64 @@ fn a_sweep_waits_for_nothing_and_is_counted_as_what_it_is() {
     assert_eq!(fits["not_fitted"][0]["state"], "no_steps");
 }
 
+/// What is said of every run: code and sentence, by path.
+fn told(folder: &CampaignFolder) -> Vec<(String, Vec<String>)> {
+    let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
+    let runs = fits["not_fitted"].as_array().unwrap().iter();
+    let of_run = |run: &serde_json::Value| {
+        let issues = run["issues"].as_array().unwrap().iter();
+        let said = |issue: &serde_json::Value| issue["message"].as_str().unwrap().to_owned();
+        (
+            run["run"].as_str().unwrap().to_owned(),
+            issues.map(said).collect(),
+        )
+    };
+    runs.map(of_run).collect()
+}
+
+#[test]
+fn a_record_of_a_constant_current_is_told_by_one_sentence() {
+    let folder = CampaignFolder::new();
+    // A voltage that climbs far, and one that drifts by a few millivolts.
+    for (name, volts) in [("climbs", 0.8), ("drifts", 0.008)] {
+        let row = |k: i32| {
+            let share = f64::from(k) / 200.0;
+            let current = 1e-3 + 1e-7 * f64::from(k % 3);
+            format!("{k},{:.5},{current:.7}\n", 0.3 + volts * share)
+        };
+        let rows: String = (0..200).map(row).collect();
+        folder.write(
+            &format!("runs/{name}.csv"),
+            format!("time_s,voltage_v,current_a\n{rows}"),
+        );
+    }
+    // The same by an instrument that states the technique.
+    let rows: String = (0..200)
+        .map(|k| format!("{k}\t{:.5}\t1.00000\r\n", 0.3 + 0.00004 * f64::from(k)))
+        .collect();
+    let head = "EC-Lab ASCII FILE\r\nNb header lines : 4\r\nChronopotentiometry\r\n";
+    folder.write(
+        "runs/stated.mpt",
+        format!("{head}time/s\tEwe/V\t<I>/mA\r\n{rows}"),
+    );
+    let _ = folder.ieap(&["ingest"]);
+    let told = told(&folder);
+    assert_eq!(told.len(), 3, "{told:#?}");
+    for (run, said) in &told {
+        let about = |text: &&String| text.contains("voltage");
+        assert_eq!(said.iter().filter(about).count(), 1, "{run}: {said:#?}");
+        let wanted = match run.ends_with("mpt") {
+            true => "this technique is no response to voltage steps",
+            false => "the current is held at 1.000e-3 A",
+        };
+        assert!(said.iter().any(|text| text.contains(wanted)), "{run}: {said:#?}");
+        assert!(
+            said.iter()
+                .all(|text| !text.contains("changes") && !text.contains("missing"))
+        );
+    }
+}
+
 #[test]
 fn a_logger_with_dots_speaks_and_one_with_slashes_follows_the_folder_or_campaign_toml() {
     let log = |date: &str| {

@@ -77,7 +77,7 @@ fn lines_are_read_between_their_vertices() {
     let figures: Vec<Value> = views
         .iter()
         .map(|view| {
-            let svg = response(&curve, *view, "Current", "").unwrap().unwrap();
+            let svg = response(&curve, *view, "Current", false).unwrap().unwrap();
             json!({"svg": svg, "time_s": &curve.time_s[1..], "fitted": &curve.fitted[1..]})
         })
         .collect();

@@ -417,12 +417,12 @@ pub struct MadeUpCurves {
 impl MadeUpCurves {
     /// Curves for the runs of `input`, by id.
     pub fn of(input: &Input) -> MadeUpCurves {
-        let last = input.runs.iter().map(|run| run.id as usize).max().unwrap_or(0);
+        let last = input.records().map(|run| run.id as usize).max().unwrap_or(0);
         let mut curves = MadeUpCurves {
             fitted: vec![false; last + 1],
             quantities: vec![0; last + 1],
         };
-        for run in &input.runs {
+        for run in input.records() {
             curves.fitted[run.id as usize] = run.fit.is_some();
             curves.quantities[run.id as usize] = run.channels.len();
         }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::campaign::CampaignFolder;
+use super::campaign::{CAMPAIGN_TOML, CampaignFolder};
 
 /// How a run is written, and of what strip it is.
 #[derive(Clone)]
@@ -105,7 +105,7 @@ fn results(folder: &CampaignFolder) -> Vec<(String, String)> {
     ] {
         let path = folder.join(&format!("report/{page}.html"));
         let text = std::fs::read_to_string(path).unwrap_or_default();
-        all.push((format!("{page}.html"), without_origin(&text)));
+        all.push((format!("{page}.html"), without_aside(&without_origin(&text))));
     }
     all
 }
@@ -117,6 +117,23 @@ fn without_origin(text: &str) -> String {
         _ => part.split_once('Z').map_or(part, |(_, rest)| rest).to_owned(),
     });
     parts.collect()
+}
+
+/// Without what is shown of runs set aside: their marks, and the words about them.
+fn without_aside(page: &str) -> String {
+    let mut page = page.to_owned();
+    for (mark, end) in [
+        (" data-aside=1", "</g>"),
+        (" class=\"legend aside\"", "</p>"),
+        (" class=\"remark aside\"", "</p>"),
+    ] {
+        while let Some(at) = page.find(mark) {
+            let start = page[..at].rfind('<').unwrap();
+            let length = page[at..].find(end).unwrap() + end.len();
+            page.replace_range(start..at + length, "");
+        }
+    }
+    page
 }
 
 /// Without file hashes of what was stored when.
@@ -235,6 +252,10 @@ fn results_with_bad_runs_are_those_without_them() {
             first_difference(expected, found)
         );
     }
+    // What is condemned is shown beside the results, hollow and with the reason.
+    let comparison = std::fs::read_to_string(spoilt.join("report/comparison.html")).unwrap();
+    assert!(comparison.contains("data-aside=1") && comparison.contains("its current is 1000 times"));
+    assert!(comparison.contains("Beyond the axes, at an arrow: air/milliamperes.csv, set aside ("));
     // They stand in the lists of runs with the reason, and have their pages.
     let index = page_text(&spoilt, "index.html");
     assert!(
@@ -264,6 +285,75 @@ fn results_with_bad_runs_are_those_without_them() {
         .expect(0);
     let export = std::fs::read_to_string(spoilt.join("runs.csv")).unwrap();
     assert!(export.contains(",dropped,") && export.contains(",condemned,") && export.contains(",copy,"));
+}
+
+/// Six runs of one condition with a limit, the last one with ten times the current: a diagnosis condemns it.
+fn watched_with_an_odd_run() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    let monitoring = "[monitoring]\ncommand = [\"sh\", \"-c\", \"echo $IEAP_ALARM_RUN >> told.txt\"]\n\
+                      [[monitoring.limit]]\nparameter = \"rss_ohm_cm2\"\nbelow = 5e3\n";
+    folder.write("campaign.toml", format!("{CAMPAIGN_TOML}{monitoring}"));
+    for cycle in 1..=6 {
+        let written = Written {
+            current: if cycle == 6 { 10.0 } else { 1.0 },
+            ..Written::of(cycle, 2.0)
+        };
+        folder.write(&format!("runs/{cycle}.csv.toml"), format!("cycle = {cycle}\n"));
+        folder.write(&format!("runs/{cycle}.csv"), written.text());
+    }
+    folder
+}
+
+#[cfg(unix)]
+#[test]
+fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
+    // Where no diagnosis follows, nothing speaks against the run.
+    let folder = watched_with_an_odd_run();
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let told = std::fs::read_to_string(folder.join("told.txt")).unwrap();
+    assert!(told.contains("runs/6.csv"), "{told}");
+    // Condemned later, it is taken back, and that is said.
+    let _ = folder.ieap(&["status", "--alarms"]).expect(5);
+    let _ = folder.run_json();
+    let lifted = folder.ieap(&["status", "--alarms"]).expect(0).stdout;
+    assert!(
+        lifted.contains("is taken back") && lifted.contains("its unit is wrong"),
+        "{lifted}"
+    );
+    // Where one follows, the alarm waits for what it says of the run, and then there is none.
+    let folder = watched_with_an_odd_run();
+    let run = folder.run_json();
+    assert_eq!(run["run"]["alarms"]["new"], serde_json::json!([]), "{run:#}");
+    assert!(!folder.join("told.txt").exists());
+    assert_eq!(aside(&folder)[0].0, "runs/6.csv");
+    let _ = folder.ieap(&["status", "--alarms"]).expect(0);
+}
+
+#[test]
+fn a_report_with_a_fault_is_not_made_again_until_something_changes() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", Written::of(1, 2.0).text());
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    // As a fault of a page leaves it.
+    let report = folder.join("report");
+    let stamp = std::fs::read_to_string(report.join(".made-from")).unwrap();
+    std::fs::remove_file(report.join(".made-from")).unwrap();
+    let fault = serde_json::json!({ "place": "comparison.html", "runs": [], "reason": "a fault" });
+    let faulty = serde_json::json!({ "made_from": stamp, "faults": [fault] });
+    std::fs::write(report.join(".faults.json"), faulty.to_string()).unwrap();
+    let written = std::fs::read_to_string(report.join(".written")).unwrap();
+    std::fs::write(
+        report.join(".written"),
+        written.replace(".made-from", ".faults.json"),
+    )
+    .unwrap();
+    // It stands, and the fault is told again.
+    let again = folder.ieap(&["report", "--json"]).expect(1).json();
+    assert_eq!(again["report"]["rendered"], false, "{again:#}");
+    assert_eq!(again["report"]["faults"][0]["reason"], "a fault");
+    folder.write("runs/b.csv", Written::of(2, 2.0).text());
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    assert!(report.join(".made-from").exists() && !report.join(".faults.json").exists());
 }
 
 fn first_difference(one: &str, other: &str) -> String {

@@ -70,6 +70,20 @@ impl Conditions {
                 == (material, surroundings, voltage)
         })
     }
+
+    /// Where a run that is not among those of the table would stand: indices of its material, surroundings and voltage.
+    /// None where no run of the table was measured with that material, at that voltage, or near that humidity.
+    pub fn place_of(&self, run: &RunRecord, campaign: &Campaign) -> Option<(usize, usize, usize)> {
+        let place = place(0, run, campaign)?;
+        let material = self.materials.iter().position(|name| name == place.material)?;
+        let of_voltage = |volts: &f64| (volts / VOLTAGE_STEP_V).round() as i64 == place.voltage_step;
+        let voltage = self.voltages_v.iter().position(of_voltage)?;
+        let apart = |surroundings: &Surroundings| surroundings.apart_percent(&place);
+        let near = self.surroundings.iter().enumerate();
+        let near = near.filter_map(|(at, surroundings)| Some((apart(surroundings)?, at)));
+        let (_, surroundings) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((material, surroundings, voltage))
+    }
 }
 
 /// Material of a run: that of its sample, or the sample's id where the campaign does not know the sample.
@@ -195,6 +209,18 @@ fn levels(places: &[Place], environment: String) -> Vec<Surroundings> {
 }
 
 impl Surroundings {
+    /// How far a run's humidity lies outside the level, percentage points; none where it would be a level of its own.
+    fn apart_percent(&self, place: &Place) -> Option<f64> {
+        let apart = match (self.humidity, place.humidity_percent) {
+            (Some(level), Some(percent)) => (level.low_percent - percent)
+                .max(percent - level.high_percent)
+                .max(0.0),
+            (None, None) => 0.0,
+            _ => return None,
+        };
+        (self.environment == place.environment && apart <= HUMIDITY_GAP_PERCENT).then_some(apart)
+    }
+
     fn holds(&self, place: &Place) -> bool {
         let humidity_fits = match (self.humidity, place.humidity_percent) {
             (Some(level), Some(percent)) => (level.low_percent..=level.high_percent).contains(&percent),
@@ -251,6 +277,27 @@ mod tests {
         assert_eq!(table.at(0, 1, 0).unwrap().runs, [1, 3]);
         assert!(table.at(1, 0, 0).is_none());
         assert!(table.unplaced.is_empty());
+    }
+
+    #[test]
+    fn a_run_that_is_not_of_the_table_stands_where_the_others_of_its_condition_do() {
+        let runs = [
+            run("a", "CNaf-01", "air", Some(30.0), 1.2),
+            run("b", "CNaf-01", "air", Some(60.0), 2.5),
+            run("c", "CPvf-01", "vacuum", None, 2.5),
+        ];
+        let table = conditions(&runs, &campaign());
+        let place = |sample, environment, percent, volts| {
+            table.place_of(&run("odd", sample, environment, percent, volts), &campaign())
+        };
+        // Vacuum, then air at two levels; the levels stay as they are.
+        assert_eq!(place("CNaf-01", "air", Some(34.0), 2.5), Some((0, 1, 1)));
+        assert_eq!(place("CPvf-01", "air", Some(57.0), 1.2), Some((1, 2, 0)));
+        assert_eq!(place("CNaf-01", "vacuum", None, 1.2), Some((0, 0, 0)));
+        assert_eq!(place("CNaf-01", "air", Some(45.0), 2.5), None);
+        assert_eq!(place("CNaf-01", "air", None, 2.5), None);
+        assert_eq!(place("CNaf-01", "air", Some(30.0), 2.0), None);
+        assert_eq!(place("CNaf-01", "inert", None, 2.5), None);
     }
 
     #[test]

@@ -21,6 +21,7 @@ pub(super) fn alone(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlon
         RunAlone {
             run: run.name.to_owned(),
             verdict: found.verdict,
+            gains_clearly: found.gains_clearly(),
             p_misfit: found.p_misfit,
             set: found.set,
         }
@@ -67,6 +68,7 @@ mod tests {
         RunAlone {
             run: "run".to_owned(),
             verdict,
+            gains_clearly: true,
             p_misfit: None,
             set: set.iter().map(|id| (*id).to_owned()).collect(),
         }

@@ -111,6 +111,21 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     found
 }
 
+/// The runs that a diagnosis of this group condemns, which it finds out first of all: it takes a fit of each run, where
+/// the whole may take hours.
+pub fn condemned(runs: &[RunInput], model: &'static FitModel) -> Vec<CondemnedRun> {
+    let mut found: Vec<CondemnedRun> = Vec::new();
+    loop {
+        let is_odd = |run: &&RunInput| found.iter().any(|odd| odd.run == run.name);
+        let rest: Vec<RunInput> = runs.iter().filter(|run| !is_odd(run)).copied().collect();
+        let odd = odd_scale::odd_runs(&group::Group::new(&rest), model);
+        if odd.is_empty() {
+            return found;
+        }
+        found.extend(odd);
+    }
+}
+
 /// The diagnosis of the runs that are not among `odd`, which are named beside it.
 fn without(
     name: &str,

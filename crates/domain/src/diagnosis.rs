@@ -292,6 +292,10 @@ pub struct RunAlone {
     pub run: String,
     /// Kind of the finding.
     pub verdict: Verdict,
+    /// Whether nothing of it was held out, or what was is predicted clearly better. Not known of findings that were stored
+    /// without it: those claim no gain.
+    #[serde(default)]
+    pub gains_clearly: bool,
     /// Chance of such a misfit where the model is right; not corrected for the number of runs.
     pub p_misfit: Option<f64>,
     /// Ids of the causes that may be it.

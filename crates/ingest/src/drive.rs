@@ -3,7 +3,7 @@
 use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// Code of the issue of a voltage that does not go in steps.
 pub const NO_STEPS: &str = "not-piecewise-constant";
@@ -21,6 +21,7 @@ const MOST_STEPS_SHARE: f64 = 0.05;
 /// Levels that are few: pulses go between two or three, a sweep passes all it can.
 const FEW_LEVELS: usize = 10;
 
+mod held_current;
 pub mod jumps;
 mod stated;
 
@@ -85,7 +86,12 @@ pub fn find(
             issues: Vec::new(),
         },
     };
-    with_open_circuit(found, &open)
+    with_open_circuit(held_current::told(found, channels), &open)
+}
+
+/// Whether a channel says what voltage was applied.
+pub fn has_voltage(channels: &[Channel]) -> bool {
+    stated::driving(channels).is_some()
 }
 
 fn from_channel(voltage: &Channel, time_zero_is_step: bool, open: &[(f64, f64)]) -> FoundDrive {

@@ -1,6 +1,7 @@
 //! Static site: pages, tables and figures. Pages show what analysis computed and curves that fits stored;
 //! nothing is fitted here.
 
+pub mod aside;
 mod compact;
 mod drawn_runs;
 pub mod error;

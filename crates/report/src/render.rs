@@ -256,6 +256,7 @@ impl Press<'_> {
 const STYLE: &str = include_str!("../../../templates/style.css");
 const SCRIPT: &str = include_str!("../../../templates/site.js");
 const LAYOUT: &str = include_str!("../../../templates/layout.html");
+const ASIDE: &str = include_str!("../../../templates/aside.html");
 const FAULT: &str = include_str!("../../../templates/fault.html");
 /// The page that leads to all others.
 const INDEX: &str = "index.html";
@@ -268,6 +269,7 @@ fn templates(site: &Site) -> Result<Tera, ReportError> {
     let pages = site.pages.iter().map(|page| (page.file, page.template));
     let all = [
         ("layout.html", LAYOUT),
+        ("aside.html", ASIDE),
         ("fault.html", FAULT),
         ("run.html", RUN_TEMPLATE),
         ("finding.html", FINDING_TEMPLATE),

@@ -1,5 +1,6 @@
 //! What pages are made from: the input in the order of the site, and the addresses of its pages.
 
+use super::aside::{Aside, aside};
 use super::input::Input;
 use super::pages::{PAGES, Page};
 use super::run_pages::{RunPage, run_pages};
@@ -18,6 +19,8 @@ pub struct Site<'a> {
     pub conditions: Conditions,
     /// What is known of the runs that parameters may follow; charges are not among it.
     pub facts: Vec<RunFacts>,
+    /// Runs whose readings are known to be wrong, and where they would have stood.
+    pub aside: Vec<Aside>,
     /// Pages that the site has once, in the order of the navigation.
     pub pages: Vec<&'static Page>,
     /// Pages of the runs.
@@ -43,13 +46,16 @@ impl<'a> Site<'a> {
         for (index, page) in run_pages.iter().enumerate() {
             page.runs.iter().for_each(|&run| pages_of_runs[run] = index);
         }
+        let conditions = conditions(&input.runs, &input.campaign);
+        let facts = facts(&input.runs, &input.campaign, &[]);
         Site {
             input,
             run_pages,
             pages_of_runs,
             faults: input.faults.clone(),
-            conditions: conditions(&input.runs, &input.campaign),
-            facts: facts(&input.runs, &input.campaign, &[]),
+            aside: aside(input, &conditions, &facts),
+            conditions,
+            facts,
             pages: PAGES
                 .iter()
                 // A page that cannot say so is shown: its box tells why.

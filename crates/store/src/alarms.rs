@@ -26,6 +26,23 @@ impl Store {
         ids.collect::<Result<_, _>>().map_err(|e| self.failed(doing, e))
     }
 
+    /// Id, run and message of the alarms that were told, by when.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn told_of_runs(&self) -> Result<Vec<[String; 3]>, StoreError> {
+        let doing = "reading alarms";
+        self.check_seal(&Subject::Alarms)?;
+        let mut statement = self
+            .connection
+            .prepare_cached("SELECT id, run_path, message FROM alarm ORDER BY raised_at, id")
+            .map_err(|e| self.failed(doing, e))?;
+        let told = statement
+            .query_map([], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?]))
+            .map_err(|e| self.failed(doing, e))?;
+        told.collect::<Result<_, _>>().map_err(|e| self.failed(doing, e))
+    }
+
     /// Records an alarm as told. Whoever tells it does so after this: a crash in between loses a message and never
     /// sends one twice.
     ///

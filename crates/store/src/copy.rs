@@ -1,5 +1,6 @@
 //! Copies of a database that is in use.
 
+use crate::journal::Journal;
 use std::path::Path;
 
 use rusqlite::backup::{Backup, StepResult};
@@ -80,6 +81,7 @@ impl Store {
             connection,
             path: path.to_owned(),
             place: in_place::Place::default(),
+            journal: Journal::default(),
         })
     }
 }

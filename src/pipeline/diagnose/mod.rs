@@ -1,5 +1,6 @@
 //! Diagnoses every group of runs, and every run alone, that is new or whose input changed.
 
+mod ahead;
 mod from_others;
 mod input_hash;
 mod outdated;
@@ -20,6 +21,7 @@ use crate::ingest::derived;
 use crate::model::ModelChoice;
 use crate::numerics::interrupt;
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
+pub(super) use ahead::condemned_ahead;
 use input_hash::input_hash;
 pub(super) use input_hash::{library_hash, take_task};
 pub(super) use outdated::waiting;

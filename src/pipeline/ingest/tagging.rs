@@ -83,7 +83,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         planned: &planned,
         header: &header,
         channel_voltage_v,
-        has_voltage: input.channels.iter().any(|c| c.is_whole(Quantity::Voltage)),
+        has_voltage: drive::has_voltage(input.channels),
         other_names: &other_names,
         ambient: &[],
     };

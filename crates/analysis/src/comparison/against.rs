@@ -45,15 +45,7 @@ impl Against {
 
     /// Places of `runs`; none where fewer than two differ. `facts` hold what is known of the climate of runs.
     pub fn places(self, runs: &[RunRecord], campaign: &Campaign, facts: &[RunFacts]) -> Option<Places> {
-        let exact = |value: f64| Known {
-            value,
-            standard_error: None,
-        };
-        let name_of = |run: &RunRecord| match self {
-            Against::Environment => run.tag(keys::ENVIRONMENT).map(str::to_owned),
-            Against::Material => material(run, campaign).map(str::to_owned),
-            _ => run.tag(keys::SAMPLE).map(str::to_owned),
-        };
+        let name_of = |run| self.name_of(run, campaign).map(str::to_owned);
         let places = match self {
             Against::Humidity => {
                 let mut of_run = vec![None; runs.len()];
@@ -92,6 +84,36 @@ impl Against {
         known.any(|value| value != first).then_some(places)
     }
 
+    /// Where a run that is not among those of `places` would stand; `facts` is what is known of it. None where it states
+    /// nothing, or a name that none of them has.
+    pub fn place_of(
+        self,
+        run: &RunRecord,
+        campaign: &Campaign,
+        facts: Option<&RunFacts>,
+        places: &Places,
+    ) -> Option<Known> {
+        match self {
+            Against::Humidity => facts?.numbers.get(&Covariate::RelativeHumidity).copied(),
+            Against::Voltage => nominal_voltage_v(run).map(exact),
+            Against::Time => start_s(run).map(exact),
+            Against::Environment | Against::Material | Against::Sample => {
+                let name = self.name_of(run, campaign)?;
+                let at = places.names.iter().position(|known| known == name)?;
+                Some(exact(at as f64))
+            }
+        }
+    }
+
+    /// Environment, material or sample.
+    fn name_of<'a>(self, run: &'a RunRecord, campaign: &'a Campaign) -> Option<&'a str> {
+        match self {
+            Against::Environment => run.tag(keys::ENVIRONMENT),
+            Against::Material => material(run, campaign),
+            _ => run.tag(keys::SAMPLE),
+        }
+    }
+
     /// Names in the order of campaign.toml.
     fn stated(self, campaign: &Campaign) -> Vec<&str> {
         match self {
@@ -108,6 +130,13 @@ impl Against {
                 .collect(),
             _ => campaign.samples.iter().map(|known| known.id.as_str()).collect(),
         }
+    }
+}
+
+fn exact(value: f64) -> Known {
+    Known {
+        value,
+        standard_error: None,
     }
 }
 

@@ -53,6 +53,39 @@ pub fn facts(runs: &[RunRecord], campaign: &Campaign, charge_c: &[Option<f64>]) 
     facts
 }
 
+/// Facts of a run that is not among `runs`: what it states of itself, and where it would stand among those of its sample,
+/// whose facts are `known` and stay as they are. As it counts for none of them it stands between two in their order. The
+/// charge before it and the way of the humidity to it are not among them. The index of the run is 0.
+pub fn facts_beside(
+    run: &RunRecord,
+    runs: &[RunRecord],
+    known: &[RunFacts],
+    campaign: &Campaign,
+) -> Option<RunFacts> {
+    let mut fact = of_run(0, run, campaign, &declared(runs, &campaign.extra_tags))?;
+    let mates: Vec<&RunFacts> = known.iter().filter(|mate| mate.sample == fact.sample).collect();
+    let exact = |value: f64| Known {
+        value,
+        standard_error: None,
+    };
+    let starts: Option<Vec<f64>> = mates.iter().map(|mate| start_s(&runs[mate.run])).collect();
+    let started = start_s(run).zip(starts);
+    if let Some((start, starts)) = &started
+        && let Some(first) = starts.iter().copied().reduce(f64::min)
+    {
+        fact.numbers
+            .insert(Covariate::Age, exact((start - first) / 3600.0));
+    }
+    let cycle = |fact: &RunFacts| fact.numbers.get(&Covariate::Cycle).map(|known| known.value);
+    let cycles: Option<Vec<f64>> = mates.iter().map(|mate| cycle(mate)).collect();
+    if let Some((own, others)) = started.or_else(|| cycle(&fact).zip(cycles)) {
+        let before = others.iter().filter(|other| **other < own).count();
+        fact.numbers
+            .insert(Covariate::RunOrder, exact(before as f64 + 0.5));
+    }
+    Some(fact)
+}
+
 /// The covariate of each declared tag: of numbers where every value that a run states is one, else of names.
 fn declared<'k>(runs: &[RunRecord], extra: &'k [String]) -> Vec<(&'k str, Covariate)> {
     let covariate = |key: &'k String| {
@@ -306,6 +339,25 @@ mod tests {
             .collect();
         assert_eq!(ages, [0.0, 1.0, 5.0]);
         assert!(!found[1].numbers.contains_key(&Covariate::ChargeBefore));
+    }
+
+    #[test]
+    fn a_run_beside_the_others_stands_between_them_and_moves_none() {
+        let of = |name: &str, hour: u32| {
+            let mut run = run(name, "CNaf-01", "air", Some(34.0), 2.0);
+            let start = format!("2026-11-20T{hour:02}:00:00Z");
+            run.tags.push(tag(keys::STARTED_AT, &start));
+            run
+        };
+        let runs = [of("a", 4), of("b", 8)];
+        let known = facts(&runs, &campaign(), &[]);
+        let beside = |hour| facts_beside(&of("odd", hour), &runs, &known, &campaign()).unwrap();
+        let of = |hour, covariate| beside(hour).numbers.get(&covariate).map(|known| known.value);
+        assert_eq!(of(6, Covariate::RunOrder), Some(1.5));
+        assert_eq!(of(6, Covariate::Age), Some(2.0));
+        assert_eq!(of(9, Covariate::RunOrder), Some(2.5));
+        assert_eq!(of(1, Covariate::Age), Some(-3.0));
+        assert_eq!(of(6, Covariate::ChargeBefore), None);
     }
 
     #[test]

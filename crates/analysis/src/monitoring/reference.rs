@@ -22,6 +22,24 @@ pub struct Reference {
     pub is_named: bool,
     /// Facts of its runs.
     pub places: Vec<usize>,
+    /// Facts of the run that all of them are like; none where campaign.toml names it.
+    center: Option<usize>,
+}
+
+impl Reference {
+    /// Whether a run that is not among `facts` was made in it; `fact` is what is known of that run.
+    pub fn holds(
+        &self,
+        run: &RunRecord,
+        fact: &RunFacts,
+        facts: &[RunFacts],
+        rules: &MonitoringRules,
+    ) -> bool {
+        match self.center {
+            Some(center) => alike(&facts[center], fact),
+            None => is_named(run, rules),
+        }
+    }
 }
 
 /// The reference that campaign.toml names, or the condition that a sample was measured in most often. Else the reason
@@ -56,17 +74,6 @@ pub fn reference(
 }
 
 fn named(runs: &[RunRecord], facts: &[RunFacts], rules: &MonitoringRules) -> Reference {
-    let is_it = |fact: &RunFacts| {
-        rules.reference.iter().all(|(key, wanted)| {
-            let Some(found) = runs[fact.run].tag(key) else {
-                return false;
-            };
-            match (found.parse::<f64>(), wanted.parse::<f64>()) {
-                (Ok(found), Ok(wanted)) => (found - wanted).abs() <= tolerance(key, wanted),
-                _ => found == wanted,
-            }
-        })
-    };
     let words: Vec<String> = rules
         .reference
         .iter()
@@ -75,8 +82,24 @@ fn named(runs: &[RunRecord], facts: &[RunFacts], rules: &MonitoringRules) -> Ref
     Reference {
         text: words.join(", "),
         is_named: true,
-        places: (0..facts.len()).filter(|&place| is_it(&facts[place])).collect(),
+        places: (0..facts.len())
+            .filter(|&place| is_named(&runs[facts[place].run], rules))
+            .collect(),
+        center: None,
     }
+}
+
+/// Whether a run was made in the condition that campaign.toml names.
+fn is_named(run: &RunRecord, rules: &MonitoringRules) -> bool {
+    rules.reference.iter().all(|(key, wanted)| {
+        let Some(found) = run.tag(key) else {
+            return false;
+        };
+        match (found.parse::<f64>(), wanted.parse::<f64>()) {
+            (Ok(found), Ok(wanted)) => (found - wanted).abs() <= tolerance(key, wanted),
+            _ => found == wanted,
+        }
+    })
 }
 
 fn tolerance(key: &str, wanted: f64) -> f64 {
@@ -89,21 +112,6 @@ fn tolerance(key: &str, wanted: f64) -> f64 {
 
 /// Environment, voltage and humidity (within the tolerance about each run's own) that most runs of one sample share.
 fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
-    let name = |fact: &RunFacts, covariate| fact.names.get(&covariate).cloned();
-    let humidity = |fact: &RunFacts| {
-        fact.numbers
-            .get(&Covariate::RelativeHumidity)
-            .map(|known| known.value)
-    };
-    let alike = |a: &RunFacts, b: &RunFacts| {
-        let same = |covariate| name(a, covariate) == name(b, covariate);
-        let near = match (humidity(a), humidity(b)) {
-            (Some(a), Some(b)) => (a - b).abs() <= HUMIDITY_TOLERANCE_PERCENT,
-            (None, None) => true,
-            _ => false,
-        };
-        same(Covariate::Environment) && same(Covariate::Voltage) && near
-    };
     let repeats = |fact: &RunFacts| {
         facts
             .iter()
@@ -112,10 +120,16 @@ fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
     };
     let counts: Vec<usize> = facts.iter().map(repeats).collect();
     let most = counts.iter().copied().max()?;
-    let center = &facts[counts.iter().position(|count| *count == most)?];
+    let place = counts.iter().position(|count| *count == most)?;
+    let center = &facts[place];
     let mut words: Vec<String> = Vec::new();
-    words.extend(name(center, Covariate::Environment));
-    words.extend(name(center, Covariate::Voltage).map(|volts| format!("{volts} V")));
+    words.extend(center.names.get(&Covariate::Environment).cloned());
+    words.extend(
+        center
+            .names
+            .get(&Covariate::Voltage)
+            .map(|volts| format!("{volts} V")),
+    );
     words.extend(humidity(center).map(|percent| format!("{percent:.0} % RH")));
     Some(Reference {
         text: words.join(", "),
@@ -123,5 +137,23 @@ fn most_repeated(facts: &[RunFacts]) -> Option<Reference> {
         places: (0..facts.len())
             .filter(|&place| alike(center, &facts[place]))
             .collect(),
+        center: Some(place),
     })
+}
+
+fn humidity(fact: &RunFacts) -> Option<f64> {
+    fact.numbers
+        .get(&Covariate::RelativeHumidity)
+        .map(|known| known.value)
+}
+
+/// Whether two runs were made in the same environment, at the same voltage and humidity.
+fn alike(a: &RunFacts, b: &RunFacts) -> bool {
+    let same = |covariate| a.names.get(&covariate) == b.names.get(&covariate);
+    let near = match (humidity(a), humidity(b)) {
+        (Some(a), Some(b)) => (a - b).abs() <= HUMIDITY_TOLERANCE_PERCENT,
+        (None, None) => true,
+        _ => false,
+    };
+    same(Covariate::Environment) && same(Covariate::Voltage) && near
 }

@@ -46,6 +46,15 @@ pub fn make(input: &TableInput) -> Table {
     }
 }
 
+/// The verdict, no stronger than its proof.
+fn verdict(found: &GroupDiagnosis) -> String {
+    let doubt = match found.verdict.names_a_cause() && !found.gains_clearly() {
+        true => ", not proved",
+        false => "",
+    };
+    format!("{}{doubt}", found.verdict.key())
+}
+
 fn row(found: &GroupDiagnosis) -> Row {
     let sources = || {
         vec![Source {
@@ -73,7 +82,7 @@ fn row(found: &GroupDiagnosis) -> Row {
     let cells = vec![
         text(found.group.clone()),
         Cell::exact(Some(found.runs.len() as f64), sources()),
-        text(found.verdict.key().to_owned()),
+        text(verdict(found)),
         text(effects.join(", ")),
         text(found.set.join(", ")),
         rough(found.p_misfit),

@@ -212,3 +212,34 @@ fn a_control_that_does_not_cover_the_record_is_not_the_drive() {
     assert_eq!(segments(&found), vec![(10.0, 2.0)]);
     assert_eq!(found.drive.unwrap().baseline_v, 0.0);
 }
+
+#[test]
+fn a_voltage_that_follows_from_a_held_current_is_told_as_that_and_not_as_a_sweep() {
+    // A drift of a few millivolts and a climb far; the current is held to a tenth of a per mil, or answers.
+    for volts in [0.008, 0.8] {
+        let climb: Vec<(f64, f64)> = (0..200)
+            .map(|k| (f64::from(k), 0.3 + volts * f64::from(k) / 200.0))
+            .collect();
+        let voltage = voltage(&climb);
+        let current = |of: &dyn Fn(usize) -> f64| {
+            let values: Arc<[f64]> = (0..climb.len()).map(of).collect();
+            Channel::new(Quantity::Current, voltage.time_s.clone(), values)
+        };
+        let told = |current| find(&[voltage.clone(), current], false, None, &[]);
+        let held = told(current(&|k| 1e-3 + 1e-7 * (k % 3) as f64));
+        assert_eq!(held.drive, None);
+        assert_eq!(held.issues.len(), 1, "{:?}", held.issues);
+        assert_eq!(held.issues[0].code, NO_STEPS);
+        let said = &held.issues[0].message;
+        assert!(
+            said.starts_with("the current is held at 1.000e-3 A") && !said.contains("changes"),
+            "{said}"
+        );
+        let answering = told(current(&|k| 1e-3 * climb[k].1));
+        assert!(
+            answering.issues[0].message.contains("a sweep, not steps"),
+            "{:?}",
+            answering.issues
+        );
+    }
+}

@@ -4,6 +4,7 @@ use plotters::element::{Circle, PathElement};
 use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{Color, ShapeStyle};
 
+use super::aside::{AsideMark, draw_aside};
 use super::axis::{Axis, Scale};
 use super::canvas::{Area, Ink, TENTHS, svg};
 use super::group::series;
@@ -41,6 +42,8 @@ pub struct Slot {
     pub label: String,
     /// One estimate per run, in shown units; repeats stand side by side.
     pub estimates: Vec<Estimate>,
+    /// Runs that no result is made from; where they stand across follows from the slot.
+    pub aside: Vec<AsideMark>,
 }
 
 /// Draws one panel. `y` must cover every number of the groups that is to be seen.
@@ -89,6 +92,7 @@ pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), Stri
         series(&mut chart, &group.label, |chart| {
             draw_estimates(chart, y, group, left)
         })?;
+        draw_aside(&mut chart, (&x, y), &placed_aside(group, left))?;
         left += group.slots.len() as f64 + GAP;
     }
     Ok(())
@@ -166,6 +170,23 @@ fn draw_estimates(chart: &mut Chart, y: &Axis, group: &Group, left: f64) -> Resu
         }
     }
     Ok(())
+}
+
+/// Room right of the repeats of a slot, from its middle, in which runs stand that no result is made from: they leave the
+/// others where they are.
+const ASIDE: std::ops::Range<f64> = 0.38..0.5;
+
+/// The runs of a group that no result is made from, right of the others of their slot.
+fn placed_aside(group: &Group, left: f64) -> Vec<AsideMark> {
+    let mut placed = Vec::new();
+    for (index, slot) in group.slots.iter().enumerate() {
+        let step = (ASIDE.end - ASIDE.start) / slot.aside.len().max(1) as f64;
+        placed.extend(slot.aside.iter().enumerate().map(|(at, mark)| AsideMark {
+            x: left + index as f64 + ASIDE.start + at as f64 * step,
+            ..mark.clone()
+        }));
+    }
+    placed
 }
 
 /// Position of a number, brought to the ends of the axis. One at or below zero has no place on a log axis: it stands at
@@ -337,6 +358,7 @@ mod tests {
             slots: vec![Slot {
                 label: "2.5".to_owned(),
                 estimates,
+                aside: vec![],
             }],
         }
     }
@@ -379,6 +401,7 @@ mod tests {
                 .map(|voltage| Slot {
                     label: voltage.to_owned(),
                     estimates: vec![],
+                    aside: vec![],
                 })
                 .to_vec(),
             ..group(vec![])
@@ -398,6 +421,7 @@ mod tests {
             .map(|k| Slot {
                 label: format!("−0.{:02}", 5 * k),
                 estimates: vec![],
+                aside: vec![],
             })
             .collect();
         let group = Group {

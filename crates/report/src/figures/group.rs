@@ -38,6 +38,8 @@ pub enum Group {
         form: usize,
         /// Whether dots stand on whole pixels: for scatter, whose places nobody reads finer.
         to_the_pixel: bool,
+        /// Whether no result is made from it: its dots are open, and a line is pale and dashed.
+        aside: bool,
     },
 }
 
@@ -99,28 +101,29 @@ pub fn series<'a, 'b>(
     name: &str,
     draw: impl FnOnce(&mut Chart<'a, 'b>) -> Result<(), String>,
 ) -> Result<(), String> {
-    grouped(chart, unlinked(name, false), draw)
+    grouped(chart, readings(name, false, false), draw)
 }
 
-/// Draws a series of scattered dots, on whole pixels.
+/// Draws a series that no result is made from.
 ///
 /// # Errors
 /// The message of the drawing library, or of `draw`.
-pub fn scatter<'a, 'b>(
+pub fn aside_series<'a, 'b>(
     chart: &mut Chart<'a, 'b>,
     name: &str,
     draw: impl FnOnce(&mut Chart<'a, 'b>) -> Result<(), String>,
 ) -> Result<(), String> {
-    grouped(chart, unlinked(name, true), draw)
+    grouped(chart, readings(name, false, true), draw)
 }
 
-/// A series whose points lead to no runs.
-fn unlinked(name: &str, to_the_pixel: bool) -> Group {
+/// A series whose points lead to no runs; `aside` where no result is made from it.
+pub fn readings(name: &str, to_the_pixel: bool, aside: bool) -> Group {
     Group::Series {
         name: name.to_owned(),
         runs: Vec::new(),
         form: 0,
         to_the_pixel,
+        aside,
     }
 }
 

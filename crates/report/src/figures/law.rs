@@ -3,6 +3,7 @@
 use plotters::element::{Circle, PathElement, Polygon};
 use plotters::style::Color;
 
+use super::aside::{AsideMark, draw_aside};
 use super::axis::Axis;
 use super::canvas::{Ink, svg};
 use super::comparison::{ink, marker};
@@ -67,6 +68,8 @@ pub struct Beside {
     pub changes: Vec<f64>,
     /// What readouts call the marks of each style.
     pub names: Vec<String>,
+    /// Runs that no result is made from.
+    pub aside: Vec<AsideMark>,
 }
 
 /// Draws one panel.
@@ -102,7 +105,7 @@ pub fn sized_panel(
             let name = beside.names.get(style).map_or("Value", String::as_str);
             draw_marks(&mut chart, (x, y), &own, (style, name))?;
         }
-        Ok(())
+        draw_aside(&mut chart, (x, y), &beside.aside)
     })
 }
 
@@ -159,6 +162,7 @@ fn draw_marks(
         runs: within.iter().chain(&beyond).filter_map(|mark| mark.run).collect(),
         form: style,
         to_the_pixel: false,
+        aside: false,
     };
     let color = ink(style);
     let seen = pixels(chart);
@@ -226,6 +230,7 @@ mod tests {
             limits: vec![5e-3],
             changes: vec![60.0],
             names: vec!["CNaf-1".into(), "CNaf-2".into()],
+            ..Beside::default()
         };
         let drawn = law_panel((&x, &y), &[mark], &beside, "t", "d").unwrap();
         assert!(drawn.contains("class=\"f k-muted\" opacity=\"0.18\""), "{drawn}");

@@ -1,6 +1,7 @@
 //! Figures as inline SVG, drawn by plotters: one file per kind.
 
 pub mod along;
+pub mod aside;
 pub mod axis;
 pub mod calendar;
 pub mod canvas;

@@ -12,7 +12,7 @@ use plotters::style::Color;
 
 use super::axis::Axis;
 use super::canvas::{Area, Ink, TENTHS, svg};
-use super::group::{scatter, series};
+use super::group::{grouped, readings, series};
 use super::panel::{Chart, Margins, panel, pixels};
 use super::thin;
 use crate::number::significant;
@@ -28,6 +28,9 @@ const RESIDUALS_HEIGHT: u32 = 120;
 const TIME_AXIS_HEIGHT: u32 = 42;
 /// Shortest time shown on a logarithmic axis, as a fraction of the longest.
 const SHORTEST: f64 = 1e-6;
+
+/// Radius of open dots, tenths of a pixel: large enough to be seen to be open.
+const OPEN_RADIUS: i32 = 22;
 
 /// Which times a figure shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,11 +58,17 @@ pub enum TimeView {
     },
 }
 
-/// Draws `curve` over the times of `view`; none where no reading lies in them.
+/// Draws `curve` over the times of `view`; none where no reading lies in them. Where it is set `aside`, because no result
+/// is made from it, dots are open and the fit is pale and dashed.
 ///
 /// # Errors
 /// The message of the drawing library.
-pub fn response(curve: &RunCurve, view: TimeView, title: &str, desc: &str) -> Result<Option<String>, String> {
+pub fn response(
+    curve: &RunCurve,
+    view: TimeView,
+    title: &str,
+    aside: bool,
+) -> Result<Option<String>, String> {
     check_lengths(curve)?;
     let shown = shown_indices(curve, view);
     let Some(x) = time_axis(curve, view, &shown) else {
@@ -67,10 +76,11 @@ pub fn response(curve: &RunCurve, view: TimeView, title: &str, desc: &str) -> Re
     };
     let residuals = curve.residual_sigma.len() == curve.time_s.len();
     let height = READINGS_HEIGHT + TIME_AXIS_HEIGHT + if residuals { RESIDUALS_HEIGHT } else { 0 };
-    let drawn = svg((WIDTH, height), title, desc, |area| {
+    let drawn = svg((WIDTH, height), title, "", |area| {
         let drawing = Drawing {
             curve,
             view,
+            aside,
             shown: &shown,
             x: &x,
         };
@@ -88,6 +98,7 @@ pub fn response(curve: &RunCurve, view: TimeView, title: &str, desc: &str) -> Re
 struct Drawing<'a> {
     curve: &'a RunCurve,
     view: TimeView,
+    aside: bool,
     shown: &'a [usize],
     x: &'a Axis,
 }
@@ -106,14 +117,14 @@ impl Drawing<'_> {
         let quantity = curve.quantity;
         let y = Axis::linear(low - margin, high + margin, quantity.label(), quantity.unit(), 4);
         let mut chart = panel(area, margins(x_labels), self.x, &y, x_labels)?;
-        series(&mut chart, "Readings", |chart| {
-            self.dots(chart, &curve.measured, 11)
+        grouped(&mut chart, readings("Readings", false, self.aside), |chart| {
+            self.dots(chart, &curve.measured, if self.aside { OPEN_RADIUS } else { 11 })
         })?;
         if curve.fitted.len() != curve.time_s.len() {
             return Ok(());
         }
         let points = thin::line(&self.points(&curve.fitted), pixels(&chart));
-        series(&mut chart, "Fit", |chart| {
+        grouped(&mut chart, readings("Fit", false, self.aside), |chart| {
             let line = LineSeries::new(points, Ink::Vermillion.color().stroke_width(16));
             chart
                 .draw_series(line)
@@ -135,7 +146,9 @@ impl Drawing<'_> {
                 .map(|_| ())
                 .map_err(|error| error.to_string())
         })?;
-        scatter(&mut chart, "Residuals", |chart| self.dots(chart, residuals, 12))
+        grouped(&mut chart, readings("Residuals", true, self.aside), |chart| {
+            self.dots(chart, residuals, if self.aside { OPEN_RADIUS } else { 12 })
+        })
     }
 
     fn dots(&self, chart: &mut Chart, values: &[f64], radius: i32) -> Result<(), String> {
@@ -277,6 +290,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::svg::dot_markers;
     use ieap_domain::Quantity;
 
     fn curve(n: usize, fitted: bool) -> RunCurve {
@@ -309,9 +323,26 @@ mod tests {
                 until_s: f64::INFINITY,
             },
         ] {
-            let drawn = response(&curve(450, true), view, "t", "d").unwrap().unwrap();
+            let drawn = response(&curve(450, true), view, "t", false).unwrap().unwrap();
             assert!(drawn.len() < 3_500, "{} bytes", drawn.len());
         }
+    }
+
+    #[test]
+    fn what_no_result_is_made_from_has_open_dots_and_a_marked_line() {
+        let drawn = |aside| {
+            response(&curve(50, true), TimeView::Whole, "t", aside)
+                .unwrap()
+                .unwrap()
+        };
+        let aside = drawn(true);
+        assert_eq!(aside.matches("data-aside=\"1\"").count(), 3, "{aside}");
+        assert!(
+            aside.contains("dots dot-k-muted-o") && !aside.contains("dot-k-muted-0"),
+            "{aside}"
+        );
+        assert_eq!(dot_markers([aside].iter())[0].id, "dot-k-muted-o");
+        assert!(!drawn(false).contains("data-aside") && !drawn(false).contains("muted-o"));
     }
 
     #[test]
@@ -324,13 +355,13 @@ mod tests {
     fn a_curve_of_uneven_lengths_is_an_error() {
         let mut uneven = curve(50, true);
         uneven.fitted.pop();
-        let refused = response(&uneven, TimeView::Whole, "t", "d");
+        let refused = response(&uneven, TimeView::Whole, "t", false);
         assert!(refused.is_err_and(|reason| reason.contains("49 fitted")));
     }
 
     #[test]
     fn an_unfitted_run_has_readings_only() {
-        let drawn = response(&curve(50, false), TimeView::Whole, "t", "d")
+        let drawn = response(&curve(50, false), TimeView::Whole, "t", false)
             .unwrap()
             .unwrap();
         assert!(!drawn.contains("Residual"));
@@ -354,6 +385,6 @@ mod tests {
             step_s: 1e9,
             until_s: f64::INFINITY,
         };
-        assert_eq!(response(&curve, empty, "t", "d").unwrap(), None);
+        assert_eq!(response(&curve, empty, "t", false).unwrap(), None);
     }
 }

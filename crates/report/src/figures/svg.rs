@@ -35,6 +35,7 @@ pub fn inline(drawing: &Drawing, title: &str, desc: &str) -> String {
         in_panel: false,
         across: level_span(&drawing.shapes),
         form: 0,
+        aside: false,
         dot_unit: 1,
         group: None,
     };
@@ -67,6 +68,11 @@ pub const FORMS: [&str; 5] = [
     "M0 .6l.58-1.04h-1.16z",
 ];
 
+/// What stands for the form of an open dot in the name of its marker, and its outline: a ring, whose inner circle goes
+/// round the other way.
+const OPEN: &str = "o";
+const RING: &str = "M0-.6a.6.6 0 1 0 .01 0zM0-.36a.36.36 0 1 1-.01 0z";
+
 /// A marker that a page must hold so that dots are seen.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct DotMarker {
@@ -91,7 +97,10 @@ pub fn dot_markers<'a>(figures: impl Iterator<Item = &'a String>) -> Vec<DotMark
         Some(DotMarker {
             id: format!("{MARKER}{name}"),
             ink: ink.to_owned(),
-            outline: FORMS.get(form.parse::<usize>().ok()?)?,
+            outline: match form {
+                OPEN => RING,
+                form => FORMS.get(form.parse::<usize>().ok()?)?,
+            },
         })
     };
     let mut markers: Vec<DotMarker> = named.filter_map(marker).collect();
@@ -129,6 +138,8 @@ struct Body {
     /// What the first horizontal axis of the figure shows: panels that state nothing else show the same.
     across: Option<Span>,
     form: usize,
+    /// Whether no result is made from the series that is open.
+    aside: bool,
     /// Canvas units per unit of the dots' path data.
     dot_unit: i32,
     /// Where the elements of the group that is open begin, and its attributes.
@@ -169,7 +180,7 @@ impl Body {
             Shape::Open(group) => self.open(group),
             Shape::Close => {
                 self.flush();
-                (self.form, self.dot_unit) = (0, 1);
+                (self.form, self.dot_unit, self.aside) = (0, 1, false);
                 self.close();
             }
         }
@@ -217,14 +228,17 @@ impl Body {
                 runs,
                 form,
                 to_the_pixel,
+                aside,
             } => {
+                self.aside = *aside;
                 self.form = form % FORMS.len();
                 self.dot_unit = if *to_the_pixel { TENTHS } else { 1 };
                 let runs = match runs.is_empty() {
                     true => String::new(),
                     false => format!(" data-r=\"{}\"", run_list(runs)),
                 };
-                let attributes = format!(" data-s=\"{}\"{runs}", escaped(name));
+                let aside = if *aside { " data-aside=\"1\"" } else { "" };
+                let attributes = format!(" data-s=\"{}\"{runs}{aside}", escaped(name));
                 self.group = Some((self.out.len(), attributes));
                 Ok(())
             }
@@ -250,10 +264,14 @@ impl Body {
                     1 => String::new(),
                     unit => format!(" transform=\"scale({unit})\""),
                 };
+                let form = match self.aside {
+                    true => OPEN.to_owned(),
+                    false => self.form.to_string(),
+                };
                 let _ = write!(
                     self.out,
                     "<path class=\"dots {MARKER}{class}-{}\" stroke-width=\"{}\"{}{transform} d=\"{}{alone}\"/>",
-                    self.form,
+                    form,
                     f64::from(2 * radius) / f64::from(unit),
                     opacity(color.alpha),
                     corners(&points, false)

@@ -8,7 +8,9 @@ use super::Content;
 use super::comparison::caution;
 use super::humidity::{SampleKey, sample_keys};
 use super::wording::counted;
+use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
+use crate::figures::aside::AsideMark;
 use crate::figures::axis::{Axis, Scale, Tick};
 use crate::figures::calendar::calendar_axis;
 use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
@@ -29,6 +31,8 @@ const MOST_NAMES: usize = 12;
 const MOST_CHARACTERS: usize = 48;
 /// Room that the marks of one name take, of the distance between two.
 const SPREAD: f64 = 0.7;
+/// Room beside them of runs that are set aside.
+const ASIDE: f64 = 0.2;
 
 #[derive(Debug, Serialize)]
 struct AgainstPage {
@@ -39,6 +43,9 @@ struct AgainstPage {
     group_by: &'static str,
     groups: Vec<SampleKey>,
     parameters: Vec<ParameterSection>,
+    /// Runs whose readings are known to be wrong.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    aside: Vec<AsideRow>,
 }
 
 #[derive(Debug, Serialize)]
@@ -55,6 +62,9 @@ struct Panel {
     material: String,
     figure: String,
     note: String,
+    /// Runs set aside that lie beyond the axes.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    beyond: String,
 }
 
 /// Whether runs differ in it.
@@ -75,7 +85,7 @@ pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
         .unwrap_or(nowhere);
     let groups = Groups::new(site, against);
     let mut figures = BTreeMap::new();
-    let mut parameters = Vec::new();
+    let (mut parameters, mut shown) = (Vec::new(), Shown::default());
     for info in &PARAMETERS {
         let section = Section {
             site,
@@ -84,7 +94,7 @@ pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
             groups: &groups,
             info,
         };
-        let panels = section.panels(&mut figures)?;
+        let panels = section.panels(&mut shown, &mut figures)?;
         if !panels.is_empty() {
             parameters.push(ParameterSection {
                 id: info.key,
@@ -103,6 +113,7 @@ pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
         group_by: groups.key,
         groups: sample_keys(&groups.names),
         parameters,
+        aside: shown.rows(site),
     };
     Content::new("against.html", &page, figures)
 }
@@ -168,7 +179,11 @@ struct Section<'a> {
 }
 
 impl Section<'_> {
-    fn panels(&self, figures: &mut BTreeMap<String, String>) -> Result<Vec<Panel>, ReportError> {
+    fn panels(
+        &self,
+        shown: &mut Shown,
+        figures: &mut BTreeMap<String, String>,
+    ) -> Result<Vec<Panel>, ReportError> {
         let materials = &self.site.conditions.materials;
         let shared = [String::new()];
         let names = if self.against == Against::Material {
@@ -193,6 +208,7 @@ impl Section<'_> {
             let (x, y) = (self.across(), vertical(self.info, &marks));
             let beside = Beside {
                 names: self.groups.names.clone(),
+                aside: self.aside(name),
                 ..Beside::default()
             };
             let drawn = sized_panel(SMALL, (&x, &y), (&marks, &beside), (&title, desc));
@@ -201,7 +217,9 @@ impl Section<'_> {
                 reason,
             })?;
             figures.insert(id.clone(), svg);
+            shown.note(&beside.aside);
             panels.push(Panel {
+                beyond: beyond_words(&beside.aside, (Some(&x), &y), self.info.shown_unit),
                 material: name.clone(),
                 figure: id,
                 note: match left_out {
@@ -246,6 +264,24 @@ impl Section<'_> {
             stand_side_by_side(&mut marks, self.places.names.len());
         }
         (marks, left_out)
+    }
+
+    /// Condemned runs of a material (of all where the name is empty).
+    fn aside(&self, of: &str) -> Vec<AsideMark> {
+        let campaign = &self.site.input.campaign;
+        marks(self.site, self.info.key, |aside| {
+            let record = self.site.input.record(aside.run);
+            let facts = aside.facts.as_ref();
+            let place = (self.against).place_of(record, campaign, facts, self.places)?;
+            let is_of = of.is_empty() || material(record, campaign) == Some(of);
+            // Right of the runs of its name.
+            let right = if self.places.names.is_empty() {
+                0.0
+            } else {
+                0.5 * (SPREAD + ASIDE)
+            };
+            is_of.then_some(place.value + right)
+        })
     }
 
     fn across(&self) -> Axis {

@@ -9,7 +9,9 @@ use super::wording::{
     NOT_CONVERGED, counted, estimate_of, humidity_label, listed, surroundings_label, voltage_label,
     voltage_labels, why_unfitted,
 };
+use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
+use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, Slot, comparison};
 use crate::number::significant;
@@ -28,6 +30,9 @@ struct Comparison {
     caution: Vec<String>,
     single_material: bool,
     parameters: Vec<ParameterSection>,
+    /// Runs whose readings are known to be wrong.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    aside: Vec<AsideRow>,
 }
 
 #[derive(Debug, Serialize)]
@@ -46,20 +51,25 @@ struct Panel {
     figure: Option<String>,
     /// Why there is no figure, or which runs are missing from it and why.
     note: String,
+    /// Runs set aside that lie beyond the axes.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    beyond: String,
 }
 
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
+    let mut shown = Shown::default();
     let parameters: Result<Vec<ParameterSection>, ReportError> = COMPARED
         .iter()
         .filter_map(|key| ParameterInfo::of(key))
-        .map(|parameter| section(site, parameter, &mut figures))
+        .map(|parameter| section(site, parameter, &mut shown, &mut figures))
         .collect();
     let page = Comparison {
         caution: caution(site).into_iter().chain(doubts(site)).collect(),
         single_material: site.conditions.materials.len() == 1,
         parameters: parameters?,
+        aside: shown.rows(site),
     };
     Content::new("comparison.html", &page, figures)
 }
@@ -167,6 +177,7 @@ fn condition_of(site: &Site, run: usize) -> String {
 fn section(
     site: &Site,
     parameter: &'static ParameterInfo,
+    shown: &mut Shown,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<ParameterSection, ReportError> {
     let materials = &site.conditions.materials;
@@ -182,6 +193,7 @@ fn section(
             material: materials[material].clone(),
             figure: None,
             note: note(site, material, parameter),
+            beyond: String::new(),
         };
         if groups
             .iter()
@@ -202,6 +214,8 @@ fn section(
             })?;
             figures.insert(id.clone(), drawn);
             panel.figure = Some(id);
+            shown.note(aside_of(groups));
+            panel.beyond = beyond_words(aside_of(groups), (None, &axis), parameter.shown_unit);
         }
         panels.push(panel);
     }
@@ -224,6 +238,12 @@ fn says_something(estimate: &Estimate) -> bool {
     estimate.value.or(estimate.low_95).or(estimate.high_95).is_some()
 }
 
+/// The runs of a panel that no result is made from.
+pub fn aside_of(groups: &[Group]) -> impl Iterator<Item = &AsideMark> {
+    let slots = groups.iter().flat_map(|group| &group.slots);
+    slots.flat_map(|slot| &slot.aside)
+}
+
 /// Every surroundings with every voltage of the campaign, measured or not: panels of one row line up.
 pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group> {
     let conditions = &site.conditions;
@@ -240,6 +260,9 @@ pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Gr
                 Some(condition) => estimates(site, &condition.runs, parameter),
                 None => vec![],
             },
+            aside: marks(site, parameter.key, |aside| {
+                (aside.condition == Some((material, index, voltage))).then_some(0.0)
+            }),
         };
         groups.push(Group {
             label: surroundings.environment.clone(),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::finding_words::{probability, verdict_word};
+use super::finding_words::{probability, proved_or_not};
 use ieap_domain::RunAlone;
 
 /// A run diagnosed by itself.
@@ -18,7 +18,7 @@ pub struct AloneRow {
 pub fn alone_rows(alone: &[RunAlone]) -> Vec<AloneRow> {
     let row = |run: &RunAlone| AloneRow {
         name: run.run.clone(),
-        verdict: verdict_word(run.verdict),
+        verdict: proved_or_not(run.verdict, run.gains_clearly),
         p: probability(run.p_misfit),
         set: run.set.join(", "),
     };

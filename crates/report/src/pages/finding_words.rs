@@ -25,8 +25,14 @@ pub fn verdict_word(verdict: Verdict) -> &'static str {
 
 /// The verdict about a group, no stronger than its proof.
 pub fn verdict_of(found: &GroupDiagnosis) -> &'static str {
-    match found.verdict {
-        Verdict::Partial if !found.gains_clearly() => "wrong, a cause fits in part, not proved",
+    proved_or_not(found.verdict, found.gains_clearly())
+}
+
+/// The verdict where the gain on what was left out is clear, or is not.
+pub fn proved_or_not(verdict: Verdict, is_proved: bool) -> &'static str {
+    match verdict {
+        Verdict::Named | Verdict::Partial if !is_proved => "wrong, a cause fits, not proved",
+        Verdict::Set if !is_proved => "wrong, several causes fit, none proved",
         verdict => verdict_word(verdict),
     }
 }
@@ -51,15 +57,20 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
         Verdict::Undecided => format!(
             "The simulation may be wrong for {runs}, but chance can look like this: nothing is claimed."
         ),
+        Verdict::Named | Verdict::Partial if !found.gains_clearly() => format!(
+            "The simulation is wrong for {runs}; {} fits, but is not proved to predict better what was left out.",
+            causes(&taken)
+        ),
+        Verdict::Set if !found.gains_clearly() => format!(
+            "The simulation is wrong for {runs}; {} causes fit equally well, none of them proved to predict better what was left out: {}.",
+            found.set.len(),
+            causes(&found.set)
+        ),
         Verdict::Named => format!("The simulation of {runs} lacks {}.", causes(&taken)),
         Verdict::Set => format!(
             "The simulation of {runs} lacks something, and {} causes explain it equally well: {}.",
             found.set.len(),
             causes(&found.set)
-        ),
-        Verdict::Partial if !found.gains_clearly() => format!(
-            "The simulation is wrong for {runs}; {} fits a part of it, but is not proved to predict better what was left out.",
-            causes(&taken)
         ),
         Verdict::Partial => format!(
             "The simulation of {runs} lacks {}, and something else that is not explained.",
@@ -157,21 +168,20 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
             .filter(|found| wanted.contains(&found.verdict))
             .count()
     };
-    let unproved = groups
-        .iter()
-        .filter(|found| found.verdict == Verdict::Partial && !found.gains_clearly())
-        .count();
-    let in_part = count(&[Verdict::Partial]) - unproved;
-    let part = |verdicts: &[Verdict], words: &str| {
-        let n = count(verdicts);
+    let proved = |wanted: Verdict, words: &str| {
+        let found = groups.iter().filter(|found| found.verdict == wanted);
+        let n = found.filter(|found| found.gains_clearly()).count();
         (n > 0).then(|| format!("in {n} {words}"))
     };
+    let unproved = groups.iter().filter(|found| found.verdict.names_a_cause());
+    let unproved = unproved.filter(|found| !found.gains_clearly()).count();
+    let unknown = count(&[Verdict::Unknown]);
     let wrong = [
-        part(&[Verdict::Named], "one cause is found"),
-        part(&[Verdict::Set], "a few causes remain possible"),
-        (in_part > 0).then(|| format!("in {in_part} a cause is found for a part of it")),
-        (unproved > 0).then(|| format!("in {unproved} a cause fits a part of it and is not proved")),
-        part(&[Verdict::Unknown], "the cause is unknown"),
+        proved(Verdict::Named, "one cause is found"),
+        proved(Verdict::Set, "a few causes remain possible"),
+        proved(Verdict::Partial, "a cause is found for a part of it"),
+        (unproved > 0).then(|| format!("in {unproved} a cause fits and is not proved")),
+        (unknown > 0).then(|| format!("in {unknown} the cause is unknown")),
     ];
     let details: Vec<String> = wrong.into_iter().flatten().collect();
     let n_wrong = count(&[Verdict::Named, Verdict::Set, Verdict::Partial, Verdict::Unknown]);
@@ -201,6 +211,7 @@ fn all_of(n: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ieap_domain::{Gain, HeldOutGain};
 
     fn shift(before: f64, after: f64, standard_error: f64) -> ParameterShift {
         ParameterShift {
@@ -247,6 +258,61 @@ mod tests {
         assert_eq!(chance(1e-6), "in fewer than 1 of 10000 cases");
         assert_eq!(equation("p", Some(0.001)), "p = 0.001");
         assert_eq!(equation("q", Some(1e-6)), "q < 0.0001");
+    }
+
+    /// Two ceramic capacitors: one clear cause by the words, on a fall of 23,197 +- 23,250.
+    #[test]
+    fn a_fall_that_may_be_none_finds_no_cause_in_any_words() {
+        let proof = |standard_error| HeldOutGain {
+            deviance: 23_197.0,
+            standard_error,
+            parts: vec![("charge".into(), 23_000.0), ("discharge".into(), 197.0)],
+            nrmse_current_before: None,
+            nrmse_current_after: None,
+            nrmse_curvature_before: None,
+            nrmse_curvature_after: None,
+            coverage_before: None,
+            coverage_after: None,
+        };
+        let found = |verdict, standard_error| GroupDiagnosis {
+            verdict,
+            set: vec!["pseudo-capacitance".into()],
+            gain: Some(Gain {
+                held_out: "run".to_owned(),
+                proof: proof(standard_error),
+                nameless_deviance: 0.0,
+                predictions: Vec::new(),
+                residual_rms_sigma_before: 20.0,
+                residual_rms_sigma_after: 10.0,
+                later: None,
+            }),
+            ..GroupDiagnosis::data_problem("g", vec!["r".into()], "lumped-2", String::new())
+        };
+        let said = |found: GroupDiagnosis| {
+            [
+                verdict_of(&found).to_owned(),
+                lead(&found, &Findings::default()),
+                campaign_lead(&[found]),
+            ]
+        };
+        for verdict in [Verdict::Named, Verdict::Set, Verdict::Partial] {
+            for text in said(found(verdict, 23_250.0)) {
+                let claims = [
+                    "in part",
+                    "a part of it",
+                    "found",
+                    "lacks",
+                    "remain possible",
+                    "explain",
+                ];
+                assert!(claims.iter().all(|claim| !text.contains(claim)), "{text}");
+                assert!(text.contains("proved"), "{text}");
+            }
+            for text in said(found(verdict, 2_325.0)) {
+                assert!(!text.contains("proved"), "{text}");
+            }
+        }
+        assert!(said(found(Verdict::Partial, 2_325.0))[0].contains("in part"));
     }
 
     #[test]

@@ -9,8 +9,10 @@ use super::Content;
 use super::across::{self, MapTable, MatrixTable, NextRow};
 use super::finding_words::probability;
 use super::wording::counted;
+use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::Ink;
+use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, Mark, law_panel};
 use crate::input::Input;
@@ -41,6 +43,9 @@ struct HumidityPage {
     studies: Vec<Study>,
     compared: Vec<Compared>,
     open: Vec<Asked>,
+    /// Runs whose readings are known to be wrong.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    aside: Vec<AsideRow>,
 }
 
 #[derive(Debug, Serialize)]
@@ -89,6 +94,9 @@ struct Panel {
     parameter: String,
     sentence: String,
     figure: Option<String>,
+    /// Runs set aside that lie beyond the axes.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    beyond: String,
     laws: Vec<LawRow>,
     note: String,
 }
@@ -125,7 +133,7 @@ pub fn is_shown(input: &Input) -> bool {
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let laws = &site.input.laws;
-    let mut figures = BTreeMap::new();
+    let (mut figures, mut shown) = (BTreeMap::new(), Shown::default());
     let page = HumidityPage {
         summary: summary(site),
         tied: laws.tied.iter().map(|set| words::tied(set, laws)).collect(),
@@ -136,7 +144,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         next_runs: across::next_rows(site),
         runs_folder: site.input.campaign.runs_folder.clone(),
         claims: claims(site),
-        studies: studies(site, &mut figures)?,
+        studies: studies(site, &mut shown, &mut figures)?,
         compared: compared(site),
         open: laws
             .dependences
@@ -149,6 +157,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
                 q: probability(Some(found.q)),
             })
             .collect(),
+        aside: shown.rows(site),
     };
     Content::new("humidity.html", &page, figures)
 }
@@ -211,7 +220,11 @@ fn claims(site: &Site) -> Vec<Claim> {
     of_laws.chain(of_lengths).chain(of_failures).collect()
 }
 
-fn studies(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<Vec<Study>, ReportError> {
+fn studies(
+    site: &Site,
+    shown: &mut Shown,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<Study>, ReportError> {
     let mut studies: Vec<Study> = Vec::new();
     let laws = &site.input.laws;
     let of_humidity = laws.dependences.iter().filter(|found| {
@@ -221,11 +234,18 @@ fn studies(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<Vec<St
     });
     for found in of_humidity {
         let number = figures.len();
-        let figure = draw(found, number)?;
-        let id = figure.map(|(id, svg)| {
-            figures.insert(id.clone(), svg);
-            id
-        });
+        let aside = aside(site, found);
+        let drawn = draw(found, &aside, number)?;
+        if drawn.is_some() {
+            shown.note(&aside);
+        }
+        let (id, beyond) = match drawn {
+            Some(Drawn { id, svg, beyond }) => {
+                figures.insert(id.clone(), svg);
+                (Some(id), beyond)
+            }
+            None => (None, String::new()),
+        };
         if studies
             .last()
             .is_none_or(|study| study.material != found.material)
@@ -240,13 +260,24 @@ fn studies(site: &Site, figures: &mut BTreeMap<String, String>) -> Result<Vec<St
             if study.samples.len() < found.samples.len() {
                 study.samples = sample_keys(&found.samples);
             }
-            study.panels.push(described(found, id));
+            study.panels.push(described(found, (id, beyond)));
         }
     }
     Ok(studies)
 }
 
-fn described(found: &Dependence, figure: Option<String>) -> Panel {
+/// Condemned runs of the material on the axis of a dependence. None where values are brought to equal something else: of
+/// such a run that cannot be done.
+fn aside(site: &Site, found: &Dependence) -> Vec<AsideMark> {
+    marks(site, &found.parameter, |aside| {
+        let facts = aside.facts.as_ref()?;
+        let is_here = facts.material == found.material && found.adjusted_for.is_empty();
+        let place = facts.numbers.get(&found.covariate).filter(|_| is_here)?;
+        Some(place.value)
+    })
+}
+
+fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> Panel {
     let info = ParameterInfo::of(&found.parameter);
     let name = info.map_or_else(String::new, |info| format!(" {}", info.name));
     let mut notes = Vec::new();
@@ -281,6 +312,7 @@ fn described(found: &Dependence, figure: Option<String>) -> Panel {
         parameter: format!("{}{name}", words::symbol(&found.parameter)),
         sentence: words::sentence(found),
         figure,
+        beyond,
         laws: found
             .laws
             .iter()
@@ -302,8 +334,15 @@ fn shows_branches(found: &Dependence) -> bool {
     found.covariate == Covariate::RelativeHumidity && has(1) && has(-1)
 }
 
+/// The figure of a dependence.
+struct Drawn {
+    id: String,
+    svg: String,
+    beyond: String,
+}
+
 /// Draws the points of a dependence with its law; none where there is nothing to draw.
-pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)>, ReportError> {
+fn draw(found: &Dependence, aside: &[AsideMark], number: usize) -> Result<Option<Drawn>, ReportError> {
     let (Some(span), false) = (found.span, found.points.is_empty()) else {
         return Ok(None);
     };
@@ -378,13 +417,15 @@ pub fn draw(found: &Dependence, number: usize) -> Result<Option<(String, String)
     let beside = Beside {
         law: curve,
         names: found.samples.clone(),
+        aside: aside.to_vec(),
         ..Beside::default()
     };
     let svg = law_panel((&x, &y), &marks, &beside, &title, &desc).map_err(|reason| ReportError::Figure {
         figure: id.clone(),
         reason,
     })?;
-    Ok(Some((id, svg)))
+    let beyond = beyond_words(aside, (Some(&x), &y), unit);
+    Ok(Some(Drawn { id, svg, beyond }))
 }
 
 fn compared(site: &Site) -> Vec<Compared> {

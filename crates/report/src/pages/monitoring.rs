@@ -6,7 +6,9 @@ use serde::Serialize;
 
 use super::Content;
 use super::wording::{RunLink, counted};
+use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
+use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, Mark, law_panel};
 use crate::input::Input;
@@ -29,6 +31,9 @@ struct MonitoringPage {
     split: Vec<String>,
     samples: Vec<SampleSection>,
     charts: String,
+    /// Runs whose readings are known to be wrong.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    aside: Vec<AsideRow>,
 }
 
 #[derive(Debug, Serialize)]
@@ -50,6 +55,9 @@ struct Panel {
     parameter: String,
     sentence: String,
     figure: Option<String>,
+    /// Runs set aside that lie beyond the axes.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    beyond: String,
     charts: Vec<ChartRow>,
     axes: Vec<String>,
 }
@@ -73,11 +81,20 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let monitoring = &site.input.monitoring;
     let mut figures = BTreeMap::new();
     let mut samples: Vec<SampleSection> = Vec::new();
+    let mut shown = Shown::default();
     for watched in &monitoring.watched {
-        let figure = draw(watched, figures.len())?.map(|(id, svg)| {
-            figures.insert(id.clone(), svg);
-            id
-        });
+        let aside = aside(site, watched);
+        let drawn = draw(watched, &aside, figures.len())?;
+        if drawn.is_some() {
+            shown.note(&aside);
+        }
+        let (figure, beyond) = match drawn {
+            Some(Drawn { id, svg, beyond }) => {
+                figures.insert(id.clone(), svg);
+                (Some(id), beyond)
+            }
+            None => (None, String::new()),
+        };
         if samples.last().is_none_or(|last| last.sample != watched.sample) {
             samples.push(SampleSection {
                 sample: watched.sample.clone(),
@@ -85,7 +102,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             });
         }
         if let Some(last) = samples.last_mut() {
-            last.panels.push(panel(site, watched, figure));
+            last.panels.push(panel(site, watched, (figure, beyond)));
         }
     }
     let page = MonitoringPage {
@@ -103,6 +120,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         split: monitoring.split.clone(),
         samples,
         charts: charts_text(site),
+        aside: shown.rows(site),
     };
     Content::new("monitoring.html", &page, figures)
 }
@@ -187,7 +205,19 @@ fn run_length(monitoring: &ieap_analysis::monitoring::Monitoring, chart: usize) 
     significant(monitoring.shifted_run_lengths()[chart], 2)
 }
 
-fn panel(site: &Site, watched: &Watched, figure: Option<String>) -> Panel {
+/// Condemned runs of the sample in the reference condition, where they would stand in a chart.
+fn aside(site: &Site, watched: &Watched) -> Vec<AsideMark> {
+    let (input, rules) = (site.input, &site.input.campaign.monitoring);
+    marks(site, &watched.parameter, |aside| {
+        let (facts, reference) = (aside.facts.as_ref()?, input.monitoring.reference.as_ref()?);
+        let is_here = facts.sample == watched.sample
+            && reference.holds(input.record(aside.run), facts, &input.laws.facts, rules);
+        let place = facts.numbers.get(&watched.axis).filter(|_| is_here)?;
+        Some(place.value)
+    })
+}
+
+fn panel(site: &Site, watched: &Watched, (figure, beyond): (Option<String>, String)) -> Panel {
     let info = ParameterInfo::of(&watched.parameter);
     let name = info.map_or_else(String::new, |info| format!(" {}", info.name));
     let charts = watched.study.charts.iter().map(|charted| ChartRow {
@@ -222,12 +252,20 @@ fn panel(site: &Site, watched: &Watched, figure: Option<String>) -> Panel {
         parameter: format!("{}{name}", symbol(&watched.parameter)),
         sentence: words::life(watched),
         figure,
+        beyond,
         charts: charts.collect(),
         axes: axes.collect(),
     }
 }
 
-fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, ReportError> {
+/// A chart over the life of a sample.
+struct Drawn {
+    id: String,
+    svg: String,
+    beyond: String,
+}
+
+fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<Drawn>, ReportError> {
     let (series, study) = (&watched.series, &watched.study);
     if study.span.length() <= 0.0 {
         return Ok(None);
@@ -303,6 +341,7 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
         law: curve,
         limits,
         changes: study.steps.iter().map(|step| series.x[step.at]).collect(),
+        aside: aside.to_vec(),
         ..Beside::default()
     };
     let id = format!("life-{number}");
@@ -312,5 +351,6 @@ fn draw(watched: &Watched, number: usize) -> Result<Option<(String, String)>, Re
         figure: id.clone(),
         reason,
     })?;
-    Ok(Some((id, svg)))
+    let beyond = beyond_words(aside, (Some(&x), &y), unit);
+    Ok(Some(Drawn { id, svg, beyond }))
 }

@@ -194,6 +194,8 @@ fn groups(site: &Site, own: &[&Ratio]) -> Vec<Group> {
                         Estimate::determined(ratio.value, error, ratio.low_95, ratio.high_95)
                     })
                     .collect(),
+                // A run that no result is made from has no ratio.
+                aside: Vec::new(),
             }
         };
         groups.push(Group {

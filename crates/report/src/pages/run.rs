@@ -130,6 +130,7 @@ pub fn section(
         id: &id,
         drive: record.drive.as_ref(),
         curves: &drawn.curves,
+        aside: !record.standing.speaks(),
     };
     let (responses, words) = responses(&subject, figures)?;
     let climate_id = format!("{id}climate");

@@ -33,6 +33,8 @@ pub struct Subject<'a> {
     pub drive: Option<&'a Drive>,
     /// Its curves.
     pub curves: &'a [RunCurve],
+    /// Whether no result is made from it.
+    pub aside: bool,
 }
 
 /// The figures of a run, which go to `figures`, and what is drawn in them.
@@ -52,7 +54,7 @@ pub fn responses(
             responses.push(response);
         }
     }
-    Ok((responses, drawn_words(&views, of.curves)))
+    Ok((responses, drawn_words(&views, of)))
 }
 
 fn drawn(
@@ -66,7 +68,7 @@ fn drawn(
     for &(suffix, view, words) in views {
         let id = format!("{}{}-{suffix}", of.id, quantity.key().replace('_', "-"));
         let title = format!("{}{words}, {}", quantity.label(), of.name);
-        let figure = response(curve, view, &title, "").map_err(|reason| ReportError::Figure {
+        let figure = response(curve, view, &title, of.aside).map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,
         })?;
@@ -124,12 +126,17 @@ fn voltage(of: &Subject, figures: &mut BTreeMap<String, String>) -> Result<Optio
 }
 
 /// What dots, lines and the time axis are, once for all responses of a page.
-fn drawn_words(views: &[View], curves: &[RunCurve]) -> String {
-    let fitted = curves.iter().any(|curve| !curve.fitted.is_empty());
-    let mut words = match fitted {
-        true => "Dots are readings, lines the fit; below, residuals over the noise.".to_owned(),
-        false => "Dots are readings; nothing is fitted.".to_owned(),
+fn drawn_words(views: &[View], of: &Subject) -> String {
+    let fitted = of.curves.iter().any(|curve| !curve.fitted.is_empty());
+    let words = match (of.aside, fitted) {
+        (false, true) => "Dots are readings, lines the fit; below, residuals over the noise.",
+        (false, false) => "Dots are readings; nothing is fitted.",
+        (true, true) => {
+            "Open dots and dashed lines: readings and fit of a run that is set aside, in no result; below, residuals over the noise."
+        }
+        (true, false) => "Open dots: readings of a run that is set aside, in no result; nothing is fitted.",
     };
+    let mut words = words.to_owned();
     if matches!(views, [(_, TimeView::AboutStep { .. }, _)]) {
         words.push_str(" Time is logarithmic after the step.");
     }

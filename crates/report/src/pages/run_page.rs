@@ -58,7 +58,7 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         made.or_else(|error| {
             let fault = Fault {
                 place: site.run_href(drawn.run),
-                runs: vec![site.input.runs[drawn.run].path.clone()],
+                runs: vec![site.input.record(drawn.run).path.clone()],
                 reason: reason_of(error)?,
             };
             let box_of_it = RunSection::failed(site, drawn.run, &fault.reason);

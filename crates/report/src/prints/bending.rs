@@ -2,9 +2,11 @@
 //! one material share their vertical axis: how much less bends back in dry gas is the point of the figure. The thesis
 //! shows the displacement; the curvature is what the strip does whatever its length.
 
+use std::collections::BTreeMap;
+
 use super::FigureInput;
 use super::grid::{Panel, grid};
-use super::responses::{Line, draw_lines, lines};
+use super::responses::{Line, aside_lines, aside_words, draw_lines, lines, note_aside, speaking};
 use crate::figures::axis::Axis;
 use crate::figures::canvas::Drawing;
 use crate::pages::wording::{surroundings_label, voltage_label};
@@ -27,7 +29,7 @@ pub fn displacement(input: &FigureInput, width: u32) -> Result<Drawing, String> 
 
 fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, String> {
     let conditions = &input.site.conditions;
-    let mut panels = Vec::new();
+    let (mut panels, mut aside) = (Vec::new(), BTreeMap::new());
     for (material, name) in conditions.materials.iter().enumerate() {
         let mut of_material: Vec<(usize, Vec<Line>)> = Vec::new();
         for surroundings in 0..conditions.surroundings.len() {
@@ -39,15 +41,19 @@ fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, 
                 }
             }
             if drawn.iter().any(|line| !line.measured.is_empty()) {
+                drawn.extend(aside_lines(input, quantity, |(of, around, voltage)| {
+                    ((of, around) == (material, surroundings)).then_some(voltage)
+                })?);
                 of_material.push((surroundings, drawn));
             }
         }
-        let all = of_material.iter().flat_map(|(_, lines)| lines);
+        let all = of_material.iter().flat_map(|(_, lines)| speaking(lines));
         let points: Vec<(f64, f64)> = all
             .flat_map(|line| line.measured.iter().chain(&line.fitted).copied())
             .collect();
         for (surroundings, drawn) in of_material {
             let (x, y) = axes(&points, quantity);
+            note_aside(&mut aside, (&x, &y), &drawn);
             panels.push(Panel {
                 title: format!(
                     "{name}, {}",
@@ -67,7 +73,14 @@ fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, 
         .zip(0..)
         .collect();
     let columns = conditions.surroundings.len().clamp(1, MOST_COLUMNS);
-    grid(width, columns, HEIGHT, &legend, &panels)
+    grid(
+        width,
+        columns,
+        HEIGHT,
+        &legend,
+        &panels,
+        &aside_words(input.site, &aside),
+    )
 }
 
 fn axes(points: &[(f64, f64)], quantity: Quantity) -> (Axis, Axis) {

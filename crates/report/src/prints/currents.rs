@@ -1,9 +1,11 @@
 //! The thesis's figure 22: currents in the environments, one panel a material and voltage. Both axes are logarithmic,
 //! so that the charging of the first seconds and the steady current of the last hour are seen at once.
 
+use std::collections::BTreeMap;
+
 use super::FigureInput;
 use super::grid::{Panel, grid};
-use super::responses::{Line, draw_lines, lines};
+use super::responses::{Line, aside_lines, aside_words, draw_lines, lines, note_aside, speaking};
 use crate::figures::axis::Axis;
 use crate::figures::canvas::Drawing;
 use crate::pages::wording::surroundings_label;
@@ -18,7 +20,7 @@ const MOST_DECADES: f64 = 5.0;
 pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
     let conditions = &input.site.conditions;
     let lowest_and_highest = lowest_and_highest(&conditions.voltages_v);
-    let mut panels = Vec::new();
+    let (mut panels, mut aside) = (Vec::new(), BTreeMap::new());
     for (material, name) in conditions.materials.iter().enumerate() {
         for &voltage in &lowest_and_highest {
             let mut drawn: Vec<Line> = Vec::new();
@@ -30,8 +32,13 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
                     drawn.extend(lines(input, run, Quantity::Current, surroundings)?);
                 }
             }
+            drawn.extend(aside_lines(input, Quantity::Current, |condition| {
+                let (of, surroundings, volts) = condition;
+                ((of, volts) == (material, voltage)).then_some(surroundings)
+            })?);
             let drawn: Vec<Line> = drawn.into_iter().filter_map(magnitudes).collect();
             let Some((x, y)) = axes(&drawn) else { continue };
+            note_aside(&mut aside, (&x, &y), &drawn);
             let volts = crate::pages::wording::voltage_label(conditions.voltages_v[voltage]);
             panels.push(Panel {
                 title: format!("{name}, {volts}"),
@@ -45,7 +52,15 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
         .map(surroundings_label)
         .zip(0..)
         .collect();
-    grid(width, lowest_and_highest.len().max(1), HEIGHT, &legend, &panels)
+    let columns = lowest_and_highest.len().max(1);
+    grid(
+        width,
+        columns,
+        HEIGHT,
+        &legend,
+        &panels,
+        &aside_words(input.site, &aside),
+    )
 }
 
 /// Indices of the voltages of smallest and largest magnitude; one where there is one only.
@@ -76,11 +91,7 @@ fn magnitudes(line: Line) -> Option<Line> {
 }
 
 fn axes(lines: &[Line]) -> Option<(Axis, Axis)> {
-    let points = || {
-        lines
-            .iter()
-            .flat_map(|line| line.measured.iter().chain(&line.fitted))
-    };
+    let points = || speaking(lines).flat_map(|line| line.measured.iter().chain(&line.fitted));
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::INFINITY, 0.0f64), |(low, high), value| {
             (low.min(value), high.max(value))
@@ -88,11 +99,7 @@ fn axes(lines: &[Line]) -> Option<(Axis, Axis)> {
     };
     let (from, to) = range(&mut points().map(|point| point.0));
     // What is simulated bounds the axis from below: readings may come as near to zero as chance has it.
-    let simulated = || {
-        lines
-            .iter()
-            .flat_map(|line| line.fitted.iter().map(|point| point.1))
-    };
+    let simulated = || speaking(lines).flat_map(|line| line.fitted.iter().map(|point| point.1));
     let (_, high) = range(&mut points().map(|point| point.1));
     let (low, _) = match simulated().next() {
         Some(_) => range(&mut simulated()),

@@ -1,4 +1,4 @@
-//! Small multiples: a legend, then panels in rows, each with a letter and a title.
+//! Small multiples: a legend, then panels in rows, each with a letter and a title, then notes.
 
 use plotters::element::{PathElement, Text};
 use plotters::style::Color;
@@ -15,6 +15,9 @@ const TITLE_ROOM: i32 = 18;
 /// Width of the line before an entry of the legend, and of a character in it, px.
 const SAMPLE_LINE: i32 = 18;
 const CHARACTER: i32 = 7;
+/// Height of a line of the notes, px, and the average width of a character in it.
+const NOTE_LINE: i32 = 15;
+const NOTE_CHARACTER: f64 = 5.6;
 /// Narrowest panel that can be read, px.
 const NARROWEST: u32 = 165;
 
@@ -37,6 +40,7 @@ pub fn grid(
     panel_height: u32,
     legend: &[(String, usize)],
     panels: &[Panel],
+    notes: &[String],
 ) -> Result<Drawing, String> {
     if panels.is_empty() {
         return Err("no run has what this figure shows".to_owned());
@@ -49,9 +53,13 @@ pub fn grid(
     let places = legend_places(width as i32, legend);
     let legend_height = places.last().map_or(0, |&(_, y)| y + LEGEND_ROW);
     let row_height = panel_height as i32 + TITLE_ROOM;
-    let size = (width, (legend_height + rows as i32 * row_height) as u32);
+    let lines: Vec<String> = notes.iter().flat_map(|note| wrapped(note, width)).collect();
+    let plots_height = legend_height + rows as i32 * row_height;
+    let size = (width, (plots_height + lines.len() as i32 * NOTE_LINE) as u32);
     drawing(size, |area| {
-        let (top, below) = area.split_vertically(legend_height * TENTHS);
+        let (plots, foot) = area.split_vertically(plots_height * TENTHS);
+        draw_notes(&foot, &lines)?;
+        let (top, below) = plots.split_vertically(legend_height * TENTHS);
         for ((name, style), place) in legend.iter().zip(&places) {
             draw_entry(&top, name, *style, *place)?;
         }
@@ -73,6 +81,32 @@ pub fn grid(
         }
         Ok(())
     })
+}
+
+/// A note in lines that fit into `width` px.
+fn wrapped(note: &str, width: u32) -> Vec<String> {
+    let most = (f64::from(width) / NOTE_CHARACTER) as usize;
+    let mut lines: Vec<String> = Vec::new();
+    for word in note.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+fn draw_notes(area: &Area, lines: &[String]) -> Result<(), String> {
+    for (at, line) in lines.iter().enumerate() {
+        let middle = (at as i32 * NOTE_LINE + NOTE_LINE / 2) * TENTHS;
+        let style = text_style(Ink::Text, TICK_SIZE, HPos::Left, VPos::Center);
+        let text = Text::new(line.clone(), (4 * TENTHS, middle), style);
+        area.draw(&text).map_err(|error| error.to_string())?;
+    }
+    Ok(())
 }
 
 /// Left end and top of every entry of the legend, px.
@@ -98,4 +132,22 @@ fn draw_entry(area: &Area, name: &str, style: usize, (x, y): (i32, i32)) -> Resu
     let text = text_style(Ink::Text, TICK_SIZE, HPos::Left, VPos::Center);
     let text = Text::new(name.to_owned(), ((x + SAMPLE_LINE + 6) * TENTHS, middle), text);
     area.draw(&text).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_are_broken_between_words() {
+        let lines = wrapped("Set aside, in no result: a.csv (its current is 1000 times)", 165);
+        assert!(
+            lines.len() > 1 && lines.iter().all(|line| line.chars().count() <= 29),
+            "{lines:?}"
+        );
+        assert_eq!(
+            lines.join(" "),
+            "Set aside, in no result: a.csv (its current is 1000 times)"
+        );
+    }
 }

@@ -1,10 +1,13 @@
 //! The thesis's figure 26: parameters over environment and voltage, one panel a parameter and material.
 
+use std::collections::BTreeSet;
+
 use super::FigureInput;
 use super::grid::{Panel, grid};
+use crate::aside::beyond_words;
 use crate::figures::canvas::Drawing;
 use crate::figures::comparison::comparison_on;
-use crate::pages::comparison::{axis, groups};
+use crate::pages::comparison::{aside_of, axis, groups};
 use ieap_analysis::ParameterInfo;
 
 /// What the thesis's figure shows, from top to bottom.
@@ -21,7 +24,7 @@ const HEIGHT: u32 = 190;
 /// Draws it.
 pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
     let materials = &input.site.conditions.materials;
-    let mut panels = Vec::new();
+    let (mut panels, mut aside, mut notes) = (Vec::new(), BTreeSet::new(), Vec::new());
     for parameter in SHOWN.iter().filter_map(|key| ParameterInfo::of(key)) {
         for (material, name) in materials.iter().enumerate() {
             let groups = groups(input.site, material, parameter);
@@ -36,11 +39,24 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
                 continue;
             }
             let y = axis(parameter, groups.iter());
+            aside.extend(aside_of(&groups).map(|mark| mark.run));
+            let beyond = beyond_words(aside_of(&groups), (None, &y), parameter.shown_unit);
+            if !beyond.is_empty() {
+                notes.push(format!("{}, {name}: {beyond}", parameter.symbol));
+            }
             panels.push(Panel {
                 title: name.clone(),
                 draw: Box::new(move |area| comparison_on(area, &groups, &y)),
             });
         }
     }
-    grid(width, materials.len().clamp(1, 3), HEIGHT, &[], &panels)
+    let said = aside.into_iter().map(|run| {
+        let (name, reason) = (
+            input.site.run_name(run),
+            input.site.input.record(run).standing.reason(),
+        );
+        format!("Crossed circle: set aside, in no result: {name} ({reason}).")
+    });
+    let notes: Vec<String> = said.chain(notes).collect();
+    grid(width, materials.len().clamp(1, 3), HEIGHT, &[], &panels, &notes)
 }

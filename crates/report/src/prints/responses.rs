@@ -1,14 +1,17 @@
 //! Curves of runs as several figures show them: measured as dots, simulated as a line of the same colour.
 
+use std::collections::BTreeMap;
+
 use plotters::element::Circle;
-use plotters::series::LineSeries;
+use plotters::series::{DashedLineSeries, LineSeries};
 use plotters::style::Color;
 
 use super::FigureInput;
 use crate::figures::axis::Axis;
 use crate::figures::canvas::Area;
 use crate::figures::comparison::{ink, marker};
-use crate::figures::panel::{Margins, panel};
+use crate::figures::panel::{Chart, Margins, panel};
+use crate::site::Site;
 use ieap_domain::tag::keys;
 use ieap_domain::{Level, Quantity, RunCurve, RunRecord};
 
@@ -21,6 +24,10 @@ const MARGINS: Margins = Margins {
 };
 /// Markers on a simulated line: lines are told apart without colour.
 const MARKERS: usize = 5;
+/// Opacity of dots and of what is set aside.
+const PALE: f64 = 0.45;
+/// Open dots of a line, about.
+const MOST_OPEN: usize = 60;
 const MILLI: f64 = 1e3;
 
 /// One response of one run.
@@ -32,6 +39,10 @@ pub struct Line {
     pub measured: Vec<(f64, f64)>,
     /// The same as simulated; empty without a fit.
     pub fitted: Vec<(f64, f64)>,
+    /// Number of the run among all that have a page.
+    pub run: usize,
+    /// Whether no result is made from it: it is drawn with open dots and a pale dashed line, and sets no axis.
+    pub aside: bool,
 }
 
 /// Responses of a run of that quantity: currents per area in mA cm⁻², curvatures in cm⁻¹, displacements in mm.
@@ -41,13 +52,17 @@ pub struct Line {
 /// # Errors
 /// The curves cannot be read.
 pub fn lines(input: &FigureInput, run: usize, quantity: Quantity, style: usize) -> Result<Vec<Line>, String> {
-    let record = &input.site.input.runs[run];
+    let record = input.site.input.record(run);
     let curves = input.curves.curves(record.id)?;
     let step_s = step_s(record);
     let of = |drawn: Quantity, shown: &dyn Fn(f64) -> f64| -> Vec<Line> {
         let of_quantity = curves.iter().filter(|curve| curve.quantity == drawn);
         of_quantity
-            .map(|curve| line(curve, style, step_s, shown))
+            .map(|curve| Line {
+                run,
+                aside: !record.standing.speaks(),
+                ..line(curve, style, step_s, shown)
+            })
             .collect()
     };
     Ok(match quantity {
@@ -60,6 +75,51 @@ pub fn lines(input: &FigureInput, run: usize, quantity: Quantity, style: usize) 
         }),
         _ => of(quantity, &|value| value),
     })
+}
+
+/// Responses of the condemned runs that `style` gives a style from the indices of their material, surroundings and voltage.
+///
+/// # Errors
+/// The curves cannot be read.
+pub fn aside_lines(
+    input: &FigureInput,
+    quantity: Quantity,
+    style: impl Fn((usize, usize, usize)) -> Option<usize>,
+) -> Result<Vec<Line>, String> {
+    let mut found = Vec::new();
+    for aside in &input.site.aside {
+        if let Some(style) = aside.condition.and_then(&style) {
+            found.extend(lines(input, aside.run, quantity, style)?);
+        }
+    }
+    Ok(found)
+}
+
+/// Lines that results are made from: those that set the axes.
+pub fn speaking(lines: &[Line]) -> impl Iterator<Item = &Line> {
+    lines.iter().filter(|line| !line.aside)
+}
+
+/// Notes which of the lines are of runs set aside, with whether most of them lies within the axes.
+pub fn note_aside(seen: &mut BTreeMap<usize, bool>, (x, y): (&Axis, &Axis), lines: &[Line]) {
+    for line in lines.iter().filter(|line| line.aside) {
+        let points = || line.measured.iter().chain(&line.fitted);
+        let inside = points().filter(|point| x.shows(point.0) && y.shows(point.1));
+        let within = 2 * inside.count() > points().count();
+        *seen.entry(line.run).or_default() |= within;
+    }
+}
+
+/// What a figure says of the runs set aside that were noted for it; nothing where there are none.
+pub fn aside_words(site: &Site, seen: &BTreeMap<usize, bool>) -> Vec<String> {
+    let said = |(&run, &within): (&usize, &bool)| {
+        let (name, reason) = (site.run_name(run), site.input.record(run).standing.reason());
+        match within {
+            true => format!("Open dots, dashed: set aside, in no result: {name} ({reason})."),
+            false => format!("Set aside, mostly outside the axes: {name} ({reason})."),
+        }
+    };
+    seen.iter().map(said).collect()
 }
 
 /// Free length of the run's sample, cm.
@@ -96,6 +156,8 @@ fn line(curve: &RunCurve, style: usize, step_s: f64, shown: &dyn Fn(f64) -> f64)
         style,
         measured: points(&curve.measured),
         fitted: points(&curve.fitted),
+        run: 0,
+        aside: false,
     }
 }
 
@@ -113,8 +175,12 @@ pub fn draw_lines(area: &Area, x: &Axis, y: &Axis, lines: &[Line]) -> Result<(),
     };
     for line in lines {
         let color = ink(line.style).color();
-        let style = color.mix(0.45).filled();
+        let style = color.mix(PALE).filled();
         let dots = shown(&line.measured);
+        if line.aside {
+            draw_aside(&mut chart, line.style, &dots, &shown(&line.fitted))?;
+            continue;
+        }
         chart
             .draw_series(dots.iter().map(|&point| Circle::new(point, 9, style)))
             .map_err(|error| error.to_string())?;
@@ -134,6 +200,26 @@ pub fn draw_lines(area: &Area, x: &Axis, y: &Axis, lines: &[Line]) -> Result<(),
         }
     }
     Ok(())
+}
+
+/// A run that no result is made from: open dots and a dashed line, both pale.
+fn draw_aside(
+    chart: &mut Chart,
+    style: usize,
+    dots: &[(f64, f64)],
+    simulated: &[(f64, f64)],
+) -> Result<(), String> {
+    let pale = ink(style).color().mix(PALE);
+    // Open dots are large, and so fewer of them are told apart.
+    let every = (dots.len() / MOST_OPEN).max(1);
+    let open = dots.iter().step_by(every);
+    chart
+        .draw_series(open.map(|&point| Circle::new(point, 20, pale.stroke_width(8))))
+        .map_err(|error| error.to_string())?;
+    let (dash, gap) = (60, 45);
+    let line = DashedLineSeries::new(simulated.iter().copied(), dash, gap, pale.stroke_width(14));
+    let drawn = chart.draw_series(line);
+    drawn.map(|_| ()).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

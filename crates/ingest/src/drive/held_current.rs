@@ -1,0 +1,41 @@
+//! Records of a constant current: the voltage answers, and is told as that and not as a sweep.
+
+use super::{FoundDrive, NO_STEPS};
+use ieap_domain::{Channel, Issue, Quantity};
+
+/// A current is held where so many of its readings ...
+const MOST: f64 = 0.95;
+/// ... lie within this part of their median: galvanostats hold to a per mil and better, and a current that answers a drifting
+/// voltage drifts with it.
+const HELD_WITHIN: f64 = 5e-3;
+
+/// The same, with one sentence about a voltage that goes in no steps because the current is held.
+pub(super) fn told(mut found: FoundDrive, channels: &[Channel]) -> FoundDrive {
+    let no_steps = found.issues.iter_mut().find(|issue| issue.code == NO_STEPS);
+    if let (Some(issue), Some(current_a)) = (no_steps, held_a(channels)) {
+        let message = format!(
+            "the current is held at {current_a:.3e} A and the voltage follows from it: a record of a constant current, no steps of the voltage"
+        );
+        *issue = Issue::note(NO_STEPS, message)
+            .at(issue.place.clone())
+            .mend("nothing is to be done; it is kept and not fitted");
+    }
+    found
+}
+
+/// The current that is held throughout, A; none where there is none.
+fn held_a(channels: &[Channel]) -> Option<f64> {
+    let current = channels
+        .iter()
+        .find(|channel| channel.is_whole(Quantity::Current))?;
+    let (_, values) = current.included();
+    if values.is_empty() {
+        return None;
+    }
+    let count = values.len();
+    let median = super::median(values.to_vec());
+    let near = values
+        .iter()
+        .filter(|value| (*value - median).abs() <= HELD_WITHIN * median.abs());
+    (median != 0.0 && near.count() as f64 >= MOST * count as f64).then_some(median)
+}

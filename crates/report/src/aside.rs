@@ -1,0 +1,119 @@
+//! Runs whose readings are known to be wrong, as pages and figures show them: beside what results are made from, with the
+//! reason, and in no number.
+
+use std::collections::BTreeSet;
+
+use serde::Serialize;
+
+use super::figures::aside::AsideMark;
+use super::figures::axis::Axis;
+use super::input::Input;
+use super::number::significant;
+use super::pages::wording::{RunLink, listed};
+use super::site::Site;
+use ieap_analysis::laws::facts::{RunFacts, facts_beside};
+use ieap_analysis::parameters::usable;
+use ieap_analysis::{Conditions, ParameterInfo};
+use ieap_domain::{RunRecord, Standing};
+
+/// A run that is condemned, and where it would have stood.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Aside {
+    /// Its number among all that have a page.
+    pub run: usize,
+    /// What is known of it; none without a sample.
+    pub facts: Option<RunFacts>,
+    /// Material, surroundings and voltage; none where no other run has them.
+    pub condition: Option<(usize, usize, usize)>,
+}
+
+/// The condemned runs of `input`, whose other runs have those conditions and facts.
+pub fn aside(input: &Input, conditions: &Conditions, facts: &[RunFacts]) -> Vec<Aside> {
+    let is_condemned = |run: &RunRecord| matches!(run.standing, Standing::Condemned { .. });
+    let runs = input.set_aside.iter().enumerate();
+    let condemned = runs.filter(|(_, run)| is_condemned(run));
+    let aside = condemned.map(|(place, run)| Aside {
+        run: input.runs.len() + place,
+        facts: facts_beside(run, &input.runs, facts, &input.campaign),
+        condition: conditions.place_of(run, &input.campaign),
+    });
+    aside.collect()
+}
+
+impl Aside {
+    /// Its mark in a figure of a parameter, at `x`; none where its fit does not give a value.
+    pub fn mark(&self, site: &Site, key: &str, x: f64) -> Option<AsideMark> {
+        let factor = ParameterInfo::of(key).map_or(1.0, |info| info.shown_factor);
+        let estimate = usable(site.input.record(self.run), key)?;
+        let value = estimate.value.filter(|value| value.is_finite())?;
+        let shown = |end: Option<f64>| end.filter(|end| end.is_finite()).unwrap_or(value) * factor;
+        Some(AsideMark {
+            run: self.run,
+            x,
+            y: value * factor,
+            bar: (shown(estimate.low_95), shown(estimate.high_95)),
+            name: format!("{}, set aside", site.run_name(self.run)),
+        })
+    }
+}
+
+/// A condemned run in the list under what a page shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AsideRow {
+    link: RunLink,
+    reason: String,
+    /// Whether a figure of the page shows it.
+    drawn: bool,
+}
+
+/// Marks for a panel of the parameter `key`, of the condemned runs that `place` puts on its horizontal axis.
+pub fn marks(site: &Site, key: &str, place: impl Fn(&Aside) -> Option<f64>) -> Vec<AsideMark> {
+    let mark = |aside: &Aside| aside.mark(site, key, place(aside)?);
+    site.aside.iter().filter_map(mark).collect()
+}
+
+/// Which condemned runs the figures of a page show.
+#[derive(Debug, Default)]
+pub struct Shown(BTreeSet<usize>);
+
+impl Shown {
+    /// Notes what a figure shows.
+    pub fn note<'a>(&mut self, marks: impl IntoIterator<Item = &'a AsideMark>) {
+        self.0.extend(marks.into_iter().map(|mark| mark.run));
+    }
+
+    /// Every condemned run of the campaign.
+    pub fn rows(&self, site: &Site) -> Vec<AsideRow> {
+        let row = |aside: &Aside| AsideRow {
+            link: RunLink::to(site, aside.run),
+            reason: site.input.record(aside.run).standing.reason(),
+            drawn: self.0.contains(&aside.run),
+        };
+        site.aside.iter().map(row).collect()
+    }
+}
+
+/// `Beyond the axes, at an arrow: a.csv, set aside (3.4·10⁵ Ω cm²).` of the marks that lie there; empty where none does.
+pub fn beyond_words<'a>(
+    marks: impl IntoIterator<Item = &'a AsideMark>,
+    (x, y): (Option<&Axis>, &Axis),
+    unit: &str,
+) -> String {
+    let is_beyond = |mark: &AsideMark| match x {
+        Some(x) => mark.is_beyond(x, y),
+        None => !y.shows(mark.y),
+    };
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    let beyond = marks.into_iter().filter(|mark| is_beyond(mark));
+    let said: Vec<String> = beyond
+        .map(|mark| format!("{} ({}{unit})", mark.name, significant(mark.y, 2)))
+        .collect();
+    match said.is_empty() {
+        true => String::new(),
+        false => format!("Beyond the axes, at an arrow: {}.", listed(&said)),
+    }
+}
