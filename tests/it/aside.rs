@@ -13,9 +13,9 @@ use super::report_fixture::{MadeUpCurves, input, run, tag};
 
 const REASON: &str = "its current is 1000 times what the other runs of CNaf-01 have: its unit is wrong";
 
-/// A run in 2 V and air whose parameters are `factor` times those of the others, condemned.
+/// A run at 2.5 V in air whose parameters are `factor` times those of the others, condemned.
 fn condemned(index: usize, factor: f64) -> RunRecord {
-    let mut run = run(index, "CNaf", 2, 2.0, 9);
+    let mut run = run(index, "CNaf", 2, 2.5, 9);
     run.path = format!("runs/odd-{index}.csv");
     run.standing = Standing::Condemned {
         reason: REASON.to_owned(),
@@ -125,7 +125,7 @@ fn a_run_without_a_place_among_the_others_is_told_with_its_reason() {
 /// Eight runs of one sample in one condition, watched.
 fn watched(set_aside: Vec<RunRecord>) -> Input {
     let mut input = input(&["CNaf"], 1);
-    input.runs = (0..8).map(|index| run(index, "CNaf", 2, 2.0, index)).collect();
+    input.runs = (0..8).map(|index| run(index, "CNaf", 2, 2.5, index)).collect();
     input.laws.facts = facts(&input.runs, &input.campaign, &[]);
     input.monitoring = monitor(&input.runs, &input.campaign, &input.laws);
     input.set_aside = set_aside;

@@ -106,10 +106,10 @@ fn told(folder: &CampaignFolder) -> Vec<(String, Vec<String>)> {
 fn a_record_of_a_constant_current_is_told_by_one_sentence() {
     let folder = CampaignFolder::new();
     // A voltage that climbs far, and one that drifts by a few millivolts.
-    for (name, volts) in [("climbs", 0.8), ("drifts", 0.008)] {
+    for (name, volts, amperes) in [("climbs", 0.8, 1e-3), ("drifts", 0.008, 1.0004e-3)] {
         let row = |k: i32| {
             let share = f64::from(k) / 200.0;
-            let current = 1e-3 + 1e-7 * f64::from(k % 3);
+            let current = amperes + 1e-7 * f64::from(k % 3);
             format!("{k},{:.5},{current:.7}\n", 0.3 + volts * share)
         };
         let rows: String = (0..200).map(row).collect();

@@ -314,7 +314,7 @@ fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
     assert!(told.contains("runs/6.csv"), "{told}");
     // Condemned later, it is taken back, and that is said.
     let _ = folder.ieap(&["status", "--alarms"]).expect(5);
-    let _ = folder.run_json();
+    let _ = folder.ieap(&["run"]).expect(0);
     let lifted = folder.ieap(&["status", "--alarms"]).expect(0).stdout;
     assert!(
         lifted.contains("is taken back") && lifted.contains("its unit is wrong"),
@@ -322,7 +322,7 @@ fn no_alarm_is_told_of_a_run_that_the_diagnosis_condemns() {
     );
     // Where one follows, the alarm waits for what it says of the run, and then there is none.
     let folder = watched_with_an_odd_run();
-    let run = folder.run_json();
+    let run = folder.ieap(&["run", "--json"]).expect(0).json();
     assert_eq!(run["run"]["alarms"]["new"], serde_json::json!([]), "{run:#}");
     assert!(!folder.join("told.txt").exists());
     assert_eq!(aside(&folder)[0].0, "runs/6.csv");
