@@ -161,7 +161,7 @@ fn threads_are_bounded_and_their_number_is_said() {
 fn no_text_of_a_file_is_a_formula_or_moves_a_terminal() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));
-    let tags = "note = \"=cmd|' /C calc'!A0\"\noperator = \"@SUM(A1)\"\ninstrument = \"a\\u001b[31m\\u202eb\"\ncycle = -2\n";
+    let tags = "note = \"=cmd|' /C calc'!A0\"\noperator = \"@SUM(A1)\"\ninstrument = \"a\\u001b[31m\\u202eb\"\ntemperature_c = -2.5\n";
     folder.write("runs/a.csv.toml", tags);
     folder.run_json();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
@@ -193,7 +193,7 @@ fn no_text_of_a_file_is_a_formula_or_moves_a_terminal() {
         "{}",
         texts[1]
     );
-    assert!(texts[1].contains(",-2,"), "a number stays one: {}", texts[1]);
+    assert!(texts[1].contains(",-2.5,"), "a number stays one: {}", texts[1]);
     // Machines that take no harm get the text as it is.
     let json = folder
         .ieap(&["export", "--what", "tags", "-o", "tags.json"])

@@ -229,6 +229,9 @@ fn drill(
             );
             return Err(fails(detail).into());
         }
+        let runs = folder.join(&context.campaign.runs_folder);
+        // It may have been empty, and a campaign without it would wait for a disk.
+        fs::create_dir_all(&runs).map_err(failed(&runs, "making the folder of runs"))?;
         status::status(&context)?
     };
     let unknown = status.raw_files_lost.iter().filter(|raw| {
