@@ -108,6 +108,10 @@ impl Store {
                 "UPDATE run_file SET path = ?2 WHERE path = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
                 [old, new],
             )?;
+            transaction.execute(
+                "UPDATE run_clock SET file = ?2 WHERE file = ?1 AND run_id IN (SELECT id FROM run WHERE path = ?1)",
+                [old, new],
+            )?;
             transaction.execute("UPDATE run SET path = ?2 WHERE path = ?1", [old, new])?;
             transaction.execute("UPDATE hand_tag SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
             transaction.execute("UPDATE run_word SET run_path = ?2 WHERE run_path = ?1", [old, new])?;
