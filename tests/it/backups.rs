@@ -108,8 +108,9 @@ fn the_second_backup_copies_only_what_is_new() {
     let backup = elsewhere.path().join("backup");
     let back_up = || folder.ieap(&["backup", text(&backup), "--json"]).expect(0).json()["backup"].clone();
     let first = back_up();
-    // Three runs, once each though they lie in runs/ and in the archive; campaign.toml, tags.toml, a sidecar, a sheet.
-    assert_eq!(first["copied"], 7, "{first}");
+    // Three runs, once each though they lie in runs/ and in the archive; campaign.toml, tags.toml, a sidecar, a sheet; the
+    // journal.
+    assert_eq!(first["copied"], 8, "{first}");
     let before = files(&backup.join("archive"));
     assert_eq!(back_up()["copied"], 0);
     assert_eq!(files(&backup.join("archive")), before);
@@ -117,8 +118,9 @@ fn the_second_backup_copies_only_what_is_new() {
     folder.write("runs/a.csv.toml", "cycle = 3\n");
     folder.ieap(&["ingest"]).expect(0);
     let second = back_up();
-    assert_eq!(second["copied"], 2, "{second}");
-    // The sidecar as it was is in no list any more; the database is there once.
+    // The run, its sidecar, and the journal, which names the run.
+    assert_eq!(second["copied"], 3, "{second}");
+    // The sidecar and the journal as they were are in no list any more; the database is there once.
     assert_eq!(files(&backup.join("archive")).len(), before.len() + 1);
     let databases = files(&backup).into_keys().filter(|path| {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();

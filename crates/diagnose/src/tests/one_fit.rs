@@ -19,7 +19,7 @@ fn stated(fit: &Fit, choice: &ModelChoice) -> ExtendedModel {
     let applied = |effect: &&'static dyn ieap_model::effects::Effect| {
         let about = effect.about();
         let says = |form: &&str| fit.method.contains(&format!("{} as {form}", about.id));
-        let form = about.variants.iter().position(|form| says(&form));
+        let form = about.variants.iter().position(says);
         assert_eq!(form.is_some(), !about.variants.is_empty(), "{}", fit.method);
         Applied {
             effect: *effect,
