@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::book::pages_in;
 use crate::campaign::{CampaignFolder, Ended, counted, ieap, run_table};
 use crate::frames::png_bytes;
 use crate::rendered::Scene;
@@ -276,18 +277,13 @@ fn obey(folder: &CampaignFolder, page: &str, line: &str) {
     assert!(!ended.stderr.contains("panicked"), "{page}: `{line}`: {ended:#?}");
 }
 
-/// README.md and the pages of docs/, by name.
+/// README.md and the pages of docs/, by their path.
 fn pages() -> Vec<(String, String)> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let docs = std::fs::read_dir(repository.join("docs")).unwrap();
-    let docs = docs.map(|entry| entry.unwrap().path());
-    let mut paths: Vec<PathBuf> = docs
-        .filter(|path| path.extension().is_some_and(|e| e == "md"))
-        .collect();
+    let mut paths = pages_in(&repository.join("docs"));
     paths.push(repository.join("README.md"));
-    paths.sort();
     let named = |path: PathBuf| {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let name = path.strip_prefix(repository).unwrap().display().to_string();
         (name, std::fs::read_to_string(&path).unwrap())
     };
     paths.into_iter().map(named).collect()

@@ -7,6 +7,7 @@ mod any_runs;
 mod architecture;
 mod bad_input;
 mod beside;
+mod book;
 mod campaign;
 mod climate;
 mod climate_fixture;
