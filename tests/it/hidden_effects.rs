@@ -7,7 +7,7 @@ use crate::campaign::{CampaignFolder, counted, ieap};
 
 /// The worked example of docs/simulate.md: the samples for campaign.toml, and the spec.
 fn worked_example() -> (String, String) {
-    let page = docs();
+    let page = docs("simulate.md");
     let mut blocks = page.split("```toml\n").skip(1);
     let mut block = || blocks.next().unwrap().split("```").next().unwrap().to_owned();
     (block(), block())
@@ -23,8 +23,8 @@ fn example_campaign(spec: &str) -> CampaignFolder {
     folder
 }
 
-fn docs() -> String {
-    std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/simulate.md")).unwrap()
+fn docs(name: &str) -> String {
+    std::fs::read_to_string(format!("{}/docs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 fn estimate<'a>(fits: &'a Value, run: &str, key: &str) -> &'a Value {
@@ -100,7 +100,7 @@ fn an_effect_that_is_not_known_is_refused_and_nothing_is_written() {
 
 #[test]
 fn every_effect_stands_on_the_page_with_its_variants_and_parameters() {
-    let page = docs();
+    let page = docs("hidden-effects.md");
     for effect in KNOWN {
         let row = page
             .lines()

@@ -9,6 +9,7 @@ mod aside;
 mod backups;
 mod bad_input;
 mod beside;
+mod book;
 mod campaign;
 mod climate;
 mod climate_fixture;
