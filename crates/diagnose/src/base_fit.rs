@@ -10,7 +10,9 @@ use super::problem::Problem;
 
 /// Fits the base: from the parameters of every run alone, and from a guess by the record's length.
 pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Option<Fitted<'g>> {
-    let mut starts: Vec<LumpedModel> = of_each_run(group, model).into_iter().flatten().collect();
+    let is_whole = |start: &LumpedModel| start.branches.len() == model.branches;
+    let each = of_each_run(group, model).into_iter().flatten();
+    let mut starts: Vec<LumpedModel> = each.filter(is_whole).collect();
     starts.push(guess(group, model.branches)?);
     let problem = Problem::new(group, starts.first()?, Vec::new());
     let at: Vec<Vec<f64>> = starts
@@ -24,7 +26,8 @@ pub(super) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Op
     Fitted::search(problem, &[at], &[]).map(Fitted::settled)
 }
 
-/// The parameters of every run by itself, in the order of runs; none where it gives no start.
+/// The parameters of every run by itself, in the order of runs, with the branches that its readings show; none where it shows
+/// none.
 pub(super) fn of_each_run(group: &Group, model: &'static FitModel) -> Vec<Option<LumpedModel>> {
     let options = FitOptions {
         model,
@@ -52,9 +55,16 @@ fn best(estimate: &Estimate) -> Option<f64> {
 
 fn start_of(value: &dyn Fn(&str) -> Option<f64>, guess: &LumpedModel) -> Option<LumpedModel> {
     let mut start = guess.clone();
-    for (k, branch) in start.branches.iter_mut().enumerate() {
-        branch.resistance_ohm_cm2 = value(&format!("r{}_ohm_cm2", k + 1)).filter(|r| *r > 0.0)?;
-        branch.capacitance_f_per_cm2 = value(&format!("c{}_f_per_cm2", k + 1)).filter(|c| *c > 0.0)?;
+    let branch = |k: usize| {
+        let positive = |key: String| value(&key).filter(|value| *value > 0.0);
+        Some(Branch {
+            resistance_ohm_cm2: positive(format!("r{k}_ohm_cm2"))?,
+            capacitance_f_per_cm2: positive(format!("c{k}_f_per_cm2"))?,
+        })
+    };
+    start.branches = (1..=guess.branches.len()).filter_map(branch).collect();
+    if start.branches.is_empty() {
+        return None;
     }
     if let Some(rss) = value("rss_ohm_cm2").filter(|rss| *rss > 0.0) {
         start.steady_state_resistance_ohm_cm2 = rss;
