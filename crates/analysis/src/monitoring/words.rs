@@ -44,9 +44,9 @@ fn course(watched: &Watched) -> String {
     let how = match law.bend_at {
         Some(at) if law.law == Law::Step => format!("in one step {}", at_step(watched, at)),
         Some(at) if law.law == Law::Knee => {
-            format!("over {} knee at {}", span(watched), on_axis(watched, at))
+            format!("over {}, knee at {}", span(watched), on_axis(watched, at))
         }
-        _ => format!("over {} {}", span(watched), law.law.key()),
+        _ => format!("over {}, {}", span(watched), law.law.key()),
     };
     let mut text = format!(
         "{} {moves} {how}{} (p = {}, {}).",
@@ -154,7 +154,7 @@ fn by(size: f64, is_log: bool) -> String {
 fn span(watched: &Watched) -> String {
     let span = watched.study.span;
     format!(
-        "{} {} to {}{},",
+        "{} {} to {}{}",
         watched.axis.label(),
         short_axis(watched, span.low),
         short_axis(watched, span.high),
