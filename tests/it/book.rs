@@ -76,13 +76,12 @@ fn links(page: &str) -> Vec<String> {
 
 /// The address of a heading on its page, as GitHub and mdBook make it.
 fn slug(heading: &str) -> String {
-    let kept = heading
+    heading
         .to_lowercase()
         .replace(' ', "-")
         .chars()
         .filter(|c| c.is_alphanumeric() || "-_".contains(*c))
-        .collect();
-    kept
+        .collect()
 }
 
 /// Addresses of all headings of a page.
