@@ -198,7 +198,8 @@ impl Series {
         Some(answer.p.min(answer.drawn))
     }
 
-    /// What scatters about a course of the `flexible` columns, for the best of which `searched` places more were paid; without memory where there are too few readings to tell.
+    /// What scatters about a course of the `flexible` columns, for which a search of places is paid with `searched`
+    /// parameters more; without memory where there are too few readings to tell.
     fn scatter(&self, segment: &[usize], flexible: &[Vec<f64>], searched: usize) -> Scatter {
         let n = self.y.len();
         let variance = self.with(shared_variance(&self.y, &self.variance, segment, flexible));
