@@ -82,13 +82,15 @@ impl InstanceLock {
 
 impl Drop for InstanceLock {
     fn drop(&mut self) {
-        if !self.is_sound {
-            return;
+        // Where any of this fails the next instance looks at the database once more than it must.
+        if self.is_sound {
+            let _ = self.file.set_len(0);
+            let _ = self.file.rewind();
+            let _ = self.file.write_all(ENDED.as_bytes());
         }
-        // Where this fails the next instance looks at the database once more than it must.
-        let _ = self.file.set_len(0);
-        let _ = self.file.rewind();
-        let _ = self.file.write_all(ENDED.as_bytes());
+        // Closing frees the lock only when the last copy of the handle is closed, and a child that is just being started has
+        // one until it has become its own program.
+        let _ = self.file.unlock();
     }
 }
 
@@ -157,6 +159,15 @@ mod tests {
         };
         assert!(holder.contains(&std::process::id().to_string()));
         drop(first);
+        InstanceLock::take(folder.path()).unwrap();
+    }
+
+    #[test]
+    fn a_copy_of_the_handle_in_a_child_that_is_being_started_keeps_no_lock() {
+        let folder = tempfile::tempdir().unwrap();
+        let lock = InstanceLock::take(folder.path()).unwrap();
+        let _copy = lock.file.try_clone().unwrap();
+        drop(lock);
         InstanceLock::take(folder.path()).unwrap();
     }
 
