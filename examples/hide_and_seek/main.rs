@@ -16,6 +16,7 @@ mod benchmark;
 mod case;
 mod count;
 mod details;
+mod evidence;
 mod faults;
 mod figure;
 mod hidden;

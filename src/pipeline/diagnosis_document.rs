@@ -17,15 +17,16 @@ use crate::analysis::false_discovery::judge_together;
 use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::analysis::online::{Turn, turns};
 use crate::domain::{
-    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis, NextRun,
-    ParameterShift, RunAlone, RunRecord, StrengthProfile, Verdict, Whereabouts,
+    Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis,
+    Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterShift, RunAlone, RunRecord, StrengthProfile,
+    VaryingParameter, Verdict, Whereabouts,
 };
 use crate::store::{DiagnosisKind, StoredDiagnosis};
 
 /// Every current finding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DiagnosisDocument {
-    /// Always `ieap/diagnosis/1`.
+    /// Always `ieap/diagnosis/2`.
     pub schema: &'static str,
     /// Hash of the library of effects.
     pub library: String,
@@ -132,8 +133,33 @@ pub struct GroupEntry {
     pub remarks: Vec<String>,
     /// Each run by itself, where no cause is found for all of them together.
     pub alone: Vec<RunAlone>,
+    /// What may be behind the misfit, the most probable first.
+    pub posterior: Vec<PosteriorEntry>,
+    /// How large the misfit of the base model is.
+    pub misfit_percent: MisfitPercent,
+    /// Parameters that differ between the runs, run by run.
+    pub differs: Vec<VaryingParameter>,
     /// Which of its runs need the distributed model, as far as their fits say.
     pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
+}
+
+/// What may be behind a misfit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PosteriorEntry {
+    /// Kind.
+    pub kind: HypothesisKind,
+    /// Id of the effect; of several with plus signs between.
+    pub effect: Option<String>,
+    /// Form of the first effect, where it has several.
+    pub form: Option<String>,
+    /// Whether something without a name is there beside the effect.
+    pub with_unnamed: bool,
+    /// Keys of the parameters that differ between the runs.
+    pub parameters_that_differ: Vec<String>,
+    /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
+    pub with: Option<String>,
+    /// Posterior probability.
+    pub mass: f64,
 }
 
 /// An accepted effect.
@@ -259,7 +285,7 @@ pub fn diagnosis_document(
     let campaign_effects = shared_effect_entries(&findings.groups, &runs, &context.campaign);
     let told: Vec<_> = runs.iter().filter_map(LumpedOrDistributedEntry::of).collect();
     Ok(DiagnosisDocument {
-        schema: "ieap/diagnosis/1",
+        schema: "ieap/diagnosis/2",
         library: library_hash(),
         seed: options.seed,
         draws: options.draws,
@@ -330,6 +356,21 @@ fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> Grou
         noise: found.noise,
         remarks: found.remarks,
         alone: found.alone,
+        posterior: found.posterior.into_iter().map(posterior_entry).collect(),
+        misfit_percent: found.misfit_percent,
+        differs: found.differs,
+    }
+}
+
+fn posterior_entry(own: Hypothesis) -> PosteriorEntry {
+    PosteriorEntry {
+        kind: own.kind,
+        effect: (!own.effects.is_empty()).then(|| own.effects.join(" + ")),
+        form: own.form,
+        with_unnamed: own.with_unnamed,
+        parameters_that_differ: own.parameters_that_differ,
+        with: own.with,
+        mass: own.mass,
     }
 }
 

@@ -101,7 +101,7 @@ fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_consi
     );
 
     let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
-    assert_eq!(document["schema"], "ieap/diagnosis/1");
+    assert_eq!(document["schema"], "ieap/diagnosis/2");
     assert_eq!((&document["seed"], &document["draws"]), (&1.into(), &999.into()));
     let leaky = group(&document, "sample=leaky,environment=air");
     let verdict = leaky["verdict"].as_str().unwrap();

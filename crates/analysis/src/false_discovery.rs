@@ -62,7 +62,7 @@ pub fn judge_together(found: &mut [GroupDiagnosis]) {
 
 /// A finding that as many groups would show by chance is not claimed.
 fn take_back(one: &mut GroupDiagnosis, groups: usize) {
-    let wrong = one.verdict.names_a_cause() || one.verdict == Verdict::Unknown;
+    let wrong = one.verdict.is_misfit();
     let too_much = |q: Option<f64>| q.is_some_and(|q| q > CLAIMED_BELOW);
     if !wrong || !(too_much(one.q_misfit) || one.effects.iter().any(|effect| too_much(effect.q))) {
         return;

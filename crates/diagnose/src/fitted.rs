@@ -185,6 +185,47 @@ impl<'g> Fitted<'g> {
         self.problem.effects.iter().zip(&values).map(of_effect).collect()
     }
 
+    /// Branches in the order of their time constants, as keys count them.
+    fn branch_order(&self) -> Vec<usize> {
+        let base = self.base();
+        let mut order: Vec<usize> = (0..base.branches.len()).collect();
+        order.sort_by(|&a, &b| {
+            base.branches[a]
+                .time_constant_s()
+                .total_cmp(&base.branches[b].time_constant_s())
+        });
+        order
+    }
+
+    /// Stored key of the base parameter whose coordinate is `k`.
+    pub(super) fn base_key(&self, k: usize) -> String {
+        let order = self.branch_order();
+        let n = order.len();
+        let number = |branch: usize| 1 + order.iter().position(|own| *own == branch).unwrap_or(0);
+        match k {
+            k if k < n => format!("r{}_ohm_cm2", number(k)),
+            k if k < 2 * n => format!("c{}_f_per_cm2", number(k - n)),
+            k if k == 2 * n => "rss_ohm_cm2".to_owned(),
+            k if k == 2 * n + 1 => "alpha_per_c_cm".to_owned(),
+            _ => "lambda_per_s".to_owned(),
+        }
+    }
+
+    /// Value and standard error of the base parameter whose coordinate `k` is at `at`, known to `sd`; none of an endless one.
+    pub(super) fn base_value(&self, k: usize, at: f64, sd: f64) -> Option<(f64, f64)> {
+        let n = self.base().branches.len();
+        let units = self.problem.units();
+        let found = match k {
+            k if k < 2 * n => (at.exp(), at.exp() * sd),
+            k if k == 2 * n => {
+                let rss = (at * units[0]).recip();
+                (rss, rss * sd / at)
+            }
+            k => (at * units[k - 2 * n], sd * units[k - 2 * n].abs()),
+        };
+        (found.0.is_finite() && found.1.is_finite()).then_some(found)
+    }
+
     /// Base parameters by their stored keys with their standard errors.
     pub(super) fn base_parameters(&self) -> Vec<(String, f64, f64)> {
         let (slope, _) = self.problem.slope(&self.at, &[]);
@@ -192,14 +233,8 @@ impl<'g> Fitted<'g> {
         let sd = |k: usize| inverse.get(k, k).max(0.0).sqrt();
         let base = self.base();
         let n = base.branches.len();
-        let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|&a, &b| {
-            base.branches[a]
-                .time_constant_s()
-                .total_cmp(&base.branches[b].time_constant_s())
-        });
         let mut found = Vec::new();
-        for (place, &k) in order.iter().enumerate() {
+        for (place, &k) in self.branch_order().iter().enumerate() {
             let (r, c) = (
                 base.branches[k].resistance_ohm_cm2,
                 base.branches[k].capacitance_f_per_cm2,

@@ -15,6 +15,7 @@ mod discrepancy;
 mod drawn;
 mod elsewhere;
 mod ends;
+mod evidence;
 mod extend;
 mod fitted;
 mod from_others;
@@ -26,6 +27,7 @@ mod later;
 mod leftover;
 mod lengthwise;
 mod louder;
+mod misfit_size;
 mod mixture;
 mod modes;
 mod needed;
@@ -50,11 +52,13 @@ mod tangent;
 #[cfg(test)]
 mod tests;
 mod textbook;
+mod varying;
 mod words;
 
 use ieap_domain::{CondemnedRun, GroupDiagnosis, Verdict};
 use ieap_model::FitModel;
 
+pub use evidence::{by_evidence, set_of};
 pub use extend::{fit_extended, model_version};
 pub use from_others::{FromOthersFall, fall_from_others};
 pub use group::RunInput;
@@ -65,7 +69,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 19;
+pub const VERSION: u32 = 20;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
@@ -104,9 +108,17 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
         diagnosed(name, group, base, options)
     });
     let mut found = found.unwrap_or_else(|| outcome::nothing(name, runs, options));
-    if found.verdict == Verdict::Unknown && runs.len() > 1 {
-        found.alone = alone::alone(runs, options);
-        found.remarks.extend(alone::in_words(&found.alone));
+    let may_vary = varying::leads(&found);
+    if runs.len() > 1 && (may_vary || found.verdict == Verdict::Unknown) {
+        let alone = alone::alone(runs, options);
+        match may_vary && varying::are_described(&alone) {
+            true => {
+                varying::say(&mut found);
+                found.remarks.extend(varying::doubts(&alone));
+            }
+            false => found.remarks.extend(alone::in_words(&alone)),
+        }
+        found.alone = alone;
     }
     found
 }

@@ -14,10 +14,12 @@ use ieap_domain::{
 
 use super::between::{not_asked, refused_in_words};
 use super::drawn::{drawn, paired};
+use super::evidence::{Asked, weigh};
 use super::fitted::Fitted;
 use super::gain::gain;
 use super::group::Group;
 use super::held_out::Part;
+use super::misfit_size::misfit_percent;
 use super::next_run::next_run;
 use super::null::Null;
 use super::profile::profiles;
@@ -96,6 +98,14 @@ impl<'g> Shown<'_, 'g> {
     /// With what the selection found.
     pub(super) fn with_cause(&self, selection: &Selection<'g>) -> GroupDiagnosis {
         let mut found = self.frame();
+        let weighed = weigh(&Asked {
+            group: self.group,
+            base: self.base,
+            selection,
+            model: self.options.model,
+        });
+        found.posterior = weighed.posterior;
+        found.differs = weighed.differs;
         found.remarks.extend(refused_in_words(&selection.dealt));
         let model = &selection.model;
         let taken: Vec<&'static str> = model
@@ -221,6 +231,7 @@ impl<'g> Shown<'_, 'g> {
             gain_at_5_percent: Some(self.null.gain_at_5_percent()),
             noise: self.noise(),
             residuals: self.drawn(self.base),
+            misfit_percent: misfit_percent(self.group, self.base),
             remarks,
             ..nothing(self.name, &given, self.options)
         }

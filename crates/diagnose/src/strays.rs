@@ -6,6 +6,7 @@ use std::sync::Arc;
 use ieap_domain::Channel;
 use ieap_fit::WhitenedChannel;
 use ieap_model::extended::ExtendedModel;
+use statrs::distribution::{DiscreteCDF, Poisson};
 
 use super::group::{Group, NEEDED, QUANTITIES};
 use super::spikes::{AFTER_EDGE, BEFORE_EDGE, robust_spread, spreads};
@@ -28,11 +29,31 @@ const MOST: f64 = 0.03;
 /// reading between two strays off one.
 const PAIRS: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 1), (2, 2)];
 
+/// Chance below which strays beside edges are no wild values. A wild value stands anywhere; what stands off beside edges more
+/// often than elsewhere is how the strip or the source answers them, and is asked for its cause.
+const NO_CHANCE: f64 = 1e-3;
+
 /// The group without its strays; none where there are none.
 pub(super) fn without<'a>(group: &Group<'a>, model: &ExtendedModel) -> Option<Group<'a>> {
+    let (mut cleaned, told) = cleaned(group, model, true);
+    if told.is_with_edges() {
+        cleaned = self::cleaned(group, model, false).0;
+    }
+    cleaned.give_back(group);
+    let left_out = |group: &Group| group.runs.iter().flat_map(|run| run.spikes).sum::<usize>();
+    (left_out(&cleaned) > left_out(group)).then_some(cleaned)
+}
+
+/// The group without strays, of those beside edges only where they are asked for, and where they stood.
+fn cleaned<'a>(group: &Group<'a>, model: &ExtendedModel, beside_edges: bool) -> (Group<'a>, Places) {
     let mut cleaned = group.clone();
-    for _ in 0..LOOKS {
-        let found = strays(&cleaned, model);
+    let mut places = Places::default();
+    for look in 0..LOOKS {
+        let (found, seen) = strays(&cleaned, model, beside_edges);
+        if look == 0 {
+            places.readings = seen.readings;
+        }
+        places.strays = [0, 1].map(|k| places.strays[k] + seen.strays[k]);
         if found.iter().all(|(_, _, strays)| strays.is_empty()) {
             break;
         }
@@ -40,9 +61,28 @@ pub(super) fn without<'a>(group: &Group<'a>, model: &ExtendedModel) -> Option<Gr
             cleaned.leave_out(run, kind, &strays);
         }
     }
-    cleaned.give_back(group);
-    let left_out = |group: &Group| group.runs.iter().flat_map(|run| run.spikes).sum::<usize>();
-    (left_out(&cleaned) > left_out(group)).then_some(cleaned)
+    (cleaned, places)
+}
+
+/// Strays and readings beside edges of the drive, and elsewhere.
+#[derive(Debug, Clone, Copy, Default)]
+struct Places {
+    strays: [usize; 2],
+    readings: [usize; 2],
+}
+
+impl Places {
+    /// Whether more of them stand beside edges than by chance, from how many stand elsewhere (one more than were found).
+    fn is_with_edges(&self) -> bool {
+        let each = (self.strays[1] + 1) as f64 / self.readings[1].max(1) as f64;
+        let expected = each * self.readings[0] as f64;
+        let chance = Poisson::new(expected.max(f64::MIN_POSITIVE));
+        let at_least = |count: usize| match count {
+            0 => 1.0,
+            count => chance.as_ref().map_or(1.0, |chance| chance.sf(count as u64 - 1)),
+        };
+        at_least(self.strays[0]) < NO_CHANCE
+    }
 }
 
 /// Run, kind of channel, and its strays in rising order.
@@ -58,20 +98,30 @@ struct Looked {
 }
 
 /// The farthest of each run of readings that are off.
-fn strays(group: &Group, model: &ExtendedModel) -> Vec<Found> {
+fn strays(group: &Group, model: &ExtendedModel, beside_edges: bool) -> (Vec<Found>, Places) {
     let mut found = Vec::new();
+    let mut places = Places::default();
     for kind in 0..QUANTITIES.len() {
         let looked: Vec<Looked> = (0..group.runs.len())
             .filter_map(|run| look(group, model, run, kind))
             .collect();
         for own in &looked {
-            let strays = (0..own.off.len())
-                .filter(|&k| own.is_farthest(k) && !is_at_every_edge(own, k, &looked))
-                .collect();
+            let is_stray = |&k: &usize| {
+                let is_asked = beside_edges || own.beside_edge(k).is_none();
+                is_asked && own.is_farthest(k) && !is_at_every_edge(own, k, &looked)
+            };
+            let strays: Vec<usize> = (0..own.off.len()).filter(is_stray).collect();
+            let beside = |k: &usize| own.beside_edge(*k).is_some();
+            let near = strays.iter().copied().filter(|k| beside(k)).count();
+            let near_all = (0..own.off.len()).filter(beside).count();
+            places.strays[0] += near;
+            places.strays[1] += strays.len() - near;
+            places.readings[0] += near_all;
+            places.readings[1] += own.off.len() - near_all;
             found.push((own.run, kind, strays));
         }
     }
-    found
+    (found, places)
 }
 
 fn look(group: &Group, model: &ExtendedModel, run: usize, kind: usize) -> Option<Looked> {
@@ -280,6 +330,17 @@ mod tests {
             );
         }
         assert!(farthest(&scatter(120)).is_empty());
+    }
+
+    #[test]
+    fn strays_that_crowd_beside_edges_are_no_wild_values() {
+        let places = |near: usize, elsewhere: usize| Places {
+            strays: [near, elsewhere],
+            readings: [60, 6000],
+        };
+        assert!(!places(0, 0).is_with_edges() && !places(1, 0).is_with_edges());
+        assert!(!places(2, 60).is_with_edges());
+        assert!(places(3, 0).is_with_edges() && places(9, 60).is_with_edges());
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod one_fit;
 mod predicted;
 mod readings;
 mod tags;
+mod varies;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -29,19 +29,25 @@ pub enum Verdict {
     Partial,
     /// Wrong, and no known cause explains it.
     Unknown,
+    /// Each run is described by its own parameters, and all together are not by one set: what differs is told.
+    Varies,
+    /// Wrong; the trace is like that of one cause, and is not it.
+    Resembles,
     /// The readings themselves do not allow a diagnosis.
     DataProblem,
 }
 
 impl Verdict {
     /// Every verdict.
-    pub const ALL: [Verdict; 7] = [
+    pub const ALL: [Verdict; 9] = [
         Verdict::Consistent,
         Verdict::Undecided,
         Verdict::Named,
         Verdict::Set,
         Verdict::Partial,
         Verdict::Unknown,
+        Verdict::Varies,
+        Verdict::Resembles,
         Verdict::DataProblem,
     ];
 
@@ -54,6 +60,8 @@ impl Verdict {
             Verdict::Set => "set",
             Verdict::Partial => "partial",
             Verdict::Unknown => "unknown",
+            Verdict::Varies => "varies",
+            Verdict::Resembles => "resembles",
             Verdict::DataProblem => "data-problem",
         }
     }
@@ -67,6 +75,91 @@ impl Verdict {
     pub fn names_a_cause(self) -> bool {
         matches!(self, Verdict::Named | Verdict::Set | Verdict::Partial)
     }
+
+    /// Whether it says that one set of parameters of the base model does not describe the readings.
+    pub fn is_misfit(self) -> bool {
+        self.names_a_cause() || matches!(self, Verdict::Unknown | Verdict::Varies | Verdict::Resembles)
+    }
+}
+
+/// Kind of what may be behind a misfit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HypothesisKind {
+    /// The base model alone.
+    Base,
+    /// One effect of the library, or several.
+    Effect,
+    /// Parameters of the base differ between the runs.
+    Varies,
+    /// Slow noise of the instrument, at rest as under voltage.
+    SlowNoise,
+    /// Something that no library holds.
+    Unnamed,
+}
+
+/// What may be behind a misfit, with how probable it is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Hypothesis {
+    /// Kind.
+    pub kind: HypothesisKind,
+    /// Ids of its effects.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<String>,
+    /// Form of the first effect, where it has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form: Option<String>,
+    /// Keys of the parameters that differ between the runs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters_that_differ: Vec<String>,
+    /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with: Option<String>,
+    /// Whether something without a name is there beside the effects.
+    #[serde(default)]
+    pub with_unnamed: bool,
+    /// Probability that the effect's equation is wrong by the largest error that is thought of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form_error: Option<f64>,
+    /// Posterior probability.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub mass: f64,
+}
+
+/// How large a misfit is, in percent of what was measured: root mean squares beyond the noise.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct MisfitPercent {
+    /// Of the range of the current; none where no run measures it.
+    pub current: Option<f64>,
+    /// Of the range of the curvature.
+    pub curvature: Option<f64>,
+    /// Error of the charge that has flowed at the end, of the largest charge of the run; the worst run.
+    pub charge: Option<f64>,
+}
+
+/// A parameter of the base model that differs between the runs of a group.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VaryingParameter {
+    /// Key, `rss_ohm_cm2`.
+    pub key: String,
+    /// Its value in every run in which it is finite.
+    pub values: Vec<VaryingValue>,
+}
+
+/// The value of a parameter in one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VaryingValue {
+    /// Name of the run.
+    pub run: String,
+    /// Largest voltage of its drive by size, V.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub step_v: f64,
+    /// Value, in the unit of the parameter's key.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub value: f64,
+    /// Its standard error.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub standard_error: f64,
 }
 
 /// An effect that was accepted, with its parameters in the extended model.
@@ -281,6 +374,9 @@ impl GroupDiagnosis {
             remarks: Vec::new(),
             alone: Vec::new(),
             from_others: Vec::new(),
+            posterior: Vec::new(),
+            misfit_percent: MisfitPercent::default(),
+            differs: Vec::new(),
         }
     }
 }
@@ -373,6 +469,16 @@ pub struct GroupDiagnosis {
     /// How well effects with the parameters of other samples describe this one.
     #[serde(default)]
     pub from_others: Vec<FromOthers>,
+    /// What may be behind the misfit, the most probable first; empty where none was found, and of findings that were stored
+    /// before this was asked.
+    #[serde(default)]
+    pub posterior: Vec<Hypothesis>,
+    /// How large the misfit of the base model is.
+    #[serde(default)]
+    pub misfit_percent: MisfitPercent,
+    /// Parameters that differ between the runs, where that carries weight among what may be behind the misfit.
+    #[serde(default)]
+    pub differs: Vec<VaryingParameter>,
 }
 
 /// An effect with the parameters that other samples of the material gave it, held against a sample that had no part in

@@ -143,9 +143,10 @@ impl Doubts {
     }
 }
 
-/// Whether the misfit of a group may be claimed.
+/// Whether the misfit of a group may be claimed, and doubts the fits of its runs: where the runs only differ in their
+/// parameters, each fit is right.
 fn is_claimed(group: &GroupDiagnosis) -> bool {
-    let is_wrong = group.verdict.names_a_cause() || group.verdict == Verdict::Unknown;
+    let is_wrong = group.verdict.is_misfit() && group.verdict != Verdict::Varies;
     is_wrong
         && group
             .q_misfit

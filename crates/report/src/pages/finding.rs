@@ -6,7 +6,9 @@ use serde::Serialize;
 
 use super::Content;
 use super::finding_alone::{AloneRow, alone_rows};
+use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, extension, gain_section, in_legend};
+use super::finding_posterior::{HypothesisRow, hypothesis_rows};
 use super::finding_words::{equation, lead, shift_words, test_words, verdict_of};
 use super::wording::{EstimateText, RunLink, listed};
 use crate::error::ReportError;
@@ -35,6 +37,9 @@ struct FindingPage {
     /// Plain sentence first.
     summary: Vec<String>,
     runs: Vec<NamedRun>,
+    /// Parameters that differ, where that is the finding.
+    differs: Vec<DiffersBlock>,
+    hypotheses: Vec<HypothesisRow>,
     effects: Vec<EffectBlock>,
     set: Vec<SetMember>,
     next_run: Option<NextRunText>,
@@ -160,6 +165,10 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let held_out = held_out(found, &mut figures)?;
     let profiles = profiles(found, &mut figures)?;
     let bars = bars(found, &mut figures)?;
+    let differs = match found.verdict {
+        Verdict::Varies => differs_blocks(found, &mut figures)?,
+        _ => Vec::new(),
+    };
     let shifts = found.shifts.iter();
     let drawn_of = found.residuals.len();
     let page = FindingPage {
@@ -168,6 +177,8 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         key: found.verdict.key(),
         summary: summary(found, findings),
         runs: found.runs.iter().map(|path| named_run(site, path)).collect(),
+        differs,
+        hypotheses: hypothesis_rows(found, findings),
         effects: found
             .effects
             .iter()
@@ -216,8 +227,28 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
 
 fn summary(found: &GroupDiagnosis, findings: &Findings) -> Vec<String> {
     let mut sentences = vec![lead(found, findings), found.sentence.clone()];
+    sentences.dedup();
+    sentences.extend(size_words(found));
     sentences.extend(test_words(found));
     sentences
+}
+
+/// How large the misfit is, where there is one.
+fn size_words(found: &GroupDiagnosis) -> Option<String> {
+    if !found.verdict.is_misfit() {
+        return None;
+    }
+    let size = found.misfit_percent;
+    let of = |percent: Option<f64>, what: &str| Some(format!("{} % {what}", significant(percent?, 2)));
+    let sizes: Vec<String> = [
+        of(size.current, "of the range of the current"),
+        of(size.curvature, "of the range of the curvature"),
+        of(size.charge, "of the charge at the end of the worst run"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    (!sizes.is_empty()).then(|| format!("One set of parameters is off by {}.", listed(&sizes)))
 }
 
 fn named_run(site: &Site, path: &str) -> NamedRun {

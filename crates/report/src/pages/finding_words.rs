@@ -19,6 +19,8 @@ pub fn verdict_word(verdict: Verdict) -> &'static str {
         Verdict::Set => "wrong, several possible causes",
         Verdict::Partial => "wrong, cause found in part",
         Verdict::Unknown => "wrong, cause unknown",
+        Verdict::Varies => "the runs differ in their parameters",
+        Verdict::Resembles => "wrong, like a known cause and not it",
         Verdict::DataProblem => "readings not usable",
     }
 }
@@ -79,6 +81,12 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
         Verdict::Unknown => {
             format!("The simulation is wrong for {runs}, and no cause that is known here is proved.")
         }
+        // What differs, and how much, is the finding.
+        Verdict::Varies => found.sentence.clone(),
+        Verdict::Resembles => format!(
+            "The simulation of {runs} lacks something that looks like {} and is not it.",
+            causes(&found.set)
+        ),
         Verdict::DataProblem => {
             format!("Nothing is said of the simulation of {runs}, because of the readings themselves.")
         }
@@ -176,15 +184,19 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
     let unproved = groups.iter().filter(|found| found.verdict.names_a_cause());
     let unproved = unproved.filter(|found| !found.gains_clearly()).count();
     let unknown = count(&[Verdict::Unknown]);
+    let varies = count(&[Verdict::Varies]);
+    let resembles = count(&[Verdict::Resembles]);
     let wrong = [
         proved(Verdict::Named, "one cause is found"),
         proved(Verdict::Set, "a few causes remain possible"),
         proved(Verdict::Partial, "a cause is found for a part of it"),
         (unproved > 0).then(|| format!("in {unproved} a cause fits and is not proved")),
+        (resembles > 0).then(|| format!("in {resembles} it looks like a known cause and is not it")),
+        (varies > 0).then(|| format!("in {varies} each run has parameters of its own")),
         (unknown > 0).then(|| format!("in {unknown} the cause is unknown")),
     ];
     let details: Vec<String> = wrong.into_iter().flatten().collect();
-    let n_wrong = count(&[Verdict::Named, Verdict::Set, Verdict::Partial, Verdict::Unknown]);
+    let n_wrong = groups.iter().filter(|found| found.verdict.is_misfit()).count();
     let asked = groups.len() - count(&[Verdict::DataProblem]);
     let mut lead = match (n_wrong, asked) {
         (_, 0) => "The readings of no group allow a finding".to_owned(),

@@ -1,0 +1,85 @@
+//! What may be behind a misfit, with how probable it is.
+
+use serde::Serialize;
+
+use super::wording::listed;
+use crate::input::Findings;
+use crate::number::fixed;
+use ieap_analysis::ParameterInfo;
+use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind};
+
+/// Rows that are shown.
+const SHOWN: usize = 8;
+/// Mass below which a row says nothing.
+const LEAST: f64 = 0.005;
+
+/// A hypothesis in words.
+#[derive(Debug, Serialize)]
+pub struct HypothesisRow {
+    what: String,
+    detail: String,
+    percent: String,
+}
+
+/// The leading hypotheses.
+pub fn hypothesis_rows(found: &GroupDiagnosis, findings: &Findings) -> Vec<HypothesisRow> {
+    let shown = found.posterior.iter().take(SHOWN).filter(|own| own.mass >= LEAST);
+    shown.map(|own| row(own, findings)).collect()
+}
+
+fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
+    let (what, detail) = match own.kind {
+        HypothesisKind::Base => ("nothing: chance".to_owned(), String::new()),
+        HypothesisKind::SlowNoise => (
+            "slow noise".to_owned(),
+            "readings wander over the length of a record, at rest as under voltage".to_owned(),
+        ),
+        HypothesisKind::Unnamed => (
+            "something without a name".to_owned(),
+            "a smooth answer to the voltage, or a course over the clock, that no effect of the library has"
+                .to_owned(),
+        ),
+        HypothesisKind::Varies => (parameters(own), follows(own)),
+        HypothesisKind::Effect => effect(own, findings),
+    };
+    HypothesisRow {
+        what,
+        detail,
+        percent: match own.mass {
+            most if most > 0.995 => "> 99".to_owned(),
+            mass => fixed(100.0 * mass, if mass < 0.095 { 1 } else { 0 }),
+        },
+    }
+}
+
+fn parameters(own: &Hypothesis) -> String {
+    let symbol =
+        |key: &String| ParameterInfo::of(key).map_or_else(|| key.clone(), |known| known.symbol.to_owned());
+    let symbols: Vec<String> = own.parameters_that_differ.iter().map(symbol).collect();
+    match symbols.len() {
+        1 => format!("{} differs between the runs", symbols[0]),
+        _ => format!("{} differ between the runs", listed(&symbols)),
+    }
+}
+
+fn follows(own: &Hypothesis) -> String {
+    match own.with.as_deref() {
+        None | Some("run") => "freely".to_owned(),
+        Some("voltage_v") => "with the voltage".to_owned(),
+        Some(tag) => format!("with {}", tag.trim_start_matches(ieap_domain::diagnosis::FOLLOWS)),
+    }
+}
+
+fn effect(own: &Hypothesis, findings: &Findings) -> (String, String) {
+    let summary = |id: &String| findings.effect(id).map(|known| known.summary.clone());
+    let summaries: Vec<String> = own.effects.iter().filter_map(summary).collect();
+    let mut what = own.effects.join(" + ");
+    if own.with_unnamed {
+        what += " + something without a name";
+    }
+    let mut detail = summaries.join("; ");
+    if let Some(form) = &own.form {
+        detail += &format!(" ({form})");
+    }
+    (what, detail)
+}
