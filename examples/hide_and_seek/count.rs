@@ -8,7 +8,7 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::case::{Plan, case, diagnose, responses, true_responses};
-use crate::hidden::{OUTSIDE, apart, hidden, outside};
+use crate::hidden::{Outside, apart, hidden, outside};
 use crate::oracle::oracle;
 
 /// Groups with p below 0.05, and groups that were given a name, among so many clean ones from seed `first` on.
@@ -354,9 +354,9 @@ pub fn together(first: u64, count: u64, strengths: &[f64]) -> [usize; 2] {
 
 /// Groups with an effect that no library holds, which must come back unknown: how many there are, are unknown, and are given
 /// one name.
-pub fn outsides(first: u64, count: u64, d: f64) -> [usize; 3] {
+pub fn outsides(kinds: &[Outside], first: u64, count: u64, d: f64) -> [usize; 3] {
     let mut total = [0; 3];
-    for kind in OUTSIDE {
+    for &kind in kinds {
         let found: Vec<_> = (0..count)
             .into_par_iter()
             .filter_map(|seed| {
