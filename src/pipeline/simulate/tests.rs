@@ -160,7 +160,10 @@ fn a_foreign_form_is_told_and_stands_in_the_answer_key() {
     let effect = "[[effect]]\nid = \"coupling-saturation\"\nvariant = \"gain\"\nform = \"tanh\"\ninverse_charge_per_c = 8.0\n";
     let spec = read(&format!("{HEAD}{run}\n{effect}")).unwrap();
     let hidden = spec.effect[0].hidden();
-    assert_eq!((hidden.variant_or_first(), hidden.form()), (Some("gain"), Some("tanh")));
+    assert_eq!(
+        (hidden.variant_or_first(), hidden.form()),
+        (Some("gain"), Some("tanh"))
+    );
     assert_eq!(
         answer_key::told(&hidden),
         "hidden effect: coupling-saturation (gain) in the foreign form tanh, inverse_charge_per_c = 8"
@@ -168,7 +171,10 @@ fn a_foreign_form_is_told_and_stands_in_the_answer_key() {
     let key = answer_key(&spec, Path::new("spec.toml"));
     let key: serde_json::Value = serde_json::from_str(&key).unwrap();
     let effect = &key["runs"][0]["effects"][0];
-    assert_eq!((&effect["variant"], &effect["form"]), (&"gain".into(), &"tanh".into()));
+    assert_eq!(
+        (&effect["variant"], &effect["form"]),
+        (&"gain".into(), &"tanh".into())
+    );
 }
 
 #[test]
