@@ -3,18 +3,18 @@
 
 use std::collections::BTreeMap;
 
-use ieap::diagnose::in_units_of_noise;
+use ieap::diagnose::sigmas_after_refit;
 use ieap::domain::GroupDiagnosis;
-use ieap::model::effects::{ALL, Applied, Effect, Limits};
+use ieap::model::effects::{ALL, Effect, Limits};
 use ieap::model::extended::Responses;
 use ieap::model::truth::HiddenEffect;
 use ieap::model::truth::catalogue::{Bounds, KnownEffect, known};
 use rand::RngExt;
 
 use crate::benchmark::each;
-use crate::case::{Case, Plan, case, diagnose, responses, truly};
+use crate::case::{Case, Plan, case, diagnose, truly};
 use crate::hidden::{OUTSIDE, Outside, scale, strength_bounds};
-use crate::oracle::{basis, dot, remove};
+use crate::nearness::cosine;
 use crate::reach::{Range, reach};
 use crate::verdicts::Count;
 
@@ -110,7 +110,11 @@ impl Cause {
     fn judged(&self, seed: u64, d: f64) -> Option<Judged> {
         let mut case = case(seed, Plan::default());
         let (kind, form, with) = match self {
-            Cause::Form(effect) => hidden_form(&mut case, *effect, d)?,
+            Cause::Form(effect) => {
+                let forms = known(effect.about().id)?.forms;
+                let form = forms[case.generator.random_range(0..forms.len())];
+                hidden_form(&mut case, *effect, form, d)?
+            }
             Cause::Outside(outside) => hidden_outside(&mut case, *outside, d)?,
         };
         let found = diagnose(&mut case, &with);
@@ -133,10 +137,11 @@ impl Cause {
     }
 }
 
-/// Near or far, the form, and the responses with a random foreign form of a random shape.
+/// Near or far, the form, and the responses with a foreign form of a random variant and shape.
 fn hidden_form(
     case: &mut Case,
     effect: &'static dyn Effect,
+    form: &str,
     d: f64,
 ) -> Option<(&'static str, String, Vec<Responses>)> {
     let entry = known(effect.about().id)?;
@@ -148,7 +153,6 @@ fn hidden_form(
         return None;
     }
     let probe = search.probes[case.generator.random_range(0..search.probes.len())].clone();
-    let form = entry.forms[case.generator.random_range(0..entry.forms.len())];
     let with = |case: &Case, strength: f64| {
         truly(
             case,
@@ -159,7 +163,7 @@ fn hidden_form(
     let found = if limits.held {
         // A law without free strength: the noise is made to fit instead.
         let found = with(case, 1.0)?;
-        let factor = ieap::diagnose::sigmas_after_refit(&case.base, &case.design, &found, case.noise) / d;
+        let factor = sigmas_after_refit(&case.base, &case.design, &found, case.noise) / d;
         if factor <= 0.0 {
             return None;
         }
@@ -210,79 +214,6 @@ fn range(limits: Limits, bounds: Bounds, start: f64, absent: f64) -> Range {
     }
 }
 
-/// Largest cosine of what `found` leaves after the refit with what the effect's own forms leave: at every probe, and
-/// from the best on at the same strength, with each shape parameter moved towards what fits.
-fn cosine(case: &Case, effect: &'static dyn Effect, found: &[Responses], d: f64) -> f64 {
-    let plain = in_units_of_noise(&responses(case, &[]), case.noise);
-    let basis = basis(case);
-    let left = |with: &[Responses]| -> Vec<f64> {
-        let mut change: Vec<f64> = in_units_of_noise(with, case.noise)
-            .iter()
-            .zip(&plain)
-            .map(|(with, plain)| with - plain)
-            .collect();
-        remove(&basis, &mut change);
-        change
-    };
-    let trace = left(found);
-    let alike = |own: &Applied, both_signs: bool| {
-        let own = left(&responses(case, std::slice::from_ref(own)));
-        let cosine = dot(&own, &trace) / (dot(&own, &own) * dot(&trace, &trace)).sqrt();
-        let cosine = if both_signs { cosine.abs() } else { cosine };
-        if cosine.is_nan() { 0.0 } else { cosine }
-    };
-    let scale = scale(case);
-    let mut best: Option<(f64, Applied, Vec<Limits>)> = None;
-    for variant in 0..effect.about().variants.len().max(1) {
-        let search = effect.search(variant, &scale);
-        for probe in search.probes {
-            let own = Applied {
-                effect,
-                variant,
-                parameters: probe,
-            };
-            let found = alike(&own, search.limits[0].low < 0.0 && !search.limits[0].held);
-            if best.as_ref().is_none_or(|(best, ..)| found > *best) {
-                best = Some((found, own, search.limits.clone()));
-            }
-        }
-    }
-    let Some((mut most, mut own, limits)) = best else {
-        return 0.0;
-    };
-    if !limits[0].held {
-        let range = Range {
-            start: own.parameters[0],
-            low: limits[0].low,
-            high: limits[0].high,
-            falls: effect.search(own.variant, &scale).absent == f64::INFINITY,
-        };
-        let with = |strength: f64| {
-            let mut moved = own.clone();
-            moved.parameters[0] = strength;
-            Some(responses(case, &[moved]))
-        };
-        if let Some((strength, _)) = reach(case, d, range, with) {
-            own.parameters[0] = strength;
-        }
-    }
-    let both_signs = limits[0].low < 0.0;
-    most = most.max(alike(&own, both_signs));
-    for factor in [1.5, 1.2, 1.07] {
-        for (k, limit) in limits.iter().enumerate().skip(1).filter(|(_, limit)| !limit.held) {
-            for by in [factor, 1.0 / factor] {
-                let mut moved = own.clone();
-                moved.parameters[k] = (moved.parameters[k] * by).clamp(limit.low, limit.high);
-                let found = alike(&moved, both_signs);
-                if found > most {
-                    (most, own) = (found, moved);
-                }
-            }
-        }
-    }
-    most
-}
-
 /// The same of a cause that no library holds: a random variant, its shape within a factor of two of the usual.
 fn hidden_outside(
     case: &mut Case,
@@ -307,4 +238,42 @@ fn hidden_outside(
     };
     let (_, found) = reach(case, d, range, |strength| truly(case, vec![hidden(strength)]))?;
     Some(("outside", variant.unwrap_or_default().to_owned(), found))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[ignore = "slow: cargo test --example hide_and_seek -- --ignored --nocapture"]
+    fn every_form_and_every_cause_outside_can_be_hidden() {
+        let mut never = Vec::new();
+        for &effect in ALL {
+            let id = effect.about().id;
+            for form in known(id).map_or(&[][..], |entry| entry.forms) {
+                let kinds: Vec<&str> = (0..3)
+                    .filter_map(|seed| {
+                        let mut case = case(seed, Plan::default());
+                        hidden_form(&mut case, effect, form, 16.0).map(|(kind, ..)| kind)
+                    })
+                    .collect();
+                println!("{id} {form}: {kinds:?}");
+                if kinds.is_empty() {
+                    never.push(format!("{id} {form}"));
+                }
+            }
+        }
+        for kind in OUTSIDE {
+            let reached = (0..3).filter(|&seed| {
+                let mut case = case(seed, Plan::default());
+                hidden_outside(&mut case, kind, 16.0).is_some()
+            });
+            let reached = reached.count();
+            println!("{}: {reached} of 3", kind.0);
+            if reached == 0 {
+                never.push(kind.0.to_owned());
+            }
+        }
+        assert!(never.is_empty(), "{never:?}");
+    }
 }

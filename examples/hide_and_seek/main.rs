@@ -27,6 +27,7 @@ mod figure;
 mod foreign;
 mod hidden;
 mod methods;
+mod nearness;
 mod oracle;
 mod reach;
 mod rednoise;

@@ -113,7 +113,7 @@ pub const KNOWN: &[KnownEffect] = &[
     effect("slow-branch", NONE, &[p("slow_capacitance_f_per_cm2", AtLeast(0.0), 0.05), p("slow_time_constant_s", Above(0.0), 1500.0)]).or(&["two-times", "silent"]),
     effect("fast-branch", NONE, &[p("fast_capacitance_f_per_cm2", AtLeast(0.0), 0.01), p("fast_time_constant_s", Above(0.0), 0.5)]).or(&["two-times", "silent"]),
     effect("dispersion", &["branch-1", "branch-2", "both"], &[p("log_spread", Between(0.0, 2.0), 0.5)]).or(&["box", "skewed"]),
-    effect("warburg", NONE, &[p("diffusion_capacitance_f_per_cm2", AtLeast(0.0), 0.03), p("diffusion_time_s", Above(0.0), 200.0)]).or(&["cylinder", "graded"]),
+    effect("warburg", NONE, &[p("diffusion_capacitance_f_per_cm2", AtLeast(0.0), 0.03), p("diffusion_time_s", Above(0.0), 200.0)]).or(&["widening", "graded"]),
     effect("voltage-dependent-capacitance", &["all", "branch-2"], &[p("quadratic_per_v2", Real, 0.15)]).or(&["cosh", "step"]),
     effect("asymmetric-capacitance", &["all", "branch-2"], &[p("linear_per_v", Real, 0.15)]).or(&["tanh", "one-sided"]),
     effect("faradaic-leak", &["terminal", "capacitor"], &[p("leak_current_a_per_cm2", AtLeast(0.0), 1e-5), p("onset_v", AtLeast(0.0), 1.2), p("slope_v", Above(0.0), 0.15)]).or(&["soft", "limited", "passivating"]),

@@ -10,8 +10,8 @@
 //!   exponentially, to longer tau; both with that sd and mean of ln tau.
 //! - `warburg`: diffusion of total capacitance C into a film that is sealed at its far side, as finite volumes that
 //!   grow from the mouth, the first 0.6 % of the film: `c_t = D c_zz`, `tau = L^2/D`. At the very instant of a step the
-//!   sum over modes diverges; the half volume at the mouth bounds it at `300 C V/tau`. "cylinder": the cross-section
-//!   falls as `2 (1 - z/L)`; "graded": the resistance grows as `0.05 + 1.9 z/L`.
+//!   sum over modes diverges; the half volume at the mouth bounds it at `300 C V/tau`. "widening": the cross-section
+//!   grows as `0.5 + z/L`; "graded": the resistance grows as `0.05 + 1.9 z/L`.
 //! - `voltage-dependent-capacitance`, `asymmetric-capacitance`: differential capacitance `C (1 + a e^2)` and
 //!   `C (1 + b e)`, never below 0.05 C (both together: their sum). "all": every chain, also added ones. In place of
 //!   `a e^2`: "cosh": `cosh(sqrt(2 a) e) - 1`, for a < 0 `1/cosh(sqrt(-2 a) e) - 1`; "step": 4 a above 1 V. In place of
@@ -351,7 +351,7 @@ fn dispersed(role: Role, branch: Branch, log_spread: f64, law: &str) -> Vec<Chai
 /// times the density of either at that depth.
 fn film(c: f64, tau_s: f64, law: &str) -> Vec<Link> {
     let densities = |depth: f64| match law {
-        "cylinder" => (2.0 * (1.0 - depth), 0.5 / (1.0 - depth)),
+        "widening" => (0.5 + depth, (0.5 + depth).recip()),
         "graded" => (1.0, 0.05 + 1.9 * depth),
         _ => (1.0, 1.0),
     };

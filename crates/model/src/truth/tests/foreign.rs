@@ -111,7 +111,7 @@ fn a_late_series_resistance_is_none_at_first_and_whole_at_last() {
 
 #[test]
 fn a_film_of_any_form_takes_up_its_whole_charge() {
-    for form in ["", "/cylinder", "/graded"] {
+    for form in ["", "/widening", "/graded"] {
         let film = [
             ("diffusion_capacitance_f_per_cm2", 0.03),
             ("diffusion_time_s", 200.0),
