@@ -88,7 +88,7 @@ fn differing(case: &mut Case, chosen: usize, sd: f64) -> (GroupDiagnosis, f64) {
     let d = sigmas_after_refit(&case.base, &case.design, &with, case.noise);
     let found = diagnose(case, &with);
     if std::env::var_os("SHOW").is_some() {
-        println!(
+        eprintln!(
             "{which:?} by {sd}, d = {d:.0}: {} {:?} {}",
             found.verdict.key(),
             found.set,

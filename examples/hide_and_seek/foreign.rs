@@ -119,7 +119,7 @@ impl Cause {
         };
         let found = diagnose(&mut case, &with);
         if std::env::var_os("SHOW").is_some() {
-            println!(
+            eprintln!(
                 "{} {form} {kind}, d = {d}, seed {seed}: {} {:?} {}",
                 self.id(),
                 found.verdict.key(),
