@@ -6,7 +6,7 @@ use ieap::model::extended::Responses;
 use crate::case::Case;
 
 /// Strengths tried at most.
-const TRIES: usize = 12;
+const TRIES: usize = 16;
 /// What is reached may be off by this share.
 const WITHIN: f64 = 0.15;
 
@@ -31,6 +31,8 @@ pub fn reach(
     let mut power: f64 = if range.falls { -1.0 } else { 1.0 };
     let mut strength = range.start;
     let mut before: Option<(f64, f64)> = None;
+    // Nearest strengths that leave too little and too much.
+    let (mut weak, mut strong) = (None, None);
     for _ in 0..TRIES {
         let found = with(strength)?;
         let size = sigmas_after_refit(&case.base, &case.design, &found, case.noise).max(1e-6 * d);
@@ -45,8 +47,15 @@ pub fn reach(
             }
         }
         before = Some((strength, size));
+        *(if size < d { &mut weak } else { &mut strong }) = Some(strength);
         let factor = (d / size).powf(power.recip()).clamp(0.1, 10.0);
-        let next = (strength * factor).clamp(range.low, range.high);
+        let mut next = (strength * factor).clamp(range.low, range.high);
+        if let (Some(weak), Some(strong)) = (weak, strong) {
+            let (low, high) = (f64::min(weak, strong), f64::max(weak, strong));
+            if next <= low || next >= high {
+                next = (low * high).sqrt().copysign(strength);
+            }
+        }
         if next == strength {
             return None;
         }

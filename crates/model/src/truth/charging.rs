@@ -6,25 +6,25 @@
 //! - `slow-branch`, `fast-branch`: a third branch of capacitance C and resistance tau/C, which bends like the others.
 //!   "two-times": half of C with tau/2.5, half with 2.5 tau; "silent": its charge does not bend.
 //! - `dispersion`: a branch becomes many in parallel, whose tau are log-normally spread about the branch's own (sd
-//!   `log_spread` of ln tau), C shared out with normal weights, R = tau/C of each share. "box": evenly spread; "skewed":
-//!   exponentially, to longer tau; both with that sd and mean of ln tau.
+//!   `log_spread` of ln tau), C shared out with normal weights, R = tau/C of each share. "box": evenly spread with that sd;
+//!   "pedestal": all at tau but `log_spread`/4 of C, which is spread evenly over ln tau from tau to 100 tau.
 //! - `warburg`: diffusion of total capacitance C into a film that is sealed at its far side, as finite volumes that
 //!   grow from the mouth, the first 0.6 % of the film: `c_t = D c_zz`, `tau = L^2/D`. At the very instant of a step the
 //!   sum over modes diverges; the half volume at the mouth bounds it at `300 C V/tau`. "widening": the cross-section
-//!   grows as `0.5 + z/L`; "graded": the resistance grows as `0.05 + 1.9 z/L`.
+//!   grows as `0.5 + z/L`; "silent": its charge does not bend.
 //! - `voltage-dependent-capacitance`, `asymmetric-capacitance`: differential capacitance `C (1 + a e^2)` and
 //!   `C (1 + b e)`, never below 0.05 C (both together: their sum). "all": every chain, also added ones. In place of
-//!   `a e^2`: "cosh": `cosh(sqrt(2 a) e) - 1`, for a < 0 `1/cosh(sqrt(-2 a) e) - 1`; "step": 4 a above 1 V. In place of
+//!   `a e^2`: "cosh": `cosh(sqrt(2 a) e) - 1`, for a < 0 `1/cosh(sqrt(-2 a) e) - 1`; "first": branch 1 alone. In place of
 //!   `b e`: "tanh": `0.7 b tanh(e/0.7)`; "one-sided": `b max(0, e)`.
 //! - `redox-peak`: branch 2's differential capacitance gains `q f(1-f)/0.0257`, `f = 1/(1 + exp(-(e - E0)/0.0257))`,
-//!   shared out like its C where it is dispersed. "gaussian": the normal density with that variance; "broad": 0.15 V in
-//!   place of 0.0257 V.
+//!   shared out like its C where it is dispersed. "gaussian": the normal density with that variance; "both-signs": |e| and
+//!   |E0| in place of e and E0.
 //! - `self-discharge`: `q_2' = i_2 - g e_2`; what is lost inside has no current outside, and the bending goes with q_2.
-//!   "threshold": what |e_2| has above 0.8 V in place of e_2; "first": branch 1 in place of 2.
+//!   "threshold": what |e_2| has above 0.3 V in place of e_2; "first": branch 1 in place of 2.
 //! - `residual-charge`: `e_k(0) = baseline_v + f V`, V the first voltage held. The bending charge starts there too,
 //!   and the shape that it has gives the zero of curvature. The current before the drive is that of the baseline.
-//!   "fixed": f times 2 V in place of V; "first": branch 1 alone.
-//! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + 2 r exp(-|e|/0.5 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).
+//!   "uneven": both, branch 1 half as much; "fixed": f times 2 V in place of V.
+//! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + r exp(-|e|/4 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).
 
 use super::effects::Effects;
 use super::error::TruthError;
@@ -33,10 +33,8 @@ use super::{Branch, Truth};
 
 /// Thermal voltage kT/e at 25 C, V.
 const THERMAL_V: f64 = 0.0257;
-/// Width of a broad redox peak, V.
-const BROAD_V: f64 = 0.15;
 /// Voltage above which a thresholded self-discharge begins, V.
-const DISCHARGE_V: f64 = 0.8;
+const DISCHARGE_V: f64 = 0.3;
 /// Differential capacitance falls to this share of C at the least.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -84,7 +82,6 @@ impl CapacitanceLaw {
                 let grown = ((2.0 * a.abs()).sqrt() * e).cosh();
                 (if a < 0.0 { grown.recip() } else { grown }) - 1.0
             }
-            "step" => 4.0 * a * passed(e.abs(), 1.0),
             _ => a * e * e,
         }
     }
@@ -102,12 +99,11 @@ impl CapacitanceLaw {
         if self.redox_c <= 0.0 {
             return 0.0;
         }
-        let width_v = if self.redox_law == "broad" {
-            BROAD_V
-        } else {
-            THERMAL_V
+        let above_v = match self.redox_law {
+            "both-signs" => e.abs() - self.redox_v.abs(),
+            _ => e - self.redox_v,
         };
-        let z = ((e - self.redox_v) / width_v).clamp(-200.0, 200.0);
+        let z = (above_v / THERMAL_V).clamp(-200.0, 200.0);
         let density = if self.redox_law == "gaussian" {
             // The logistic density has the variance pi^2/3.
             let sd = std::f64::consts::PI / 3.0_f64.sqrt();
@@ -116,7 +112,7 @@ impl CapacitanceLaw {
             // f(1-f) = 1/(4 cosh^2(z/2)), which does not overflow.
             0.25 / (0.5 * z).cosh().powi(2)
         };
-        self.redox_c * density / width_v
+        self.redox_c * density / THERMAL_V
     }
 
     /// Charge between 0 V and `e`, C/cm2, by Simpson's rule.
@@ -180,7 +176,7 @@ impl Chain {
     pub fn bends_at(&self, e: f64) -> f64 {
         let ratio_change = self.bends - 1.0;
         match self.bends_law {
-            "fading" => 1.0 + 2.0 * ratio_change * (-e.abs() / 0.5).exp(),
+            "fading" => 1.0 + ratio_change * (-e.abs() / 4.0).exp(),
             "threshold" => 1.0 + 2.0 * ratio_change * passed(e.abs(), 1.0),
             _ => self.bends,
         }
@@ -233,18 +229,22 @@ pub(super) fn chains(truth: &Truth, effects: &Effects, step_v: f64) -> Result<Ve
         let c = effect.value("diffusion_capacitance_f_per_cm2");
         let mut chain = Chain::of(Role::Added, truth.branches[0]);
         chain.links = film(c, effect.value("diffusion_time_s"), effect.law());
+        if effect.law() == "silent" {
+            chain.bends = 0.0;
+        }
         chains.push(chain);
     }
     apply_laws(&mut chains, truth, effects)?;
     if let Some(effect) = effects.get("residual-charge") {
         let of_v = if effect.law() == "fixed" { 2.0 } else { step_v };
         let residual_v = effect.value("residual_fraction") * of_v;
-        let only_first = effect.law() == "first";
         for chain in &mut chains {
-            let first = chain.role == Role::First && (effect.is("both") || only_first);
-            if first || chain.role == Role::Second && !only_first {
-                chain.residual_v = residual_v;
-            }
+            chain.residual_v = match chain.role {
+                Role::First if effect.law() == "uneven" => 0.5 * residual_v,
+                Role::First if effect.is("both") => residual_v,
+                Role::Second => residual_v,
+                _ => 0.0,
+            };
         }
     }
     Ok(chains)
@@ -254,7 +254,11 @@ fn apply_laws(chains: &mut [Chain], truth: &Truth, effects: &Effects) -> Result<
     for id in ["voltage-dependent-capacitance", "asymmetric-capacitance"] {
         let Some(effect) = effects.get(id) else { continue };
         for chain in chains.iter_mut() {
-            if effect.is("all") || chain.role == Role::Second {
+            let meant = match effect.law() {
+                "first" => chain.role == Role::First,
+                _ => effect.is("all") || chain.role == Role::Second,
+            };
+            if meant {
                 chain.law.quadratic += effect.value("quadratic_per_v2");
                 chain.law.linear += effect.value("linear_per_v");
                 chain.law.quadratic_law = effects.law("voltage-dependent-capacitance");
@@ -320,17 +324,20 @@ fn needs_second_branch(truth: &Truth, effects: &Effects) -> Result<(), TruthErro
 }
 
 /// Shares of a branch at even steps of 0.5 sd from -3.5 to 3.5 sd of ln tau: the rule of rectangles is as exact as
-/// the cut of the tails here. Foreign forms: equal shares in the middles of fifteen equal parts.
+/// the cut of the tails here. Foreign forms: shares in the middles of fifteen equal parts, or of fourteen beside a first
+/// one at tau.
 fn dispersed(role: Role, branch: Branch, log_spread: f64, law: &str) -> Vec<Chain> {
     let middle = |k: i32| (f64::from(k) + 7.5) / 15.0;
     let place = |k: i32| match law {
         "box" => 12.0_f64.sqrt() * (middle(k) - 0.5),
-        "skewed" => -(1.0 - middle(k)).ln() - 1.0,
+        "pedestal" => 100.0_f64.ln() * (f64::from(k) + 6.5).max(0.0) / 14.0 / log_spread,
         _ => 0.5 * f64::from(k),
     };
     let weight = |k: i32| match law {
-        "" => (-0.5 * place(k) * place(k)).exp(),
-        _ => 1.0,
+        "box" => 1.0,
+        "pedestal" if k == -7 => 1.0 - 0.25 * log_spread,
+        "pedestal" => 0.25 * log_spread / 14.0,
+        _ => (-0.5 * place(k) * place(k)).exp(),
     };
     let whole: f64 = (-7..=7).map(weight).sum();
     let tau = branch.resistance_ohm_cm2 * branch.capacitance_f_per_cm2;
@@ -352,7 +359,6 @@ fn dispersed(role: Role, branch: Branch, log_spread: f64, law: &str) -> Vec<Chai
 fn film(c: f64, tau_s: f64, law: &str) -> Vec<Link> {
     let densities = |depth: f64| match law {
         "widening" => (0.5 + depth, (0.5 + depth).recip()),
-        "graded" => (1.0, 0.05 + 1.9 * depth),
         _ => (1.0, 1.0),
     };
     const VOLUMES: i32 = 40;

@@ -13,9 +13,9 @@
 //! - `partial-relaxation`: `kappa = alpha A [(1-f) s + f (p - p_0)]`. "saturating": what stays is
 //!   `f m/(1 + |m|/(0.3 C/cm2))`, m = p - p_0; "yield" stands in `relaxation`.
 //! - `counter-flow`: `y' = (p - y)/tau`, `kappa = alpha A [s - f (y - p_0)]`. "two-times": half of y with tau/4, half
-//!   with 4 tau; "saturating": y follows `p/(1 + |p|/(0.2 C/cm2))`.
+//!   with 4 tau; "stays": |y| never falls.
 //! - `quadratic-coupling`: kappa gains `a (Q^2 - Q_0^2)` ("direct"), or what back-relaxation leaves of it ("relaxing").
-//!   In place of Q^2: "quartic": `Q^4/(0.03 C)^2`; "absolute": `0.03 C |Q|`.
+//!   In place of Q^2: "quartic": `Q^4/(0.03 C)^2`; "late": what follows Q^2 with 60 s.
 //!
 //! The strain s is that of `relaxation`.
 
@@ -26,9 +26,9 @@ use super::states::States;
 
 /// Bending charge at which what does not relax is halved, C/cm2.
 const STAYING_C_PER_CM2: f64 = 0.3;
-/// Bending charge at which what flows back is halved, C/cm2.
-const FLOWING_C_PER_CM2: f64 = 0.2;
-/// Charge at which foreign even couplings are as large as the square, C.
+/// Time in which a late even coupling follows, s.
+const LATE_S: f64 = 60.0;
+/// Charge at which the fourth power couples as much as the square, C.
 const EVEN_C: f64 = 0.03;
 /// Voltage above which a thresholded leak bends, V.
 const LEAK_V: f64 = 0.8;
@@ -37,7 +37,7 @@ const LEAK_V: f64 = 0.8;
 #[derive(Debug, Clone, Copy)]
 struct Counter {
     fraction: f64,
-    saturates: bool,
+    stays: bool,
     /// States with their time constants, s; equal shares.
     parts: [(usize, f64); 2],
 }
@@ -94,7 +94,9 @@ pub(super) struct Coupling {
     partial_saturates: bool,
     counter: Option<Counter>,
     quadratic: f64,
-    quadratic_law: &'static str,
+    quartic: bool,
+    /// State of what follows the square late.
+    late: Option<usize>,
     relaxing: Option<usize>,
     inverse_charge: f64,
     saturation_law: &'static str,
@@ -132,7 +134,8 @@ impl Coupling {
             partial_saturates: effects.law("partial-relaxation") == "saturating",
             counter: None,
             quadratic: effects.value("quadratic-coupling", "quadratic_cm_per_c2"),
-            quadratic_law: effects.law("quadratic-coupling"),
+            quartic: effects.law("quadratic-coupling") == "quartic",
+            late: (effects.law("quadratic-coupling") == "late").then(|| states.add(0.0)),
             relaxing: quadratic.filter(|e| e.is("relaxing")).map(|_| states.add(0.0)),
             inverse_charge: saturation.map_or(0.0, |e| e.value("inverse_charge_per_c")),
             saturation_law: effects.law("coupling-saturation"),
@@ -144,7 +147,6 @@ impl Coupling {
         coupling.p0 = coupling.saturated(x0);
         coupling.play = hysteresis.map(|e| Play::new(e.value("width_c_per_cm2"), coupling.p0));
         coupling.counter = effects.get("counter-flow").map(|e| {
-            let flow = coupling.flowing(coupling.p0, e.law() == "saturating");
             let ratios = if e.law() == "two-times" {
                 [0.25, 4.0]
             } else {
@@ -152,8 +154,8 @@ impl Coupling {
             };
             Counter {
                 fraction: e.value("fraction"),
-                saturates: e.law() == "saturating",
-                parts: ratios.map(|ratio| (states.add(flow), ratio * e.value("time_constant_s"))),
+                stays: e.law() == "stays",
+                parts: ratios.map(|ratio| (states.add(coupling.p0), ratio * e.value("time_constant_s"))),
             }
         });
         coupling
@@ -170,14 +172,6 @@ impl Coupling {
     fn saturated(&self, x: f64) -> f64 {
         let p = if x < 0.0 { x * (1.0 + self.polarity) } else { x };
         if self.saturates_drive { p * self.left(x) } else { p }
-    }
-
-    fn flowing(&self, p: f64, saturates: bool) -> f64 {
-        if saturates {
-            p / (1.0 + p.abs() / FLOWING_C_PER_CM2)
-        } else {
-            p
-        }
     }
 
     /// Current of the leak that bends, A/cm2, at the voltage `u` over the conductance `steady`.
@@ -205,10 +199,13 @@ impl Coupling {
     }
 
     fn square(&self, y: &[f64]) -> f64 {
-        let even = |charge: f64| match self.quadratic_law {
-            "quartic" => charge.powi(4) / (EVEN_C * EVEN_C),
-            "absolute" => EVEN_C * charge.abs(),
-            _ => charge * charge,
+        self.late.map_or_else(|| self.square_now(y), |state| y[state])
+    }
+
+    fn square_now(&self, y: &[f64]) -> f64 {
+        let even = |charge: f64| match self.quartic {
+            true => charge.powi(4) / (EVEN_C * EVEN_C),
+            false => charge * charge,
         };
         even(self.area_cm2 * y[self.x]) - even(self.q0)
     }
@@ -223,8 +220,7 @@ impl Coupling {
         };
         let mut whole = (1.0 - self.partial) * strain + self.partial * staying;
         if let Some(counter) = self.counter {
-            let at_start = self.flowing(self.p0, counter.saturates);
-            let flowed = counter.parts.map(|(state, _)| 0.5 * (y[state] - at_start));
+            let flowed = counter.parts.map(|(state, _)| 0.5 * (y[state] - self.p0));
             whole -= counter.fraction * (flowed[0] + flowed[1]);
         }
         let mut curvature = factor * self.gain * whole;
@@ -249,8 +245,13 @@ impl Coupling {
         self.relaxation.rates(p - self.p0, relaxation, y, out);
         if let Some(counter) = self.counter {
             for (state, time_s) in counter.parts {
-                out[state] = (self.flowing(p, counter.saturates) - y[state]) / time_s;
+                let rate = (p - y[state]) / time_s;
+                let falls = rate * y[state] < 0.0;
+                out[state] = if counter.stays && falls { 0.0 } else { rate };
             }
+        }
+        if let Some(state) = self.late {
+            out[state] = (self.square_now(y) - y[state]) / LATE_S;
         }
         if let Some(state) = self.relaxing {
             out[state] = -self.relaxation.rate_per_s * relaxation * (self.square(y) + y[state]);

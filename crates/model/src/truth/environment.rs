@@ -14,7 +14,7 @@
 //!   "exponential": `exp(g kappa)`; "even": `1 + g |kappa|`.
 //! - `moisture-bending`: curvature gains `k (1 - exp(-t/tau))`; forms as of `water-exchange`.
 //! - `threshold-relaxation`: lambda times `1 + c max(0, |v|/V_th - 1)`, v the source's voltage now; while the circuit
-//!   is open the strip's own. "one-sided": v in place of |v|; "late": the addition follows with 60 s.
+//!   is open the strip's own. "one-sided": v in place of |v|; "late": the addition follows with 5 s.
 //! - `x-limit-cycle`: R_1, R_2 times `1 + a z/2`, z of van der Pol's `z'' = w (1 - z^2) z' - w^2 z` from z = 1, w = 2 pi/P.
 //! - `x-even-answer`: `z' = (u^2 - z)/tau`, u the terminal voltage; curvature gains `k z`.
 //! - `x-wandering`: R_1, R_2 ("resistance"), lambda or the coupling times `1 + a z(t)`, z like a walk and another one in
@@ -32,7 +32,7 @@ const HEATING_OHM_CM2: f64 = 25.0;
 /// Time in which dried electrodes take up water again, s.
 const HEALING_S: f64 = 100.0;
 /// Time in which relaxation follows the voltage late, s.
-const LATE_S: f64 = 60.0;
+const LATE_S: f64 = 5.0;
 
 /// What multiplies the base model's parameters at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,8 @@
 //!   dispersed). "soft": no threshold, `2 i0 exp(-onset/slope) sinh(w/slope)`; "limited": divided by
 //!   `1 + i/(50 i0)`, no more arrives; "passivating": divided by `1 + sqrt(t_edge/20 s)`.
 //! - `diffusion-limited-leak`: `k u / sqrt(t_edge + 0.05 s)`, u the voltage now, also while the circuit is open.
-//!   Before the first edge it has died away. "layer": it falls for 60 s only; "power": by the power -0.8.
+//!   Before the first edge it has died away. "layer": it falls for 60 s only; "spent": with the clock time
+//!   in place of t_edge, what has reacted does not come back.
 
 use super::charging::Chain;
 use super::effects::Effects;
@@ -108,16 +109,16 @@ impl Leaks {
     }
 
     /// Conductance of the diffusion-limited leak, S/cm2, that long after an edge.
-    pub fn diffusion_limited(&self, since_edge_s: f64) -> f64 {
+    pub fn diffusion_limited(&self, since_edge_s: f64, clock_s: f64) -> f64 {
         if self.diffusion == 0.0 {
             return 0.0;
         }
-        let since = since_edge_s.max(0.0) + 0.05;
-        match self.diffusion_law {
-            "layer" => self.diffusion / since.min(LAYER_S).sqrt(),
-            "power" => self.diffusion / since.powf(0.8),
-            _ => self.diffusion / since.sqrt(),
-        }
+        let since_s = match self.diffusion_law {
+            "layer" => since_edge_s.min(LAYER_S),
+            "spent" => clock_s,
+            _ => since_edge_s,
+        };
+        self.diffusion / (since_s.max(0.0) + 0.05).sqrt()
     }
 }
 
@@ -129,7 +130,7 @@ pub(super) fn rest(network: &mut Network, chains: &[Chain], leaks: &Leaks, basel
         u => chain.lost(chain.settled_v(u)) / u,
     };
     let long_after = f64::INFINITY;
-    let conductance = leaks.steady + leaks.diffusion_limited(long_after);
+    let conductance = leaks.steady + leaks.diffusion_limited(long_after, long_after);
     let cell = Cell {
         conductance: conductance + chains.iter().map(lost).sum::<f64>(),
         faradaic: leaks.faradaic(long_after),

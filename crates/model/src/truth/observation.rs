@@ -16,7 +16,7 @@
 //! - `x-staircase`: plus `h floor(s/P)`, P the tread.
 //! - `x-event`: from s = t_e on times `1 + h exp(-(s - t_e)/tau)`, tau the recovery: the curvature, or the current.
 //!
-//! Current: `current-offset` ("settling": times `2 exp(-s/100 s)` from the first edge on); `x-current-oscillation` adds
+//! Current: `current-offset` (from the first edge on "warming": times `1 - 0.4 exp(-s/100 s)`, "settling": times `2 exp(-s/100 s)`); `x-current-oscillation` adds
 //! `a sin(2 pi s/P)` from the first edge on, in an open circuit too. `x-dead-time`: both responses are those of d
 //! earlier.
 
@@ -44,7 +44,7 @@ pub(super) struct Observation {
     stair: Option<(f64, f64)>,
     event: Option<Event>,
     offset_a: f64,
-    offset_settles: bool,
+    offset_law: &'static str,
     oscillation: Option<(f64, f64)>,
 }
 
@@ -103,7 +103,7 @@ impl Observation {
                 recovery_s: effect.value("recovery_s"),
                 of_current: effect.is("current"),
             }),
-            offset_settles: effects.law("current-offset") == "settling",
+            offset_law: effects.law("current-offset"),
             zero: effects.value("camera-zero", "offset_per_cm"),
             offset_a: effects.value("current-offset", "offset_a"),
             oscillation: effects.get("x-current-oscillation").map(|effect| {
@@ -160,9 +160,10 @@ impl Observation {
             _ => 0.0,
         };
         let since_s = t - self.start_s;
-        let offset = match self.offset_settles && since_s > 0.0 {
-            true => 2.0 * (-since_s / 100.0).exp(),
-            false => 1.0,
+        let offset = match self.offset_law {
+            "warming" if since_s > 0.0 => 1.0 - 0.4 * (-since_s / 100.0).exp(),
+            "settling" if since_s > 0.0 => 2.0 * (-since_s / 100.0).exp(),
+            _ => 1.0,
         };
         let event = self.event.filter(|event| event.of_current);
         current_a * event.map_or(1.0, |event| event.factor(since_s)) + self.offset_a * offset + swing

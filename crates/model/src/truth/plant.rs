@@ -204,7 +204,7 @@ impl Plant {
     fn electrics(&mut self, t: f64, y: &[f64]) -> Electrics {
         let (mut factors, wanted) = self.factors(t, y);
         let steady = self.leaks.steady / factors.steady_resistance;
-        let mut conductance = steady + self.leaks.diffusion_limited(t - self.edge_s);
+        let mut conductance = steady + self.leaks.diffusion_limited(t - self.edge_s, self.clock_s(t));
         self.pushed.fill(0.0);
         let mut offset = 0;
         for chain in &self.chains {
