@@ -2,9 +2,9 @@
 //!
 //! Curvature is read at `t' = t_0 + (t - t_0)(1 + e) - d`, t_0 the first edge:
 //! - `clock-rate`: e; `camera-delay`: d. Before the first edge the strip has its start value. With s = t - t_0:
-//!   "sawtooth": d times what s/20 s has behind the point, twice; "catching-up": `d exp(-s/60 s)`.
-//! - `exposure-smoothing`: the mean over `[t' - T_e, t']`. "double": the mean of what is seen at both ends; "ghost": 0.8
-//!   of what is seen now and 0.2 of what was seen 3 T_e before.
+//!   "sawtooth": `d (0.8 + 0.4 f)`, f the fraction of s/20 s; "catching-up": `d exp(-s/60 s)`.
+//! - `exposure-smoothing`: the mean over `[t' - T_e, t']`. "double": the mean of what is seen at both ends;
+//!   "growing": the same, T_e times s/(300 s).
 //!
 //! Then in this order:
 //! - `precurvature`: plus a constant (the strip's own).
@@ -121,8 +121,7 @@ impl Observation {
     /// What an exposure sees of the curvatures at its last and first instant.
     pub fn exposed(&self, last: f64, first: f64) -> f64 {
         match self.exposure_law {
-            "double" => 0.5 * (last + first),
-            "ghost" => 0.8 * last + 0.2 * first,
+            "double" | "growing" => 0.5 * (last + first),
             _ => last,
         }
     }
@@ -142,12 +141,16 @@ impl Observation {
         let since_s = (t - self.start_s).max(0.0);
         let delay_s = self.delay_s
             * match self.delay_law {
-                "sawtooth" => 2.0 * (since_s / 20.0).fract(),
+                "sawtooth" => 0.8 + 0.4 * (since_s / 20.0).fract(),
                 "catching-up" => (-since_s / 60.0).exp(),
                 _ => 1.0,
             };
         let last = own - delay_s - self.dead_time_s;
-        let back = if self.exposure_law == "ghost" { 3.0 } else { 1.0 };
+        let back = if self.exposure_law == "growing" {
+            since_s / 300.0
+        } else {
+            1.0
+        };
         (last - back * self.exposure_s, last)
     }
 
