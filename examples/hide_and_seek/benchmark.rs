@@ -10,7 +10,7 @@ use crate::case::{AREA, Case, Drives, Plan, Readings, case, inputs, measured, re
 use crate::details::{Detail, ignorance, strengths_and_gains};
 use crate::faults::faults;
 use crate::figure;
-use crate::hidden::{OUTSIDE, hidden, outside};
+use crate::hidden::{OUTSIDE, PUBLISHED, hidden, outside};
 use crate::methods::{METHODS, ORACLE, OURS, Said, ask, judged};
 use crate::oracle::oracle;
 
@@ -236,6 +236,7 @@ fn key(drives: Drives) -> &'static str {
         Drives::Step => "step",
         Drives::Same => "same",
         Drives::Voltages => "voltages",
+        Drives::Three => "three",
         Drives::Discharge => "discharge",
         Drives::Repeated => "repeated",
         Drives::Five => "five",
@@ -361,7 +362,7 @@ fn without(extent: &Extent) {
     );
     println!("|---|---|{}---|", "---|".repeat(ORACLE));
     for d in [16.0, 64.0] {
-        let wanted: Vec<(usize, u64)> = (0..OUTSIDE.len())
+        let wanted: Vec<(usize, u64)> = (0..PUBLISHED)
             .flat_map(|kind| (0..5 * extent.each).map(move |seed| (kind, seed)))
             .collect();
         let found: Vec<(Vec<Said>, bool)> = each(&wanted, |&(kind, seed)| {

@@ -24,6 +24,8 @@ pub enum Drives {
     Same,
     /// +2 V, and +1 V.
     Voltages,
+    /// +2 V, +1.5 V and +1 V.
+    Three,
     /// +2 V, and +2 V then 0 V.
     Discharge,
     /// +2 V, -2 V, and pulses of 20 s, each twice.
@@ -63,6 +65,7 @@ impl Default for Plan {
                 Ok("step") => Drives::Step,
                 Ok("same") => Drives::Same,
                 Ok("voltages") => Drives::Voltages,
+                Ok("three") => Drives::Three,
                 Ok("discharge") => Drives::Discharge,
                 Ok("repeated") => Drives::Repeated,
                 _ => Drives::Five,
@@ -126,6 +129,7 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         Drives::Step => vec![vec![(0.0, 2.0)]],
         Drives::Same => vec![vec![(0.0, 2.0)]; 3],
         Drives::Voltages => vec![vec![(0.0, 2.0)], vec![(0.0, 1.0)]],
+        Drives::Three => vec![vec![(0.0, 2.0)], vec![(0.0, 1.5)], vec![(0.0, 1.0)]],
         Drives::Discharge => vec![vec![(0.0, 2.0)], discharge],
         Drives::Repeated => {
             let each = vec![vec![(0.0, 2.0)], vec![(0.0, -2.0)], pulses];
@@ -193,7 +197,16 @@ pub fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
     each.collect()
 }
 
-/// The same by the truth simulator, which shares no code with the library.
+/// What runs give of which each has its own parameters, without noise and with nothing hidden.
+pub fn responses_of(case: &Case, bases: &[LumpedModel]) -> Vec<Responses> {
+    let of = |(run, base): (&DesignRun, &LumpedModel)| Responses {
+        current_a: base.current_a(&run.drive, AREA, &run.current_time_s),
+        curvature_per_cm: base.curvature_per_cm(&run.drive, AREA, &run.curvature_time_s),
+    };
+    case.design.iter().zip(bases).map(of).collect()
+}
+
+/// What the truth simulator, which shares no code with the library, gives with the same effects.
 pub fn true_responses(case: &Case, applied: &[Applied]) -> Option<Vec<Responses>> {
     let hidden = applied.iter().map(|applied| {
         let about = applied.effect.about();

@@ -8,9 +8,9 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::case::{Plan, case, diagnose, responses, true_responses};
-use crate::evidence::Tally;
-use crate::hidden::{OUTSIDE, apart, hidden, outside};
+use crate::hidden::{Outside, apart, hidden, outside};
 use crate::oracle::oracle;
+use crate::verdicts::Count;
 
 /// Groups with p below 0.05, and groups that were given a name, among so many clean ones from seed `first` on.
 pub fn nulls(first: u64, count: u64) -> (usize, usize) {
@@ -90,7 +90,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
         let mut total = [0usize; 8];
         let (mut left, mut further) = (Vec::new(), 0);
         let mut all = Held::default();
-        let mut evidence = Tally::default();
+        let (mut by_rules, mut by_evidence) = (Count::default(), Count::default());
         for (&effect, own) in ALL.iter().zip((first..).step_by(SEEDS_OF_AN_EFFECT)) {
             let id = effect.about().id;
             if !only.is_empty() && !only.iter().any(|o| o == id) {
@@ -112,9 +112,9 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
             let gain = |found: &GroupDiagnosis| found.gain.as_ref().map(|gain| gain.proof.deviance);
             let mut gains: Vec<f64> = found.iter().filter_map(|(found, ..)| gain(found)).collect();
             let worst = found.iter().map(|(_, _, apart, _)| *apart).fold(0.0, f64::max);
-            let mut by_evidence = Tally::default();
             for (found, applied, _, base) in &found {
-                by_evidence.add(found, Some(id));
+                by_rules.add(found, Some(id));
+                by_evidence.add_by_evidence(found, Some(id));
                 row[0] += 1;
                 if found.effects.first().is_some_and(|first| first.effect == id) {
                     match found.effects.len() {
@@ -193,8 +193,6 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                 median(&mut gains),
                 began.elapsed().as_secs_f64()
             );
-            println!("    {by_evidence}");
-            evidence.add_all(&by_evidence);
             for (t, r) in total.iter_mut().zip(row) {
                 *t += r;
             }
@@ -203,7 +201,9 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
             "{:30} {d:>4} {:>3} {:>5} {:>5} {:>6} {:>6} {:>5} {:>6} {:>5}",
             "all", total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7]
         );
-        println!("{evidence}");
+        println!("{}", Count::heading_with("hidden, d", &[]));
+        println!("{}", by_rules.row(&format!("own, {d}")));
+        println!("{}", by_evidence.row(&format!("own, {d}, by probability")));
         let below = |limit: f64| left.iter().filter(|p| **p < limit).count() as f64 / left.len() as f64;
         println!(
             "what the truth leaves: p<0.01 {:.3}  p<0.05 {:.3}  p<0.2 {:.3}  p<0.5 {:.3} of {}; a further cause taken in {further}",
@@ -364,9 +364,9 @@ pub fn together(first: u64, count: u64, strengths: &[f64]) -> [usize; 2] {
 
 /// Groups with an effect that no library holds, which must come back unknown: how many there are, are unknown, and are given
 /// one name.
-pub fn outsides(first: u64, count: u64, d: f64) -> [usize; 3] {
+pub fn outsides(kinds: &[Outside], first: u64, count: u64, d: f64) -> [usize; 3] {
     let mut total = [0; 3];
-    for kind in OUTSIDE {
+    for &kind in kinds {
         let found: Vec<_> = (0..count)
             .into_par_iter()
             .filter_map(|seed| {
@@ -376,9 +376,9 @@ pub fn outsides(first: u64, count: u64, d: f64) -> [usize; 3] {
             })
             .collect();
         let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
-        let mut by_evidence = Tally::default();
+        let mut by_evidence = Count::default();
         for found in &found {
-            by_evidence.add(found, None);
+            by_evidence.add_by_evidence(found, None);
             *verdicts.entry(found.verdict.key()).or_default() += 1;
             show_proof(kind.0, found, false);
             if std::env::var("SHOW").as_deref() == Ok("1") {
@@ -392,7 +392,7 @@ pub fn outsides(first: u64, count: u64, d: f64) -> [usize; 3] {
             }
         }
         println!("{:25} d {d:>4} n {:>3} {verdicts:?}", kind.0, found.len());
-        println!("    {by_evidence}");
+        println!("{}", by_evidence.row(&format!("{}, {d}, by probability", kind.0)));
         let unknown = verdicts.get(Verdict::Unknown.key()).copied().unwrap_or(0);
         let named = found.iter().filter(|found| found.set.len() == 1).count();
         total = [total[0] + found.len(), total[1] + unknown, total[2] + named];

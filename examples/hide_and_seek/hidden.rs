@@ -4,6 +4,7 @@ use ieap::diagnose::sigmas_after_refit;
 use ieap::model::effects::{Applied, Effect, Scale};
 use ieap::model::extended::Responses;
 use ieap::model::truth::HiddenEffect;
+use ieap::model::truth::catalogue::{Bounds, known};
 use rand::RngExt;
 
 use crate::case::{AREA, Case, LENGTH, responses, truly};
@@ -98,8 +99,8 @@ pub fn apart(case: &Case, truth: &[Responses], library: &[Responses]) -> f64 {
 /// Id, key of the strength, first strength to try, and another parameter.
 pub type Outside = (&'static str, &'static str, f64, Option<(&'static str, f64)>);
 
-/// Effects that no library holds.
-pub const OUTSIDE: [Outside; 4] = [
+/// Causes that no library holds; the first four are those of the published tables.
+pub const OUTSIDE: [Outside; 10] = [
     (
         "x-current-oscillation",
         "amplitude_a",
@@ -109,7 +110,26 @@ pub const OUTSIDE: [Outside; 4] = [
     ("x-charge-hysteresis", "width_c_per_cm2", 1e-3, None),
     ("x-dead-time", "dead_time_s", 0.5, None),
     ("x-limit-cycle", "modulation", 0.05, Some(("period_s", 80.0))),
+    ("x-staircase", "step_per_cm", 2e-3, Some(("tread_s", 70.0))),
+    ("x-event", "share", 0.1, Some(("event_time_s", 150.0))),
+    ("x-wandering", "modulation", 0.02, Some(("seed", 1.0))),
+    ("x-polarity-coupling", "ratio_change", 0.02, None),
+    (
+        "x-even-answer",
+        "bending_per_cm_v2",
+        2e-3,
+        Some(("time_constant_s", 20.0)),
+    ),
+    ("x-polarity-memory", "change", 0.02, None),
 ];
+
+/// How many of them the published tables count.
+pub const PUBLISHED: usize = 4;
+
+/// Which strengths the truth simulator takes.
+pub fn strength_bounds(id: &str) -> Bounds {
+    known(id).map_or(Bounds::Real, |entry| entry.parameters[0].bounds)
+}
 
 /// What the truth simulator gives with such an effect at a strength that leaves `d`; none where that cannot be reached.
 pub fn outside(case: &Case, (id, key, start, other): Outside, d: f64) -> Option<Vec<Responses>> {
@@ -129,8 +149,8 @@ pub fn outside(case: &Case, (id, key, start, other): Outside, d: f64) -> Option<
     for _ in 0..6 {
         let with = truly(case, hidden(strength))?;
         strength *= (d / size(&with)).clamp(0.1, 10.0);
-        if id == "x-limit-cycle" {
-            strength = strength.min(0.85);
+        if let Bounds::Between(low, high) = strength_bounds(id) {
+            strength = strength.clamp(0.95 * low, 0.95 * high);
         }
     }
     let with = truly(case, hidden(strength))?;

@@ -163,7 +163,7 @@ fn log_ratio(shares: &[f64], gains: &[f64]) -> f64 {
 }
 
 /// An orthonormal basis of what a refit of the base parameters takes up.
-fn basis(case: &Case) -> Vec<Vec<f64>> {
+pub fn basis(case: &Case) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for mut column in base_columns(&case.base, &case.design, case.noise) {
         remove(&basis, &mut column);
@@ -175,7 +175,7 @@ fn basis(case: &Case) -> Vec<Vec<f64>> {
     basis
 }
 
-fn remove(basis: &[Vec<f64>], series: &mut [f64]) {
+pub fn remove(basis: &[Vec<f64>], series: &mut [f64]) {
     for direction in basis {
         let part = dot(direction, series);
         for (value, d) in series.iter_mut().zip(direction) {
@@ -184,6 +184,6 @@ fn remove(basis: &[Vec<f64>], series: &mut [f64]) {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -96,7 +96,7 @@ fn an_effect_that_is_not_known_is_refused_and_nothing_is_written() {
 }
 
 #[test]
-fn every_effect_stands_on_the_page_with_its_variants_and_parameters() {
+fn every_effect_stands_on_the_page_with_its_variants_forms_and_parameters() {
     let page = docs("hidden-effects.md");
     for effect in KNOWN {
         let row = page
@@ -107,6 +107,8 @@ fn every_effect_stands_on_the_page_with_its_variants_and_parameters() {
             effect.variants.iter().all(|variant| row.contains(variant)),
             "{row}"
         );
+        let forms = row.split(" | ").nth(2).unwrap_or_default();
+        assert_eq!(forms.trim(), effect.forms.join(", "), "{row}");
         let keys = effect.parameters.iter();
         assert!(
             keys.into_iter()

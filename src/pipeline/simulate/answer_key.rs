@@ -70,7 +70,7 @@ fn run_key(spec: &Spec, run: &RunSpec) -> Value {
     })
 }
 
-/// Id, variant and all parameters, also those that were not given.
+/// Id, variant, a foreign form where there is one, and all parameters, also those that were not given.
 fn effect_key(effect: &HiddenEffect) -> Value {
     let parameters: Map<String, Value> = known(&effect.id)
         .into_iter()
@@ -84,7 +84,11 @@ fn effect_key(effect: &HiddenEffect) -> Value {
             (parameter.key.to_owned(), json!(value))
         })
         .collect();
-    json!({ "id": effect.id, "variant": effect.variant_or_first(), "parameters": parameters })
+    let mut key = json!({ "id": effect.id, "variant": effect.variant_or_first(), "parameters": parameters });
+    if let Some(form) = effect.form() {
+        key["form"] = json!(form);
+    }
+    key
 }
 
 /// What is hidden, in a line for the file's header.
@@ -92,6 +96,9 @@ pub fn told(effect: &HiddenEffect) -> String {
     let mut text = format!("hidden effect: {}", effect.id);
     if let Some(variant) = effect.variant_or_first() {
         text += &format!(" ({variant})");
+    }
+    if let Some(form) = effect.form() {
+        text += &format!(" in the foreign form {form}");
     }
     for (key, value) in &effect.parameters {
         text += &format!(", {key} = {value}");

@@ -17,6 +17,8 @@ pub struct EffectSpec {
     pub id: String,
     /// Variant; none: the effect's first.
     pub variant: Option<String>,
+    /// Foreign form; none: the effect's own law.
+    pub form: Option<String>,
     /// Patterns of the run files that it is hidden in, such as `*plus*`; none: all.
     pub runs: Option<Vec<String>>,
     /// Strength as the norm, in standard deviations of the noise, of what the effect leaves in its runs after the base
@@ -37,9 +39,11 @@ impl EffectSpec {
             let example = strength.example.abs().copysign(sigma);
             parameters.entry(strength.key.to_owned()).or_insert(example);
         }
+        let variant = || self.variant.as_deref().unwrap_or_default();
+        let in_form = self.form.as_ref().map(|form| format!("{}/{form}", variant()));
         HiddenEffect {
             id: self.id.clone(),
-            variant: self.variant.clone(),
+            variant: in_form.or_else(|| self.variant.clone()),
             parameters,
         }
     }

@@ -51,6 +51,10 @@ fn specs_that_make_no_sense_are_refused_with_what_would() {
         with("id = \"softening\"\ncubic = 1")
             .contains("parameter \"cubic\" is not known; known are cubic_cm2")
     );
+    assert!(
+        with("id = \"softening\"\nform = \"tanh\"\ncubic_cm2 = 1.0")
+            .contains("form \"tanh\" is not known; known are asinh, stop")
+    );
     let unmatched = with("id = \"camera-zero\"\noffset_per_cm = 0.1\nruns = [\"b*\"]");
     assert_eq!(
         unmatched,
@@ -148,6 +152,29 @@ fn what_is_hidden_is_said_in_the_answer_key_and_in_the_file_only_on_request() {
     let text = std::fs::read_to_string(told.path().join("runs/b.csv")).unwrap();
     let line = "# hidden effect: faradaic-leak (terminal), leak_current_a_per_cm2 = 0.00001, onset_v = 1.2, slope_v = 0.2";
     assert!(text.lines().any(|found| found == line), "{text}");
+}
+
+#[test]
+fn a_foreign_form_is_told_and_stands_in_the_answer_key() {
+    let run = run("a.csv", "voltage_v = 2.0");
+    let effect = "[[effect]]\nid = \"coupling-saturation\"\nvariant = \"gain\"\nform = \"tanh\"\ninverse_charge_per_c = 8.0\n";
+    let spec = read(&format!("{HEAD}{run}\n{effect}")).unwrap();
+    let hidden = spec.effect[0].hidden();
+    assert_eq!(
+        (hidden.variant_or_first(), hidden.form()),
+        (Some("gain"), Some("tanh"))
+    );
+    assert_eq!(
+        answer_key::told(&hidden),
+        "hidden effect: coupling-saturation (gain) in the foreign form tanh, inverse_charge_per_c = 8"
+    );
+    let key = answer_key(&spec, Path::new("spec.toml"));
+    let key: serde_json::Value = serde_json::from_str(&key).unwrap();
+    let effect = &key["runs"][0]["effects"][0];
+    assert_eq!(
+        (&effect["variant"], &effect["form"]),
+        (&"gain".into(), &"tanh".into())
+    );
 }
 
 #[test]

@@ -10,14 +10,15 @@ use super::error::TruthError;
 pub struct HiddenEffect {
     /// Id.
     pub id: String,
-    /// Variant; none: the effect's first.
+    /// Variant, and behind a slash a foreign form, such as `gain/tanh`, or `/tanh` of the first variant; none: the
+    /// effect's first variant by its own law.
     pub variant: Option<String>,
     /// Parameters by key; the first of the catalogue is the strength.
     pub parameters: BTreeMap<String, f64>,
 }
 
 impl HiddenEffect {
-    /// Checks id, variant, keys and values.
+    /// Checks id, variant, form, keys and values.
     ///
     /// # Errors
     /// See [`TruthError`]; each says what is known.
@@ -27,15 +28,27 @@ impl HiddenEffect {
             found: id(),
             known: listed(KNOWN.iter().map(|effect| effect.id)),
         })?;
-        if let Some(found) = &self.variant
-            && !entry.variants.contains(&found.as_str())
+        if let Some(found) = self.given_variant()
+            && !entry.variants.contains(&found)
         {
             return Err(TruthError::UnknownVariant {
                 id: id(),
-                found: found.clone(),
+                found: found.to_owned(),
                 known: match entry.variants {
                     [] => "none: the effect has no variants".into(),
                     variants => listed(variants.iter().copied()),
+                },
+            });
+        }
+        if let Some(found) = self.form()
+            && !entry.forms.contains(&found)
+        {
+            return Err(TruthError::UnknownForm {
+                id: id(),
+                found: found.to_owned(),
+                known: match entry.forms {
+                    [] => "none: the effect has one law".into(),
+                    forms => listed(forms.iter().copied()),
                 },
             });
         }
@@ -78,7 +91,20 @@ impl HiddenEffect {
     /// The variant, or the effect's first where none is given; none where the effect has no variants.
     pub fn variant_or_first(&self) -> Option<&str> {
         let first = || known(&self.id).and_then(|entry| entry.variants.first().copied());
-        self.variant.as_deref().or_else(first)
+        self.given_variant().or_else(first)
+    }
+
+    /// The foreign form; none: the effect's own law.
+    pub fn form(&self) -> Option<&str> {
+        self.variant.as_deref()?.split_once('/').map(|(_, form)| form)
+    }
+
+    fn given_variant(&self) -> Option<&str> {
+        let given = self.variant.as_deref()?;
+        match given.split_once('/') {
+            Some((own, _)) => (!own.is_empty()).then_some(own),
+            None => Some(given),
+        }
     }
 
     /// A parameter, or what stands for it where it is not given.
@@ -97,6 +123,13 @@ impl HiddenEffect {
         self.variant_or_first() == Some(variant)
     }
 
+    /// The foreign form; empty: the effect's own law.
+    pub(super) fn law(&self) -> &'static str {
+        let forms = known(&self.id).map_or(&[][..], |entry| entry.forms);
+        let own = |form: &&&str| Some(**form) == self.form();
+        forms.iter().find(own).copied().unwrap_or("")
+    }
+
     fn strength(&self) -> f64 {
         known(&self.id).map_or(0.0, |entry| self.value(entry.parameters[0].key))
     }
@@ -108,7 +141,11 @@ fn listed(names: impl Iterator<Item = &'static str>) -> String {
 
 /// The effects that act in one run: those of another run and those of strength 0 are left out.
 #[derive(Debug, Clone)]
-pub(super) struct Effects<'a>(Vec<&'a HiddenEffect>);
+pub(super) struct Effects<'a> {
+    acting: Vec<&'a HiddenEffect>,
+    /// The run's place in its group.
+    pub run_index: usize,
+}
 
 impl<'a> Effects<'a> {
     pub(super) fn of_run(all: &'a [HiddenEffect], run_index: usize) -> Result<Effects<'a>, TruthError> {
@@ -125,15 +162,20 @@ impl<'a> Effects<'a> {
                 });
             }
         }
-        Ok(Effects(acting))
+        Ok(Effects { acting, run_index })
     }
 
     pub(super) fn get(&self, id: &str) -> Option<&'a HiddenEffect> {
-        self.0.iter().copied().find(|effect| effect.id == id)
+        self.acting.iter().copied().find(|effect| effect.id == id)
     }
 
     /// A parameter of an effect; 0 where the effect is absent.
     pub(super) fn value(&self, id: &str, key: &str) -> f64 {
         self.get(id).map_or(0.0, |effect| effect.value(key))
+    }
+
+    /// The foreign form of an effect; empty: its own law, or it is absent.
+    pub(super) fn law(&self, id: &str) -> &'static str {
+        self.get(id).map_or("", HiddenEffect::law)
     }
 }

@@ -25,6 +25,16 @@ pub enum TruthError {
         /// All variants of the effect, or that it has none.
         known: String,
     },
+    /// The effect has no such foreign form.
+    #[error("effect {id}: form {found:?} is not known; known are {known}")]
+    UnknownForm {
+        /// The effect.
+        id: String,
+        /// The form given.
+        found: String,
+        /// All foreign forms of the effect, or that it has none.
+        known: String,
+    },
     /// The effect has no such parameter.
     #[error("effect {id}: parameter {found:?} is not known; known are {known}")]
     UnknownParameter {

@@ -18,6 +18,7 @@ mod coupling;
 mod effects;
 mod environment;
 mod error;
+mod forms;
 mod leak;
 mod motion;
 mod network;
@@ -113,9 +114,10 @@ pub fn simulate(
         let seen = if observation.averages() {
             observation.mean(records.at(last).integral, records.at(first).integral)
         } else {
-            records.at(last).curvature_per_cm
+            let (last, first) = (records.at(last), records.at(first));
+            observation.exposed(last.curvature_per_cm, first.curvature_per_cm)
         };
-        observation.curvature_per_cm(seen)
+        observation.curvature_per_cm(t, seen)
     });
     Ok(TruthResponses {
         current_a: current_a.collect(),

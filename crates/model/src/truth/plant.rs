@@ -11,12 +11,15 @@ use super::coupling::Coupling;
 use super::effects::Effects;
 use super::environment::{Environment, Factors, Passing};
 use super::error::TruthError;
-use super::leak::Leaks;
-use super::motion::Motion;
+use super::leak::{Leaks, rest};
+use super::motion::{Motion, Now};
 use super::network::{Cell, Imposed, Network, Outer};
 use super::relaxation::Relaxation;
-use super::source::{Break, Source};
+use super::source::{Break, Memory, Source};
 use super::states::States;
+
+/// Time in which the voltage of a late series resistance follows its current, s.
+const LATE_SERIES_S: f64 = 5.0;
 
 /// What a plant is built for.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +52,11 @@ pub(super) struct Plant {
     motion: Motion,
     x: usize,
     source_state: Option<usize>,
+    /// Late series resistance, Ohm cm2, and the state that is its voltage.
+    late_series: f64,
+    late_state: Option<usize>,
     integral: Option<usize>,
+    memory: Memory,
     /// Current before the first edge, A/cm2.
     resting_current: f64,
     level: Level,
@@ -78,14 +85,15 @@ impl Plant {
     ) -> Result<(Plant, Vec<f64>), TruthError> {
         let chains = chains(truth, effects, conditions.step_v)?;
         let leaks = Leaks::new(truth.steady_state_resistance_ohm_cm2, effects);
-        let mut network = network(truth, effects)?;
+        let mut network = Network::of(truth, effects)?;
         let rest = rest(&mut network, &chains, &leaks, conditions.baseline_v);
         let mut states = States::default();
+        let late_series = std::mem::take(&mut network.late_series);
         let mut x0 = 0.0;
         for &u in &network.voltage_v {
             for chain in &chains {
                 let e = chain.settled_v(u) + chain.residual_v;
-                x0 += chain.bends * chain.charge(e) / network.cells as f64;
+                x0 += chain.bends_at(e) * chain.charge(e) / network.cells as f64;
                 chain.links.iter().for_each(|_| {
                     states.add(e);
                 });
@@ -107,6 +115,9 @@ impl Plant {
             motion: Motion::new(effects, &mut states, conditions.step_v),
             x,
             source_state: (source.rise_time_s > 0.0).then(|| states.add(conditions.baseline_v)),
+            late_state: (late_series > 0.0).then(|| states.add(late_series * rest.current)),
+            late_series,
+            memory: Memory::new(effects, conditions.baseline_v),
             integral: conditions.integral.then(|| states.add(0.0)),
             resting_current: rest.current,
             level: Level::Voltage(conditions.baseline_v),
@@ -134,6 +145,9 @@ impl Plant {
         if let (Some(state), Level::OpenCircuit) = (self.source_state, self.level) {
             y[state] = self.electrics(t, y).outer.terminal_v;
         }
+        if let Level::Voltage(v) = level {
+            self.memory.holds(v);
+        }
         self.level = level;
         self.edge_s = t;
     }
@@ -159,16 +173,20 @@ impl Plant {
 
     /// Curvature of the strip where charge wants `wanted`.
     fn curvature(&self, t: f64, wanted: f64, y: &[f64]) -> f64 {
-        let clock_s = self.clock_s(t);
-        self.motion.curvature(clock_s, wanted, y) + self.environment.added_per_cm(clock_s)
+        let now = Now {
+            clock_s: self.clock_s(t),
+            since_edge_s: t - self.edge_s,
+        };
+        self.motion.curvature(now, wanted, y) + self.environment.added_per_cm(now.clock_s, y)
     }
 
     /// Factors and the curvature that charge wants.
     fn factors(&self, t: f64, y: &[f64]) -> (Factors, f64) {
         let mut factors = self.environment.factors(self.clock_s(t), y);
         if let (Some(broken), true) = (&self.broken, self.is_broken) {
-            broken.apply(&mut factors);
+            broken.apply(self.clock_s(t), &mut factors);
         }
+        factors.resistance *= self.memory.factor();
         let wanted = self.coupling.curvature(factors.coupling, y);
         if self.environment.gauge_cm != 0.0 {
             factors.resistance *= self.environment.by_curvature(self.curvature(t, wanted, y));
@@ -186,7 +204,7 @@ impl Plant {
     fn electrics(&mut self, t: f64, y: &[f64]) -> Electrics {
         let (mut factors, wanted) = self.factors(t, y);
         let steady = self.leaks.steady / factors.steady_resistance;
-        let mut conductance = steady + self.leaks.diffusion_limited(t - self.edge_s);
+        let mut conductance = steady + self.leaks.diffusion_limited(t - self.edge_s, self.clock_s(t));
         self.pushed.fill(0.0);
         let mut offset = 0;
         for chain in &self.chains {
@@ -197,7 +215,8 @@ impl Plant {
             }
             offset += chain.links.len();
         }
-        let by_capacitor = self.leaks.faradaic.filter(|law| law.by_capacitor);
+        let faradaic = self.leaks.faradaic(t - self.edge_s);
+        let by_capacitor = faradaic.filter(|law| law.by_capacitor);
         if let Some(law) = by_capacitor {
             for cell in 0..self.network.cells {
                 self.pushed[cell] -= law.current(self.second_voltage(cell, y)).0;
@@ -205,7 +224,7 @@ impl Plant {
         }
         let cell = Cell {
             conductance,
-            faradaic: self.leaks.faradaic.filter(|law| !law.by_capacitor),
+            faradaic: faradaic.filter(|law| !law.by_capacitor),
         };
         let outer = self.solve(&cell, &mut factors, y);
         let x_rate = self.x_rate(&factors, steady, y);
@@ -235,17 +254,17 @@ impl Plant {
     fn solve(&mut self, cell: &Cell, factors: &mut Factors, y: &[f64]) -> Outer {
         let Level::Voltage(level_v) = self.level else {
             let outer = self.network.solve(Imposed::Current(0.0), cell, &self.pushed);
-            factors.relaxation *= self.environment.by_voltage(outer.terminal_v);
+            factors.relaxation *= self.environment.by_voltage(outer.terminal_v, y);
             return outer;
         };
-        let source_v = self.source_state.map_or(level_v, |state| y[state]);
-        factors.relaxation *= self.environment.by_voltage(source_v);
+        let mut source_v = self.source_state.map_or(level_v, |state| y[state]);
+        factors.relaxation *= self.environment.by_voltage(source_v, y);
+        source_v -= self.late_state.map_or(0.0, |state| y[state]);
         let mut outer = self.network.solve(Imposed::Voltage(source_v), cell, &self.pushed);
         if self.source.emf_v_s_cm != 0.0 {
             outer = self.fed_back(source_v, cell, factors, y);
         }
-        if outer.current.abs() > self.source.limit {
-            let limited = self.source.limit.copysign(outer.current);
+        if let Some(limited) = self.source.limited(outer.current) {
             outer = self.network.solve(Imposed::Current(limited), cell, &self.pushed);
         }
         outer
@@ -254,12 +273,13 @@ impl Plant {
     /// The source raised by what the motion induces: a root in the raised voltage, by secants (one is exact where
     /// the cells are linear).
     fn fed_back(&mut self, source_v: f64, cell: &Cell, factors: &Factors, y: &[f64]) -> Outer {
-        let emf = self.source.emf_v_s_cm;
+        let source = self.source;
         let miss = |plant: &mut Plant, v: f64| {
             let outer = plant.network.solve(Imposed::Voltage(v), cell, &plant.pushed);
             let x_rate = plant.x_rate(factors, plant.leaks.steady / factors.steady_resistance, y);
             let rate = plant.coupling.strain_rate(x_rate, factors.relaxation, y);
-            (source_v + emf * rate - v, outer)
+            let curvature = plant.coupling.curvature(factors.coupling, y);
+            (source_v + source.induced_v(rate, curvature) - v, outer)
         };
         let (mut v, mut apart) = (source_v, 0.01);
         let (mut here, mut outer) = miss(self, v);
@@ -283,10 +303,10 @@ impl Plant {
             let mut at = cell * self.nodes;
             for chain in &self.chains {
                 let r = chain.links[0].r * Plant::resistance_factor(chain, factors);
-                sum += chain.bends * ((u - y[at]) / r - chain.internal * y[at]);
+                sum += chain.bends_at(y[at]) * ((u - y[at]) / r - chain.lost(y[at]));
                 at += chain.links.len();
             }
-            sum += self.coupling.leak * steady * u;
+            sum += self.coupling.leaking(steady, *u);
         }
         sum / self.network.cells as f64
     }
@@ -306,7 +326,7 @@ impl Plant {
                 for (k, link) in chain.links.iter().enumerate() {
                     let e = y[at];
                     let next = chain.links.get(k + 1);
-                    let onward = next.map_or(chain.internal * e, |next| (e - y[at + 1]) / next.r);
+                    let onward = next.map_or_else(|| chain.lost(e), |next| (e - y[at + 1]) / next.r);
                     out[at] = (inward - onward) / chain.law.differential(link.c * by_capacitance, e);
                     inward = onward;
                     at += 1;
@@ -331,9 +351,13 @@ impl Equations for Plant {
         self.motion.rates(self.clock_s(t), electrics.wanted, y, out);
         if let Some(state) = self.source_state {
             out[state] = match self.level {
-                Level::Voltage(level_v) => (level_v - y[state]) / self.source.rise_time_s,
+                Level::Voltage(level_v) => self.source.rise(level_v - y[state]),
                 Level::OpenCircuit => 0.0,
             };
+        }
+        if let Some(state) = self.late_state {
+            let asked = self.late_series * electrics.outer.current;
+            out[state] = (asked - y[state]) / LATE_SERIES_S;
         }
         if let Some(state) = self.integral {
             out[state] = self.curvature(t, electrics.wanted, y);
@@ -353,31 +377,4 @@ pub(super) struct Record {
     pub current_a: f64,
     pub curvature_per_cm: f64,
     pub integral: f64,
-}
-
-fn network(truth: &Truth, effects: &Effects) -> Result<Network, TruthError> {
-    let series = effects.value("series-resistance", "series_resistance_ohm_cm2");
-    let Some(effect) = effects.get("lengthwise-resistance") else {
-        return Ok(Network::lumped(series));
-    };
-    let length_cm = truth.length_cm.ok_or_else(|| TruthError::NoLength {
-        id: effect.id.clone(),
-    })?;
-    let width_cm = truth.width_cm.unwrap_or(truth.area_cm2 / length_cm);
-    let along_ohm = effect.value("electrode_resistance_ohm_per_sq") * length_cm / width_cm;
-    Ok(Network::ladder(along_ohm * truth.area_cm2, series))
-}
-
-/// The steady state at the baseline: leaves the cells' voltages in the network.
-fn rest(network: &mut Network, chains: &[Chain], leaks: &Leaks, baseline_v: f64) -> Outer {
-    let lost = |chain: &Chain| match chain.internal {
-        0.0 => 0.0,
-        internal => 1.0 / (chain.links[0].r + 1.0 / internal),
-    };
-    let cell = Cell {
-        conductance: leaks.steady + chains.iter().map(lost).sum::<f64>(),
-        faradaic: leaks.faradaic,
-    };
-    let nothing = vec![0.0; network.cells];
-    network.solve(Imposed::Voltage(baseline_v), &cell, &nothing)
 }

@@ -1,5 +1,5 @@
-//! Every effect of the catalogue: absent at strength 0, growing from there, and seen in the channel that it is said
-//! to act on.
+//! Every effect of the catalogue, in every form: absent at strength 0, growing from there, and seen in the channel that
+//! it is said to act on.
 
 use super::super::catalogue::{KNOWN, KnownEffect};
 use super::*;
@@ -10,6 +10,7 @@ fn acts_on(id: &str) -> (bool, bool) {
     match id {
         "outliers" | "quantisation" | "uneven-noise" => (false, false),
         "current-offset" | "x-current-oscillation" => (true, false),
+        "x-staircase" | "x-polarity-coupling" | "x-even-answer" => (false, true),
         "partial-relaxation"
         | "second-relaxation"
         | "fractional-relaxation"
@@ -38,7 +39,10 @@ fn acts_on(id: &str) -> (bool, bool) {
     }
 }
 
-fn hidden(entry: &KnownEffect, variant: Option<&'static str>, share: f64) -> HiddenEffect {
+/// The effect at that share of the example's strength; one that saturates hard does nothing at that.
+pub(super) fn hidden(entry: &KnownEffect, variant: Option<&str>, share: f64) -> HiddenEffect {
+    let hard = variant.is_some_and(|variant| variant.ends_with("/hard"));
+    let share = if hard { 5.0 * share } else { share };
     let parameters: Vec<(&str, f64)> = entry
         .parameters
         .iter()
@@ -48,11 +52,18 @@ fn hidden(entry: &KnownEffect, variant: Option<&'static str>, share: f64) -> Hid
     effect(entry.id, variant, &parameters)
 }
 
-fn variants(entry: &KnownEffect) -> Vec<Option<&'static str>> {
-    match entry.variants {
+/// Variants by the effect's own law, and the first of them in every foreign form.
+fn variants(entry: &KnownEffect) -> Vec<Option<String>> {
+    let own: Vec<Option<String>> = match entry.variants {
         [] => vec![None],
-        variants => variants.iter().copied().map(Some).collect(),
-    }
+        variants => variants
+            .iter()
+            .map(|variant| Some((*variant).to_owned()))
+            .collect(),
+    };
+    let first = entry.variants.first().copied().unwrap_or_default();
+    let foreign = entry.forms.iter().map(|form| Some(format!("{first}/{form}")));
+    own.into_iter().chain(foreign).collect()
 }
 
 /// Charged, left open, reversed, and shorted, so that each effect has its chance.
@@ -71,7 +82,7 @@ fn an_effect_of_strength_zero_changes_nothing() {
     let base = respond(&truth(), &rich(), &times());
     for entry in KNOWN.iter().filter(|entry| entry.id != "current-limit") {
         for variant in variants(entry) {
-            let found = respond(&with(hidden(entry, variant, 0.0)), &rich(), &times());
+            let found = respond(&with(hidden(entry, variant.as_deref(), 0.0)), &rich(), &times());
             assert_eq!(found, base, "{} {variant:?}", entry.id);
         }
     }
@@ -82,6 +93,7 @@ fn an_effect_changes_the_channels_that_it_acts_on_and_no_other() {
     let base = respond(&truth(), &rich(), &times());
     for entry in KNOWN {
         for variant in variants(entry) {
+            let variant = variant.as_deref();
             let found = respond(&with(hidden(entry, variant, 1.0)), &rich(), &times());
             let current = apart(&found.current_a, &base.current_a);
             let curvature = apart(&found.curvature_per_cm, &base.curvature_per_cm);
@@ -92,6 +104,9 @@ fn an_effect_changes_the_channels_that_it_acts_on_and_no_other() {
                 acts_on_current = false;
             }
             on_curvature |= matches!(variant, Some("relaxation" | "coupling"));
+            if entry.id == "x-event" {
+                (acts_on_current, on_curvature) = (variant == Some("current"), variant == Some("curvature"));
+            }
             let name = format!(
                 "{} {variant:?}: current {current:e}, curvature {curvature:e}",
                 entry.id
@@ -123,7 +138,8 @@ fn an_effect_grows_gradually_from_nothing() {
     for entry in KNOWN.iter().filter(|entry| !NOT_GRADUAL.contains(&entry.id)) {
         for variant in variants(entry) {
             let of = |share: f64| {
-                let found = respond(&with(hidden(entry, variant, share)), &rich(), &times());
+                let hidden = hidden(entry, variant.as_deref(), share);
+                let found = respond(&with(hidden), &rich(), &times());
                 let current = apart(&found.current_a, &base.current_a);
                 current.max(apart(&found.curvature_per_cm, &base.curvature_per_cm))
             };

@@ -2,6 +2,7 @@
 
 mod base;
 mod electrical;
+mod foreign;
 mod listed;
 mod mechanical;
 mod refusals;

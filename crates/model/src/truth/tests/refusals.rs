@@ -18,6 +18,15 @@ fn names_and_values_that_are_not_known_are_refused_with_those_that_are() {
     );
     let none = with(effect("softening", Some("cubic"), &[("cubic_cm2", 1.0)]));
     assert!(refused(&none).ends_with("known are none: the effect has no variants"));
+    let form = with(effect("softening", Some("/langevin"), &[("cubic_cm2", 1.0)]));
+    assert_eq!(
+        refused(&form),
+        "effect softening: form \"langevin\" is not known; known are asinh, stop"
+    );
+    let formless = with(effect("camera-zero", Some("/tanh"), &[("offset_per_cm", 1.0)]));
+    assert!(refused(&formless).ends_with("known are none: the effect has one law"));
+    let both = with(effect("softening", Some("cubic/stop"), &[("cubic_cm2", 1.0)]));
+    assert!(refused(&both).contains("variant \"cubic\" is not known"));
     let key = with(effect("softening", None, &[("cubic", 1.0)]));
     assert_eq!(
         refused(&key),
