@@ -164,7 +164,7 @@ fn print(group: &GroupEntry, output: &Output) {
         .effects
         .iter()
         .for_each(|effect| print_effect(effect, output));
-    if group.set.len() > 1 {
+    if group.set.len() > 1 && group.verdict != Verdict::Varies {
         output.result(&format!("    as good: {}", group.set.join(", ")));
     }
     if let Some(gain) = &group.gain {

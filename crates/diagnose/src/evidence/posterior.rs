@@ -17,7 +17,7 @@ use crate::fitted::Fitted;
 use crate::group::Group;
 use crate::select::Selection;
 
-/// Hypotheses below this mass are not told.
+/// Hypotheses below this mass are not told, but for the leading one of each kind.
 const LEAST: f64 = 1e-3;
 /// Subsets of parameters that are fitted in full: the leading ones.
 const FITTED: usize = 3;
@@ -76,7 +76,12 @@ pub(crate) fn weigh(asked: &Asked) -> Weighed {
         .filter(|h| h.kind == HypothesisKind::Varies)
         .map(|h| h.mass)
         .sum();
-    found.retain(|h| h.mass >= LEAST);
+    let mut kinds: Vec<HypothesisKind> = Vec::new();
+    found.retain(|h| {
+        let is_first = !kinds.contains(&h.kind);
+        kinds.push(h.kind);
+        is_first || h.mass >= LEAST
+    });
     let differs = varying.filter(|_| matters > 1.0 - policy::SURE);
     Weighed {
         differs: differs.map_or_else(Vec::new, |varying| varying.told(asked)),

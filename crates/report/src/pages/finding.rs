@@ -285,7 +285,7 @@ fn effect_block(finding: &EffectFinding, findings: &Findings) -> EffectBlock {
 
 /// Members of a set of several; a single cause stands above.
 fn set(found: &GroupDiagnosis, findings: &Findings) -> Vec<SetMember> {
-    if found.set.len() < 2 {
+    if found.set.len() < 2 || found.verdict == Verdict::Varies {
         return Vec::new();
     }
     let member = |id: &String| {

@@ -122,7 +122,7 @@ fn figure(
         })
         .collect();
     let beside = Beside {
-        names: vec![symbol.to_owned()],
+        names: vec!["Run".to_owned()],
         ..Beside::default()
     };
     let title = format!("{symbol} of every run");

@@ -10,7 +10,7 @@ use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind};
 
 /// Rows that are shown.
 const SHOWN: usize = 8;
-/// Mass below which a row says nothing.
+/// Mass below which a row says nothing; the leading effect is shown all the same, for a cause that is not it.
 const LEAST: f64 = 0.005;
 
 /// A hypothesis in words.
@@ -23,8 +23,11 @@ pub struct HypothesisRow {
 
 /// The leading hypotheses.
 pub fn hypothesis_rows(found: &GroupDiagnosis, findings: &Findings) -> Vec<HypothesisRow> {
-    let shown = found.posterior.iter().take(SHOWN).filter(|own| own.mass >= LEAST);
-    shown.map(|own| row(own, findings)).collect()
+    let of_effects = |own: &&Hypothesis| own.kind == HypothesisKind::Effect;
+    let effect = found.posterior.iter().position(|own| of_effects(&own));
+    let shown = found.posterior.iter().enumerate();
+    let shown = shown.filter(|(place, own)| own.mass >= LEAST || Some(*place) == effect);
+    shown.take(SHOWN).map(|(_, own)| row(own, findings)).collect()
 }
 
 fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
@@ -47,6 +50,7 @@ fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
         detail,
         percent: match own.mass {
             most if most > 0.995 => "> 99".to_owned(),
+            least if least < 0.001 => "< 0.1".to_owned(),
             mass => fixed(100.0 * mass, if mass < 0.095 { 1 } else { 0 }),
         },
     }

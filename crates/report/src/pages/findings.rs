@@ -12,7 +12,7 @@ use crate::error::ReportError;
 use crate::number::{interval, measured, significant};
 use crate::site::Site;
 use ieap_analysis::shared_effects::{SharedEffect, SharedParameter, left_out};
-use ieap_domain::{FromOthers, GroupDiagnosis};
+use ieap_domain::{FromOthers, GroupDiagnosis, Verdict};
 
 #[derive(Debug, Serialize)]
 struct FindingsPage {
@@ -131,7 +131,11 @@ fn group_row(site: &Site, place: usize) -> GroupRow {
         verdict: verdict_of(found),
         key: found.verdict.key(),
         sentence: found.sentence.clone(),
-        set: found.set.clone(),
+        // Parameters that differ are in the sentence.
+        set: match found.verdict {
+            Verdict::Varies => Vec::new(),
+            _ => found.set.clone(),
+        },
         p: probability(found.p_misfit),
         q: probability(found.q_misfit),
     }
