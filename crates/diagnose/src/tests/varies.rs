@@ -27,6 +27,7 @@ const HIGH: Levels = &[(0.0, 2.5)];
 
 /// Three voltages of the thesis: each run is right by itself.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn parameters_that_go_with_the_voltage_are_the_finding() {
     let of = |rss, lambda| sample([30.0, 0.03, 120.0, 0.15], rss, 20.0, lambda);
     let runs = [
@@ -64,6 +65,7 @@ fn parameters_that_go_with_the_voltage_are_the_finding() {
 
 /// Specimens with couplings of 14, 18 and 11.5 and nothing else were called a breaking contact.
 #[test]
+#[ignore = "slow: cargo test -- --ignored"]
 fn specimens_that_differ_in_one_coupling_are_no_broken_contact() {
     let of = |alpha| (sample([30.0, 0.03, 120.0, 0.15], 3000.0, alpha, 0.01), STEP);
     let found = diagnosed(&differing(&[of(14.0), of(18.0), of(11.5)], 2));
