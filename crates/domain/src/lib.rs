@@ -20,6 +20,7 @@ pub mod modulus;
 pub mod monitoring;
 mod number_or_null;
 pub mod origin;
+pub mod quantiles;
 pub mod quantity;
 pub mod run;
 pub mod safe_text;

@@ -5,6 +5,7 @@ use jiff::civil::DateTime;
 use super::formats::climate::meaning::{ClimateColumn, climate_column};
 use super::{Reading, RunTable};
 use ieap_domain::{Channel, ClimateQuantity, Issue, LogReadings};
+use ieap_numerics::robust::median_step;
 
 /// A logger's file.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,7 +132,7 @@ fn series_of(channel: &Channel, base: &str) -> Option<Series> {
         quantity,
         raw_name: channel.raw_name.clone(),
         raw_unit: channel.raw_unit.clone(),
-        interval_s: median_step(&elapsed_s),
+        interval_s: median_step(&elapsed_s).unwrap_or(0.0),
         readings: LogReadings { elapsed_s, values },
         is_mean: column.is_some_and(|column| column.is_mean),
     })
@@ -219,15 +220,6 @@ fn name_of_file(path: &str) -> String {
     } else {
         name.to_owned()
     }
-}
-
-fn median_step(times_s: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.is_empty() {
-        return 0.0;
-    }
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Monitoring: alarms first, then every parameter over the life of the samples in the reference condition.
 
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
@@ -280,7 +281,7 @@ fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<
     let marks: Vec<Mark> = (0..series.x.len())
         .step_by(every)
         .map(|k| {
-            let reach = 1.96 * series.variance[k].sqrt();
+            let reach = NORMAL_95_ROUNDED * series.variance[k].sqrt();
             Mark {
                 run: None,
                 came_from: 0,
