@@ -98,10 +98,9 @@ impl Log {
     /// BLAKE3 over readings, sensors and clock.
     pub fn data_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
-        let clock = (self.clock_start_s, &self.clock_offset, &self.clock_set_back);
-        hasher.update(format!("{clock:?}").as_bytes());
+        hasher.update(self.clock_text().as_bytes());
         for series in &self.series {
-            hasher.update(format!("{:?}", (&series.sensor, series.quantity)).as_bytes());
+            hasher.update(series.identity_text().as_bytes());
             for numbers in [&series.readings.elapsed_s, &series.readings.values] {
                 hasher.update(&(numbers.len() as u64).to_le_bytes());
                 for number in numbers {
@@ -110,6 +109,30 @@ impl Log {
             }
         }
         hasher.finalize().to_hex().to_string()
+    }
+
+    /// The clock as it enters the hash. The form is that of stored logs: another would make each of them a new revision.
+    fn clock_text(&self) -> String {
+        let offset = (self.clock_offset.as_ref())
+            .map_or_else(|| "None".to_owned(), |offset| format!("Some({offset:?})"));
+        let set_back: Vec<String> = (self.clock_set_back.iter())
+            .map(|(time_s, by_s)| format!("({time_s:?}, {by_s:?})"))
+            .collect();
+        format!("({:?}, {offset}, [{}])", self.clock_start_s, set_back.join(", "))
+    }
+}
+
+impl Series {
+    /// Sensor and quantity as they enter the hash, in the form of stored logs.
+    fn identity_text(&self) -> String {
+        let quantity = match self.quantity {
+            ClimateQuantity::RelativeHumidity => "RelativeHumidity",
+            ClimateQuantity::Temperature => "Temperature",
+            ClimateQuantity::DewPoint => "DewPoint",
+            ClimateQuantity::VapourPressure => "VapourPressure",
+            ClimateQuantity::AbsoluteHumidity => "AbsoluteHumidity",
+        };
+        format!("({:?}, {quantity})", self.sensor)
     }
 }
 
@@ -255,6 +278,18 @@ mod tests {
             "{found:?}"
         );
         assert_eq!(found.len(), 4);
+    }
+
+    /// Stored logs are known by this hash.
+    #[test]
+    fn the_hash_of_a_log_is_the_stored_one() {
+        let text = "Time,A_Ta,A_RH\n2026-04-03 18:05:14,18.3,37.6\n2026-04-03 18:06:14,18.3,37.6\n";
+        let reading = read("box.csv", text.as_bytes(), &ReadContext::default()).unwrap();
+        let mut log = log(&reading, "ambient/box.csv").unwrap();
+        (log.clock_offset, log.clock_set_back) = (Some("+02:00".to_owned()), vec![(60.0, 3600.0)]);
+        log.series[0].sensor = "a \"b\" é".to_owned();
+        let stored = "2cf731ae3b7900890fc3a152f3608a074b1f75da40c9ec77672f787736fcb606";
+        assert_eq!(log.data_hash(), stored);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Finds the piecewise-constant drive of a run in its voltage channel, or takes it from the voltage tag.
 
+use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
@@ -291,11 +292,7 @@ fn without_edges(stretches: Vec<Stretch>, threshold: f64) -> Vec<Stretch> {
 
 /// Least change of the voltage that counts as a step, V.
 fn step_threshold(values: &[f64], closed: &[usize]) -> f64 {
-    let (low, high) = closed
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| {
-            (l.min(values[i]), h.max(values[i]))
-        });
+    let (low, high) = range_of(closed.iter().map(|&i| values[i]));
     let mut changes: Vec<f64> = closed
         .windows(2)
         .map(|pair| (values[pair[1]] - values[pair[0]]).abs())

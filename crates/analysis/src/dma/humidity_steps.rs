@@ -6,6 +6,7 @@
 //! is said.
 
 use ieap_domain::Issue;
+use ieap_domain::range_of;
 use ieap_numerics::noise::local_scatter;
 use ieap_numerics::robust::median;
 
@@ -154,9 +155,7 @@ impl Points {
     fn drift(&self, stretch: Stretch) -> f64 {
         let values = &self.level[stretch.first..stretch.end];
         let thirds = values.chunks(values.len().div_ceil(3)).map(middle);
-        let (low, high) = thirds.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), level| {
-            (low.min(level), high.max(level))
-        });
+        let (low, high) = range_of(thirds);
         high - low
     }
 

@@ -2,6 +2,7 @@
 //! interval.
 
 use ieap_domain::quantiles::CHI_SQUARE_95_OF_ONE;
+use ieap_domain::range_of;
 use plotters::element::{Circle, PathElement};
 use plotters::series::LineSeries;
 use plotters::style::Color;
@@ -39,11 +40,7 @@ pub fn profile(
     }
     let pairs = values.iter().copied().zip(rises.iter().copied());
     let points: Vec<(f64, f64)> = pairs.filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
-    let ends = points
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (x, _)| {
-            (low.min(*x), high.max(*x))
-        });
+    let ends = range_of(points.iter().map(|(x, _)| *x));
     if points.len() < 3 || ends.0 >= ends.1 {
         return Ok(None);
     }
