@@ -30,10 +30,26 @@ pub fn shared(name: &str) -> Option<PathBuf> {
 /// Says which test holds nothing here, and why; fails it where nothing may be skipped.
 pub fn skip(why: &str) {
     let thread = std::thread::current();
-    let told = format!("skipped {}: {why}", thread.name().unwrap_or("a test"));
-    let strict = NO_SKIP.iter().find(|name| std::env::var_os(name).is_some());
-    match strict {
-        Some(name) => panic!("{told}; with {name} set nothing may be skipped"),
-        None => eprintln!("{told}"),
+    let strict = NO_SKIP.into_iter().find(|name| std::env::var_os(name).is_some());
+    match told(thread.name().unwrap_or("a test"), why, strict) {
+        Ok(skipped) => eprintln!("{skipped}"),
+        Err(failed) => panic!("{failed}"),
     }
+}
+
+fn told(test: &str, why: &str, strict: Option<&str>) -> Result<String, String> {
+    match strict {
+        None => Ok(format!("skipped {test}: {why}")),
+        Some(name) => Err(format!(
+            "{test} was not made: {why}; with {name} set nothing may be skipped"
+        )),
+    }
+}
+
+#[test]
+fn what_is_skipped_is_said_and_fails_where_nothing_may_be() {
+    let skipped = told("dma::t", "../shared/a is not there", None);
+    assert_eq!(skipped.unwrap(), "skipped dma::t: ../shared/a is not there");
+    let failed = told("dma::t", "../shared/a is not there", Some("CI")).unwrap_err();
+    assert!(failed.contains("dma::t") && failed.contains("CI"), "{failed}");
 }
