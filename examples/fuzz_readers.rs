@@ -7,6 +7,8 @@
 //! the start, to see that it is held.
 //! `--file FORMAT PATH` tries one input again.
 
+#![expect(unsafe_code, reason = "memory is counted by an allocator of its own")]
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::collections::BTreeMap;
 use std::io::Write;

@@ -5,8 +5,8 @@ use clap::Args;
 
 use super::exit::CliError;
 use super::output::Output;
+use crate::domain::Estimate;
 use crate::pipeline::estimate_words::{ends, in_words, interval_in_words, spread as in_two_digits};
-use crate::pipeline::fits_document::ParameterEntry;
 use crate::pipeline::groups_document::{GroupEntry, GroupRunEntry};
 use crate::pipeline::{FitChoice, FitGroups, FitTogether, Sharing};
 
@@ -126,7 +126,7 @@ fn chance(p: f64) -> String {
     }
 }
 
-fn line(key: &str, parameter: &ParameterEntry, run: Option<&GroupRunEntry>) -> String {
+fn line(key: &str, parameter: &Estimate, run: Option<&GroupRunEntry>) -> String {
     let bootstrap = run.and_then(|run| run.bootstrap.iter().find(|(own, _)| own == key));
     let spread = bootstrap.map_or_else(String::new, |(_, of)| {
         format!(

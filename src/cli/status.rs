@@ -207,6 +207,7 @@ fn planned(status: &Status, output: &Output) {
     ));
     for row in &planned.open {
         let passed = if row.passed_over { ", passed over" } else { "" };
+        let row = &row.row;
         let sample = row.sample.as_deref().unwrap_or("");
         output.result(&format!(
             "  {} {sample}: {}, to be saved as {} ({}{passed})",

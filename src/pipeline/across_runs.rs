@@ -90,9 +90,9 @@ fn attempt(run: &RunRecord) -> Attempt {
 fn passed_over(context: &Context, runs: &[RunRecord]) -> Result<Vec<Attempt>, PipelineError> {
     let open = planned(context, runs)?.open.into_iter();
     let attempt = |row: PlannedRow| Attempt {
-        environment: row.environment,
-        voltage_v: row.voltage_v.map(f64::abs),
-        relative_humidity_percent: row.relative_humidity_percent,
+        environment: row.row.environment,
+        voltage_v: row.row.voltage_v.map(f64::abs),
+        relative_humidity_percent: row.row.relative_humidity_percent,
         failed: true,
     };
     Ok(open.filter(|row| row.passed_over).map(attempt).collect())

@@ -1,5 +1,6 @@
 //! Where the store meets the model for pages: what is known along the strip of a run, with shapes from curvatures.
 
+use crate::domain::quantiles::NORMAL_95_ROUNDED;
 use crate::domain::{
     AlongCurve, AlongStrip, Campaign, Channel, ClimateCurve, CurveSource, Drive, EndsRatio, Estimate,
     PlaceSeries, Quantity, RunCurve, RunRecord, StripShape, tag::keys,
@@ -20,8 +21,6 @@ const END_SHARE: usize = 4;
 const CLEAR: f64 = 10.0;
 /// Bending near the tip over its noise below which a ratio to it is only bounded.
 const SEEN: f64 = 3.0;
-/// Standard errors to either end of a 95 % interval.
-const HALF_WIDTH: f64 = 1.96;
 
 /// Curves of runs as pages and figures ask for them.
 pub(super) struct PageCurves<'a> {
@@ -257,13 +256,13 @@ fn ends_ratio(curve: &AlongCurve, frame: usize, near: usize) -> Option<EndsRatio
             Estimate::determined(
                 ratio,
                 error,
-                ratio - HALF_WIDTH * error,
-                ratio + HALF_WIDTH * error,
+                ratio - NORMAL_95_ROUNDED * error,
+                ratio + NORMAL_95_ROUNDED * error,
             )
         }
         false => {
-            let least = clamp.abs() - HALF_WIDTH * clamp_error;
-            let most = tip.abs() + HALF_WIDTH * tip_error;
+            let least = clamp.abs() - NORMAL_95_ROUNDED * clamp_error;
+            let most = tip.abs() + NORMAL_95_ROUNDED * tip_error;
             Estimate::above(least / most, "the bending near the tip cannot be told from none")
         }
     };

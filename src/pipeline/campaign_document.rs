@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::fits_document::ParameterEntry;
 use crate::analysis::false_discovery::CLAIMED_BELOW;
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::covariate::Covariate;
@@ -14,6 +13,7 @@ use crate::analysis::laws::rivals::RuledOut;
 use crate::analysis::laws::selection::Selection;
 use crate::analysis::laws::{CampaignLaws, Dependence, words};
 use crate::domain::Estimate;
+use crate::domain::quantiles::NORMAL_95_ROUNDED;
 
 /// An effect that only a comparison of runs shows: one that may be claimed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,7 +31,7 @@ pub struct CampaignEntry {
     /// By which law.
     pub law: &'static str,
     /// The law's coefficient.
-    pub coefficient: ParameterEntry,
+    pub coefficient: Estimate,
     /// Unit of the coefficient in words.
     pub coefficient_unit: &'static str,
     /// Threshold, knee or time constant, in the covariate's unit.
@@ -277,10 +277,7 @@ fn dependence(found: &Dependence) -> CampaignEntry {
             None if found.covariate == Covariate::Sample => "offset",
             None => "jump",
         },
-        coefficient: coefficient.map_or_else(
-            || ParameterEntry::of(&Estimate::not_determined("too few runs for a law")),
-            |coefficient| ParameterEntry::of(&estimate(coefficient)),
-        ),
+        coefficient: coefficient.map_or_else(|| Estimate::not_determined("too few runs for a law"), estimate),
         coefficient_unit: match law {
             Some(law) => law.law.coefficient_unit(),
             None if found.covariate == Covariate::Sample => "standard deviation of ln between samples",
@@ -342,7 +339,7 @@ fn estimate(interval: Interval) -> Estimate {
     let ends = interval.low_95.zip(interval.high_95);
     Estimate {
         value: Some(interval.value),
-        standard_error: ends.map(|(low, high)| (high - low) / 3.92),
+        standard_error: ends.map(|(low, high)| (high - low) / (2.0 * NORMAL_95_ROUNDED)),
         low_95: interval.low_95,
         high_95: interval.high_95,
         at_bound: false,
@@ -357,7 +354,7 @@ fn length(found: &LengthDoubt) -> CampaignEntry {
         parameter: "length_mm".to_owned(),
         covariate: Covariate::Sample.key(),
         law: "factor",
-        coefficient: ParameterEntry::of(&estimate(found.factor)),
+        coefficient: estimate(found.factor),
         coefficient_unit: "true over stated length",
         p: found.p,
         q: found.q,
@@ -382,7 +379,7 @@ fn selection(found: &Selection) -> CampaignEntry {
         parameter: "runs".to_owned(),
         covariate: found.covariate,
         law: "uneven",
-        coefficient: ParameterEntry::of(&coefficient),
+        coefficient,
         coefficient_unit: "mean of failed runs less that of usable ones",
         p: found.p,
         q: found.q,
@@ -402,7 +399,7 @@ fn blank(material: Option<String>) -> CampaignEntry {
         parameter: String::new(),
         covariate: "",
         law: "",
-        coefficient: ParameterEntry::of(&Estimate::not_determined("")),
+        coefficient: Estimate::not_determined(""),
         coefficient_unit: "",
         bend_at: None,
         ratio: None,

@@ -1,5 +1,6 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
+use crate::domain::Estimate;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
@@ -8,7 +9,7 @@ use super::across_runs::campaign_laws;
 use super::campaign_document::{self, CampaignEntry, CampaignTest, ConfoundedEntry, DoubtedEntry};
 use super::diagnose::library_hash;
 use super::fault::{or_nothing, step};
-use super::fits_document::{ParameterEntry, as_object, parameter_entries};
+use super::fits_document::{as_object, parameter_entries};
 use super::lengthwise::LumpedOrDistributedEntry;
 use super::next_runs::{self, NextRunEntry, Plan, UntyingEntry};
 use super::shared_effects_document::{SharedEffectEntry, shared_effect_entries};
@@ -171,7 +172,7 @@ pub struct EffectEntry {
     pub variant: Option<String>,
     /// Parameters by key; an object in JSON.
     #[serde(serialize_with = "as_object")]
-    pub parameters: Vec<(String, ParameterEntry)>,
+    pub parameters: Vec<(String, Estimate)>,
     /// Probability of such a gain by chance, over all candidates.
     pub p: f64,
     /// The same over all groups of the campaign.

@@ -1,8 +1,9 @@
 //! The document that `ieap dma --json` prints: what was found in the modulus logs of a campaign.
 
+use crate::domain::Estimate;
 use serde::Serialize;
 
-use super::fits_document::{ParameterEntry, as_object};
+use super::fits_document::as_object;
 use super::standing::SetAside;
 use super::{Context, PipelineError, standing};
 use crate::domain::tag::keys;
@@ -43,7 +44,7 @@ pub struct LogEntry {
     /// Humidity steps in order of time.
     pub steps: Vec<StepEntry>,
     /// Part of the change that the way back has undone at its end, percent.
-    pub recovery_percent: Option<ParameterEntry>,
+    pub recovery_percent: Option<Estimate>,
     /// |E*| on the way back against that on the way out at the same humidity.
     pub hysteresis: Vec<HysteresisEntry>,
     /// What a reader must know.
@@ -61,7 +62,7 @@ pub struct StepEntry {
     pub end_s: f64,
     /// Numbers by key.
     #[serde(serialize_with = "as_object")]
-    pub estimates: Vec<(String, ParameterEntry)>,
+    pub estimates: Vec<(String, Estimate)>,
 }
 
 /// The hysteresis at one humidity.
@@ -70,7 +71,7 @@ pub struct HysteresisEntry {
     /// The humidity, percent; null where none is held on both ways.
     pub relative_humidity_percent: Option<f64>,
     /// Relative difference, percent.
-    pub hysteresis_percent: ParameterEntry,
+    pub hysteresis_percent: Estimate,
 }
 
 /// Reads the modulus logs.
@@ -102,14 +103,12 @@ fn entry(context: &Context, log: &ModulusLog) -> LogEntry {
         modulus_source: analysis.map(|found| found.modulus_source.clone()),
         readings: analysis.map(|found| found.readings),
         steps: analysis.map_or_else(Vec::new, |found| found.steps.iter().map(step).collect()),
-        recovery_percent: analysis
-            .and_then(|found| found.recovery())
-            .map(ParameterEntry::of),
+        recovery_percent: analysis.and_then(|found| found.recovery()).cloned(),
         hysteresis: analysis.map_or_else(Vec::new, |found| {
             let all = found.hysteresis().into_iter();
             all.map(|(relative_humidity_percent, estimate)| HysteresisEntry {
                 relative_humidity_percent,
-                hysteresis_percent: ParameterEntry::of(estimate),
+                hysteresis_percent: estimate.clone(),
             })
             .collect()
         }),
@@ -118,7 +117,7 @@ fn entry(context: &Context, log: &ModulusLog) -> LogEntry {
 }
 
 fn step(step: &crate::domain::ModulusStep) -> StepEntry {
-    let estimate = |parameter: &Parameter| (parameter.key.clone(), ParameterEntry::of(&parameter.estimate));
+    let estimate = |parameter: &Parameter| (parameter.key.clone(), parameter.estimate.clone());
     StepEntry {
         start_s: step.start_s,
         settled_s: step.settled_s,

@@ -1,10 +1,10 @@
 //! An estimate as a line of text, with no more digits than its uncertainty carries.
 
-use super::fits_document::ParameterEntry;
+use crate::domain::Estimate;
 use crate::report::number::{interval, lower_bound, measured, significant, upper_bound};
 
 /// `24.62 ± 0.31`, `> 1.2: reason`, `0.4 to 3.1: reason`, `not determined: reason`.
-pub fn in_words(estimate: &ParameterEntry) -> String {
+pub fn in_words(estimate: &Estimate) -> String {
     let bound = match (estimate.value, estimate.low_95, estimate.high_95) {
         (Some(value), ..) => {
             return match estimate.standard_error {
@@ -34,7 +34,7 @@ pub fn spread(standard_deviation: f64) -> String {
 }
 
 /// `  (95 %: 24.0 to 25.3)` for a value with an interval, else nothing.
-pub fn interval_in_words(estimate: &ParameterEntry) -> String {
+pub fn interval_in_words(estimate: &Estimate) -> String {
     match (estimate.value, estimate.low_95, estimate.high_95) {
         (Some(_), Some(low), Some(high)) => format!("  (95 %: {})", interval(low, high)),
         _ => String::new(),
@@ -45,8 +45,8 @@ pub fn interval_in_words(estimate: &ParameterEntry) -> String {
 mod tests {
     use super::*;
 
-    fn entry(value: Option<f64>, error: Option<f64>, low: Option<f64>, high: Option<f64>) -> ParameterEntry {
-        ParameterEntry {
+    fn entry(value: Option<f64>, error: Option<f64>, low: Option<f64>, high: Option<f64>) -> Estimate {
+        Estimate {
             value,
             standard_error: error,
             low_95: low,

@@ -1,8 +1,8 @@
 //! The verb `explain`: the runs, files, fits and versions behind one cell of a table.
 
+use crate::domain::Estimate;
 use serde::Serialize;
 
-use super::fits_document::ParameterEntry;
 use super::tables::{TableData, find_table};
 use super::{Context, PipelineError};
 use crate::analysis::tables::{Cell, Content, Source, SourceOrigin, Table};
@@ -74,7 +74,7 @@ pub struct Evidence {
     pub key: Option<String>,
     /// That number, in the unit that the key names.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub estimate: Option<ParameterEntry>,
+    pub estimate: Option<Estimate>,
     /// Why it was left out of the cell.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<String>,
@@ -197,7 +197,7 @@ fn evidence(context: &Context, data: &TableData, source: &Source) -> Result<Evid
         data_hash: None,
         result: None,
         key: source.key.clone(),
-        estimate: source.estimate.as_ref().map(ParameterEntry::of),
+        estimate: source.estimate.clone(),
         left_out: source.left_out.clone(),
     };
     Ok(match source.origin {

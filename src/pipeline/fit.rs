@@ -11,7 +11,7 @@ use super::fit_extended;
 use super::fit_plan::{Planned, fit_plan};
 use super::{Context, Observer, PipelineError};
 use crate::domain::fault::caught;
-use crate::domain::{AskedFit, Channel, Fit, Issue};
+use crate::domain::{AskedFit, Channel, Fit, InputHash, Issue};
 use crate::fit::{FitError, FitInput, FitOptions, Steps, distributed, fit_run};
 use crate::ingest::derived;
 use crate::numerics::interrupt;
@@ -226,22 +226,20 @@ pub(super) fn save(
 
 /// Hash of everything that a fit depends on.
 fn input_hash(task: &FitTask, options: &FitOptions) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(task.data_hash.as_bytes());
-    hasher.update(format!("{:?}", task.drive).as_bytes());
-    hasher.update(&task.area_cm2.to_le_bytes());
-    hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
+    let mut hash = InputHash::new();
+    hash.text(&task.data_hash).drive(&task.drive);
+    hash.number(task.area_cm2).number_or_none(task.length_cm);
     let along = task.electrode_resistance_ohm_per_sq;
     if options.model.id == distributed::MODEL_ID || along.is_some() {
-        hasher.update(&along.unwrap_or(f64::NAN).to_le_bytes());
+        hash.number_or_none(along);
     }
     let (model, method) = (options.model, options.method);
-    hasher.update(format!("{}/{}/{}", model.id, model.version, method.id()).as_bytes());
-    if options.steps == Steps::Simultaneous {
-        hasher.update(b"simultaneous");
-    }
+    hash.text(model.id)
+        .whole(model.version.into())
+        .text(method.id())
+        .flag(options.steps == Steps::Simultaneous);
     if method.is_random() {
-        hasher.update(&options.seed.to_le_bytes());
+        hash.whole(options.seed);
     }
-    hasher.finalize().to_hex().to_string()
+    hash.finished()
 }

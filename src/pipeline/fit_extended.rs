@@ -10,7 +10,7 @@ use super::{Context, Observer, PipelineError};
 use crate::diagnose::{RunInput, fit_extended, model_version};
 use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::fault::caught;
-use crate::domain::{Channel, Issue};
+use crate::domain::{Channel, InputHash, Issue};
 use crate::fit::FitInput;
 use crate::ingest::derived;
 
@@ -125,16 +125,15 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
 
 /// Hash of everything that the fits of a group depend on.
 fn input_hash(group: &ExtendedGroup, library: &str) -> String {
-    let mut hasher = blake3::Hasher::new();
-    group
-        .runs
-        .iter()
-        .for_each(|run| take_task(&mut hasher, &run.task));
+    let mut hash = InputHash::new();
+    group.runs.iter().for_each(|run| take_task(&mut hash, &run.task));
     let ids = || group.choice.effects.iter().map(|effect| effect.about().id);
     if ids().any(follows_a_tag) {
-        take_tags(&mut hasher, &group.tags);
+        take_tags(&mut hash, &group.tags);
     }
     let version = model_version(group.choice.base);
-    hasher.update(format!("{}/{version}/{library}", group.choice).as_bytes());
-    hasher.finalize().to_hex().to_string()
+    hash.text(&group.choice.to_string())
+        .whole(version.into())
+        .text(library);
+    hash.finished()
 }

@@ -61,7 +61,7 @@ pub struct FitEntry {
     pub n_samples: usize,
     /// Parameters by key, in the model's order; an object in JSON.
     #[serde(serialize_with = "as_object")]
-    pub parameters: Vec<(String, ParameterEntry)>,
+    pub parameters: Vec<(String, Estimate)>,
     /// Coefficient of determination of the current.
     pub r_squared_current: Option<f64>,
     /// Coefficient of determination of the curvature.
@@ -76,40 +76,9 @@ pub struct FitEntry {
     pub issues: Vec<Issue>,
 }
 
-/// One parameter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ParameterEntry {
-    /// Best value; null where the data cannot determine it.
-    pub value: Option<f64>,
-    /// Standard error.
-    pub standard_error: Option<f64>,
-    /// Lower end of the 95 % interval; null: open.
-    pub low_95: Option<f64>,
-    /// Upper end; null: open.
-    pub high_95: Option<f64>,
-    /// Whether it lies at a limit of the search.
-    pub at_bound: bool,
-    /// Why there is no value.
-    pub reason: Option<String>,
-}
-
-impl ParameterEntry {
-    /// What is known of a parameter.
-    pub fn of(estimate: &Estimate) -> ParameterEntry {
-        ParameterEntry {
-            value: estimate.value,
-            standard_error: estimate.standard_error,
-            low_95: estimate.low_95,
-            high_95: estimate.high_95,
-            at_bound: estimate.at_bound,
-            reason: estimate.reason.clone(),
-        }
-    }
-}
-
 /// Pairs as an object.
 pub(super) fn as_object<S: Serializer>(
-    entries: &[(String, ParameterEntry)],
+    entries: &[(String, Estimate)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_map(entries.iter().map(|(key, entry)| (key, entry)))
@@ -152,8 +121,8 @@ pub fn fits_document(context: &Context) -> Result<FitsDocument, PipelineError> {
 }
 
 /// Parameters by key.
-pub(super) fn parameter_entries(parameters: &[Parameter]) -> Vec<(String, ParameterEntry)> {
-    let one = |parameter: &Parameter| (parameter.key.clone(), ParameterEntry::of(&parameter.estimate));
+pub(super) fn parameter_entries(parameters: &[Parameter]) -> Vec<(String, Estimate)> {
+    let one = |parameter: &Parameter| (parameter.key.clone(), parameter.estimate.clone());
     parameters.iter().map(one).collect()
 }
 

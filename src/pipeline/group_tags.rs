@@ -1,7 +1,7 @@
 //! Tags that differ between the runs of a group, as a diagnosis asks for them.
 
-use crate::domain::RunRecord;
 use crate::domain::tag::keys;
+use crate::domain::{InputHash, RunRecord};
 use crate::model::effects::{TagAt, tag_places};
 
 /// Where each run lies among the values of the tags that campaign.toml declares, and of who measured.
@@ -21,10 +21,8 @@ pub(super) fn group_tags(runs: &[&RunRecord], declared: &[String]) -> Vec<Vec<Ta
 }
 
 /// Adds to a hash what a group's result follows from these tags; nothing where none differs.
-pub(super) fn take_tags(hasher: &mut blake3::Hasher, places: &[Vec<TagAt>]) {
+pub(super) fn take_tags(hash: &mut InputHash, places: &[Vec<TagAt>]) {
     for place in places.iter().flatten() {
-        hasher.update(&(place.id.len() as u64).to_le_bytes());
-        hasher.update(place.id.as_bytes());
-        hasher.update(&place.at.to_le_bytes());
+        hash.text(&place.id).number(place.at);
     }
 }

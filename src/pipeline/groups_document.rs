@@ -1,8 +1,9 @@
 //! What `ieap fit --group` adds to the document of fits: one entry for every group.
 
+use crate::domain::Estimate;
 use serde::{Serialize, Serializer};
 
-use super::fits_document::{ParameterEntry, parameter_entries};
+use super::fits_document::parameter_entries;
 use crate::domain::{ChannelNoise, Issue};
 use crate::fit::{GroupFit, GroupOptions, Resampled};
 use crate::store::FitTask;
@@ -35,7 +36,7 @@ pub struct GroupEntry {
     pub sharing: Option<SharingCost>,
     /// Parameters that are the same in every run, by key.
     #[serde(serialize_with = "as_object")]
-    pub parameters: Vec<(String, ParameterEntry)>,
+    pub parameters: Vec<(String, Estimate)>,
     /// Every run by itself.
     pub fits: Vec<GroupRunEntry>,
     /// Issues of the group.
@@ -62,7 +63,7 @@ pub struct GroupRunEntry {
     pub n_samples: usize,
     /// All parameters, the shared ones included, by key.
     #[serde(serialize_with = "as_object")]
-    pub parameters: Vec<(String, ParameterEntry)>,
+    pub parameters: Vec<(String, Estimate)>,
     /// Bootstrap by key; empty where none was asked for.
     #[serde(serialize_with = "as_object")]
     pub bootstrap: Vec<(String, BootstrapEntry)>,

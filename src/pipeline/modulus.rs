@@ -7,7 +7,7 @@ use super::{Context, Observer, PipelineError};
 use crate::analysis::dma;
 use crate::domain::fault::caught;
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Issue, ModulusAnalysis, RunRecord, RunState};
+use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState};
 use crate::ingest::named_columns::named_columns;
 use crate::numerics::interrupt;
 use crate::store::ModulusStamp;
@@ -104,13 +104,13 @@ impl AnalyseModulus {
 
 /// BLAKE3 over everything that an analysis depends on.
 fn input_hash(log: &RunRecord) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(format!("{} {}", dma::VERSION, log.data_hash).as_bytes());
+    let mut hash = InputHash::new();
+    hash.whole(dma::VERSION.into()).text(&log.data_hash);
     let counts = |key: &str| key.ends_with(keys::COLUMN) || key == keys::LEAVE_OUT;
     for tag in log.tags.iter().filter(|tag| counts(&tag.key)) {
-        hasher.update(format!("{:?}", (&tag.key, &tag.value)).as_bytes());
+        hash.text(&tag.key).text(&tag.value);
     }
-    hasher.finalize().to_hex().to_string()
+    hash.finished()
 }
 
 /// A fault of the analysis stops its log only.

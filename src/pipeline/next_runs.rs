@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use super::across_runs::campaign_laws;
 use super::diagnosis_document::current_findings;
-use super::planned::{PlannedRow, planned};
+use super::planned::planned;
 use super::whole_file::put_bytes;
 use super::{Context, PipelineError, standing};
 use crate::analysis::laws::CampaignLaws;
 use crate::analysis::laws::covariate::Covariate;
 use crate::analysis::laws::design::Level;
-use crate::analysis::plan::list::{Grounds, OpenRow};
+use crate::analysis::plan::list::{Grounds, RowOfSheet};
 use crate::analysis::plan::{PlannedRun, Untying, next_runs, untie, words};
 use crate::domain::safe_text::csv_text;
 use crate::domain::tag::keys;
@@ -127,12 +127,12 @@ pub fn plan_from(
     let untying = untie(laws, runs, &context.campaign);
     let made = standing::all(context)?;
     let sheets = planned(context, &made)?;
-    let open: Vec<OpenRow> = sheets.open.iter().map(PlannedRow::open_row).collect();
+    let open: Vec<RowOfSheet> = sheets.open.iter().map(|row| row.row.clone()).collect();
     let ids = sheets
         .done
         .iter()
         .chain(&sheets.open)
-        .map(|row| row.planned.as_str());
+        .map(|row| row.row.planned.as_str());
     let tagged = made.iter().filter_map(|run| run.tag(keys::PLANNED));
     let number = |id: &str| id.strip_prefix('P')?.parse::<u32>().ok();
     let last_number = ids.chain(tagged).filter_map(number).max().unwrap_or(0);

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::{Context, PipelineError};
-use crate::analysis::plan::list::OpenRow;
+use crate::analysis::plan::list::RowOfSheet;
 use crate::domain::tag::keys;
 use crate::domain::{FileState, RunRecord};
 use crate::ingest::run_sheet::{self, IS_DAMAGED, IS_SHEET, RunSheet, RunSheets, SheetRow};
@@ -25,48 +25,16 @@ pub struct Planned {
     pub open: Vec<PlannedRow>,
 }
 
-/// A row of a run sheet.
+/// A row of a run sheet, and what became of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlannedRow {
-    /// Planned id.
-    pub planned: String,
-    /// Name to save the file under, without its ending.
-    pub file: String,
-    /// Path of the sheet.
-    pub sheet: String,
-    /// Sample id.
-    pub sample: Option<String>,
-    /// Environment id.
-    pub environment: Option<String>,
-    /// Relative humidity, percent.
-    pub relative_humidity_percent: Option<f64>,
-    /// Nominal voltage, V.
-    pub voltage_v: Option<f64>,
-    /// Cycle number.
-    pub cycle: Option<u32>,
-    /// The drive in words.
-    pub drive: String,
+    /// The row.
+    #[serde(flatten)]
+    pub row: RowOfSheet,
     /// The run that was made; none while it is open.
     pub run: Option<String>,
     /// Whether a later row of the sheet has been made before it.
     pub passed_over: bool,
-}
-
-impl PlannedRow {
-    /// As a plan takes it.
-    pub fn open_row(&self) -> OpenRow {
-        OpenRow {
-            planned: self.planned.clone(),
-            file: self.file.clone(),
-            sheet: self.sheet.clone(),
-            sample: self.sample.clone(),
-            environment: self.environment.clone(),
-            relative_humidity_percent: self.relative_humidity_percent,
-            voltage_v: self.voltage_v,
-            cycle: self.cycle,
-            drive: self.drive.clone(),
-        }
-    }
 }
 
 /// Sorts the rows of all sheets. A row has been made where a current run carries its id from it.
@@ -106,7 +74,7 @@ fn sorted(sheets: &RunSheets, runs: &[RunRecord]) -> Planned {
 fn shown(sheet: &RunSheet, row: &SheetRow, run: Option<&str>, passed_over: bool) -> PlannedRow {
     let number = |key: &str| row.tag(key).and_then(|text| text.parse::<f64>().ok());
     let text = |key: &str| row.tag(key).map(str::to_owned);
-    PlannedRow {
+    let row = RowOfSheet {
         planned: row.planned.clone(),
         file: row.file.clone(),
         sheet: sheet.path.clone(),
@@ -118,6 +86,9 @@ fn shown(sheet: &RunSheet, row: &SheetRow, run: Option<&str>, passed_over: bool)
             .filter(|cycle| (0.0..1e9).contains(cycle))
             .map(|cycle| cycle as u32),
         drive: row.said("drive").to_owned(),
+    };
+    PlannedRow {
+        row,
         run: run.map(str::to_owned),
         passed_over,
     }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::fits_document::{ParameterEntry, as_object};
+use super::fits_document::as_object;
 use crate::analysis::shared_effects::{SharedEffect, SharedParameter, left_out, sentence, shared_effects};
 use crate::domain::{Campaign, Estimate, GroupDiagnosis, RunRecord};
 
@@ -19,7 +19,7 @@ pub struct SharedEffectEntry {
     pub groups: Vec<String>,
     /// Means over the samples by key; an object in JSON.
     #[serde(serialize_with = "as_object")]
-    pub parameters: Vec<(String, ParameterEntry)>,
+    pub parameters: Vec<(String, Estimate)>,
     /// Spread of every parameter.
     pub spread: Vec<SpreadEntry>,
     /// Every sample held against the others.
@@ -97,12 +97,11 @@ fn entry(effect: &SharedEffect, found: &[GroupDiagnosis]) -> SharedEffectEntry {
     }
 }
 
-fn mean(parameter: &SharedParameter) -> ParameterEntry {
-    let estimate = match parameter.mean {
+fn mean(parameter: &SharedParameter) -> Estimate {
+    match parameter.mean {
         Some(mean) => Estimate::determined(mean.value, mean.standard_error, mean.low_95, mean.high_95),
         None => Estimate::not_determined("no sample determines it"),
-    };
-    ParameterEntry::of(&estimate)
+    }
 }
 
 fn spread(parameter: &SharedParameter) -> SpreadEntry {

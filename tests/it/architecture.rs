@@ -13,7 +13,7 @@ const MAY_USE: [(&str, &[&str]); 10] = [
     ("diagnose", &["domain", "numerics", "model", "fit"]),
     ("store", &["domain"]),
     ("strip", &["numerics"]),
-    ("ingest", &["domain", "strip"]),
+    ("ingest", &["domain", "numerics", "strip"]),
     ("analysis", &["domain", "numerics"]),
     ("report", &["domain", "analysis"]),
 ];

@@ -6,7 +6,6 @@ use ieap::store::Store;
 use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, run_table};
-use crate::formats_real_files::shared;
 #[cfg(unix)]
 use crate::watch::{Watching, until};
 
@@ -493,229 +492,237 @@ fn a_log_that_arrives_while_watching_reaches_the_run() {
     });
 }
 
-/// Copies the files of a folder beside the project, those that `wanted` wants, into `ambient/`.
-fn with_files(folder: &CampaignFolder, from: &str, wanted: impl Fn(&str) -> bool) -> Option<usize> {
-    let from = shared(from)?;
-    let mut count = 0;
-    for entry in std::fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if wanted(&name) {
-            folder.write(&format!("ambient/{name}"), std::fs::read(&path).unwrap());
-            count += 1;
-        }
-    }
-    Some(count)
-}
+/// Against what lies beside the project.
+mod needs_shared {
+    use super::*;
+    use crate::needs_shared::shared;
 
-#[test]
-fn ten_sensors_beside_a_station_show_two_hours_and_a_copied_column() {
-    let folder = CampaignFolder::new();
-    add_run(&folder, "a", 1, "2020-04-04T12:00:00+03:00", "");
-    let Some(files) = with_files(&folder, "data/humidity-sensor-intercomparison", |name| {
-        name.ends_with(".csv")
-    }) else {
-        return;
-    };
-    assert_eq!(ingest(&folder)["logs"]["new"].as_array().unwrap().len(), files);
-    let status = climate(&folder);
-    let assessment = &status["assessment"];
-    let pair = |first: &str, second: &str, quantity: &str| {
-        let pairs = assessment["pairs"].as_array().unwrap().iter();
-        let is = |pair: &&Value| {
-            pair["first"] == first && pair["second"] == second && pair["quantity"] == quantity
+    /// Copies the files of a folder beside the project, those that `wanted` wants, into `ambient/`.
+    fn with_files(folder: &CampaignFolder, from: &str, wanted: impl Fn(&str) -> bool) -> Option<usize> {
+        let from = shared(from)?;
+        let mut count = 0;
+        for entry in std::fs::read_dir(from).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if wanted(&name) {
+                folder.write(&format!("ambient/{name}"), std::fs::read(&path).unwrap());
+                count += 1;
+            }
+        }
+        Some(count)
+    }
+
+    #[test]
+    fn ten_sensors_beside_a_station_show_two_hours_and_a_copied_column() {
+        let folder = CampaignFolder::new();
+        add_run(&folder, "a", 1, "2020-04-04T12:00:00+03:00", "");
+        let Some(files) = with_files(&folder, "data/humidity-sensor-intercomparison", |name| {
+            name.ends_with(".csv")
+        }) else {
+            return;
         };
-        pairs
-            .clone()
-            .find(is)
-            .unwrap_or_else(|| panic!("{first} {second}"))
-            .clone()
-    };
-    // What the provenance file found by arithmetic, readings of the minute: bias +7.2 and 10.5 % for the AM2320
-    // before the clocks are put right; 8.6 % for the HTU21D-2, which falls below 0.8 % after.
-    let am2320 = pair(
-        "FRWRTM/MET_CS215",
-        "Ta_RH_Test/AM2320",
-        "relative_humidity_percent",
-    );
-    assert!((am2320["bias"].as_f64().unwrap() + 7.2).abs() < 0.05, "{am2320}");
-    assert!(
-        (am2320["standard_deviation"].as_f64().unwrap() - 10.5).abs() < 0.1,
-        "{am2320}"
-    );
-    let htu21d = pair(
-        "FRWRTM/MET_CS215",
-        "Ta_RH_Test/2_HTU21D",
-        "relative_humidity_percent",
-    );
-    assert!(
-        (htu21d["standard_deviation"].as_f64().unwrap() - 8.6).abs() < 0.05,
-        "{htu21d}"
-    );
-    assert!(htu21d["put_right"][1].as_f64().unwrap() < 0.8, "{htu21d}");
-    let across = assessment["pairs"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter(|pair| pair["first"] == "FRWRTM/MET_CS215");
-    let ahead: Vec<f64> = across
-        .map(|pair| pair["clock_ahead_h"].as_f64().unwrap())
-        .collect();
-    assert_eq!(ahead, vec![2.0; 17]);
-    let problems = problems(&status);
-    assert_eq!(problems.iter().filter(|code| *code == "clock-offset").count(), 1);
-    assert_eq!(problems[0], "humidity-is-temperature");
-    let copied = assessment["sensors"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .find(|sensor| !sensor["not_used"].is_null())
-        .unwrap();
-    assert_eq!(
-        (&copied["sensor"], &copied["quantity"]),
-        (&"Ta_RH_Test/2_BME280".into(), &"relative_humidity_percent".into())
-    );
-    assert!(problems.contains(&"ragged-rows".to_owned()));
-}
-
-#[test]
-fn a_box_labelled_50_percent_reads_59_9() {
-    let folder = CampaignFolder::new();
-    folder.write(
-        "campaign.toml",
-        crate::campaign::CAMPAIGN_TOML.replace("Tallinn", "Zurich"),
-    );
-    add_run(
-        &folder,
-        "a",
-        1,
-        "2023-04-26T12:00:00+02:00",
-        "relative_humidity_percent = 50\n",
-    );
-    let wanted = |name: &str| name == "MoistureData_DL_121TH_ClimateBox_raw_RH50.csv";
-    if with_files(&folder, "data/wood-rheology-sorption", wanted).is_none() {
-        return;
-    }
-    ingest(&folder);
-    let run = &runs(&folder)[0];
-    let humidity = of(run, ClimateQuantity::RelativeHumidity);
-    // The authors state 59.9 % and 18.1 °C for the settled box.
-    assert!((humidity.mean - 59.9).abs() < 0.5, "{humidity:?}");
-    assert!((of(run, ClimateQuantity::Temperature).mean - 18.1).abs() < 0.5);
-    // The logger writes dew points of its own: a second statement of the formula, over all of its range.
-    let log = std::fs::read_to_string(folder.join("ambient/MoistureData_DL_121TH_ClimateBox_raw_RH50.csv"))
-        .unwrap();
-    let mut compared = 0;
-    for line in log.lines().filter(|line| line.starts_with("\"")) {
-        let cells: Vec<f64> = line
-            .split(',')
-            .filter_map(|cell| cell.trim_matches('"').parse().ok())
-            .collect();
-        if let [temperature_c, percent, own_c] = cells[..] {
-            let found_c = dew_point_c(vapour_pressure_pa(temperature_c, percent)).unwrap();
-            assert!((found_c - own_c).abs() < 0.03, "{line}: {found_c}");
-            compared += 1;
-        }
-    }
-    assert_eq!(compared, 4447);
-    let issue = run
-        .issues
-        .iter()
-        .find(|issue| issue.code == "tag-disagreement")
-        .unwrap();
-    assert!(issue.message.contains("is 50 ("), "{}", issue.message);
-}
-
-#[test]
-fn two_loggers_of_one_box_differ_by_two_percent_and_one_is_at_its_end() {
-    let folder = CampaignFolder::new();
-    folder.write(
-        "campaign.toml",
-        crate::campaign::CAMPAIGN_TOML.replace("Tallinn", "Zurich"),
-    );
-    let wanted = |name: &str| name.contains("RH05_Desorption") && !name.starts_with("Precheck");
-    if with_files(&folder, "data/wood-rheology-sorption", wanted).is_none() {
-        return;
-    }
-    ingest(&folder);
-    let status = climate(&folder);
-    let pair = &status["assessment"]["pairs"][0];
-    assert_eq!(pair["first"], "010104085");
-    assert!((pair["bias"].as_f64().unwrap() + 2.0).abs() < 0.15, "{pair}");
-    let issues = status["assessment"]["issues"].as_array().unwrap().clone();
-    let at_end = issues
-        .iter()
-        .find(|issue| issue["code"] == "sensor-at-end")
-        .unwrap();
-    assert!(
-        at_end["message"].as_str().unwrap().contains("exactly 3.5 %"),
-        "{at_end}"
-    );
-    assert!(
-        at_end["message"].as_str().unwrap().contains("in 920 of 1199"),
-        "{at_end}"
-    );
-}
-
-#[test]
-fn every_real_log_becomes_series_of_its_sensors() {
-    let folder = CampaignFolder::new();
-    let is_log = |name: &str| (name.ends_with(".csv") || name.ends_with(".txt")) && name != "expected.json";
-    let mut files = 0;
-    for from in [
-        "data/wood-rheology-sorption",
-        "data/hobo-u12-indoor",
-        "formats/rh_loggers",
-    ] {
-        files += with_files(&folder, from, is_log).unwrap_or(0);
-    }
-    if files == 0 {
-        return;
-    }
-    let summary = ingest(&folder);
-    assert_eq!(summary["refused"], serde_json::json!([]));
-    // The U12's log lies in two of the folders: the same bytes under one name.
-    assert_eq!(
-        summary["logs"]["new"].as_array().unwrap().len(),
-        summary["logs"]["files"].as_u64().unwrap() as usize
-    );
-    let status = climate(&folder);
-    let sensors = status["assessment"]["sensors"].as_array().unwrap().clone();
-    let sensor = |name: &str, quantity: &str| {
-        let is = |sensor: &&Value| sensor["sensor"] == name && sensor["quantity"] == quantity;
-        sensors
+        assert_eq!(ingest(&folder)["logs"]["new"].as_array().unwrap().len(), files);
+        let status = climate(&folder);
+        let assessment = &status["assessment"];
+        let pair = |first: &str, second: &str, quantity: &str| {
+            let pairs = assessment["pairs"].as_array().unwrap().iter();
+            let is = |pair: &&Value| {
+                pair["first"] == first && pair["second"] == second && pair["quantity"] == quantity
+            };
+            pairs
+                .clone()
+                .find(is)
+                .unwrap_or_else(|| panic!("{first} {second}"))
+                .clone()
+        };
+        // What the provenance file found by arithmetic, readings of the minute: bias +7.2 and 10.5 % for the AM2320
+        // before the clocks are put right; 8.6 % for the HTU21D-2, which falls below 0.8 % after.
+        let am2320 = pair(
+            "FRWRTM/MET_CS215",
+            "Ta_RH_Test/AM2320",
+            "relative_humidity_percent",
+        );
+        assert!((am2320["bias"].as_f64().unwrap() + 7.2).abs() < 0.05, "{am2320}");
+        assert!(
+            (am2320["standard_deviation"].as_f64().unwrap() - 10.5).abs() < 0.1,
+            "{am2320}"
+        );
+        let htu21d = pair(
+            "FRWRTM/MET_CS215",
+            "Ta_RH_Test/2_HTU21D",
+            "relative_humidity_percent",
+        );
+        assert!(
+            (htu21d["standard_deviation"].as_f64().unwrap() - 8.6).abs() < 0.05,
+            "{htu21d}"
+        );
+        assert!(htu21d["put_right"][1].as_f64().unwrap() < 0.8, "{htu21d}");
+        let across = assessment["pairs"]
+            .as_array()
+            .unwrap()
             .iter()
-            .find(is)
-            .unwrap_or_else(|| panic!("{name} {quantity}"))
-            .clone()
-    };
-    // Month first, as its provenance shows; 30 minutes; the offset stands in the header.
-    let u12 = sensor("sample_hobo_u12_data", "relative_humidity_percent");
-    assert_eq!(u12["from"], "2013-10-02T05:00:00Z");
-    assert_eq!(
-        (u12["readings"].as_u64(), u12["interval_s"].as_f64()),
-        (Some(2998), Some(1800.0))
-    );
-    assert!(
-        (u12["least"].as_f64().unwrap() - 39.0).abs() < 0.1
-            && (u12["most"].as_f64().unwrap() - 73.4).abs() < 0.1
-    );
-    // Fahrenheit became Celsius; humidity above 100 % is pointed out.
-    let h08 = sensor("274341", "temperature_c");
-    assert!(
-        (h08["most"].as_f64().unwrap() - (37.2 - 32.0) / 1.8).abs() < 1e-3,
-        "{h08}"
-    );
-    assert!(problems(&status).contains(&"humidity-out-of-range".to_owned()));
-    // Four depths of one logger, three thermocouples of another.
-    assert_eq!(
-        sensor("20750528", "temperature_c")["readings"],
-        sensor("20750528/4", "temperature_c")["readings"]
-    );
-    assert_eq!(
-        sensor("picolog_temperature_sparse/Outside", "temperature_c")["readings"],
-        2226
-    );
-    // The logger of the wood boxes is one sensor in all of its five files.
-    assert_eq!(sensor("010104085", "temperature_c")["files"], 5);
+            .filter(|pair| pair["first"] == "FRWRTM/MET_CS215");
+        let ahead: Vec<f64> = across
+            .map(|pair| pair["clock_ahead_h"].as_f64().unwrap())
+            .collect();
+        assert_eq!(ahead, vec![2.0; 17]);
+        let problems = problems(&status);
+        assert_eq!(problems.iter().filter(|code| *code == "clock-offset").count(), 1);
+        assert_eq!(problems[0], "humidity-is-temperature");
+        let copied = assessment["sensors"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|sensor| !sensor["not_used"].is_null())
+            .unwrap();
+        assert_eq!(
+            (&copied["sensor"], &copied["quantity"]),
+            (&"Ta_RH_Test/2_BME280".into(), &"relative_humidity_percent".into())
+        );
+        assert!(problems.contains(&"ragged-rows".to_owned()));
+    }
+
+    #[test]
+    fn a_box_labelled_50_percent_reads_59_9() {
+        let folder = CampaignFolder::new();
+        folder.write(
+            "campaign.toml",
+            crate::campaign::CAMPAIGN_TOML.replace("Tallinn", "Zurich"),
+        );
+        add_run(
+            &folder,
+            "a",
+            1,
+            "2023-04-26T12:00:00+02:00",
+            "relative_humidity_percent = 50\n",
+        );
+        let wanted = |name: &str| name == "MoistureData_DL_121TH_ClimateBox_raw_RH50.csv";
+        if with_files(&folder, "data/wood-rheology-sorption", wanted).is_none() {
+            return;
+        }
+        ingest(&folder);
+        let run = &runs(&folder)[0];
+        let humidity = of(run, ClimateQuantity::RelativeHumidity);
+        // The authors state 59.9 % and 18.1 °C for the settled box.
+        assert!((humidity.mean - 59.9).abs() < 0.5, "{humidity:?}");
+        assert!((of(run, ClimateQuantity::Temperature).mean - 18.1).abs() < 0.5);
+        // The logger writes dew points of its own: a second statement of the formula, over all of its range.
+        let log =
+            std::fs::read_to_string(folder.join("ambient/MoistureData_DL_121TH_ClimateBox_raw_RH50.csv"))
+                .unwrap();
+        let mut compared = 0;
+        for line in log.lines().filter(|line| line.starts_with("\"")) {
+            let cells: Vec<f64> = line
+                .split(',')
+                .filter_map(|cell| cell.trim_matches('"').parse().ok())
+                .collect();
+            if let [temperature_c, percent, own_c] = cells[..] {
+                let found_c = dew_point_c(vapour_pressure_pa(temperature_c, percent)).unwrap();
+                assert!((found_c - own_c).abs() < 0.03, "{line}: {found_c}");
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 4447);
+        let issue = run
+            .issues
+            .iter()
+            .find(|issue| issue.code == "tag-disagreement")
+            .unwrap();
+        assert!(issue.message.contains("is 50 ("), "{}", issue.message);
+    }
+
+    #[test]
+    fn two_loggers_of_one_box_differ_by_two_percent_and_one_is_at_its_end() {
+        let folder = CampaignFolder::new();
+        folder.write(
+            "campaign.toml",
+            crate::campaign::CAMPAIGN_TOML.replace("Tallinn", "Zurich"),
+        );
+        let wanted = |name: &str| name.contains("RH05_Desorption") && !name.starts_with("Precheck");
+        if with_files(&folder, "data/wood-rheology-sorption", wanted).is_none() {
+            return;
+        }
+        ingest(&folder);
+        let status = climate(&folder);
+        let pair = &status["assessment"]["pairs"][0];
+        assert_eq!(pair["first"], "010104085");
+        assert!((pair["bias"].as_f64().unwrap() + 2.0).abs() < 0.15, "{pair}");
+        let issues = status["assessment"]["issues"].as_array().unwrap().clone();
+        let at_end = issues
+            .iter()
+            .find(|issue| issue["code"] == "sensor-at-end")
+            .unwrap();
+        assert!(
+            at_end["message"].as_str().unwrap().contains("exactly 3.5 %"),
+            "{at_end}"
+        );
+        assert!(
+            at_end["message"].as_str().unwrap().contains("in 920 of 1199"),
+            "{at_end}"
+        );
+    }
+
+    #[test]
+    fn every_real_log_becomes_series_of_its_sensors() {
+        let folder = CampaignFolder::new();
+        let is_log =
+            |name: &str| (name.ends_with(".csv") || name.ends_with(".txt")) && name != "expected.json";
+        let mut files = 0;
+        for from in [
+            "data/wood-rheology-sorption",
+            "data/hobo-u12-indoor",
+            "formats/rh_loggers",
+        ] {
+            files += with_files(&folder, from, is_log).unwrap_or(0);
+        }
+        if files == 0 {
+            return;
+        }
+        let summary = ingest(&folder);
+        assert_eq!(summary["refused"], serde_json::json!([]));
+        // The U12's log lies in two of the folders: the same bytes under one name.
+        assert_eq!(
+            summary["logs"]["new"].as_array().unwrap().len(),
+            summary["logs"]["files"].as_u64().unwrap() as usize
+        );
+        let status = climate(&folder);
+        let sensors = status["assessment"]["sensors"].as_array().unwrap().clone();
+        let sensor = |name: &str, quantity: &str| {
+            let is = |sensor: &&Value| sensor["sensor"] == name && sensor["quantity"] == quantity;
+            sensors
+                .iter()
+                .find(is)
+                .unwrap_or_else(|| panic!("{name} {quantity}"))
+                .clone()
+        };
+        // Month first, as its provenance shows; 30 minutes; the offset stands in the header.
+        let u12 = sensor("sample_hobo_u12_data", "relative_humidity_percent");
+        assert_eq!(u12["from"], "2013-10-02T05:00:00Z");
+        assert_eq!(
+            (u12["readings"].as_u64(), u12["interval_s"].as_f64()),
+            (Some(2998), Some(1800.0))
+        );
+        assert!(
+            (u12["least"].as_f64().unwrap() - 39.0).abs() < 0.1
+                && (u12["most"].as_f64().unwrap() - 73.4).abs() < 0.1
+        );
+        // Fahrenheit became Celsius; humidity above 100 % is pointed out.
+        let h08 = sensor("274341", "temperature_c");
+        assert!(
+            (h08["most"].as_f64().unwrap() - (37.2 - 32.0) / 1.8).abs() < 1e-3,
+            "{h08}"
+        );
+        assert!(problems(&status).contains(&"humidity-out-of-range".to_owned()));
+        // Four depths of one logger, three thermocouples of another.
+        assert_eq!(
+            sensor("20750528", "temperature_c")["readings"],
+            sensor("20750528/4", "temperature_c")["readings"]
+        );
+        assert_eq!(
+            sensor("picolog_temperature_sparse/Outside", "temperature_c")["readings"],
+            2226
+        );
+        // The logger of the wood boxes is one sensor in all of its five files.
+        assert_eq!(sensor("010104085", "temperature_c")["files"], 5);
+    }
 }

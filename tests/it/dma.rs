@@ -96,81 +96,6 @@ fn thesis() -> (tempfile::TempDir, Context) {
 }
 
 #[test]
-fn table_4_of_the_thesis_comes_back() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/thesis_table4_dma.csv");
-    if !path.exists() {
-        println!("skipped: thesis_table4_dma.csv is not here");
-        return;
-    }
-    let samples = [
-        ("Nafion 117 dry", "Nafion-117-dry"),
-        ("Nafion 117 with EMImTFS", "Nafion-117-EMImTFS"),
-        ("CNaf", "CNaf-2"),
-    ];
-    let (_folder, context) = thesis();
-    let logs = context.store.modulus_logs().unwrap();
-    let mut rows = 0;
-    for row in csv::Reader::from_path(path).unwrap().records() {
-        let row = row.unwrap();
-        let (_, sample) = samples.iter().find(|(printed, _)| *printed == &row[0]).unwrap();
-        let log = logs
-            .iter()
-            .find(|log| log.run.tag("sample") == Some(sample))
-            .unwrap();
-        let step = &log.analysis.as_ref().unwrap().steps[0];
-        let holds = |key: &str, truth: f64| {
-            let estimate = step.estimate(key).unwrap();
-            let (low, high) = (estimate.low_95.unwrap(), estimate.high_95.unwrap());
-            assert!(
-                low <= truth && truth <= high,
-                "{sample} {key}: {low} to {high}, {truth}"
-            );
-            assert!(
-                high - low < 0.05 * truth.abs().max(40.0),
-                "{sample} {key}: {low} to {high}"
-            );
-            estimate.value.unwrap()
-        };
-        let (before, after): (f64, f64) = (row[1].parse().unwrap(), row[2].parse().unwrap());
-        holds("complex_modulus_before_mpa", before);
-        holds("complex_modulus_after_mpa", after);
-        let found = holds("relative_change_percent", 100.0 * (after / before - 1.0));
-        // The thesis rounds its changes: 39.1 to 40, 21.4 to 20, 3.6 to "<5".
-        match row[3].strip_prefix('<') {
-            Some(bound) => assert!(-found < bound.parse().unwrap(), "{sample}: {found}"),
-            None => assert!(
-                (-found - row[3].parse::<f64>().unwrap()).abs() < 2.0,
-                "{sample}: {found}"
-            ),
-        }
-        rows += 1;
-    }
-    assert_eq!(rows, 3);
-    // What the text beside the table says: equilibrium after 5 to 10 and about 20 minutes, and a membrane that is far
-    // from recovered.
-    let of = |sample: &str| {
-        logs.iter()
-            .find(|log| log.run.tag("sample") == Some(sample))
-            .unwrap()
-    };
-    let minutes = |sample: &str| {
-        let step = &of(sample).analysis.as_ref().unwrap().steps[0];
-        step.estimate("equilibrium_time_s").unwrap().value.unwrap() / 60.0
-    };
-    assert!((5.0..10.0).contains(&minutes("Nafion-117-EMImTFS")));
-    assert!((18.0..22.0).contains(&minutes("CNaf-2")));
-    let dry = of("Nafion-117-dry").analysis.as_ref().unwrap();
-    assert!(dry.recovery().unwrap().high_95.unwrap() < 60.0);
-    assert!(
-        dry.steps[1]
-            .estimate("equilibrium_time_s")
-            .unwrap()
-            .value
-            .is_none()
-    );
-}
-
-#[test]
 fn the_committed_logs_are_what_the_spec_writes_and_say_that_they_are_simulated() {
     let folder = tempfile::tempdir().unwrap();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("campaigns/thesis");
@@ -442,82 +367,6 @@ fn a_watch_takes_a_log_into_a_folder_that_comes_later() {
     child.wait().unwrap();
 }
 
-#[test]
-fn the_eplexor_export_that_is_public_is_read() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/formats/netzsch/freq_Eplexor_raw.xls");
-    let Ok(bytes) = std::fs::read(&path) else {
-        println!("skipped: freq_Eplexor_raw.xls is not here");
-        return;
-    };
-    let reading = read("freq_Eplexor_raw.xls", &bytes, &ReadContext::default()).unwrap();
-    assert_eq!((reading.format, reading.tables[0].rows), ("eplexor-xls", 210));
-    assert_eq!(reading.technique.as_deref(), Some("Temp. Freq. Sweep"));
-    assert!(reading.issues.is_empty(), "{:?}", reading.issues);
-    let channel = |quantity| {
-        reading.tables[0]
-            .channels
-            .iter()
-            .find(|c| c.quantity == quantity)
-            .unwrap()
-    };
-    let storage = channel(Quantity::StorageModulus);
-    assert_eq!(
-        (storage.time_s[0], storage.values[0]),
-        (6432.17, 8097.1755453452715)
-    );
-    assert_eq!(channel(Quantity::LossFactor).values[209], 0.38135379317838003);
-    // Its own columns agree: |E*| is what storage and loss modulus give. As a sweep it holds no modulus over time.
-    let channels = &reading.tables[0].channels;
-    let refused = ieap::analysis::dma::analyse(channels).unwrap_err();
-    assert_eq!(refused.code, "frequency-sweep");
-    for k in 0..210 {
-        let loss = channel(Quantity::LossModulus).values[k];
-        let complex = channel(Quantity::ComplexModulus).values[k];
-        assert!((storage.values[k].hypot(loss) / complex - 1.0).abs() < 1e-6);
-    }
-}
-
-#[test]
-fn humidity_of_real_chambers_gives_steps_only_where_the_level_changes() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/wood-rheology-sorption");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: the logs of climate boxes are not here");
-        return;
-    };
-    let mut logs = 0;
-    for entry in entries {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|extension| extension != "csv") {
-            continue;
-        }
-        let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
-        let percent: Vec<f64> = text.lines().filter_map(humidity_of_box).collect();
-        let time_s: Vec<f64> = (0..percent.len()).map(|k| 600.0 * k as f64).collect();
-        let found = ieap::analysis::dma::humidity_steps::find(&time_s, &percent);
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        println!("{name}: {} readings, {} steps", percent.len(), found.steps.len());
-        for step in &found.steps {
-            println!("   {step:.1?}");
-            assert!(
-                (step.after_percent - step.before_percent).abs() > 3.0,
-                "{name}: {step:?}"
-            );
-            assert!(
-                step.held_from_s <= step.start_s && step.start_s <= step.settled_s,
-                "{name}: {step:?}"
-            );
-        }
-        // A box stands weeks at one humidity; it is opened now and then, and filled and emptied at the ends.
-        assert!(
-            percent.len() > 1000 && found.steps.len() <= 6,
-            "{name}: {:?}",
-            found.steps
-        );
-        logs += 1;
-    }
-    assert_eq!(logs, 15);
-}
-
 /// `"14-12-2022 11:14:01","19.9","48.7","8.79"`: the humidity.
 fn humidity_of_box(line: &str) -> Option<f64> {
     let cells: Vec<&str> = line.split([',', '\t', ';']).map(str::trim).collect();
@@ -525,4 +374,157 @@ fn humidity_of_box(line: &str) -> Option<f64> {
         .iter()
         .position(|cell| cell.len() >= 16 && cell.contains(':') && cell.contains('-'))?;
     cells.get(date + 2)?.trim_matches('"').parse().ok()
+}
+
+/// Against what lies beside the project.
+mod needs_shared {
+    use super::*;
+    use crate::needs_shared::shared;
+
+    #[test]
+    fn table_4_of_the_thesis_comes_back() {
+        let Some(path) = shared("reference/thesis_table4_dma.csv") else {
+            return;
+        };
+        let samples = [
+            ("Nafion 117 dry", "Nafion-117-dry"),
+            ("Nafion 117 with EMImTFS", "Nafion-117-EMImTFS"),
+            ("CNaf", "CNaf-2"),
+        ];
+        let (_folder, context) = thesis();
+        let logs = context.store.modulus_logs().unwrap();
+        let mut rows = 0;
+        for row in csv::Reader::from_path(path).unwrap().records() {
+            let row = row.unwrap();
+            let (_, sample) = samples.iter().find(|(printed, _)| *printed == &row[0]).unwrap();
+            let log = logs
+                .iter()
+                .find(|log| log.run.tag("sample") == Some(sample))
+                .unwrap();
+            let step = &log.analysis.as_ref().unwrap().steps[0];
+            let holds = |key: &str, truth: f64| {
+                let estimate = step.estimate(key).unwrap();
+                let (low, high) = (estimate.low_95.unwrap(), estimate.high_95.unwrap());
+                assert!(
+                    low <= truth && truth <= high,
+                    "{sample} {key}: {low} to {high}, {truth}"
+                );
+                assert!(
+                    high - low < 0.05 * truth.abs().max(40.0),
+                    "{sample} {key}: {low} to {high}"
+                );
+                estimate.value.unwrap()
+            };
+            let (before, after): (f64, f64) = (row[1].parse().unwrap(), row[2].parse().unwrap());
+            holds("complex_modulus_before_mpa", before);
+            holds("complex_modulus_after_mpa", after);
+            let found = holds("relative_change_percent", 100.0 * (after / before - 1.0));
+            // The thesis rounds its changes: 39.1 to 40, 21.4 to 20, 3.6 to "<5".
+            match row[3].strip_prefix('<') {
+                Some(bound) => assert!(-found < bound.parse().unwrap(), "{sample}: {found}"),
+                None => assert!(
+                    (-found - row[3].parse::<f64>().unwrap()).abs() < 2.0,
+                    "{sample}: {found}"
+                ),
+            }
+            rows += 1;
+        }
+        assert_eq!(rows, 3);
+        // What the text beside the table says: equilibrium after 5 to 10 and about 20 minutes, and a membrane that is far
+        // from recovered.
+        let of = |sample: &str| {
+            logs.iter()
+                .find(|log| log.run.tag("sample") == Some(sample))
+                .unwrap()
+        };
+        let minutes = |sample: &str| {
+            let step = &of(sample).analysis.as_ref().unwrap().steps[0];
+            step.estimate("equilibrium_time_s").unwrap().value.unwrap() / 60.0
+        };
+        assert!((5.0..10.0).contains(&minutes("Nafion-117-EMImTFS")));
+        assert!((18.0..22.0).contains(&minutes("CNaf-2")));
+        let dry = of("Nafion-117-dry").analysis.as_ref().unwrap();
+        assert!(dry.recovery().unwrap().high_95.unwrap() < 60.0);
+        assert!(
+            dry.steps[1]
+                .estimate("equilibrium_time_s")
+                .unwrap()
+                .value
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn the_eplexor_export_that_is_public_is_read() {
+        let Some(path) = shared("formats/netzsch/freq_Eplexor_raw.xls") else {
+            return;
+        };
+        let bytes = std::fs::read(path).unwrap();
+        let reading = read("freq_Eplexor_raw.xls", &bytes, &ReadContext::default()).unwrap();
+        assert_eq!((reading.format, reading.tables[0].rows), ("eplexor-xls", 210));
+        assert_eq!(reading.technique.as_deref(), Some("Temp. Freq. Sweep"));
+        assert!(reading.issues.is_empty(), "{:?}", reading.issues);
+        let channel = |quantity| {
+            reading.tables[0]
+                .channels
+                .iter()
+                .find(|c| c.quantity == quantity)
+                .unwrap()
+        };
+        let storage = channel(Quantity::StorageModulus);
+        assert_eq!(
+            (storage.time_s[0], storage.values[0]),
+            (6432.17, 8097.1755453452715)
+        );
+        assert_eq!(channel(Quantity::LossFactor).values[209], 0.38135379317838003);
+        // Its own columns agree: |E*| is what storage and loss modulus give. As a sweep it holds no modulus over time.
+        let channels = &reading.tables[0].channels;
+        let refused = ieap::analysis::dma::analyse(channels).unwrap_err();
+        assert_eq!(refused.code, "frequency-sweep");
+        for k in 0..210 {
+            let loss = channel(Quantity::LossModulus).values[k];
+            let complex = channel(Quantity::ComplexModulus).values[k];
+            assert!((storage.values[k].hypot(loss) / complex - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn humidity_of_real_chambers_gives_steps_only_where_the_level_changes() {
+        let Some(folder) = shared("data/wood-rheology-sorption") else {
+            return;
+        };
+        let entries = std::fs::read_dir(&folder).unwrap();
+        let mut logs = 0;
+        for entry in entries {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|extension| extension != "csv") {
+                continue;
+            }
+            let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
+            let percent: Vec<f64> = text.lines().filter_map(humidity_of_box).collect();
+            let time_s: Vec<f64> = (0..percent.len()).map(|k| 600.0 * k as f64).collect();
+            let found = ieap::analysis::dma::humidity_steps::find(&time_s, &percent);
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            println!("{name}: {} readings, {} steps", percent.len(), found.steps.len());
+            for step in &found.steps {
+                println!("   {step:.1?}");
+                assert!(
+                    (step.after_percent - step.before_percent).abs() > 3.0,
+                    "{name}: {step:?}"
+                );
+                assert!(
+                    step.held_from_s <= step.start_s && step.start_s <= step.settled_s,
+                    "{name}: {step:?}"
+                );
+            }
+            // A box stands weeks at one humidity; it is opened now and then, and filled and emptied at the ends.
+            assert!(
+                percent.len() > 1000 && found.steps.len() <= 6,
+                "{name}: {:?}",
+                found.steps
+            );
+            logs += 1;
+        }
+        assert_eq!(logs, 15);
+    }
 }

@@ -1,5 +1,6 @@
 //! The campaign folder on a real disk: watching, scanning, archiving, and what goes wrong there.
 
+use crate::needs_shared::skip;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
@@ -316,17 +317,17 @@ fn in_namespace(test: &str, unshare: &str, script: &str) -> Option<PathBuf> {
             assert!(said.contains("1 passed"), "the inner run tested nothing: {said}");
         }
         Ok(output) if output.status.code() == Some(77) || !output.stdout.starts_with(b"\nrunning") => {
-            println!(
-                "skipped {test}: no namespace: {}",
+            skip(&format!(
+                "no namespace: {}",
                 String::from_utf8_lossy(&output.stderr)
-            );
+            ));
         }
         Ok(output) => panic!(
             "{}{}",
             String::from_utf8_lossy(&output.stdout),
             String::from_utf8_lossy(&output.stderr)
         ),
-        Err(error) => println!("skipped {test}: no unshare: {error}"),
+        Err(error) => skip(&format!("no unshare: {error}")),
     }
     None
 }
@@ -443,52 +444,57 @@ fn the_limit_of_watches_makes_the_start_poll_and_say_so() {
     assert!(issues[0].message.contains("inotify limit"), "{issues:?}");
 }
 
-#[test]
-fn the_campaigns_with_known_answers_are_tagged() {
-    let campaigns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/campaigns");
-    let Ok(entries) = fs::read_dir(&campaigns) else {
-        println!("skipped: {} is not there", campaigns.display());
-        return;
-    };
-    let mut tagged = 0;
-    for folder in entries
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.is_dir())
-    {
-        let loaded = campaign_file::read(&folder).unwrap();
-        // Tags of their own were not declared when these campaigns were made.
-        let mut warnings = loaded.warnings.iter();
-        assert!(
-            warnings.all(|issue| issue.code == "tag-undeclared"),
-            "{}: {:?}",
-            folder.display(),
-            loaded.warnings
-        );
-        let found = scan(&folder, &loaded.campaign.runs_folder, &[], ScanLimits::default()).unwrap();
-        assert_eq!(found.issues, []);
-        for file in &found.files {
-            let resolved = resolve(&TagRequest {
-                campaign: &loaded.campaign,
-                folder: &folder,
-                data_files: std::slice::from_ref(&file.relative),
-                stem: &stem(&file.relative),
-                name_pattern: loaded.campaign.name_pattern.as_deref(),
-                needed: RunKind::Actuation.needed_tags(),
-                hand: &[],
-                planned: &[],
-                header: &[],
-                channel_voltage_v: Some(5.0),
-                has_voltage: true,
-                other_names: &[],
-                ambient: &[],
-            });
-            let mut others = resolved.issues.clone();
-            others.retain(|issue| issue.code != "tag-undeclared");
-            assert_eq!((others, resolved.missing.len()), (vec![], 0), "{}", file.display);
-            assert!(resolved.tags.iter().any(|tag| tag.key == keys::SAMPLE));
-            tagged += 1;
+/// Against what lies beside the project.
+mod needs_shared {
+    use super::*;
+    use crate::needs_shared::shared;
+
+    #[test]
+    fn the_campaigns_with_known_answers_are_tagged() {
+        let Some(campaigns) = shared("campaigns") else {
+            return;
+        };
+        let entries = fs::read_dir(&campaigns).unwrap();
+        let mut tagged = 0;
+        for folder in entries
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.is_dir())
+        {
+            let loaded = campaign_file::read(&folder).unwrap();
+            // Tags of their own were not declared when these campaigns were made.
+            let mut warnings = loaded.warnings.iter();
+            assert!(
+                warnings.all(|issue| issue.code == "tag-undeclared"),
+                "{}: {:?}",
+                folder.display(),
+                loaded.warnings
+            );
+            let found = scan(&folder, &loaded.campaign.runs_folder, &[], ScanLimits::default()).unwrap();
+            assert_eq!(found.issues, []);
+            for file in &found.files {
+                let resolved = resolve(&TagRequest {
+                    campaign: &loaded.campaign,
+                    folder: &folder,
+                    data_files: std::slice::from_ref(&file.relative),
+                    stem: &stem(&file.relative),
+                    name_pattern: loaded.campaign.name_pattern.as_deref(),
+                    needed: RunKind::Actuation.needed_tags(),
+                    hand: &[],
+                    planned: &[],
+                    header: &[],
+                    channel_voltage_v: Some(5.0),
+                    has_voltage: true,
+                    other_names: &[],
+                    ambient: &[],
+                });
+                let mut others = resolved.issues.clone();
+                others.retain(|issue| issue.code != "tag-undeclared");
+                assert_eq!((others, resolved.missing.len()), (vec![], 0), "{}", file.display);
+                assert!(resolved.tags.iter().any(|tag| tag.key == keys::SAMPLE));
+                tagged += 1;
+            }
         }
+        println!("{tagged} runs tagged");
+        assert!(tagged >= 28);
     }
-    println!("{tagged} runs tagged");
-    assert!(tagged >= 28);
 }

@@ -1,6 +1,7 @@
 //! Folders of frames beside the current of a run: taken in like any file, joined by time, fitted with the distributed
 //! model.
 
+use crate::needs_shared::shared;
 use ieap::model::Branch;
 use ieap::model::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use ieap::model::distributed::{DistributedModel, Laminate};
@@ -199,11 +200,7 @@ fn comes_back(sample: &Sample) {
 
 /// Table 3 as it is printed, from the file beside the project.
 fn printed(material: &str) -> Option<Sample> {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../shared/reference/thesis_table3.csv"
-    );
-    let text = std::fs::read_to_string(file).ok()?;
+    let text = std::fs::read_to_string(shared("reference/thesis_table3.csv")?).unwrap();
     let row = text
         .lines()
         .find(|line| line.starts_with(&format!("{material},")))?;
@@ -224,46 +221,6 @@ fn printed(material: &str) -> Option<Sample> {
         rate_per_s: cell[8],
         ..like
     })
-}
-
-#[test]
-#[ignore = "slow: cargo test -- --ignored"]
-fn table_3_comes_back_within_its_intervals_through_frames_and_current() {
-    let (mut inside, mut all) = (0, 0);
-    for material in ["PtNaf", "CNaf"] {
-        let Some(sample) = printed(material) else {
-            eprintln!("skipped: ../shared/reference/thesis_table3.csv is not there");
-            return;
-        };
-        let folder = sample.campaign(counted(60, 300), 10);
-        for given in [true, false] {
-            sample.write_campaign(&folder, given);
-            let fits = folder
-                .ieap(&["fit", "--json", "--model", "distributed", "--simultaneous"])
-                .expect(0)
-                .json();
-            let along = ("re_ohm_per_sq", sample.electrode_ohm_per_sq);
-            for (key, truth) in sample.truth().into_iter().chain((!given).then_some(along)) {
-                let found = &fits["fits"][0]["parameters"][key];
-                let bound = |name: &str| found[name].as_f64().unwrap_or_else(|| panic!("{key}: {found:#}"));
-                let (low, high) = (bound("low_95"), bound("high_95"));
-                eprintln!("{material} {key}: {low:.5} to {high:.5} for {truth}, R_e given: {given}");
-                // Within twice its interval always, within its interval as often as 95 % asks for of 22.
-                let half = 0.5 * (high - low);
-                assert!(
-                    low - half < truth && truth < high + half,
-                    "{material} {key}: {found:#}"
-                );
-                assert!(high - low < 0.05 * truth, "{material} {key}: {found:#}");
-                inside += u32::from(low <= truth && truth <= high);
-                all += 1;
-            }
-            // What a tracer gets wrong in all frames alike is no crack.
-            let issues = fits["fits"][0]["issues"].to_string();
-            assert!(!issues.contains("contact-break"), "{material}: {issues}");
-        }
-    }
-    assert!(inside + 3 >= all, "{inside} of {all}");
 }
 
 #[test]
@@ -355,4 +312,49 @@ fn walk(folder: &std::path::Path) -> Vec<String> {
         }
     }
     texts
+}
+
+/// Against what lies beside the project.
+mod needs_shared {
+    use super::*;
+
+    #[test]
+    #[ignore = "slow: cargo test -- --ignored"]
+    fn table_3_comes_back_within_its_intervals_through_frames_and_current() {
+        let (mut inside, mut all) = (0, 0);
+        for material in ["PtNaf", "CNaf"] {
+            let Some(sample) = printed(material) else {
+                return;
+            };
+            let folder = sample.campaign(counted(60, 300), 10);
+            for given in [true, false] {
+                sample.write_campaign(&folder, given);
+                let fits = folder
+                    .ieap(&["fit", "--json", "--model", "distributed", "--simultaneous"])
+                    .expect(0)
+                    .json();
+                let along = ("re_ohm_per_sq", sample.electrode_ohm_per_sq);
+                for (key, truth) in sample.truth().into_iter().chain((!given).then_some(along)) {
+                    let found = &fits["fits"][0]["parameters"][key];
+                    let bound =
+                        |name: &str| found[name].as_f64().unwrap_or_else(|| panic!("{key}: {found:#}"));
+                    let (low, high) = (bound("low_95"), bound("high_95"));
+                    eprintln!("{material} {key}: {low:.5} to {high:.5} for {truth}, R_e given: {given}");
+                    // Within twice its interval always, within its interval as often as 95 % asks for of 22.
+                    let half = 0.5 * (high - low);
+                    assert!(
+                        low - half < truth && truth < high + half,
+                        "{material} {key}: {found:#}"
+                    );
+                    assert!(high - low < 0.05 * truth, "{material} {key}: {found:#}");
+                    inside += u32::from(low <= truth && truth <= high);
+                    all += 1;
+                }
+                // What a tracer gets wrong in all frames alike is no crack.
+                let issues = fits["fits"][0]["issues"].to_string();
+                assert!(!issues.contains("contact-break"), "{material}: {issues}");
+            }
+        }
+        assert!(inside + 3 >= all, "{inside} of {all}");
+    }
 }

@@ -1,8 +1,6 @@
 //! Strips of known shape, drawn as a camera sees them, come back from their pictures; what cannot be traced is
 //! refused with its reason.
 
-use std::path::Path;
-
 use ieap::model::Branch;
 use ieap::model::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use ieap::model::distributed::{DistributedModel, Laminate};
@@ -440,40 +438,6 @@ fn a_frame_that_cannot_be_traced_is_listed_and_the_others_are_not_lost() {
 }
 
 #[test]
-fn real_views_of_textile_strips_are_traced() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/cantilever-textile-images");
-    if !folder.is_dir() {
-        eprintln!("skipped: {} is not there", folder.display());
-        return;
-    }
-    let view = |name: &str| decode(&std::fs::read(folder.join(name)).unwrap()).unwrap();
-    // Place of the tip as a person reads it off the picture, and how well.
-    for (name, tip) in [
-        ("test_image.jpg", (2018.0, 1226.0)),
-        ("example_image.jpg", (2064.0, 1156.0)),
-    ] {
-        let gray = view(name);
-        let traced = trace(&gray, &View::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let found = traced.tip_px();
-        let off = (found.0 - tip.0).hypot(found.1 - tip.1);
-        assert!(off < 25.0, "{name}: tip at {found:?}");
-        assert_eq!((traced.tone, traced.clamp), (Tone::Bright, Side::Left));
-        // It hangs by its own weight: bent most at the clamp, clockwise.
-        let at = |share: f64| traced.curvature_per_px(share * traced.length_px()).0;
-        assert!(
-            at(0.05) < -3e-4 && at(0.05) < 2.0 * at(0.5),
-            "{name}: {} {}",
-            at(0.05),
-            at(0.5)
-        );
-        assert!(overlay(&gray, &traced, 20).unwrap().len() > 100_000);
-    }
-    // Its authors mean it to break a method: the edge fades half-way.
-    let broken = trace(&view("break_test_image.jpg"), &View::default());
-    assert!(broken.is_err(), "{:?}", broken.map(|traced| traced.tip_px()));
-}
-
-#[test]
 fn inspect_says_what_a_picture_is_and_where_to_go_with_it() {
     let folder = CampaignFolder::new();
     let whole = png_bytes(&Scene::default().draw(700.0, |_| 0.0));
@@ -493,4 +457,42 @@ fn inspect_says_what_a_picture_is_and_where_to_go_with_it() {
     );
     assert_eq!(cut["status"], "refused", "{cut:#}");
     assert!(cut["issues"][0].to_string().contains("cannot be read"), "{cut:#}");
+}
+
+/// Against what lies beside the project.
+mod needs_shared {
+    use super::*;
+    use crate::needs_shared::shared;
+
+    #[test]
+    fn real_views_of_textile_strips_are_traced() {
+        let Some(folder) = shared("data/cantilever-textile-images") else {
+            return;
+        };
+        let view = |name: &str| decode(&std::fs::read(folder.join(name)).unwrap()).unwrap();
+        // Place of the tip as a person reads it off the picture, and how well.
+        for (name, tip) in [
+            ("test_image.jpg", (2018.0, 1226.0)),
+            ("example_image.jpg", (2064.0, 1156.0)),
+        ] {
+            let gray = view(name);
+            let traced = trace(&gray, &View::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let found = traced.tip_px();
+            let off = (found.0 - tip.0).hypot(found.1 - tip.1);
+            assert!(off < 25.0, "{name}: tip at {found:?}");
+            assert_eq!((traced.tone, traced.clamp), (Tone::Bright, Side::Left));
+            // It hangs by its own weight: bent most at the clamp, clockwise.
+            let at = |share: f64| traced.curvature_per_px(share * traced.length_px()).0;
+            assert!(
+                at(0.05) < -3e-4 && at(0.05) < 2.0 * at(0.5),
+                "{name}: {} {}",
+                at(0.05),
+                at(0.5)
+            );
+            assert!(overlay(&gray, &traced, 20).unwrap().len() > 100_000);
+        }
+        // Its authors mean it to break a method: the edge fades half-way.
+        let broken = trace(&view("break_test_image.jpg"), &View::default());
+        assert!(broken.is_err(), "{:?}", broken.map(|traced| traced.tip_px()));
+    }
 }

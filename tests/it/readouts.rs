@@ -8,6 +8,7 @@ use ieap::report::figures::response::{TimeView, response};
 use ieap::report::{Site, render};
 use serde_json::{Value, json};
 
+use crate::needs_shared::skip;
 use crate::report_fixture::{MadeUpCurves, input};
 
 fn is_there(program: &str) -> bool {
@@ -20,7 +21,7 @@ fn is_there(program: &str) -> bool {
 /// Runs a script of `tests/` with node; none where node is absent.
 fn with_node(script: &str, arguments: &[&std::ffi::OsStr]) -> Option<String> {
     if !is_there("node") {
-        eprintln!("skipped: there is no node to run {script}");
+        skip(&format!("there is no node to run {script}"));
         return None;
     }
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -6,6 +6,7 @@
 //! runs are asked first, then its material's, then all. Where two stand against each other nobody knows which is right, and
 //! neither is used.
 
+use ieap_numerics::robust::upper_median;
 use std::collections::BTreeMap;
 
 use super::conditions::material;
@@ -170,8 +171,7 @@ fn factor(moved: &[(f64, [i32; 3])], what: Misread, record: Option<[f64; 2]>) ->
         .filter(|(_, powers)| power(powers) != 0.0)
         .map(|(by, powers)| by / power(powers))
         .collect();
-    off.sort_by(f64::total_cmp);
-    let median = *off.get(off.len() / 2)?;
+    let median = upper_median(&mut off)?;
     let near = |decades: f64, within: f64| (median - decades).abs() < within;
     let record_is = |decades: f64, within: f64| {
         record.is_some_and(|record| record.iter().any(|by| (by - decades).abs() < within))

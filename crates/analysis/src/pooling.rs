@@ -8,6 +8,7 @@
 //! than the usual one, and the interval takes Student's t with one less than the number of samples: with two or
 //! three samples it is wide, as it should be.
 
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::student::quantile_95;
 
 /// On which scale values are averaged.
@@ -138,7 +139,7 @@ fn mean_on_scale(repeats: &[Repeat]) -> Pooled {
     let mean = weighted_mean(&judged);
     let standard_error = mean.variance.sqrt() * inflation(&judged, mean.value);
     let half_width = match judged.len() {
-        1 => 1.96,
+        1 => NORMAL_95_ROUNDED,
         count => quantile_95(count as f64 - 1.0),
     } * standard_error;
     let precision: f64 = repeats.iter().map(|repeat| 1.0 / variance(repeat)).sum();

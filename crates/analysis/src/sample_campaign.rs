@@ -1,5 +1,6 @@
 //! Runs made up for tests of this module and of the report.
 
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::tag::keys;
 use ieap_domain::{
     Campaign, Environment, Estimate, Fit, Parameter, RunFile, RunKind, RunRecord, RunState, RunStatus,
@@ -102,7 +103,12 @@ pub fn tag(key: &str, value: &str) -> Tag {
 /// A value with a standard error of `relative` times the value.
 pub fn known(value: f64, relative: f64) -> Estimate {
     let error = value * relative;
-    Estimate::determined(value, error, value - 1.96 * error, value + 1.96 * error)
+    Estimate::determined(
+        value,
+        error,
+        value - NORMAL_95_ROUNDED * error,
+        value + NORMAL_95_ROUNDED * error,
+    )
 }
 
 /// A fit with these parameters.

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::laws::words::{round, short};
 use super::pooling::{Averaging, Pooled, Repeat, pooled};
 use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::quantiles::CHI_SQUARE_99_OF_ONE;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, EffectFinding, FromOthers, GroupDiagnosis, RunRecord};
 use ieap_numerics::chance::chi_square_chance;
@@ -13,7 +14,7 @@ use ieap_numerics::chance::chi_square_chance;
 /// Samples whose numbers differ by more than chance would have it in fewer cases than this have numbers of their own.
 const OWN_BELOW: f64 = 0.05;
 /// What a strength of its own must lower the sum of squares by to count: chance gives more in 1 of 100.
-const OWN_STRENGTH: f64 = 6.63;
+const OWN_STRENGTH: f64 = CHI_SQUARE_99_OF_ONE;
 
 /// Key of the parameter that tells in which run of the group an effect acts.
 const RUN: &str = "run";

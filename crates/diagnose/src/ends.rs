@@ -1,15 +1,13 @@
 //! Where intervals of parameters end: what their profiles tell, beside what the covariance does.
 
+use ieap_domain::quantiles::{CHI_SQUARE_95, NORMAL_95_ROUNDED};
 use ieap_domain::{Estimate, StrengthProfile};
 use ieap_model::effects::Limits;
 
 use super::problem::Sought;
 
 /// Rise at the ends of a 95 % interval: chi-square of one degree of freedom.
-pub(super) const BOUNDS: f64 = 3.84;
-/// The same where the covariance tells nothing, of so many degrees of freedom as the effect has parameters: they make up for
-/// each other along valleys that bend, and an end that a search did not reach must not pass for one.
-const TOGETHER: [f64; 3] = [3.84, 5.99, 7.81];
+pub(super) const BOUNDS: f64 = CHI_SQUARE_95[0];
 /// Ends of an interval of a logarithmic parameter that are farther apart than this give no value, as with the covariance.
 const DECADES: f64 = 100.0;
 
@@ -50,7 +48,9 @@ pub(super) fn told_by(
             high_95: Some(high),
             ..estimate.clone()
         },
-        (Some(low), Some(high)) => Estimate::determined(best, 0.5 * (high - low) / HALF_95, low, high),
+        (Some(low), Some(high)) => {
+            Estimate::determined(best, 0.5 * (high - low) / NORMAL_95_ROUNDED, low, high)
+        }
         (Some(low), None) => Estimate::above(low, NO_END),
         (None, Some(high)) => Estimate::below(high, NO_END),
         (None, None) => estimate.clone(),
@@ -70,15 +70,15 @@ pub(super) fn bounded_by(estimate: Estimate, limits: Limits) -> Estimate {
     }
 }
 
-/// Rise at the ends of an interval of all parameters of an effect together.
+/// Rise at the ends of an interval of all parameters of an effect together, where the covariance tells nothing: of so many
+/// degrees of freedom as the effect has parameters, for they make up for each other along valleys that bend, and an end
+/// that a search did not reach must not pass for one.
 pub(super) fn together(sought: &Sought) -> f64 {
-    TOGETHER[sought.free().clamp(1, TOGETHER.len()) - 1]
+    CHI_SQUARE_95[sought.free().clamp(1, CHI_SQUARE_95.len()) - 1]
 }
 
 const NO_END: &str = "the readings fit as well with all values from there to the limit of what is sought";
 const AT_LIMIT: &str = "what fits best lies at the limit of what is sought";
-/// Half of a 95 % interval in standard errors.
-const HALF_95: f64 = 1.96;
 
 type Points = Vec<(f64, f64)>;
 

@@ -6,6 +6,7 @@ use ieap_domain::{Channel, Quantity};
 use ieap_fit::{FitInput, WhitenedChannel};
 use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
+use ieap_numerics::robust::median_step;
 
 use super::spikes::without_spikes;
 
@@ -255,13 +256,7 @@ impl<'a> Group<'a> {
 
 /// The middle one of the steps of time between readings, s.
 fn usual_step_s(channel: &WhitenedChannel) -> f64 {
-    let mut steps: Vec<f64> = channel
-        .time_s()
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+    median_step(channel.time_s()).unwrap_or(0.0)
 }
 
 impl<'a> GroupRun<'a> {

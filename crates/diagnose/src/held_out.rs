@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use ieap_domain::ResidualCurve;
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::seconds::span;
 use ieap_model::extended::Responses;
 
@@ -21,8 +22,6 @@ pub(super) const SETTLE: f64 = 0.05;
 const OF_TIME: [Stretch; 2] = [Stretch::OfLogarithm(0.5, 0.75), Stretch::OfTime(EARLIER, 1.0)];
 /// Part of a run's time that is earlier, and predicts the later.
 pub(super) const EARLIER: f64 = 0.6;
-/// Half width of a 95 % interval in standard deviations.
-const NORMAL_95: f64 = 1.96;
 
 /// A stretch of a run's time, as parts of it or of its logarithm.
 #[derive(Debug, Clone, Copy)]
@@ -235,7 +234,7 @@ fn deviations(group: &Group, block: &Block, fitted: &[f64], wanted: &dyn Fn(usiz
         if wanted(block.first + k) {
             sum.square += (y - f) * (y - f);
             sum.readings += 1;
-            sum.covered += usize::from((y - f).abs() <= NORMAL_95 * sd);
+            sum.covered += usize::from((y - f).abs() <= NORMAL_95_ROUNDED * sd);
         }
     }
     sum

@@ -1,6 +1,7 @@
 //! Noise that grows from run to run with the voltage, as bubbles at an electrode give.
 
 use ieap_domain::{Channel, Drive};
+use ieap_numerics::robust::sd_on_a_slope;
 
 use super::group::{Group, QUANTITIES};
 use super::words::channel_name;
@@ -52,13 +53,7 @@ fn fast_noise(channel: &Channel, drive: &Drive) -> Option<f64> {
     let end_s = *time_s.last()?;
     let first = time_s.partition_point(|t| *t < 0.5 * (last_edge_s + end_s));
     let late = values.get(first..).filter(|late| late.len() >= ENOUGH)?;
-    let mut bends: Vec<f64> = late
-        .windows(3)
-        .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs())
-        .collect();
-    bends.sort_by(f64::total_cmp);
-    // Of independent readings a second difference has six times their variance; 0.6745 sd is the middle of |x|.
-    let sd = bends[bends.len() / 2] / 0.6745 / 6.0_f64.sqrt();
+    let sd = sd_on_a_slope(late);
     (sd > 0.0).then_some(sd)
 }
 

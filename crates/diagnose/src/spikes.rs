@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive};
+use ieap_numerics::robust::sd_about_zero;
 
 /// A spike stands this many robust standard deviations off the middle of its neighbours: under Gaussian noise one
 /// in a hundred million readings does.
@@ -31,7 +32,7 @@ pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
             k => values[k] - (values[k - 1] + values[k + 1]) / 2.0,
         })
         .collect();
-    if robust_spread(&off) <= 0.0 {
+    if sd_about_zero(&off) <= 0.0 {
         return (channel.clone(), 0);
     }
     let spread = spreads(&off);
@@ -59,21 +60,14 @@ pub(super) fn without_spikes(channel: &Channel, drive: &Drive) -> (Channel, usiz
 
 /// Spread around every value: that of its surroundings where it is wider than the whole's, for noise may grow.
 pub(super) fn spreads(values: &[f64]) -> Vec<f64> {
-    let whole = robust_spread(values);
+    let whole = sd_about_zero(values);
     let around = |stretch: usize| {
         let first = (stretch * AROUND).saturating_sub(AROUND);
         let end = ((stretch + 2) * AROUND).min(values.len());
-        robust_spread(&values[first..end]).max(whole)
+        sd_about_zero(&values[first..end]).max(whole)
     };
     let per_stretch: Vec<f64> = (0..values.len().div_ceil(AROUND)).map(around).collect();
     (0..values.len()).map(|k| per_stretch[k / AROUND]).collect()
-}
-
-/// Standard deviation of Gaussian values with that median distance from zero.
-pub(super) fn robust_spread(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).map_or(0.0, |median| 1.4826 * median)
 }
 
 #[cfg(test)]

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use ieap_domain::Channel;
 use ieap_fit::WhitenedChannel;
 use ieap_model::extended::ExtendedModel;
+use ieap_numerics::robust::sd_about_zero;
 use statrs::distribution::{DiscreteCDF, Poisson};
 
 use super::group::{Group, NEEDED, QUANTITIES};
-use super::spikes::{AFTER_EDGE, BEFORE_EDGE, robust_spread, spreads};
+use super::spikes::{AFTER_EDGE, BEFORE_EDGE, spreads};
 
 /// A stray stands this many robust standard deviations off: under Gaussian noise one reading in two million does, and what a
 /// model misses smoothly is not seen in differences of neighbours.
@@ -171,7 +172,7 @@ fn off_neighbours(values: &[f64]) -> Option<Vec<f64>> {
                 values[k] - 0.5 * (at(k, before) + at(k, after))
             })
             .collect();
-        let is_scattered = robust_spread(&differences) > 0.0;
+        let is_scattered = sd_about_zero(&differences) > 0.0;
         let spreads = is_scattered.then(|| spreads(&differences))?;
         let pairs = differences.iter().zip(spreads);
         Some(pairs.map(|(own, spread)| own.abs() / spread).collect())

@@ -355,6 +355,7 @@ impl GroupDiagnosis {
             base_model: base_model.to_owned(),
             verdict: Verdict::DataProblem,
             sentence,
+            is_fault: false,
             p_misfit: None,
             q_misfit: None,
             p_leftover: None,
@@ -423,6 +424,9 @@ pub struct GroupDiagnosis {
     pub verdict: Verdict,
     /// The finding in one plain sentence.
     pub sentence: String,
+    /// Whether the diagnosis stopped on a fault of the program: then nothing is known of the readings.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_fault: bool,
     /// Probability of residuals at least as bad where the base model is right; none where it could not be asked.
     pub p_misfit: Option<f64>,
     /// The same over all groups of the campaign (Benjamini and Hochberg); none until the campaign is looked at.

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::number_or_null;
+use super::quantiles::NORMAL_95;
 
 /// How much better the extended model predicts what it has not seen, and what both models leave of what they have.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -71,13 +72,10 @@ pub struct HeldOutGain {
     pub coverage_after: Option<f64>,
 }
 
-/// Standard errors above zero from which a gain is one: the half-width of a 95 % interval of normal errors.
-const CLEAR_ABOVE: f64 = 1.959_963_984_540_054;
-
 impl HeldOutGain {
     /// Whether it is clearly a gain: its 95 % interval does not reach zero.
     pub fn is_clear(&self) -> bool {
-        self.deviance > CLEAR_ABOVE * self.standard_error
+        self.deviance > NORMAL_95 * self.standard_error
     }
 
     /// Held-out parts that the extended model predicts better, and all of them.

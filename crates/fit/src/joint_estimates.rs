@@ -1,5 +1,6 @@
 //! From intervals of a joint fit to estimates: values, bounds open on one side, or reasons.
 
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{Drive, Estimate, Level};
 
 use super::electrical::Electrical;
@@ -49,7 +50,7 @@ fn logarithm(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     match (within(interval.low), within(interval.high)) {
         (Some(low), Some(high)) => {
             // Half of the interval in 95 % units: what a table may print as the standard error.
-            let relative = (interval.standard_error).min((high - low) / 3.92);
+            let relative = (interval.standard_error).min((high - low) / (2.0 * NORMAL_95_ROUNDED));
             Estimate::determined(
                 value,
                 value * relative,
@@ -104,7 +105,9 @@ fn coupling(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     let away = |end: f64| end * interval.value > 0.0;
     match (interval.low, interval.high) {
         (Some(low), Some(high)) if away(low) && away(high) => {
-            let error = interval.standard_error.min((high - low) / 3.92);
+            let error = interval
+                .standard_error
+                .min((high - low) / (2.0 * NORMAL_95_ROUNDED));
             Estimate::determined(
                 interval.value,
                 error,
@@ -131,7 +134,9 @@ fn rate(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     let low = interval.low.filter(|low| *low > 0.0);
     match (low, interval.high) {
         (Some(low), Some(high)) => {
-            let error = interval.standard_error.min((high - low) / 3.92);
+            let error = interval
+                .standard_error
+                .min((high - low) / (2.0 * NORMAL_95_ROUNDED));
             Estimate::determined(
                 interval.value,
                 error,

@@ -77,13 +77,6 @@ pub(super) fn fit(
             describes_noise,
         ));
     }
-    let r_squared = |quantity: Quantity| {
-        responses
-            .iter()
-            .find(|response| response.noise.quantity == quantity)?
-            .noise
-            .r_squared
-    };
     Fit {
         model: model.id.to_owned(),
         model_version: model.version,
@@ -94,8 +87,8 @@ pub(super) fn fit(
             && (current.is_some() || curvature.is_some()),
         why_stopped: why_stopped(identified, judged),
         n_samples,
-        r_squared_current: r_squared(Quantity::Current),
-        r_squared_curvature: r_squared(Quantity::Curvature),
+        r_squared_current: r_squared(&responses, Quantity::Current),
+        r_squared_curvature: r_squared(&responses, Quantity::Curvature),
         issues: issues(input.drive, identified, &parameters, judged),
         evaluations: judged.map_or(0, |judged| judged.evaluations)
             + current.map_or(0, |(_, e)| e.evaluations)
@@ -105,6 +98,11 @@ pub(super) fn fit(
         curves: responses.into_iter().map(|response| response.curve).collect(),
         along: Vec::new(),
     }
+}
+
+fn r_squared(responses: &[Response], quantity: Quantity) -> Option<f64> {
+    let mut noises = responses.iter().map(|response| &response.noise);
+    noises.find(|noise| noise.quantity == quantity)?.r_squared
 }
 
 /// How the minimum was searched.
@@ -227,13 +225,6 @@ pub(super) fn joint_fit(
             Some(Response::new(quantity, sampled, Some(&residuals), step_s, true))
         })
         .collect();
-    let r_squared = |quantity: Quantity| {
-        responses
-            .iter()
-            .find(|response| response.noise.quantity == quantity)?
-            .noise
-            .r_squared
-    };
     let mut issues = parameter_issues(&parameters);
     if !stop.converged() {
         issues.push(not_converged(stop));
@@ -245,8 +236,8 @@ pub(super) fn joint_fit(
         converged: stop.converged(),
         why_stopped: stop.words().to_owned(),
         n_samples: run.len(),
-        r_squared_current: r_squared(Quantity::Current),
-        r_squared_curvature: r_squared(Quantity::Curvature),
+        r_squared_current: r_squared(&responses, Quantity::Current),
+        r_squared_curvature: r_squared(&responses, Quantity::Curvature),
         issues,
         evaluations,
         parameters,

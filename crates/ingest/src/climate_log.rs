@@ -5,6 +5,7 @@ use jiff::civil::DateTime;
 use super::formats::climate::meaning::{ClimateColumn, climate_column};
 use super::{Reading, RunTable};
 use ieap_domain::{Channel, ClimateQuantity, Issue, LogReadings};
+use ieap_numerics::robust::median_step;
 
 /// A logger's file.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,10 +98,9 @@ impl Log {
     /// BLAKE3 over readings, sensors and clock.
     pub fn data_hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
-        let clock = (self.clock_start_s, &self.clock_offset, &self.clock_set_back);
-        hasher.update(format!("{clock:?}").as_bytes());
+        hasher.update(self.clock_text().as_bytes());
         for series in &self.series {
-            hasher.update(format!("{:?}", (&series.sensor, series.quantity)).as_bytes());
+            hasher.update(series.identity_text().as_bytes());
             for numbers in [&series.readings.elapsed_s, &series.readings.values] {
                 hasher.update(&(numbers.len() as u64).to_le_bytes());
                 for number in numbers {
@@ -109,6 +109,30 @@ impl Log {
             }
         }
         hasher.finalize().to_hex().to_string()
+    }
+
+    /// The clock as it enters the hash. The form is that of stored logs: another would make each of them a new revision.
+    fn clock_text(&self) -> String {
+        let offset = (self.clock_offset.as_ref())
+            .map_or_else(|| "None".to_owned(), |offset| format!("Some({offset:?})"));
+        let set_back: Vec<String> = (self.clock_set_back.iter())
+            .map(|(time_s, by_s)| format!("({time_s:?}, {by_s:?})"))
+            .collect();
+        format!("({:?}, {offset}, [{}])", self.clock_start_s, set_back.join(", "))
+    }
+}
+
+impl Series {
+    /// Sensor and quantity as they enter the hash, in the form of stored logs.
+    fn identity_text(&self) -> String {
+        let quantity = match self.quantity {
+            ClimateQuantity::RelativeHumidity => "RelativeHumidity",
+            ClimateQuantity::Temperature => "Temperature",
+            ClimateQuantity::DewPoint => "DewPoint",
+            ClimateQuantity::VapourPressure => "VapourPressure",
+            ClimateQuantity::AbsoluteHumidity => "AbsoluteHumidity",
+        };
+        format!("({:?}, {quantity})", self.sensor)
     }
 }
 
@@ -131,7 +155,7 @@ fn series_of(channel: &Channel, base: &str) -> Option<Series> {
         quantity,
         raw_name: channel.raw_name.clone(),
         raw_unit: channel.raw_unit.clone(),
-        interval_s: median_step(&elapsed_s),
+        interval_s: median_step(&elapsed_s).unwrap_or(0.0),
         readings: LogReadings { elapsed_s, values },
         is_mean: column.is_some_and(|column| column.is_mean),
     })
@@ -221,15 +245,6 @@ fn name_of_file(path: &str) -> String {
     }
 }
 
-fn median_step(times_s: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.is_empty() {
-        return 0.0;
-    }
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -263,6 +278,18 @@ mod tests {
             "{found:?}"
         );
         assert_eq!(found.len(), 4);
+    }
+
+    /// Stored logs are known by this hash.
+    #[test]
+    fn the_hash_of_a_log_is_the_stored_one() {
+        let text = "Time,A_Ta,A_RH\n2026-04-03 18:05:14,18.3,37.6\n2026-04-03 18:06:14,18.3,37.6\n";
+        let reading = read("box.csv", text.as_bytes(), &ReadContext::default()).unwrap();
+        let mut log = log(&reading, "ambient/box.csv").unwrap();
+        (log.clock_offset, log.clock_set_back) = (Some("+02:00".to_owned()), vec![(60.0, 3600.0)]);
+        log.series[0].sensor = "a \"b\" é".to_owned();
+        let stored = "2cf731ae3b7900890fc3a152f3608a074b1f75da40c9ec77672f787736fcb606";
+        assert_eq!(log.data_hash(), stored);
     }
 
     #[test]

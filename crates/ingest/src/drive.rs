@@ -1,6 +1,8 @@
 //! Finds the piecewise-constant drive of a run in its voltage channel, or takes it from the voltage tag.
 
+use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
+use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
 pub const VERSION: u32 = 4;
@@ -221,11 +223,11 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
         // In a sweep each stretch runs from one edge of the threshold to the other.
         sloping +=
             usize::from((values[closed[position - 1]] - values[closed[begin]]).abs() > 0.5 * threshold);
-        let readings: Vec<f64> = closed[begin..position].iter().map(|&i| values[i]).collect();
+        let mut readings: Vec<f64> = closed[begin..position].iter().map(|&i| values[i]).collect();
         stretches.push(Stretch {
             last_before_s,
             start_s: time_s[closed[begin]],
-            level_v: median(readings),
+            level_v: upper_median(&mut readings).unwrap_or(0.0),
         });
         if position < closed.len() {
             last_before_s = time_s[closed[position - 1]];
@@ -290,28 +292,16 @@ fn without_edges(stretches: Vec<Stretch>, threshold: f64) -> Vec<Stretch> {
 
 /// Least change of the voltage that counts as a step, V.
 fn step_threshold(values: &[f64], closed: &[usize]) -> f64 {
-    let (low, high) = closed
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| {
-            (l.min(values[i]), h.max(values[i]))
-        });
-    let changes: Vec<f64> = closed
+    let (low, high) = range_of(closed.iter().map(|&i| values[i]));
+    let mut changes: Vec<f64> = closed
         .windows(2)
         .map(|pair| (values[pair[1]] - values[pair[0]]).abs())
         .collect();
-    let noise_v = if changes.is_empty() {
-        0.0
-    } else {
-        1.4826 / std::f64::consts::SQRT_2 * median(changes)
-    };
+    let noise_v =
+        SD_PER_MEDIAN_DISTANCE / std::f64::consts::SQRT_2 * upper_median(&mut changes).unwrap_or(0.0);
     LEAST_STEP_V
         .max(LEAST_STEP_SHARE * (high - low))
         .max(LEAST_STEP_NOISE * noise_v)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Stretches (start, end) in which an open-circuit channel is not 0.

@@ -20,8 +20,18 @@ pub fn f_chance(ratio: f64, above: usize, below: usize) -> f64 {
         .map_or(1.0, |chance| chance.sf(ratio.max(0.0)).clamp(0.0, 1.0))
 }
 
+/// Reduced chi-square of so many degrees of freedom that noise exceeds as rarely as a normal value exceeds `deviations`
+/// (Wilson and Hilferty 1931).
+pub fn reduced_chi_square_limit(degrees_of_freedom: f64, deviations: f64) -> f64 {
+    let part = 2.0 / (9.0 * degrees_of_freedom);
+    (1.0 - part + deviations * part.sqrt()).powi(3)
+}
+
 #[cfg(test)]
 mod tests {
+    use ieap_domain::quantiles::*;
+    use statrs::distribution::Normal;
+
     use super::*;
 
     #[test]
@@ -35,6 +45,29 @@ mod tests {
         }
         assert_eq!((chi_square_chance(5.0, 0), chi_square_chance(0.0, 3)), (1.0, 1.0));
         assert!(chi_square_chance(1e6, 7) < 1e-300);
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_distributions() {
+        let normal = |p| Normal::standard().inverse_cdf(p);
+        for (found, expected, within) in [
+            (NORMAL_95, normal(0.975), 1e-9),
+            (NORMAL_95_ROUNDED, normal(0.975), 5e-5),
+            (NORMAL_ONE_SIDED_95, normal(0.95), 5e-4),
+            (NORMAL_ONE_SIDED_99, normal(0.99), 5e-4),
+        ] {
+            assert!((found - expected).abs() < within, "{found} {expected}");
+        }
+        let chi_square = |freedom, p| ChiSquared::new(freedom).unwrap().inverse_cdf(p);
+        for (k, found) in CHI_SQUARE_95.into_iter().enumerate() {
+            assert!((found - chi_square(k as f64 + 1.0, 0.95)).abs() < 6e-3);
+        }
+        assert!((CHI_SQUARE_95_OF_ONE - chi_square(1.0, 0.95)).abs() < 6e-4);
+        assert!((CHI_SQUARE_99_OF_ONE - chi_square(1.0, 0.99)).abs() < 6e-3);
+        assert!(
+            (reduced_chi_square_limit(30.0, NORMAL_ONE_SIDED_95) - chi_square(30.0, 0.95) / 30.0).abs()
+                < 1e-3
+        );
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Noise that remembers: autoregressions of first to third order, and the long-run variance.
 
+use super::chance::reduced_chi_square_limit;
 use super::sums;
+use ieap_domain::quantiles::NORMAL_ONE_SIDED_95;
 
 /// Variance and lag-1 autocorrelation of noise, taken as a first-order autoregression.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,8 +148,7 @@ pub fn slow_excess(residuals: &[f64], long_run_variance: f64, parameters: usize)
     let (square, count) = sums.fold((0.0, 0.0), |(square, count), s| (square + s * s, count + 1.0));
     let freedom = (count - parameters as f64).max(1.0);
     let excess = square / (freedom * length as f64) / long_run_variance;
-    // Wilson and Hilferty's approximation of the chi-square quantile.
-    let limit = (1.0 - 2.0 / (9.0 * freedom) + 1.645 * (2.0 / (9.0 * freedom)).sqrt()).powi(3);
+    let limit = reduced_chi_square_limit(freedom, NORMAL_ONE_SIDED_95);
     if excess > limit { excess } else { 1.0 }
 }
 

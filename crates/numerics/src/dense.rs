@@ -10,6 +10,7 @@ pub struct Dense {
 }
 
 impl Dense {
+    /// All entries zero.
     pub fn zero(order: usize) -> Dense {
         Dense {
             order,
@@ -17,14 +18,17 @@ impl Dense {
         }
     }
 
+    /// Number of rows, and of columns.
     pub fn order(&self) -> usize {
         self.order
     }
 
+    /// The entry in `row` and `column`, both from 0.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         self.entries[row * self.order + column]
     }
 
+    /// Adds to one entry; the caller adds to its mirror image as well.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         self.entries[row * self.order + column] += value;
     }
@@ -121,6 +125,7 @@ pub struct Slope {
 }
 
 impl Slope {
+    /// Of no residuals yet, for `order` parameters.
     pub fn zero(order: usize) -> Slope {
         Slope {
             square: 0.0,
@@ -133,9 +138,13 @@ impl Slope {
 /// Where a search ended.
 #[derive(Debug, Clone)]
 pub struct Bottom {
+    /// The parameters there.
     pub at: Vec<f64>,
+    /// Sum of squares and its derivatives there.
     pub slope: Slope,
+    /// How often the residuals were calculated.
     pub evaluations: u64,
+    /// Why it ended.
     pub stop: Stop,
 }
 

@@ -1,5 +1,6 @@
 //! Student's t.
 
+use ieap_domain::quantiles::NORMAL_95;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Half-width of a two-sided 95 % interval in standard errors, for `degrees_of_freedom` (1 at least).
@@ -7,7 +8,7 @@ pub fn quantile_95(degrees_of_freedom: f64) -> f64 {
     let freedom = degrees_of_freedom.max(1.0);
     if freedom >= 100.0 {
         // Expansion in 1/nu (Abramowitz and Stegun 26.7.5), below 1e-7 off from 100 degrees of freedom on.
-        let z = 1.959_963_984_540_054_f64;
+        let z = NORMAL_95;
         let first = (z.powi(3) + z) / 4.0;
         let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0;
         let third = (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0;

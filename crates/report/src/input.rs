@@ -1,5 +1,6 @@
 //! Everything a report is made of, except the curves.
 
+use ieap_analysis::tables::TableInput;
 use std::collections::BTreeMap;
 
 use ieap_analysis::laws::CampaignLaws;
@@ -53,6 +54,19 @@ pub struct Input {
 }
 
 impl Input {
+    /// What tables are made from.
+    pub fn of_tables(&self) -> TableInput<'_> {
+        TableInput {
+            campaign: &self.campaign,
+            runs: &self.runs,
+            set_aside: &self.set_aside,
+            modulus_logs: &self.modulus_logs,
+            files: &self.files,
+            groups: &self.findings.groups,
+            origin: &self.origin.database,
+        }
+    }
+
     /// Run number `run` of all that have a page: those of `runs`, then those of `set_aside`.
     pub fn record(&self, run: usize) -> &RunRecord {
         match run.checked_sub(self.runs.len()) {

@@ -269,14 +269,7 @@ fn read_series(row: &Row<'_>) -> Result<LogSeries, StepError> {
 
 fn insert_log(transaction: &Transaction<'_>, now: &str, log: &NewLog) -> Result<i64, StepError> {
     let content = &log.content;
-    transaction
-        .prepare_cached("INSERT OR IGNORE INTO content VALUES (?1, ?2, ?3, ?4)")?
-        .execute(params![
-            content.hash,
-            content.size_bytes.cast_signed(),
-            content.archive_path,
-            now
-        ])?;
+    content.insert(transaction, now)?;
     transaction.changes(Subject::Logs)?;
     let current = "SELECT id FROM climate_log WHERE path = ?1 AND superseded_at IS NULL";
     for id in transaction.ids(current, &content.path)? {

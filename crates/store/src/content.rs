@@ -135,7 +135,7 @@ const ANALYSIS: [&str; 4] = [
 ];
 
 const DIAGNOSIS: [&str; 3] = [
-    "SELECT kind || ' ' || name, input_hash, base_model, library, seed, draws, verdict, p_misfit, p_leftover, document
+    "SELECT kind || ' ' || name, input_hash, library, seed, draws, document
      FROM diagnosis WHERE superseded_at IS NULL ORDER BY kind, name",
     "SELECT diagnosis.kind || ' ' || name, path, run.revision FROM diagnosis JOIN diagnosis_run ON diagnosis_id = diagnosis.id
      JOIN run ON run.id = run_id WHERE diagnosis.superseded_at IS NULL ORDER BY diagnosis.kind, name, ordinal",

@@ -2,9 +2,8 @@
 
 use rusqlite::{OptionalExtension, params};
 
-use super::fits::finite;
 use super::{StepError, Store, StoreError, Subject, Transaction, from_json, from_key, to_json};
-use ieap_domain::{Candidate, EffectFinding, GroupDiagnosis};
+use ieap_domain::GroupDiagnosis;
 
 /// What a diagnosis is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -181,21 +180,16 @@ fn insert(
     found: &GroupDiagnosis,
 ) -> Result<(), StepError> {
     retire(transaction, now, stamp.kind, &stamp.name)?;
-    let sql = "INSERT INTO diagnosis (kind, name, input_hash, base_model, library, seed, draws, code_version,
-                 verdict, p_misfit, p_leftover, document, made_at)
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)";
+    let sql = "INSERT INTO diagnosis (kind, name, input_hash, library, seed, draws, code_version, document, made_at)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
     transaction.prepare_cached(sql)?.execute(params![
         stamp.kind.key(),
         stamp.name,
         stamp.input_hash,
-        found.base_model,
         stamp.library,
         stamp.seed.cast_signed(),
         stamp.draws as i64,
         stamp.code_version,
-        found.verdict.key(),
-        finite(found.p_misfit),
-        finite(found.p_leftover),
         to_json("a diagnosis", found)?,
         now,
     ])?;
@@ -216,69 +210,6 @@ fn insert(
         transaction
             .prepare_cached(sql)?
             .execute(params![id, condemned.run, condemned.reason])?;
-    }
-    for (ordinal, candidate) in found.candidates.iter().enumerate() {
-        insert_candidate(transaction, id, ordinal, candidate)?;
-    }
-    for (ordinal, effect) in found.effects.iter().enumerate() {
-        insert_effect(transaction, id, ordinal, effect)?;
-    }
-    Ok(())
-}
-
-fn insert_candidate(
-    transaction: &Transaction<'_>,
-    id: i64,
-    ordinal: usize,
-    candidate: &Candidate,
-) -> Result<(), StepError> {
-    transaction
-        .prepare_cached("INSERT INTO diagnosis_candidate VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")?
-        .execute(params![
-            id,
-            ordinal as i64,
-            candidate.effect,
-            candidate.variant,
-            finite(Some(candidate.forecast_gain)),
-            finite(candidate.fitted_gain),
-            finite(candidate.held_out_gain),
-            candidate.extra_parameters as i64,
-            finite(Some(candidate.detectable_strength)),
-            candidate.accepted,
-        ])?;
-    Ok(())
-}
-
-fn insert_effect(
-    transaction: &Transaction<'_>,
-    id: i64,
-    ordinal: usize,
-    effect: &EffectFinding,
-) -> Result<(), StepError> {
-    transaction
-        .prepare_cached("INSERT INTO diagnosis_effect VALUES (?1, ?2, ?3, ?4, ?5)")?
-        .execute(params![
-            id,
-            ordinal as i64,
-            effect.effect,
-            effect.variant,
-            effect.p
-        ])?;
-    let sql = "INSERT INTO diagnosis_parameter VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
-    for (place, parameter) in effect.parameters.iter().enumerate() {
-        let estimate = &parameter.estimate;
-        transaction.prepare_cached(sql)?.execute(params![
-            id,
-            ordinal as i64,
-            place as i64,
-            parameter.key,
-            finite(estimate.value),
-            finite(estimate.standard_error),
-            finite(estimate.low_95),
-            finite(estimate.high_95),
-            estimate.at_bound,
-            estimate.reason,
-        ])?;
     }
     Ok(())
 }

@@ -322,7 +322,7 @@ fn insert_fit(
         insert_parameter(transaction, fit_id, ordinal, parameter)?;
     }
     for (ordinal, curve) in fit.curves.iter().enumerate() {
-        insert_curve(transaction, fit_id, ordinal, curve)?;
+        insert_curve(transaction, "fit_curve", fit_id, ordinal, curve)?;
     }
     for (ordinal, curve) in fit.along.iter().enumerate() {
         insert_along(transaction, fit_id, ordinal, curve)?;
@@ -396,16 +396,20 @@ pub(super) fn finite(number: Option<f64>) -> Option<f64> {
     number.filter(|number| number.is_finite())
 }
 
-fn insert_curve(
+/// Inserts a curve of a fit into `fit_curve`, or of an analysis into `modulus_curve`.
+pub(super) fn insert_curve(
     transaction: &Transaction<'_>,
-    fit_id: i64,
+    table: &str,
+    of: i64,
     ordinal: usize,
     curve: &RunCurve,
 ) -> Result<(), StepError> {
     transaction
-        .prepare_cached("INSERT INTO fit_curve VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")?
+        .prepare_cached(&format!(
+            "INSERT INTO {table} VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)"
+        ))?
         .execute(params![
-            fit_id,
+            of,
             ordinal as i64,
             curve.quantity.key(),
             curve.readings as i64,

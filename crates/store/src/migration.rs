@@ -10,7 +10,7 @@ use super::error::plain;
 use super::in_place::has_no_tables;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 12] = [
+const HISTORY: [&str; 13] = [
     include_str!("../../../migrations/0001_initial.sql"),
     include_str!("../../../migrations/0002_climate.sql"),
     include_str!("../../../migrations/0003_modulus_logs.sql"),
@@ -23,6 +23,7 @@ const HISTORY: [&str; 12] = [
     include_str!("../../../migrations/0013_asked_fit.sql"),
     include_str!("../../../migrations/0008_unread_files.sql"),
     include_str!("../../../migrations/0009_integrity.sql"),
+    include_str!("../../../migrations/0014_diagnosis_document.sql"),
 ];
 
 /// Schema version that this program writes.
@@ -188,6 +189,39 @@ mod tests {
             )
             .unwrap();
         assert_eq!(left, "runs/b0");
+    }
+
+    #[test]
+    fn a_stored_diagnosis_keeps_its_document() {
+        let mut connection = Connection::open_in_memory().unwrap();
+        let steps = |count: usize| {
+            HISTORY
+                .iter()
+                .take(count)
+                .map(|sql| M::up(sql))
+                .collect::<Vec<_>>()
+        };
+        let place = HISTORY
+            .iter()
+            .position(|sql| sql.contains("DROP TABLE diagnosis_effect"));
+        let before = place.unwrap();
+        Migrations::new(steps(before)).to_latest(&mut connection).unwrap();
+        let sql = "INSERT INTO diagnosis VALUES (1, 'group', 'S1', 'h', 'lumped-2', 'l', 7, 99, '0.1.0', 'named', 0.01, 0.5,
+                       '{}', '2026-11-20T06:00:00Z', NULL);
+                   INSERT INTO diagnosis_effect VALUES (1, 0, 'warburg', NULL, 0.01);
+                   INSERT INTO diagnosis_parameter VALUES (1, 0, 0, 'strength', 1.0, NULL, NULL, NULL, 0, NULL)";
+        connection.execute_batch(sql).unwrap();
+        Migrations::new(steps(before + 1))
+            .to_latest(&mut connection)
+            .unwrap();
+        let kept: (String, i64, String) = connection
+            .query_row(
+                "SELECT name, draws, document FROM diagnosis WHERE superseded_at IS NULL",
+                [],
+                |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)),
+            )
+            .unwrap();
+        assert_eq!(kept, ("S1".to_owned(), 99, "{}".to_owned()));
     }
 
     #[test]

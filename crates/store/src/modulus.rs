@@ -2,8 +2,8 @@
 
 use rusqlite::{OptionalExtension, ToSql, params};
 
-use super::fits::{finite, insert_failure, read_curve, read_estimate};
-use super::{StepError, Store, StoreError, Subject, Transaction, blob::pack_f64, from_json, to_json};
+use super::fits::{finite, insert_curve, insert_failure, read_curve, read_estimate};
+use super::{StepError, Store, StoreError, Subject, Transaction, from_json, to_json};
 use ieap_domain::{Issue, ModulusAnalysis, ModulusLog, ModulusStep, Parameter, RunCurve};
 
 /// What an analysis was made from and by.
@@ -209,18 +209,7 @@ fn insert(
         insert_estimate(transaction, id, ordinal, step, parameter)?;
     }
     for (ordinal, curve) in analysis.curves.iter().enumerate() {
-        transaction
-            .prepare_cached("INSERT INTO modulus_curve VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")?
-            .execute(params![
-                id,
-                ordinal as i64,
-                curve.quantity.key(),
-                curve.readings as i64,
-                pack_f64(&curve.time_s)?,
-                pack_f64(&curve.measured)?,
-                pack_f64(&curve.fitted)?,
-                pack_f64(&curve.residual_sigma)?,
-            ])?;
+        insert_curve(transaction, "modulus_curve", id, ordinal, curve)?;
     }
     Ok(())
 }

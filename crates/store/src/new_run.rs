@@ -23,6 +23,21 @@ pub struct RunContent {
     pub archive_path: String,
 }
 
+impl RunContent {
+    /// Lists its bytes as archived, where they are not yet.
+    pub(super) fn insert(&self, transaction: &Transaction<'_>, now: &str) -> Result<(), StepError> {
+        transaction
+            .prepare_cached("INSERT OR IGNORE INTO content VALUES (?1, ?2, ?3, ?4)")?
+            .execute(params![
+                self.hash,
+                self.size_bytes.cast_signed(),
+                self.archive_path,
+                now
+            ])?;
+        Ok(())
+    }
+}
+
 /// What follows from the tags of a run, and what they came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tagging {
@@ -171,14 +186,7 @@ fn insert_contents(
     contents: &[RunContent],
 ) -> Result<(), StepError> {
     for (ordinal, content) in contents.iter().enumerate() {
-        transaction
-            .prepare_cached("INSERT OR IGNORE INTO content VALUES (?1, ?2, ?3, ?4)")?
-            .execute(params![
-                content.hash,
-                content.size_bytes.cast_signed(),
-                content.archive_path,
-                now
-            ])?;
+        content.insert(transaction, now)?;
         transaction
             .prepare_cached("INSERT INTO run_file VALUES (?1, ?2, ?3, ?4)")?
             .execute(params![run_id, ordinal as i64, content.path, content.hash])?;

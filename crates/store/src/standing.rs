@@ -5,8 +5,24 @@ use std::collections::{BTreeMap, BTreeSet};
 use rusqlite::params;
 
 use super::journal::Entry;
-use super::{Store, StoreError, Subject};
+use super::{StepError, Store, StoreError, Subject};
 use ieap_domain::{RunWord, SameReadings};
+
+/// Every word on a run, the oldest first.
+pub(super) const RUN_WORDS: &str =
+    "SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY id";
+
+/// A word from a row of [`RUN_WORDS`].
+pub(super) fn read_word(row: &rusqlite::Row<'_>) -> Result<RunWord, StepError> {
+    Ok(RunWord {
+        run_path: row.get(0)?,
+        drops: row.get(1)?,
+        why: row.get(2)?,
+        said_by: row.get(3)?,
+        said_at: row.get(4)?,
+        data_hash: row.get(5)?,
+    })
+}
 
 impl Store {
     /// Records what a person said of runs.
@@ -38,19 +54,9 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn run_words(&self) -> Result<BTreeMap<String, RunWord>, StoreError> {
-        let sql = "SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY id";
         let _moment = self.snapshot()?;
         self.check_seal(&Subject::RunWords)?;
-        let words = self.rows("reading what was said of runs", sql, [], |row| {
-            Ok(RunWord {
-                run_path: row.get(0)?,
-                drops: row.get(1)?,
-                why: row.get(2)?,
-                said_by: row.get(3)?,
-                said_at: row.get(4)?,
-                data_hash: row.get(5)?,
-            })
-        })?;
+        let words = self.rows("reading what was said of runs", RUN_WORDS, [], read_word)?;
         // Later words come later and stay.
         Ok(words
             .into_iter()

@@ -4,6 +4,7 @@ use super::Tone;
 use super::gray::Gray;
 use super::refusal::Untraceable;
 use ieap_numerics::dense::Dense;
+use ieap_numerics::robust::{sd_about_median, upper_median};
 
 /// Tiles along the longer side of the picture.
 const TILES: usize = 28;
@@ -50,7 +51,7 @@ impl Ground {
         };
         let stride = (gray.width() * gray.height() / SAMPLED).max(1).isqrt();
         let differences = ground.differences(gray, stride);
-        let noise = scatter(&differences).max(0.2 / 255.0);
+        let noise = sd_about_median(&differences).max(0.2 / 255.0);
         ground.tone = match told {
             Some(tone) => tone,
             None => tone(&differences, noise)?,
@@ -185,7 +186,7 @@ fn surface(tiles: &[(f64, f64, f64)], scale: (f64, f64)) -> [f64; TERMS] {
             tile.2 - fitted
         };
         let residuals: Vec<f64> = tiles.iter().map(left).collect();
-        let scale = scatter(&residuals).max(1.0 / 255.0);
+        let scale = sd_about_median(&residuals).max(1.0 / 255.0);
         let mut normal = Dense::zero(TERMS);
         let mut right = [0.0; TERMS];
         for (tile, residual) in tiles.iter().zip(&residuals) {
@@ -215,21 +216,7 @@ pub fn biweight(share: f64) -> f64 {
 
 /// The middle value; zero of none.
 pub fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// Standard deviation from the median distance to the median, which few outliers do not disturb.
-pub fn scatter(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    let middle = median(&mut sorted);
-    sorted
-        .iter_mut()
-        .for_each(|value| *value = (*value - middle).abs());
-    1.4826 * median(&mut sorted)
+    upper_median(values).unwrap_or(0.0)
 }
 
 /// Whether what stands out is darker or brighter than the ground.

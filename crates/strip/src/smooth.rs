@@ -4,9 +4,10 @@
 use super::believed::believed;
 use super::curve::{Curve, PARAMETERS};
 use super::edges::Edges;
-use super::ground::{biweight, median, scatter};
+use super::ground::{biweight, median};
 use super::spline::{COEFFICIENTS, INTERVALS};
 use ieap_numerics::dense::Dense;
+use ieap_numerics::robust::sd_about_median;
 
 /// Readings further off than this many standard deviations count nothing (Tukey's biweight).
 const LEFT_OUT: f64 = 4.685;
@@ -54,7 +55,7 @@ impl Equations {
             .flat_map(|k| [0, 1].map(|side: usize| edges.middle[side][k].map(|reading| reading - course[k])))
             .flatten()
             .collect();
-        let noise = scatter(&offs).max(LEAST_NOISE);
+        let noise = sd_about_median(&offs).max(LEAST_NOISE);
         let left_out = LEFT_OUT * noise.max(doubt);
         let believed = believed(edges, noise, doubt > 0.0);
         let mut weight = vec![0.0; n];

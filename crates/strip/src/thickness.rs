@@ -4,7 +4,8 @@
 //! thinner or thicker for a stretch, something else is seen at one of its edges: a shine that hides it, a mirror image
 //! beside it. The middle between both edges is not the strip's middle there.
 
-use super::ground::{biweight, median, scatter};
+use super::ground::{biweight, median};
+use ieap_numerics::robust::sd_about_median;
 
 /// Places to either side whose median is looked at: what persists counts, a single reading does not.
 const PERSISTS: usize = 4;
@@ -85,14 +86,14 @@ pub fn doubtful(thickness: &[f64]) -> Vec<bool> {
         .map(|k| (smooth[k] - smooth[k - 2 * PERSISTS - 1]) / 2f64.sqrt())
         .filter(|step| step.is_finite())
         .collect();
-    let Some((start, change)) = straight(&smooth, scatter(&steps)) else {
+    let Some((start, change)) = straight(&smooth, sd_about_median(&steps)) else {
         return none;
     };
     let off: Vec<f64> = (0..n)
         .map(|k| smooth[k] - start - change * k as f64 / (n - 1) as f64)
         .collect();
     let seen: Vec<f64> = off.iter().copied().filter(|off| off.is_finite()).collect();
-    let allowed = DIFFERS.0 * scatter(&seen) + DIFFERS.1;
+    let allowed = DIFFERS.0 * sd_about_median(&seen) + DIFFERS.1;
     let different: Vec<usize> = (0..n).filter(|&k| off[k].abs() > allowed).collect();
     if different.len() as f64 > MOST_DIFFERENT * seen.len() as f64 {
         return none;

@@ -3,8 +3,9 @@
 use super::curve::Curve;
 use super::edges::{COVERED, Edges, MARGIN, OUTER, SPACING, mean};
 use super::gray::Gray;
-use super::ground::{Ground, biweight, median, scatter};
+use super::ground::{Ground, biweight, median};
 use ieap_numerics::dense::Dense;
+use ieap_numerics::robust::sd_about_median;
 
 /// No end is known better than this, pixels.
 const LEAST_ERROR: f64 = 0.01;
@@ -38,7 +39,7 @@ pub fn tip(gray: &Gray, ground: &Ground, curve: &Curve, edges: &Edges) -> Option
         clean.extend(clean_end(&levels, crossing, inside).map(|end| (n, (end - count as f64) * SPACING)));
     }
     let middle = |ends: &[f64]| median(&mut ends.to_vec());
-    let error = |ends: &[f64]| 1.25 * scatter(ends) / (ends.len() as f64).sqrt();
+    let error = |ends: &[f64]| 1.25 * sd_about_median(ends) / (ends.len() as f64).sqrt();
     if clean.len() >= LANES / 2 {
         return Some(foremost(&clean, 0.3 * width));
     }
@@ -51,7 +52,10 @@ fn foremost(ends: &[(f64, f64)], reach: f64) -> (f64, f64) {
     let along: Vec<f64> = ends.iter().map(|end| end.1).collect();
     let n = ends.len() as f64;
     let level = median(&mut along.clone());
-    let plain = (level, (1.25 * scatter(&along) / n.sqrt()).max(LEAST_ERROR));
+    let plain = (
+        level,
+        (1.25 * sd_about_median(&along) / n.sqrt()).max(LEAST_ERROR),
+    );
     let sided = |sign: f64| ends.iter().filter(|end| sign * end.0 > 0.3 * reach).count();
     if sided(1.0).min(sided(-1.0)) < 2 || ends.len() < 6 {
         return plain;
@@ -64,7 +68,7 @@ fn foremost(ends: &[(f64, f64)], reach: f64) -> (f64, f64) {
             .iter()
             .map(|end| end.1 - row(end.0).iter().zip(&terms).map(|(a, b)| a * b).sum::<f64>())
             .collect();
-        let scale = scatter(&off).max(LEAST_ERROR);
+        let scale = sd_about_median(&off).max(LEAST_ERROR);
         let mut normal = Dense::zero(3);
         let mut right = [0.0; 3];
         for (end, off) in ends.iter().zip(&off) {

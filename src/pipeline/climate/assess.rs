@@ -10,6 +10,7 @@ use crate::analysis::climate::compare::{Bins, Compared, pair, pair_issues};
 use crate::analysis::climate::exposure::DoseMeter;
 use crate::analysis::climate::sensors::{accuracy, correction};
 use crate::analysis::climate::{Piece, Window, merged, speaks_for};
+use crate::domain::InputHash;
 use crate::domain::tag::keys;
 use crate::domain::{
     ChannelSummary, ClimateAssessment, ClimateQuantity, ClimateRules, Exposure, Issue, RunRecord, SensorPair,
@@ -49,16 +50,23 @@ pub fn assess(context: &mut Context, shelf: &Shelf) -> Result<(), PipelineError>
 }
 
 fn inputs(context: &Context, shelf: &Shelf, runs: &[RunRecord]) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(format!("{VERSION} {}", context.campaign_digest).as_bytes());
+    let mut hash = InputHash::new();
+    hash.whole(VERSION.into()).text(&context.campaign_digest);
+    hash.count(shelf.series.len());
     for series in &shelf.series {
-        hasher.update(format!("{:?}", (&series.path, series.ordinal, &series.data_hash)).as_bytes());
+        hash.text(&series.path)
+            .whole(series.ordinal.into())
+            .text(&series.data_hash);
     }
     for run in runs {
-        let tags = (run.tag(keys::SAMPLE), run.tag(keys::ENVIRONMENT), run_window(run));
-        hasher.update(format!("{:?}", (&run.path, tags)).as_bytes());
+        hash.text(&run.path)
+            .text_or_none(run.tag(keys::SAMPLE))
+            .text_or_none(run.tag(keys::ENVIRONMENT));
+        let window = run_window(run);
+        hash.number_or_none(window.map(|window| window.from_s))
+            .number_or_none(window.map(|window| window.to_s));
     }
-    hasher.finalize().to_hex().to_string()
+    hash.finished()
 }
 
 /// A sensor's series as it is read through, and what is gathered on the way.

@@ -7,7 +7,7 @@ use jiff::tz::TimeZone;
 
 use crate::analysis::climate::sensors::{Identity, correction, identity};
 use crate::analysis::climate::{Clock, Window, on_utc};
-use crate::domain::{Campaign, Issue, LogSeries};
+use crate::domain::{Campaign, InputHash, Issue, LogSeries};
 use crate::ingest::formats::climate::moments::offset_s;
 use crate::pipeline::PipelineError;
 use crate::store::Store;
@@ -96,26 +96,23 @@ impl Shelf {
 
     /// A digest of the logs that may say something of a run, and whether there are any logs at all.
     pub fn digest(&self, window: Option<Window>) -> String {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&[u8::from(self.series.is_empty())]);
+        let mut hash = InputHash::new();
+        hash.flag(self.series.is_empty()).flag(window.is_some());
         if let Some(window) = window {
-            let mut near: Vec<String> = self
+            hash.number(window.from_s).number(window.to_s);
+            let mut near: Vec<&LogSeries> = self
                 .near(window, 2.0 * CLOCK_MARGIN_S)
-                .map(|at| {
-                    let series = &self.series[at];
-                    format!(
-                        "{} {} {} {}",
-                        series.path,
-                        series.data_hash,
-                        series.ordinal,
-                        series.not_used.is_some()
-                    )
-                })
+                .map(|at| &self.series[at])
                 .collect();
-            near.sort();
-            hasher.update(format!("{window:?} {near:?}").as_bytes());
+            near.sort_by_key(|series| (&series.path, series.ordinal));
+            for series in near {
+                hash.text(&series.path)
+                    .text(&series.data_hash)
+                    .whole(series.ordinal.into())
+                    .flag(series.not_used.is_some());
+            }
         }
-        hasher.finalize().to_hex().to_string()
+        hash.finished()
     }
 }
 

@@ -7,7 +7,7 @@ use super::{BATCH, not_condemned, now, with_inputs};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
 use crate::domain::fault::caught;
-use crate::domain::{Channel, FromOthers, GroupDiagnosis};
+use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
 use crate::pipeline::{Context, Observer, PipelineError, standing};
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask, StoredDiagnosis};
 
@@ -108,12 +108,16 @@ fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, P
 }
 
 fn made_of(input_hash: &str, held: &FromOthers) -> String {
-    let values: Vec<u64> = held.parameters.iter().map(|(_, value)| value.to_bits()).collect();
-    let text = format!(
-        "{input_hash}/{}/{:?}/{:?}/{values:?}",
-        held.effect, held.variant, held.samples
-    );
-    blake3::hash(text.as_bytes()).to_hex().to_string()
+    let mut hash = InputHash::new();
+    hash.text(input_hash)
+        .text(&held.effect)
+        .text_or_none(held.variant.as_deref());
+    hash.count(held.samples.len());
+    for sample in &held.samples {
+        hash.text(sample);
+    }
+    let values: Vec<f64> = held.parameters.iter().map(|(_, value)| *value).collect();
+    hash.numbers(&values).finished()
 }
 
 /// The group's row with what came out. An effect that cannot be held against the group is left without a fall.

@@ -2,43 +2,39 @@
 
 use super::subject::Subject;
 use crate::diagnose::{self, DiagnoseOptions};
+use crate::domain::InputHash;
 use crate::model::effects;
 use crate::pipeline::group_tags::take_tags;
 use crate::store::FitTask;
 
 /// Hash of the library of effects: ids, forms, parameters with units, equations, limits.
 pub(in crate::pipeline) fn library_hash() -> String {
-    let mut hasher = blake3::Hasher::new();
-    let mut take = |text: &str| {
-        hasher.update(&(text.len() as u64).to_le_bytes());
-        hasher.update(text.as_bytes());
-    };
+    let mut hash = InputHash::new();
     for effect in effects::ALL {
         let about = effect.about();
-        [about.id, about.code, about.equation, about.vanishes]
-            .into_iter()
-            .for_each(&mut take);
-        about.variants.iter().for_each(|variant| take(variant));
+        for text in [about.id, about.code, about.equation, about.vanishes] {
+            hash.text(text);
+        }
+        hash.count(about.variants.len());
+        for variant in about.variants {
+            hash.text(variant);
+        }
+        hash.count(about.parameters.len());
         for parameter in about.parameters {
-            take(parameter.key);
-            take(parameter.unit);
+            hash.text(parameter.key).text(parameter.unit);
         }
     }
-    hasher.finalize().to_hex().to_string()
+    hash.finished()
 }
 
 /// Adds what a run of a group is known by: name, readings, drive, dimensions.
-pub(in crate::pipeline) fn take_task(hasher: &mut blake3::Hasher, task: &FitTask) {
-    let drive = format!("{:?}", task.drive);
-    for text in [&task.path, &task.data_hash, &drive] {
-        hasher.update(&(text.len() as u64).to_le_bytes());
-        hasher.update(text.as_bytes());
-    }
-    hasher.update(&task.area_cm2.to_le_bytes());
-    hasher.update(&task.length_cm.unwrap_or(f64::NAN).to_le_bytes());
-    if let Some(along) = task.electrode_resistance_ohm_per_sq {
-        hasher.update(&along.to_le_bytes());
-    }
+pub(in crate::pipeline) fn take_task(hash: &mut InputHash, task: &FitTask) {
+    hash.text(&task.path)
+        .text(&task.data_hash)
+        .drive(&task.drive)
+        .number(task.area_cm2)
+        .number_or_none(task.length_cm)
+        .number_or_none(task.electrode_resistance_ohm_per_sq);
 }
 
 /// Hash of readings, drives, dimensions, names, tags that differ, base model, library, seed, draws, versions, and of whether a run is alone.
@@ -48,28 +44,22 @@ pub(super) fn input_hash(
     options: &DiagnoseOptions,
     library: &str,
 ) -> String {
-    let mut hasher = blake3::Hasher::new();
-    for &member in &subject.members {
-        take_task(&mut hasher, &tasks[member]);
+    let mut hash = InputHash::new();
+    for members in [&subject.members, &subject.right] {
+        hash.count(members.len());
+        for &member in members {
+            take_task(&mut hash, &tasks[member]);
+        }
     }
-    for &member in &subject.right {
-        hasher.update(b"right");
-        take_task(&mut hasher, &tasks[member]);
-    }
-    take_tags(&mut hasher, &subject.tags);
-    let apart = subject.set_apart.as_ref().map_or("", |issue| &issue.message);
+    take_tags(&mut hash, &subject.tags);
     let model = options.model;
-    hasher.update(
-        format!(
-            "{}/{}/{}/{}/{library}/{}/{}/{apart}",
-            model.id,
-            model.version,
-            options.seed,
-            options.draws,
-            diagnose::VERSION,
-            subject.of_several
-        )
-        .as_bytes(),
-    );
-    hasher.finalize().to_hex().to_string()
+    hash.text(model.id)
+        .whole(model.version.into())
+        .whole(options.seed)
+        .count(options.draws)
+        .text(library)
+        .whole(diagnose::VERSION.into())
+        .flag(subject.of_several)
+        .text_or_none(subject.set_apart.as_ref().map(|issue| issue.message.as_str()));
+    hash.finished()
 }

@@ -147,7 +147,7 @@ impl DiagnoseRuns {
             .diagnoses()?
             .into_iter()
             .map(|stored| {
-                let is_fault = stored.found.sentence.starts_with(FAULT);
+                let is_fault = stored.found.is_fault;
                 ((stored.kind, stored.name), (stored.input_hash, is_fault))
             })
             .collect();
@@ -331,9 +331,13 @@ fn diagnose_one(
         })
     });
     diagnosed.unwrap_or_else(|reason| {
-        let sentence =
-            format!("{FAULT}: {reason}. Report it with the runs' files; other groups are not affected.");
-        GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, sentence)
+        let sentence = format!(
+            "The diagnosis stopped on an internal fault: {reason}. Report it with the runs' files; other groups are not affected."
+        );
+        GroupDiagnosis {
+            is_fault: true,
+            ..GroupDiagnosis::data_problem(&subject.name, names(), options.model.id, sentence)
+        }
     })
 }
 
@@ -379,9 +383,6 @@ fn not_condemned<'a>(inputs: &[RunInput<'a>], found: &GroupDiagnosis) -> Vec<Run
         .collect()
 }
 
-/// How what is said of a group whose diagnosis stopped begins.
-const FAULT: &str = "The diagnosis stopped on an internal fault";
-
 fn save_batch(
     context: &mut Context,
     batch: &[Due],
@@ -392,7 +393,7 @@ fn save_batch(
     let mut rows = Vec::new();
     for ((hash, members, subjects), found) in batch.iter().zip(found) {
         for subject in subjects {
-            if found.sentence.starts_with(FAULT) {
+            if found.is_fault {
                 summary.failed.push(subject.name.clone());
             }
             let stamp = DiagnosisStamp {

@@ -10,7 +10,9 @@ use super::start;
 use super::unread::missing_responses;
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Issue, Quantity, RunKind, RunOrigin, RunState, Severity, Tag, TagSource};
+use crate::domain::{
+    Channel, InputHash, Issue, Quantity, RunKind, RunOrigin, RunState, Severity, Tag, TagSource,
+};
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, OtherName, Resolved, TagRequest};
@@ -202,27 +204,38 @@ pub fn digest(
     other_paths: &[String],
     window: Option<Window>,
 ) -> Result<String, PipelineError> {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(context.campaign_digest.as_bytes());
-    hasher.update(&drive::VERSION.to_le_bytes());
-    hasher.update(&drive::jumps::VERSION.to_le_bytes());
-    hasher.update(tags::tag_sources_digest(&context.folder, files).as_bytes());
-    hasher.update(shelf.digest(window).as_bytes());
-    for tag in planned_tags(context, run_path, files) {
-        hasher.update(format!("planned {:?}", (tag.key, tag.value, tag.detail)).as_bytes());
+    let mut hash = InputHash::new();
+    hash.text(&context.campaign_digest)
+        .whole(drive::VERSION.into())
+        .whole(drive::jumps::VERSION.into())
+        .text(&tags::tag_sources_digest(&context.folder, files))
+        .text(&shelf.digest(window));
+    take_stated(&mut hash, &planned_tags(context, run_path, files));
+    let doubts = doubts(context, run_path, files, other_paths);
+    hash.count(doubts.len());
+    for doubt in &doubts {
+        hash.issue(doubt);
     }
-    for doubt in doubts(context, run_path, files, other_paths) {
-        hasher.update(format!("doubt {doubt:?}").as_bytes());
-    }
-    for tag in hand_tags(context, run_path)? {
-        hasher.update(format!("{:?}", (tag.key, tag.value)).as_bytes());
+    // By whom and when a tag was set by hand changes nothing that follows from it.
+    let hand = hand_tags(context, run_path)?;
+    hash.count(hand.len());
+    for tag in &hand {
+        hash.text(&tag.key).text(&tag.value);
     }
     for other in other_names(context, other_paths)? {
-        let said = (&other.file, &other.hand, &other.planned);
-        hasher.update(format!("also {said:?}").as_bytes());
-        hasher.update(tags::tag_sources_digest(&context.folder, &[other.file]).as_bytes());
+        hash.bytes(other.file.as_os_str().as_encoded_bytes());
+        take_stated(&mut hash, &other.hand);
+        take_stated(&mut hash, &other.planned);
+        hash.text(&tags::tag_sources_digest(&context.folder, &[other.file]));
     }
-    Ok(hasher.finalize().to_hex().to_string())
+    Ok(hash.finished())
+}
+
+fn take_stated(hash: &mut InputHash, tags: &[Tag]) {
+    hash.count(tags.len());
+    for tag in tags {
+        hash.text(&tag.key).text(&tag.value).text(&tag.detail);
+    }
 }
 
 /// Tags of the run sheets' rows that plan this file. Modulus logs are not planned.

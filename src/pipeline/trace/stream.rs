@@ -1,6 +1,7 @@
 //! Frames one after another: a few in memory at a time, whatever their number, and the same table at any number of
 //! threads.
 
+use crate::numerics::robust::upper_median;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -91,8 +92,7 @@ pub fn trace_frames(source: &Source, observer: &dyn Observer) -> Result<Traced, 
         }
     }
     observer.end();
-    noise.sort_by(f64::total_cmp);
-    view.edge_noise_px = noise.get(noise.len() / 2).copied().unwrap_or(0.0);
+    view.edge_noise_px = upper_median(&mut noise).unwrap_or(0.0);
     let (table, errors) = tables.finished(&refused);
     Ok(Traced {
         table,

@@ -2,6 +2,7 @@
 //! end of its range, readings that cannot be.
 
 use super::join::duration;
+use ieap_domain::range_of;
 use ieap_domain::{ClimateQuantity, Issue};
 
 /// Share of readings of a humidity that equal the temperature from which it is a copy.
@@ -174,12 +175,7 @@ fn at_end(series: Checked<'_>) -> Option<Issue> {
     if series.quantity != ClimateQuantity::RelativeHumidity {
         return None;
     }
-    let extremes = series
-        .values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(*v), high.max(*v))
-        });
+    let extremes = range_of(series.values.iter().copied());
     let ends = [(extremes.0, "least"), (extremes.1, "greatest")];
     let (end, word, count) = ends
         .into_iter()

@@ -6,7 +6,9 @@
 //! is said.
 
 use ieap_domain::Issue;
+use ieap_domain::range_of;
 use ieap_numerics::noise::local_scatter;
+use ieap_numerics::robust::median;
 
 /// Smallest change that counts as a step, percent relative humidity: about twice the accuracy of the common
 /// capacitive sensors (2 %).
@@ -128,7 +130,7 @@ impl Points {
         let mut edge_s: Vec<f64> = time_s.iter().step_by(block).copied().collect();
         edge_s.extend(time_s.last());
         Points {
-            level: percent.chunks(block).map(median).collect(),
+            level: percent.chunks(block).map(middle).collect(),
             edge_s,
             block,
         }
@@ -152,10 +154,8 @@ impl Points {
     /// How far the medians of a stretch's thirds lie apart.
     fn drift(&self, stretch: Stretch) -> f64 {
         let values = &self.level[stretch.first..stretch.end];
-        let thirds = values.chunks(values.len().div_ceil(3)).map(median);
-        let (low, high) = thirds.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), level| {
-            (low.min(level), high.max(level))
-        });
+        let thirds = values.chunks(values.len().div_ceil(3)).map(middle);
+        let (low, high) = range_of(thirds);
         high - low
     }
 
@@ -175,15 +175,15 @@ impl Points {
         let (before, after) = (range(before), range(after));
         let quarter = |length: usize| (length / 4).max(FEWEST_POINTS).min(length);
         // Levels where they are left and reached: a slow drift within a level is no part of the step.
-        let left = median(&percent[before.end - quarter(before.len())..before.end]);
-        let reached = median(&percent[after.end - quarter(after.len())..after.end]);
+        let left = middle(&percent[before.end - quarter(before.len())..before.end]);
+        let reached = middle(&percent[after.end - quarter(after.len())..after.end]);
         let done = |value: f64| (value - left) / (reached - left);
         let near = AT_LEVEL.max((3.0 * scatter / (reached - left).abs()).min(0.3));
         let (low, high) = (before.start, after.end);
         // Where the smoothed channel first passes half of the way, the way to the level before left out.
-        let middle = before.start + before.len() / 2;
-        let half = (middle..high)
-            .find(|&k| done(median(&percent[k.saturating_sub(1)..(k + 2).min(high)])) >= 0.5)
+        let from = before.start + before.len() / 2;
+        let half = (from..high)
+            .find(|&k| done(middle(&percent[k.saturating_sub(1)..(k + 2).min(high)])) >= 0.5)
             .unwrap_or(after.start);
         let start = (low..half)
             .rev()
@@ -203,14 +203,9 @@ impl Points {
     }
 }
 
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    match sorted.len() % 2 {
-        0 if middle > 0 => 0.5 * (sorted[middle - 1] + sorted[middle]),
-        _ => sorted.get(middle).copied().unwrap_or(f64::NAN),
-    }
+/// The median; of no values not a number, which no threshold takes.
+fn middle(values: &[f64]) -> f64 {
+    median(values).unwrap_or(f64::NAN)
 }
 
 /// The cuts with the least sum of squares about the stretches' means plus `price` a stretch.

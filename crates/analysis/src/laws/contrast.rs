@@ -1,6 +1,7 @@
 //! Environments and voltages compared parameter by parameter: by what factor one differs from another, in how many
 //! samples, and what that does not say.
 
+use ieap_domain::quantiles::NORMAL_95;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::covariate::Covariate;
@@ -12,9 +13,6 @@ use crate::one_fit::SharedEstimate;
 use crate::parameters::{COMPARED, usable};
 use ieap_domain::{Campaign, Estimate, RunRecord};
 use ieap_numerics::student::quantile_95;
-
-/// Half-width of a 95 % interval in standard errors.
-const HALF_WIDTH: f64 = 1.959_963_984_540_054;
 
 /// Logarithm of a factor that is not worth a word: 5 %.
 const ABOUT_THE_SAME: f64 = 0.05;
@@ -144,7 +142,7 @@ impl Level {
         match (positive(estimate.value), estimate.standard_error) {
             (Some(y), Some(error)) => {
                 let ends = positive(estimate.low_95).zip(positive(estimate.high_95));
-                let error = ends.map_or(error / y.exp(), |(low, high)| (high - low) / (2.0 * HALF_WIDTH));
+                let error = ends.map_or(error / y.exp(), |(low, high)| (high - low) / (2.0 * NORMAL_95));
                 self.sum += y;
                 self.variance += error * error;
                 self.count += 1.0;
@@ -249,7 +247,7 @@ fn ratio(levels: &Levels, upper: (&str, &str), lower: (&str, &str), place: &str)
     }
     let n = known.len() as f64;
     let mean = known.iter().map(|(difference, _)| difference).sum::<f64>() / n;
-    let by_fits = known.iter().map(|(_, variance)| variance).sum::<f64>().sqrt() / n * HALF_WIDTH;
+    let by_fits = known.iter().map(|(_, variance)| variance).sum::<f64>().sqrt() / n * NORMAL_95;
     let by_samples = match known.len() {
         1 => 0.0,
         _ => {

@@ -133,6 +133,32 @@ impl Covariate {
         }
     }
 
+    /// The word by which it enters the seeds of random draws: another one would draw other numbers.
+    pub(super) fn seed_word(self) -> String {
+        let word = match self {
+            Covariate::RelativeHumidity => "RelativeHumidity",
+            Covariate::Temperature => "Temperature",
+            Covariate::Direction => "Direction",
+            Covariate::Cycle => "Cycle",
+            Covariate::Age => "Age",
+            Covariate::ChargeBefore => "ChargeBefore",
+            Covariate::Exposure => "Exposure",
+            Covariate::RunOrder => "RunOrder",
+            Covariate::FirstRun => "FirstRun",
+            Covariate::RestBefore => "RestBefore",
+            Covariate::Instrument => "Instrument",
+            Covariate::Calibration => "Calibration",
+            Covariate::Operator => "Operator",
+            Covariate::Batch => "Batch",
+            Covariate::Sample => "Sample",
+            Covariate::Environment => "Environment",
+            Covariate::Voltage => "Voltage",
+            Covariate::TagNumber(tag) => return format!("TagNumber(DeclaredTag(\"{}\"))", tag.0),
+            Covariate::TagName(tag) => return format!("TagName(DeclaredTag(\"{}\"))", tag.0),
+        };
+        word.to_owned()
+    }
+
     /// Name in sentences.
     pub fn label(self) -> &'static str {
         match self {

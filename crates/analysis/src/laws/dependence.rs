@@ -11,6 +11,7 @@ use super::shape::{Bend, Law, Span, bends, progress};
 use super::table::Table;
 use super::values::Values;
 use crate::false_discovery::CLAIMED_BELOW;
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::grouped::{Grouped, shared_variance};
 
 /// Degrees of freedom that must be left for a factor of the design to be taken out.
@@ -443,7 +444,7 @@ impl Asking<'_> {
         let rest: Vec<f64> = table.y.iter().zip(&curve).map(|(y, curve)| y - curve).collect();
         let left = material.nuisance.residual(&rest);
         found.start = rest.iter().sum::<f64>() / rest.len().max(1) as f64;
-        let half_width = |row: usize| 1.96 * table.variance[row].sqrt();
+        let half_width = |row: usize| NORMAL_95_ROUNDED * table.variance[row].sqrt();
         for row in 0..table.y.len() {
             let y = found.start + curve[row] + left[row] * material.variance[row].sqrt();
             let on_scale = |y: f64| if found.is_log { y.exp() } else { y };

@@ -1,14 +1,12 @@
 //! Fits that a diagnosis found wrong: what the claimed misfit may do to a parameter is part of its error, and a fit of
 //! which nobody knows what is wrong is no evidence.
 
+use ieap_domain::quantiles::NORMAL_95;
 use std::collections::BTreeMap;
 
 use crate::false_discovery::CLAIMED_BELOW;
 use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{Estimate, GroupDiagnosis, ParameterShift, RunRecord, Verdict};
-
-/// Half-width of a 95 % interval in standard errors.
-const HALF_WIDTH: f64 = 1.959_963_984_540_054;
 
 /// What the current findings say against fits of single runs.
 #[derive(Debug, Clone, Copy, Default)]
@@ -110,7 +108,7 @@ impl Doubts {
         let (value, (low, high)) = estimate.value.zip(ends)?;
         let scale = |x: f64| if is_log { x.ln() } else { x };
         let back = |y: f64| if is_log { y.exp() } else { y };
-        let (y, reach) = (scale(value), HALF_WIDTH * shift);
+        let (y, reach) = (scale(value), NORMAL_95 * shift);
         let slope = if is_log { value } else { 1.0 };
         Some(Estimate {
             low_95: Some(back(y - (y - scale(low)).hypot(reach))),

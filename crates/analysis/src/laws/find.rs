@@ -181,7 +181,12 @@ struct Asker<'a> {
 
 impl<'a> Asker<'a> {
     fn asking(&self, values: &'a Values, rows: &'a Rows, set: Option<&[Covariate]>) -> Asking<'a> {
-        let names = format!("{:?}", set.unwrap_or_default());
+        let words: Vec<String> = set
+            .unwrap_or_default()
+            .iter()
+            .map(|one| one.seed_word())
+            .collect();
+        let names = format!("[{}]", words.join(", "));
         Asking {
             facts: self.facts,
             material: self.material,

@@ -12,6 +12,7 @@ use super::fitted::{self, Material, criterion};
 use super::shape::Law;
 use super::table::Table;
 use crate::false_discovery::CLAIMED_BELOW;
+use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::grouped::{Grouped, dot};
 
 /// Evidence that rules a rival out: difference of the criterion, twice the logarithm of the odds. "Very strong": odds of
@@ -19,8 +20,6 @@ use ieap_numerics::grouped::{Grouped, dot};
 const RULED_OUT: f64 = 10.0;
 /// A rival that adds to the better covariate what chance adds more rarely than this has a part of its own.
 const ADDS_BELOW: f64 = 0.05;
-/// Half the width of a 95 % interval, standard errors.
-const HALF_WIDTH: f64 = 1.959_963_984_540_054;
 /// Standard error of a humidity that states none, percent points: sensors are good to about 2 % (an even distribution).
 const HUMIDITY_ERROR_PERCENT: f64 = 1.2;
 /// The same of a temperature, °C: good to about 0.5 °C.
@@ -211,7 +210,7 @@ impl Ground<'_> {
         }
         let size = dot(&left, &y).abs() / square;
         let error = (dot(&y, &y) / freedom as f64 / square).sqrt();
-        (size + HALF_WIDTH * error).powi(2) * whole
+        (size + NORMAL_95 * error).powi(2) * whole
     }
 
     /// Whether the better covariate describes the readings better by far than all rivals together do, each number

@@ -1,5 +1,6 @@
 //! The fitted values of one parameter over the runs of a material, on the scale on which laws are sought.
 
+use ieap_domain::quantiles::NORMAL_95;
 use std::collections::BTreeSet;
 
 use super::doubt::Doubts;
@@ -7,9 +8,6 @@ use super::facts::RunFacts;
 use crate::one_fit::SharedEstimate;
 use crate::parameters::usable;
 use ieap_domain::{Fit, RunRecord};
-
-/// Half-width of a 95 % interval in standard errors.
-const HALF_WIDTH: f64 = 1.959_963_984_540_054;
 
 /// One value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,7 +161,7 @@ impl Values {
 /// Standard error of the logarithm: from the interval, which need not lie evenly about the value.
 fn log_error(value: f64, error: f64, low: Option<f64>, high: Option<f64>) -> f64 {
     match (low.filter(|low| *low > 0.0), high) {
-        (Some(low), Some(high)) if high > low => (high / low).ln() / (2.0 * HALF_WIDTH),
+        (Some(low), Some(high)) if high > low => (high / low).ln() / (2.0 * NORMAL_95),
         _ => error / value,
     }
 }

@@ -3,10 +3,11 @@
 //! A chart sees a change some runs after it began. Where another parameter of the sample was on its way already when the
 //! first alarm came, one change may stand behind both, and they are one alarm. A limit is a matter of its own.
 
+use ieap_domain::quantiles::NORMAL_95;
 use std::collections::BTreeMap;
 
 use super::series::{Charted, Step};
-use super::{HALF_WIDTH, Watched, words};
+use super::{Watched, words};
 use ieap_domain::{Alarm, AlarmSign, Campaign, RunRecord};
 use ieap_numerics::control_chart::Chart;
 
@@ -135,7 +136,7 @@ fn of_event(runs: &[RunRecord], campaign: &Campaign, event: &[Change]) -> Alarm 
 fn of_limit(runs: &[RunRecord], campaign: &Campaign, watched: &Watched) -> Option<Alarm> {
     let (limit, _) = watched.limit.as_ref()?;
     let passes = |k: &usize| {
-        let reach = HALF_WIDTH * watched.series.variance[*k].sqrt();
+        let reach = NORMAL_95 * watched.series.variance[*k].sqrt();
         let on_scale = |y: f64| if watched.series.is_log { y.exp() } else { y };
         let (low, high) = (
             on_scale(watched.series.y[*k] - reach),

@@ -25,9 +25,6 @@ use ieap_numerics::control_chart::Chart;
 use reference::Reference;
 use series::{Limits, Reaches, Series, Study};
 
-/// Half-width of a 95 % interval in standard errors.
-const HALF_WIDTH: f64 = 1.959_963_984_540_054;
-
 /// What monitoring says of a campaign.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Monitoring {

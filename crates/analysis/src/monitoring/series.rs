@@ -3,6 +3,7 @@
 use crate::laws::fitted::{self, Fitted, Interval};
 use crate::laws::shape::{Law, Span};
 use ieap_numerics::control_chart::{Chart, self_starting};
+use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, median};
 
 /// A step between neighbours beyond this many times the usual scatter of steps is a jump. The largest of 10,000 steps
 /// of normal noise is below 4.5.
@@ -21,8 +22,6 @@ const FEWEST_FOR_TREND: usize = 5;
 pub const SHOWN_BELOW: f64 = 0.01;
 /// How far beyond the readings a trend may be followed, in lengths of what was measured.
 const FOLLOWED: f64 = 1.0;
-/// Values of a standard normal variable's median absolute deviation.
-const MAD: f64 = 1.482_602_218_505_602;
 
 /// A number over an axis that grows with use.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,9 +155,9 @@ impl Series {
         let n = self.y.len();
         if n >= FEWEST_FOR_JUMPS {
             let differences: Vec<f64> = self.y.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            let usual = median(&differences);
+            let usual = median(&differences).unwrap_or(0.0);
             let away: Vec<f64> = differences.iter().map(|d| (d - usual).abs()).collect();
-            let sigma = MAD * median(&away);
+            let sigma = SD_PER_MEDIAN_DISTANCE * median(&away).unwrap_or(0.0);
             for (k, difference) in differences
                 .iter()
                 .enumerate()
@@ -189,7 +188,7 @@ impl Series {
     fn difference_about(&self, at: usize) -> f64 {
         let before = &self.y[at.saturating_sub(JUMP_SIDE)..at];
         let after = &self.y[at..(at + JUMP_SIDE).min(self.y.len())];
-        median(after) - median(before)
+        median(after).unwrap_or(0.0) - median(before).unwrap_or(0.0)
     }
 
     fn segments(&self, steps: &[Step]) -> Vec<usize> {
@@ -291,16 +290,6 @@ impl Series {
                 "not before {horizon:.4}; the readings carry no statement beyond"
             )),
         }
-    }
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    match sorted.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Runs that have not been made: what would be known of them.
 
+use ieap_numerics::robust::upper_median;
 use std::collections::BTreeMap;
 
 use crate::laws::covariate::Covariate;
@@ -217,13 +218,9 @@ fn charge_by_voltage(facts: &[RunFacts], places: &[usize]) -> BTreeMap<String, f
             }
         }
     }
-    let median = |mut charges: Vec<f64>| {
-        charges.sort_by(f64::total_cmp);
-        charges[charges.len() / 2]
-    };
     passed
         .into_iter()
-        .map(|(voltage, charges)| (voltage, median(charges)))
+        .filter_map(|(voltage, mut charges)| Some((voltage, upper_median(&mut charges)?)))
         .collect()
 }
 
@@ -243,6 +240,5 @@ fn median_step(facts: &[RunFacts], places: &[usize], covariate: Covariate) -> Op
         values.sort_by(f64::total_cmp);
         steps.extend(values.windows(2).map(|pair| pair[1] - pair[0]));
     }
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied()
+    upper_median(&mut steps)
 }

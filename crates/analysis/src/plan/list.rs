@@ -1,5 +1,7 @@
 //! One list of the runs to make next: proposals merged, ranked, numbered and named.
 
+use serde::Serialize;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::proposed::{Proposal, of_group, of_plan};
@@ -25,12 +27,12 @@ pub struct PlannedRun {
     pub on_sheet: Option<String>,
 }
 
-/// A run that stands on a sheet and has not been made: what identifies it, and its name there.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OpenRow {
+/// A row of a run sheet: what identifies the planned run, and its name there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RowOfSheet {
     /// Planned id.
     pub planned: String,
-    /// Name to save the file under.
+    /// Name to save the file under, without its ending.
     pub file: String,
     /// Path of the sheet.
     pub sheet: String,
@@ -62,7 +64,7 @@ pub struct Grounds<'a> {
     /// Findings of groups.
     pub groups: &'a [GroupDiagnosis],
     /// Rows of run sheets that are not done yet.
-    pub open: &'a [OpenRow],
+    pub open: &'a [RowOfSheet],
     /// Number of the last planned id that any sheet has used.
     pub last_number: u32,
 }
@@ -128,7 +130,7 @@ fn near(a: Option<f64>, b: Option<f64>, within: f64) -> bool {
 }
 
 fn named(proposals: Vec<Proposal>, grounds: &Grounds) -> Vec<PlannedRun> {
-    let mut open: Vec<&OpenRow> = grounds.open.iter().collect();
+    let mut open: Vec<&RowOfSheet> = grounds.open.iter().collect();
     let mut cycles = Cycles::of(grounds);
     let mut number = grounds.last_number;
     let mut planned = Vec::new();

@@ -6,11 +6,9 @@ use crate::candidates::{AS_GOOD, PRICE};
 use crate::fitted::Fitted;
 use crate::null;
 use crate::signature::Direction;
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{Estimate, Parameter};
 use ieap_numerics::sums::dot;
-
-/// Half of a 95 % interval in standard errors.
-const HALF_95: f64 = 1.96;
 
 impl Shown<'_, '_> {
     /// Other forms of the only effect of `model` that explain the readings as well: name and parameters.
@@ -59,7 +57,7 @@ pub(super) fn widened(strength: &Estimate, others: &[(&'static str, Vec<Paramete
     if (wide.low_95, wide.high_95) == (Some(low), Some(high)) {
         return wide;
     }
-    wide.standard_error = Some(0.5 * (high - low) / HALF_95);
+    wide.standard_error = Some(0.5 * (high - low) / NORMAL_95_ROUNDED);
     (wide.low_95, wide.high_95) = (Some(low), Some(high));
     wide
 }

@@ -1,5 +1,6 @@
 //! Parameters per area and per square with their intervals, and the reasons where there are none.
 
+use ieap_domain::quantiles::CHI_SQUARE_95;
 use ieap_domain::{Estimate, Issue, Parameter};
 use ieap_numerics::student::quantile_95;
 
@@ -157,7 +158,7 @@ fn along_below_ohm_per_sq(input: &DistributedInput, found: &Identified) -> Optio
         held.strip.electrode_resistance_ohm_per_sq = Some(tried * input.strip.width_cm);
         let problem = electrical::problem(&held, &found.readings);
         let rise = problem.search(&fitted.at[..3]).square - best;
-        if rise >= 3.84 * fitted.inflation[3] {
+        if rise >= CHI_SQUARE_95[0] * fitted.inflation[3] {
             return Some(tried * input.strip.width_cm);
         }
         tried *= 2.0;

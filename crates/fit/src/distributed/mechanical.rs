@@ -1,5 +1,6 @@
 //! Phase 3: mu and lambda from the curvatures, with the electrical parameters fixed and their uncertainty carried along.
 
+use ieap_domain::quantiles::CHI_SQUARE_95;
 use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
@@ -156,7 +157,7 @@ fn bound_of_rate(
     let (low, _) = rates(readings);
     let problem = problem(input, readings, electrical, 1.0);
     let least = best_factor(&problem, fitted.at[1]).1;
-    let limit = least + 3.84 * fitted.inflation[1];
+    let limit = least + CHI_SQUARE_95[0] * fitted.inflation[1];
     if best_factor(&problem, low).1 > limit {
         return None;
     }

@@ -2,13 +2,15 @@
 
 use crate::electrical::{BRANCH_DOUBT, BRANCH_EVIDENCE, Electrical};
 
+use ieap_domain::quantiles::CHI_SQUARE_95;
+
 use super::dense::{Bottom, Dense, Slope, descend};
 use super::minimum::{electrical_starts, excess, minimum};
 use super::problem::{Layout, Problem};
 use super::readings::RunReadings;
 
 /// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
-const RULED_OUT: f64 = 3.84;
+const RULED_OUT: f64 = CHI_SQUARE_95[0];
 
 /// What the current says of the number of branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,6 +4,9 @@ use crate::circuit::Circuit;
 use crate::electrical::Electrical;
 use crate::search::{CoarseLook, Limits, Search, search};
 
+use ieap_domain::quantiles::NORMAL_ONE_SIDED_99;
+use ieap_numerics::chance::reduced_chi_square_limit;
+
 use super::dense::Bottom;
 use super::problem::{Problem, Slot};
 use super::readings::RunReadings;
@@ -103,8 +106,6 @@ pub(crate) fn excess(problem: &Problem, bottom: &Bottom) -> f64 {
         return 1.0;
     }
     let ratio = bottom.slope.square / freedom;
-    // Wilson and Hilferty's approximation of the chi-square quantile, 99 %.
-    let part = 2.0 / (9.0 * freedom);
-    let limit = (1.0 - part + 2.326 * part.sqrt()).powi(3);
+    let limit = reduced_chi_square_limit(freedom, NORMAL_ONE_SIDED_99);
     if ratio > limit { ratio.sqrt() } else { 1.0 }
 }

@@ -98,15 +98,9 @@ pub(crate) fn judge(
         _ => (full, [freedom; 2]),
     };
     let mut judged = Judged {
-        branches: count,
         weighings,
-        features: Vec::new(),
-        partners: Vec::new(),
-        fitted: [None, None],
-        offsets: Offsets::default(),
-        stop: found.1.stop,
-        evaluations: found.1.evaluations,
         parabolic,
+        ..Judged::unsettled(count, &found.1)
     };
     settle(found, freedom, &mut judged);
     let open_branches = judged.are_open();
@@ -119,6 +113,21 @@ pub(crate) fn judge(
 }
 
 impl Judged {
+    /// Of so many branches, before anything is said of the features.
+    fn unsettled(branches: usize, bottom: &Bottom) -> Judged {
+        Judged {
+            branches,
+            weighings: Vec::new(),
+            features: Vec::new(),
+            partners: Vec::new(),
+            fitted: [None, None],
+            offsets: Offsets::default(),
+            stop: bottom.stop,
+            evaluations: bottom.evaluations,
+            parabolic: false,
+        }
+    }
+
     /// The last weighing.
     pub(crate) fn evidence(&self) -> Option<&Evidence> {
         self.weighings.last()
@@ -144,15 +153,8 @@ impl Judged {
 /// the readings.
 pub(crate) fn settled(found: (Problem, Bottom), freedom: Option<f64>, weighing: Option<Evidence>) -> Judged {
     let mut judged = Judged {
-        branches: found.0.layout.branches,
         weighings: weighing.into_iter().collect(),
-        features: Vec::new(),
-        partners: Vec::new(),
-        fitted: [None, None],
-        offsets: Offsets::default(),
-        stop: found.1.stop,
-        evaluations: found.1.evaluations,
-        parabolic: false,
+        ..Judged::unsettled(found.0.layout.branches, &found.1)
     };
     match freedom {
         Some(freedom) => settle(found, [freedom; 2], &mut judged),

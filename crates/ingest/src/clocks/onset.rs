@@ -2,6 +2,7 @@
 
 use super::Edge;
 use ieap_domain::Channel;
+use ieap_numerics::robust::{sd_on_a_slope, upper_median};
 
 /// Readings at rest that an onset needs before it.
 const AT_REST: usize = 5;
@@ -24,7 +25,7 @@ pub(super) fn jump(current: &Channel) -> Result<Edge, String> {
     let at = largest
         .filter(|&at| at + 1 >= AT_REST)
         .ok_or("the current is not at rest before its first jump")?;
-    let noise = noise(&values);
+    let noise = sd_on_a_slope(&values);
     if changes[at] <= NOISE * noise || changes[at] == 0.0 {
         return Err("the current shows no jump".to_owned());
     }
@@ -37,8 +38,8 @@ pub(super) fn of_bending(bending: &Channel) -> Result<Edge, String> {
     if values.len() < 4 * AT_REST {
         return Err(format!("the bending has {} readings only", values.len()));
     }
-    let noise = noise(&values);
-    let rest = median(&values[..AT_REST]);
+    let noise = sd_on_a_slope(&values);
+    let rest = middle(&values[..AT_REST]);
     let largest = values
         .iter()
         .fold(0.0_f64, |most, value| most.max((value - rest).abs()));
@@ -57,11 +58,11 @@ pub(super) fn of_bending(bending: &Channel) -> Result<Edge, String> {
     // The last readings before the threshold may be on their way already.
     let resting = &values[..(4 * first).div_ceil(5)];
     let (early, late) = resting.split_at(resting.len() / 2);
-    let drift = (median(late) - median(early)).abs();
+    let drift = (middle(late) - middle(early)).abs();
     if drift > (DRIFT * threshold).max(1.5 * noise) {
         return Err("the strip is not at rest before the bending".to_owned());
     }
-    let level = median(resting);
+    let level = middle(resting);
     let level_error = noise / (resting.len() as f64).sqrt();
     let straight = values[first..]
         .iter()
@@ -108,16 +109,7 @@ fn meeting(time_s: &[f64], values: &[f64], level: f64, noise: f64, level_error: 
     }
 }
 
-/// Standard deviation of the noise, from second differences: a steady rise is none.
-fn noise(values: &[f64]) -> f64 {
-    let bends = values
-        .windows(3)
-        .map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
-    1.4826 / 6f64.sqrt() * median(&bends.collect::<Vec<f64>>())
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+/// The middle one of `values`.
+fn middle(values: &[f64]) -> f64 {
+    upper_median(&mut values.to_vec()).unwrap_or(0.0)
 }

@@ -2,6 +2,7 @@
 
 use super::{FoundDrive, NO_STEPS};
 use ieap_domain::{Channel, Issue, Quantity};
+use ieap_numerics::robust::upper_median;
 
 /// A current is held where so many of its readings ...
 const MOST: f64 = 0.95;
@@ -29,11 +30,8 @@ fn held_a(channels: &[Channel]) -> Option<f64> {
         .iter()
         .find(|channel| channel.is_whole(Quantity::Current))?;
     let (_, values) = current.included();
-    if values.is_empty() {
-        return None;
-    }
     let count = values.len();
-    let median = super::median(values.to_vec());
+    let median = upper_median(&mut values.to_vec())?;
     let near = values
         .iter()
         .filter(|value| (*value - median).abs() <= HELD_WITHIN * median.abs());

@@ -1,6 +1,8 @@
 //! Edges of the current where the stated drive has none: the strip probably saw another voltage than was stated.
 
+use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Issue, Quantity};
+use ieap_numerics::robust::upper_median;
 
 /// Version of what counts as such an edge: raised when the same readings would give another.
 pub const VERSION: u32 = 1;
@@ -70,11 +72,7 @@ pub fn unexplained(channels: &[Channel], drive: &Drive) -> Option<Issue> {
 
 fn jumps(time_s: &[f64], values: &[f64], edges: &[f64]) -> Vec<Jump> {
     let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let (low, high) = values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(*value), high.max(*value))
-        });
+    let (low, high) = range_of(values.iter().copied());
     let least = OF_RANGE * (high - low);
     let is_jump = |&k: &usize| {
         let height = changes[k];
@@ -105,8 +103,7 @@ fn jumps(time_s: &[f64], values: &[f64], edges: &[f64]) -> Vec<Jump> {
 
 fn median_size(changes: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = changes.iter().map(|change| change.abs()).collect();
-    let middle = sizes.len() / 2;
-    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+    upper_median(&mut sizes).unwrap_or(0.0)
 }
 
 #[cfg(test)]

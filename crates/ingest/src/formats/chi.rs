@@ -14,7 +14,7 @@ use super::stamp::{self, DateOrder};
 use super::{Format, ReadContext, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::Header;
-use crate::text::{Decimal, Delimiter, Line, Lines, decode};
+use crate::text::{Decimal, Delimiter, Line, Lines};
 use crate::{Reading, Timestamp};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Quantity, RunStatus};
@@ -61,12 +61,9 @@ impl Format for Chi {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
+        let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let decoded = decode(bytes);
-        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let mut lines = decoded.lines();
         let (status, status_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let found = lines
             .iter()

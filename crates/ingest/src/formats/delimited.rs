@@ -122,6 +122,17 @@ pub fn header_number(text: &str) -> Option<f64> {
         })
 }
 
+/// The text of a file.
+///
+/// # Errors
+/// [`ReadError::Empty`]: there are no bytes.
+pub fn decoded(bytes: &[u8]) -> Result<Decoded<'_>, ReadError> {
+    match bytes.is_empty() {
+        true => Err(ReadError::Empty),
+        false => Ok(decode(bytes)),
+    }
+}
+
 /// Drops a last line without an end: its last number may lack digits and nothing shows it.
 pub fn drop_cut_line(lines: &mut Vec<Line<'_>>, issues: &mut Vec<Issue>) -> (RunStatus, String) {
     if lines

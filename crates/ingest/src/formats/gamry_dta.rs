@@ -11,7 +11,7 @@ use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, date, delimited, overload};
 use crate::text::grid::{Dialect, push_line};
 use crate::text::header::{Header, Meaning};
-use crate::text::{Decimal, Delimiter, Line, Lines, decode};
+use crate::text::{Decimal, Delimiter, Lines};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Quantity, RunStatus};
@@ -52,12 +52,9 @@ impl Format for GamryDta {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
+        let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let decoded = decode(bytes);
-        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let mut lines = decoded.lines();
         let (text_status, text_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         delimited::note_replacements(&decoded, &lines, &mut issues);
         let explain = gamry_objects::parse(&lines);

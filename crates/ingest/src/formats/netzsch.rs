@@ -13,7 +13,7 @@ use super::stamp::{self, DateOrder};
 use super::{Format, ReadContext, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::{Header, Meaning};
-use crate::text::{Decimal, Delimiter, Line, Lines, decode};
+use crate::text::{Decimal, Delimiter, Line};
 use crate::{Reading, StartedAt, Timestamp};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, RunStatus};
@@ -46,12 +46,9 @@ impl Format for Netzsch {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
+        let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let decoded = decode(bytes);
-        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let mut lines = decoded.lines();
         let (status, status_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let names_at = lines.iter().position(|line| line.text.starts_with("##"));
         let names_at = names_at.ok_or_else(|| ReadError::HeaderOnly {

@@ -1,5 +1,6 @@
 //! Cells of a workbook, read sparsely: a cell far out in an empty sheet costs nothing.
 
+use crate::text::{Cell, Decimal, number};
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -31,6 +32,20 @@ pub struct SheetRow {
     pub number: u32,
     /// Column (from 0) and cell.
     pub cells: Vec<(u32, SheetCell)>,
+}
+
+impl SheetRow {
+    /// The cell in a column, numbers that stand as text among them, and its text where it has any.
+    pub fn cell(&self, column: u32, decimal: Decimal) -> (Cell, &str) {
+        let found = self.cells.binary_search_by_key(&column, |(column, _)| *column);
+        match found.map(|at| &self.cells[at].1) {
+            Ok(SheetCell::Number(number)) => (Cell::Number(*number), ""),
+            Ok(SheetCell::Error(text)) => (Cell::NotFinite, text.as_str()),
+            Ok(SheetCell::Date(text)) => (Cell::Text, text.as_str()),
+            Ok(SheetCell::Text(text)) => (number::parse(text, decimal), text.as_str()),
+            Err(_) => (Cell::Empty, ""),
+        }
+    }
 }
 
 /// A sheet with its rows in order.

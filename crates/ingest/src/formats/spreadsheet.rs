@@ -214,14 +214,7 @@ fn cells(
     for row in data {
         let mut any = false;
         for (index, place) in places.iter().enumerate() {
-            let found = row.cells.binary_search_by_key(place, |(column, _)| *column);
-            let (cell, text) = match found.map(|at| &row.cells[at].1) {
-                Ok(SheetCell::Number(number)) => (Cell::Number(*number), ""),
-                Ok(SheetCell::Error(text)) => (Cell::NotFinite, text.as_str()),
-                Ok(SheetCell::Date(text)) => (Cell::Text, text.as_str()),
-                Ok(SheetCell::Text(text)) => (number::parse(text, decimal), text.as_str()),
-                Err(_) => (Cell::Empty, ""),
-            };
+            let (cell, text) = row.cell(*place, decimal);
             any |= cell != Cell::Empty;
             let column = &mut table.columns[index];
             // A row without any cell is none, so columns run ahead of the rows until it is ended.

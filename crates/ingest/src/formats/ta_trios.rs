@@ -11,7 +11,7 @@ use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, date, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::{Header, Meaning};
-use crate::text::{Delimiter, Line, Lines, decode};
+use crate::text::{Delimiter, Line};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Quantity, RunStatus};
@@ -56,12 +56,9 @@ impl Format for TaTrios {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
+        let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let decoded = decode(bytes);
-        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let mut lines = decoded.lines();
         let (text_status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let first_step = lines
             .iter()

@@ -2,41 +2,22 @@
 
 /// A pattern of a file name; letter case does not count.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Glob(Vec<char>);
+pub(super) struct Glob(glob::Pattern);
 
 impl Glob {
-    /// The pattern; `*` stands for any letters, `?` for one.
+    /// The pattern; `*` stands for any letters, `?` for one, and every other letter for itself, brackets too.
     pub fn new(pattern: &str) -> Glob {
-        Glob(pattern.to_lowercase().chars().collect())
+        let mut plain = pattern.to_lowercase().replace('[', "[[]");
+        while plain.contains("**") {
+            plain = plain.replace("**", "*");
+        }
+        let parsed = glob::Pattern::new(&plain);
+        Glob(parsed.expect("without brackets and double stars every text is a pattern"))
     }
 
     /// Whether a name fits.
     pub fn fits(&self, name: &str) -> bool {
-        let name: Vec<char> = name.to_lowercase().chars().collect();
-        let (mut at, mut in_name) = (0, 0);
-        // Where the last star stood, and how far it has been taken to reach.
-        let mut star: Option<(usize, usize)> = None;
-        while in_name < name.len() {
-            match self.0.get(at) {
-                Some('*') => {
-                    star = Some((at, in_name));
-                    at += 1;
-                }
-                Some(&letter) if letter == '?' || letter == name[in_name] => {
-                    at += 1;
-                    in_name += 1;
-                }
-                _ => match star {
-                    Some((star_at, reached)) => {
-                        at = star_at + 1;
-                        in_name = reached + 1;
-                        star = Some((star_at, reached + 1));
-                    }
-                    None => return false,
-                },
-            }
-        }
-        self.0[at..].iter().all(|&letter| letter == '*')
+        self.0.matches(&name.to_lowercase())
     }
 }
 
@@ -55,6 +36,11 @@ mod tests {
             ("a*b*c", "aXbYbZ", false),
             ("", "a", false),
             ("*", "", true),
+            ("a***b", "aXYb", true),
+            ("run[1]*.txt", "RUN[1]_a.txt", true),
+            ("run[1]*.txt", "run1_a.txt", false),
+            ("a]?", "A]é", true),
+            ("É*.csv", "é1.csv", true),
         ] {
             assert_eq!(Glob::new(pattern).fits(name), fits, "{pattern} {name}");
         }

@@ -7,7 +7,7 @@ use crate::formats::error::{ReadError, quoted};
 use crate::formats::sheet_cells::{self, Sheet, SheetCell};
 use crate::formats::spreadsheet;
 use crate::text::grid::push_line;
-use crate::text::{Cell, Decoded, Line, Lines, decode, number};
+use crate::text::{Decoded, Line, Lines, decode, number};
 use ieap_domain::{Issue, RunStatus};
 
 /// A table before its columns have a meaning.
@@ -295,16 +295,7 @@ impl Profile {
         for row in rows {
             let line = row.number as usize;
             for (index, column) in cells.columns.iter_mut().enumerate() {
-                let found = row
-                    .cells
-                    .binary_search_by_key(&(index as u32), |(column, _)| *column);
-                let (cell, text) = match found.map(|at| &row.cells[at].1) {
-                    Ok(SheetCell::Number(number)) => (Cell::Number(*number), ""),
-                    Ok(SheetCell::Error(text)) => (Cell::NotFinite, text.as_str()),
-                    Ok(SheetCell::Date(text)) => (Cell::Text, text.as_str()),
-                    Ok(SheetCell::Text(text)) => (number::parse(text, decimal), text.as_str()),
-                    Err(_) => (Cell::Empty, ""),
-                };
+                let (cell, text) = row.cell(index as u32, decimal);
                 column.push(line, cell, || text.to_owned());
             }
             cells.end_row(line, names.len());

@@ -8,7 +8,7 @@ use crate::campaign_file::line_and_column;
 use crate::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::scan::display_path;
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, Issue, Tag, TagSource};
+use ieap_domain::{Campaign, InputHash, Issue, Tag, TagSource};
 
 use super::value::shortest;
 use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};
@@ -29,21 +29,17 @@ pub fn tag_files_for(campaign: &Path, data_file: &Path) -> Vec<PathBuf> {
 }
 
 /// A digest of what those files hold: another digest means that the run is to be tagged again.
-pub fn tag_sources_digest(campaign: &Path, data_files: &[PathBuf]) -> blake3::Hash {
-    let mut hasher = blake3::Hasher::new();
-    let mut add = |bytes: &[u8]| {
-        hasher.update(&(bytes.len() as u64).to_le_bytes());
-        hasher.update(bytes);
-    };
+pub fn tag_sources_digest(campaign: &Path, data_files: &[PathBuf]) -> String {
+    let mut hash = InputHash::new();
     for (file, _) in data_files.iter().flat_map(|file| relative_tag_files(file)) {
-        add(file.as_os_str().as_encoded_bytes());
+        hash.bytes(file.as_os_str().as_encoded_bytes());
         match read_limited(&campaign.join(&file)) {
-            Ok(Some(bytes)) => add(&[b"there ", bytes.as_slice()].concat()),
-            Ok(None) => add(b"absent"),
-            Err(error) => add(format!("unreadable {:?}", error.kind()).as_bytes()),
-        }
+            Ok(Some(bytes)) => hash.text("there").bytes(&bytes),
+            Ok(None) => hash.text("absent"),
+            Err(error) => hash.text("unreadable").text(&error.kind().to_string()),
+        };
     }
-    hasher.finalize()
+    hash.finished()
 }
 
 /// Why tag files of these data files (relative to the campaign), or statements in them, cannot be read; one issue each.

@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 
+use super::{Line, Lines};
 use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 /// Text of a file with the encoding it was found in.
@@ -16,6 +17,13 @@ pub struct Decoded<'a> {
     pub encoding: &'static str,
     /// Whether code units stood in it that mean nothing; each is shown as U+FFFD.
     pub has_replacements: bool,
+}
+
+impl Decoded<'_> {
+    /// Its lines.
+    pub fn lines(&self) -> Vec<Line<'_>> {
+        Lines::new(&self.text).collect()
+    }
 }
 
 /// Decodes the bytes of a text file.

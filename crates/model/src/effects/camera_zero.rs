@@ -1,7 +1,7 @@
 //! A camera whose zero is not the straight strip.
 
 use super::acting::read_as;
-use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, Class, Effect, EffectParameter, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -33,11 +33,7 @@ impl Effect for CameraZero {
     }
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
-        let most = scale.curvature_per_cm;
-        Search::over(0.01 * most, vec![Limits::linear(-most, most)], &[])
+        Search::of_offset(scale)
     }
 
     fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {

@@ -134,6 +134,15 @@ impl Search {
         }
     }
 
+    /// One addition to the curvature, of either sign and as large as the curvature itself.
+    pub fn of_offset(scale: &Scale) -> Search {
+        let most = scale.curvature_per_cm;
+        match most == 0.0 {
+            true => Search::none(),
+            false => Search::over(0.01 * most, vec![Limits::linear(-most, most)], &[]),
+        }
+    }
+
     /// Nothing to seek in these data.
     pub fn none() -> Search {
         Search::default()

@@ -12,10 +12,8 @@ use thiserror::Error;
 
 use super::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use super::lumped::LumpedModel;
+use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Estimate, Parameter};
-
-/// Factor from a standard error to half of a 95 % interval, large samples.
-const HALF_95: f64 = 1.959_963_984_540_054;
 
 /// A measured length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -195,7 +193,7 @@ fn check(from: &StripSize, to: &StripSize) -> Result<(), ScalingError> {
 /// An estimate times a positive factor that has a relative error of its own, independent of the estimate.
 fn scaled(estimate: &Estimate, factor: f64, relative_error: f64) -> Estimate {
     let mut result = estimate.clone();
-    let half = HALF_95 * relative_error;
+    let half = NORMAL_95 * relative_error;
     if let Some(value) = estimate.value {
         result.value = Some(value * factor);
         result.standard_error = estimate

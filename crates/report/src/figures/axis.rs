@@ -1,6 +1,7 @@
 //! Axes: which range is shown, where ticks stand and what they say.
 
 use crate::number::{Prefix, decimal_exponent, fixed, si_prefix, significant, superscript};
+use ieap_domain::range_of;
 
 /// How numbers become positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -326,6 +327,11 @@ fn log_label(decade: i32, factor: f64, plain: bool) -> String {
         _ if factor == 1.0 => format!("10{}", superscript(decade)),
         _ => format!("{}·10{}", fixed(factor, 0), superscript(decade)),
     }
+}
+
+/// The least and the greatest of the finite values.
+pub fn finite_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    range_of(values.filter(|value| value.is_finite()))
 }
 
 #[cfg(test)]

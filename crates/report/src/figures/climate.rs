@@ -4,7 +4,7 @@ use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::axis::Axis;
+use super::axis::{Axis, finite_range};
 use super::calendar::calendar_axis;
 use super::canvas::{Ink, TENTHS, svg};
 use super::group::series;
@@ -43,7 +43,7 @@ pub fn around_run(
     if curves.iter().all(|curve| curve.time_s.len() < 2) {
         return Ok(None);
     }
-    let (low, high) = range(times());
+    let (low, high) = finite_range(times());
     let (unit, factor) = if high - low < 10_800.0 {
         ("min", 60.0)
     } else {
@@ -127,7 +127,7 @@ pub fn overview(
     if times().next().is_none() {
         return Ok(None);
     }
-    let (low, high) = range(times());
+    let (low, high) = finite_range(times());
     let margin = 0.01 * (high - low);
     let x = calendar_axis(low - margin, high + margin, 9, zone);
     let y = value_axis(
@@ -171,7 +171,7 @@ pub fn overview(
 
 /// An axis over the values with some room; a steady climate is not blown up to fill it.
 fn value_axis(quantity: ClimateQuantity, values: impl Iterator<Item = f64>) -> Axis {
-    let (low, high) = range(values);
+    let (low, high) = finite_range(values);
     let least_span = if quantity == ClimateQuantity::RelativeHumidity {
         4.0
     } else {
@@ -211,14 +211,6 @@ fn margins(x_labels: bool) -> Margins {
         top: 8,
         bottom: if x_labels { TIME_AXIS_HEIGHT } else { 8 },
     }
-}
-
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        })
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use plotters::series::LineSeries;
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::axis::Axis;
+use super::axis::{Axis, finite_range};
 use super::canvas::{Area, Drawing, Ink, TENTHS, drawing, svg};
 use super::comparison::{ink, marker};
 use super::group::series;
@@ -75,7 +75,7 @@ pub fn normalised_drawing(width: u32, logs: &[NormalisedLog]) -> Result<Drawing,
                 .map_or_else(Vec::new, |curve| points(curve, |t| minutes(log, t), |v| v))
         })
         .collect();
-    let time = range(modulus.iter().flatten().map(|point| point.0));
+    let time = finite_range(modulus.iter().flatten().map(|point| point.0));
     let x = time_axis(time, "Time since the first humidity step");
     let entries = (width.saturating_sub(62) / LEGEND_ENTRY).max(1);
     let rows = (logs.len() as u32).div_ceil(entries);
@@ -105,7 +105,7 @@ pub fn normalised_drawing(width: u32, logs: &[NormalisedLog]) -> Result<Drawing,
 pub fn log_panels(curves: &[&RunCurve], steps_s: &[f64], title: &str, desc: &str) -> Result<String, String> {
     let minutes = |time_s: f64| time_s / SECONDS_PER_MINUTE;
     let x = time_axis(
-        range(
+        finite_range(
             curves
                 .iter()
                 .flat_map(|curve| curve.time_s.iter().map(|&t| minutes(t))),
@@ -307,20 +307,13 @@ fn time_axis((low, high): (f64, f64), title: &str) -> Axis {
 }
 
 fn value_axis(values: impl Iterator<Item = f64>, name: &str, unit: &str) -> Axis {
-    let (low, high) = range(values);
+    let (low, high) = finite_range(values);
     let margin = 0.06 * (high - low).max(1e-3 * high.abs());
     let title = match unit {
         "" => name.to_owned(),
         unit => format!("{name} ({unit})"),
     };
     Axis::linear(low - margin, high + margin, &title, "", 4)
-}
-
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
-    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! How the sum of squares rises as the strength of an effect leaves its best value, with the level that bounds a 95 %
 //! interval.
 
+use ieap_domain::quantiles::CHI_SQUARE_95_OF_ONE;
+use ieap_domain::range_of;
 use plotters::element::{Circle, PathElement};
 use plotters::series::LineSeries;
 use plotters::style::Color;
@@ -12,8 +14,8 @@ use super::panel::{Margins, panel};
 
 const WIDTH: u32 = 420;
 const HEIGHT: u32 = 210;
-/// Rise that bounds a 95 % interval: the 95 % point of chi-square with one degree of freedom.
-const BOUND: f64 = 3.841;
+/// Rise that bounds a 95 % interval.
+const BOUND: f64 = CHI_SQUARE_95_OF_ONE;
 /// Rises beyond this many times the bound are not drawn: one far point would press the others flat.
 const HIGHEST: f64 = 4.0;
 /// Ends this far apart are drawn over the logarithm.
@@ -38,11 +40,7 @@ pub fn profile(
     }
     let pairs = values.iter().copied().zip(rises.iter().copied());
     let points: Vec<(f64, f64)> = pairs.filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
-    let ends = points
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (x, _)| {
-            (low.min(*x), high.max(*x))
-        });
+    let ends = range_of(points.iter().map(|(x, _)| *x));
     if points.len() < 3 || ends.0 >= ends.1 {
         return Ok(None);
     }

@@ -10,7 +10,7 @@ use plotters::element::{Circle, PathElement};
 use plotters::series::LineSeries;
 use plotters::style::Color;
 
-use super::axis::Axis;
+use super::axis::{Axis, finite_range};
 use super::canvas::{Area, Ink, TENTHS, svg};
 use super::group::{grouped, readings, series};
 use super::panel::{Chart, Margins, panel, pixels};
@@ -108,7 +108,7 @@ impl Drawing<'_> {
         let curve = self.curve;
         let fitted = |&index: &usize| curve.fitted.get(index).copied();
         let seen = self.shown.iter();
-        let (low, high) = range(
+        let (low, high) = finite_range(
             seen.clone()
                 .map(|&index| curve.measured[index])
                 .chain(seen.filter_map(fitted)),
@@ -135,7 +135,7 @@ impl Drawing<'_> {
 
     fn residuals(&self, area: &Area) -> Result<(), String> {
         let residuals = &self.curve.residual_sigma;
-        let (low, high) = range(residuals.iter().copied());
+        let (low, high) = finite_range(residuals.iter().copied());
         let reach = 1.05 * rounded_up(low.abs().max(high.abs()));
         let y = Axis::linear(-reach, reach, "Residual / σ", "", 5);
         let mut chart = panel(area, margins(true), self.x, &y, true)?;
@@ -261,8 +261,8 @@ impl TimeView {
     /// The view about the one step at `step_s` of all these responses; none where no reading follows it.
     pub fn about_step(step_s: f64, curves: &[RunCurve]) -> Option<TimeView> {
         let times = || curves.iter().flat_map(|curve| curve.time_s.iter().copied());
-        let (first_s, last_s) = range(times());
-        let (next_s, _) = range(times().filter(|&time_s| time_s > step_s));
+        let (first_s, last_s) = finite_range(times());
+        let (next_s, _) = finite_range(times().filter(|&time_s| time_s > step_s));
         next_s.is_finite().then_some(TimeView::AboutStep {
             step_s,
             first_s,
@@ -278,13 +278,6 @@ fn since(step_s: f64) -> String {
         true => "Time since the step".to_owned(),
         false => format!("Time since the step at {} s", significant(step_s, 4)),
     }
-}
-
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
-    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    })
 }
 
 #[cfg(test)]

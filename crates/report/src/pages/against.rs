@@ -1,5 +1,7 @@
 //! Every parameter against one covariate, run by run: small multiples, one a parameter and material.
 
+use super::parameter_section::ParameterSection;
+use ieap_domain::range_of;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -42,18 +44,10 @@ struct AgainstPage {
     /// Tag that marks are coloured by.
     group_by: &'static str,
     groups: Vec<SampleKey>,
-    parameters: Vec<ParameterSection>,
+    parameters: Vec<ParameterSection<Panel>>,
     /// Runs whose readings are known to be wrong.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     aside: Vec<AsideRow>,
-}
-
-#[derive(Debug, Serialize)]
-struct ParameterSection {
-    id: &'static str,
-    symbol: &'static str,
-    name: &'static str,
-    panels: Vec<Panel>,
 }
 
 #[derive(Debug, Serialize)]
@@ -95,14 +89,7 @@ pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
             info,
         };
         let panels = section.panels(&mut shown, &mut figures)?;
-        if !panels.is_empty() {
-            parameters.push(ParameterSection {
-                id: info.key,
-                symbol: info.symbol,
-                name: info.name,
-                panels,
-            });
-        }
+        parameters.extend(ParameterSection::of(info, panels));
     }
     let mut caution = caution(site);
     caution.extend(input.laws.tied.iter().map(|set| words::tied(set, &input.laws)));
@@ -344,10 +331,7 @@ fn names_axis(names: &[String]) -> Axis {
 /// An axis that shows every value, and intervals as far as `STRETCH` lets them reach.
 fn vertical(info: &ParameterInfo, marks: &[Mark]) -> Axis {
     let ends = |(low, high): (f64, f64), y: f64| (low.min(y), high.max(y));
-    let (low, high) = marks
-        .iter()
-        .map(|mark| mark.y)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let (low, high) = range_of(marks.iter().map(|mark| mark.y));
     let bars = || marks.iter().flat_map(|mark| [mark.bar.0, mark.bar.1]);
     if info.spans_decades && low > 0.0 {
         let reached = bars()

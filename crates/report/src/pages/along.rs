@@ -15,7 +15,7 @@ use crate::error::ReportError;
 use crate::input::Input;
 use crate::site::Site;
 use crate::tables::{grid, note_letter, remarks};
-use ieap_analysis::tables::{TableInput, named};
+use ieap_analysis::tables::named;
 use ieap_domain::{Fit, Quantity, RunRecord};
 
 #[derive(Debug, Serialize)]
@@ -133,15 +133,7 @@ pub fn places(run: &RunRecord) -> String {
 
 fn table3(site: &Site) -> Option<Table3> {
     let input = site.input;
-    let table = named("table3")?.table(&TableInput {
-        campaign: &input.campaign,
-        runs: &input.runs,
-        set_aside: &input.set_aside,
-        modulus_logs: &input.modulus_logs,
-        files: &input.files,
-        groups: &input.findings.groups,
-        origin: &input.origin.database,
-    });
+    let table = named("table3")?.table(&input.of_tables());
     if table.rows.is_empty() {
         return None;
     }

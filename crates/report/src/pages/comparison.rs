@@ -16,7 +16,7 @@ use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, Slot, comparison};
 use crate::number::significant;
 use crate::site::Site;
-use ieap_analysis::conditions::nominal_voltage_v;
+use ieap_analysis::conditions::{Conditions, nominal_voltage_v};
 use ieap_analysis::laws::words;
 use ieap_analysis::parameters::{COMPARED, usable};
 use ieap_analysis::{Contrast, ParameterInfo, confounding, contrasts};
@@ -247,6 +247,24 @@ pub fn aside_of(groups: &[Group]) -> impl Iterator<Item = &AsideMark> {
 /// Every surroundings with every voltage of the campaign, measured or not: panels of one row line up.
 pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Group> {
     let conditions = &site.conditions;
+    let of_runs = |surroundings, voltage| match conditions.at(material, surroundings, voltage) {
+        Some(condition) => estimates(site, &condition.runs, parameter),
+        None => vec![],
+    };
+    let of_aside = |surroundings, voltage| {
+        marks(site, parameter.key, |aside| {
+            (aside.condition == Some((material, surroundings, voltage))).then_some(0.0)
+        })
+    };
+    groups_of(conditions, of_runs, of_aside)
+}
+
+/// A group for every surroundings, with a slot for every voltage; both are asked for by their places.
+pub fn groups_of(
+    conditions: &Conditions,
+    estimates: impl Fn(usize, usize) -> Vec<Estimate>,
+    aside: impl Fn(usize, usize) -> Vec<AsideMark>,
+) -> Vec<Group> {
     let labels = voltage_labels(&conditions.voltages_v);
     let mut environments: Vec<&str> = Vec::new();
     let mut groups = Vec::new();
@@ -256,13 +274,8 @@ pub fn groups(site: &Site, material: usize, parameter: &ParameterInfo) -> Vec<Gr
         }
         let slot = |(voltage, label): (usize, &String)| Slot {
             label: label.clone(),
-            estimates: match conditions.at(material, index, voltage) {
-                Some(condition) => estimates(site, &condition.runs, parameter),
-                None => vec![],
-            },
-            aside: marks(site, parameter.key, |aside| {
-                (aside.condition == Some((material, index, voltage))).then_some(0.0)
-            }),
+            estimates: estimates(index, voltage),
+            aside: aside(index, voltage),
         };
         groups.push(Group {
             label: surroundings.environment.clone(),

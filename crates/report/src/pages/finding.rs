@@ -407,18 +407,27 @@ fn residuals(
             "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
             extension(found)
         );
-        let drawn = residual(curve, in_legend(found), wrong, &title, &desc).map_err(|reason| {
-            ReportError::Figure {
-                figure: id.clone(),
-                reason,
-            }
-        })?;
-        if let Some(svg) = drawn {
-            figures.insert(id.clone(), svg);
-            blocks.push(ResidualBlock { heading, figure: id });
-        }
+        let drawn = residual(curve, in_legend(found), wrong, &title, &desc);
+        blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)
+}
+
+/// A figure with its heading; none where there was too little to draw.
+fn block(
+    id: String,
+    heading: String,
+    drawn: Result<Option<String>, String>,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Option<ResidualBlock>, ReportError> {
+    let drawn = drawn.map_err(|reason| ReportError::Figure {
+        figure: id.clone(),
+        reason,
+    })?;
+    Ok(drawn.map(|svg| {
+        figures.insert(id.clone(), svg);
+        ResidualBlock { heading, figure: id }
+    }))
 }
 
 /// Mean square of what the base model leaves.
@@ -442,17 +451,9 @@ fn held_out(
             "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
             extension(found)
         );
-        let drawn = residual(curve, in_legend(found), false, &title, &desc).map_err(|reason| {
-            ReportError::Figure {
-                figure: id.clone(),
-                reason,
-            }
-        })?;
-        if let Some(svg) = drawn {
-            figures.insert(id.clone(), svg);
-            let heading = format!("{}: {}", curve.run, curve.channel);
-            blocks.push(ResidualBlock { heading, figure: id });
-        }
+        let drawn = residual(curve, in_legend(found), false, &title, &desc);
+        let heading = format!("{}: {}", curve.run, curve.channel);
+        blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)
 }
@@ -468,15 +469,8 @@ fn profiles(
         let title = format!("Profile of the strength of {}", of.effect);
         let desc = "Rise of the weighted sum of squares with all other parameters fitted anew; the level line bounds a 95 % interval.";
         let drawn = profile((&of.values, &of.rises), (&of.key, ""), &title, desc);
-        let drawn = drawn.map_err(|reason| ReportError::Figure {
-            figure: id.clone(),
-            reason,
-        })?;
-        if let Some(svg) = drawn {
-            figures.insert(id.clone(), svg);
-            let heading = format!("{}: {}", of.effect, of.key);
-            blocks.push(ResidualBlock { heading, figure: id });
-        }
+        let heading = format!("{}: {}", of.effect, of.key);
+        blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)
 }

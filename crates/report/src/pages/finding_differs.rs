@@ -9,10 +9,8 @@ use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
 use crate::number::{measured, significant};
 use ieap_analysis::ParameterInfo;
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{GroupDiagnosis, VaryingParameter, VaryingValue};
-
-/// Standard errors on either side of a 95 % interval.
-const HALF_WIDTH: f64 = 1.96;
 
 /// A parameter with its figure and its values.
 #[derive(Debug, Serialize)]
@@ -86,7 +84,7 @@ fn figure(
         .values
         .iter()
         .map(|value| {
-            let half = HALF_WIDTH * value.standard_error;
+            let half = NORMAL_95_ROUNDED * value.standard_error;
             (factor * (value.value - half), factor * (value.value + half))
         })
         .collect();

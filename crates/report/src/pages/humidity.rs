@@ -1,6 +1,7 @@
 //! The humidity study and everything else that holds across runs: every parameter against humidity with its law, what
 //! is claimed, what the design leaves open, environments and voltages compared.
 
+use ieap_domain::range_of;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -375,14 +376,8 @@ fn draw(found: &Dependence, aside: &[AsideMark], number: usize) -> Result<Option
             curve.band.push((low * factor, high * factor));
         }
     }
-    let (mut low, mut high) = marks
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mark| {
-            (low.min(mark.y), high.max(mark.y))
-        });
-    for y in &curve.y {
-        (low, high) = (low.min(*y), high.max(*y));
-    }
+    let shown = marks.iter().map(|mark| mark.y).chain(curve.y.iter().copied());
+    let (low, high) = range_of(shown);
     let y = match found.is_log && low > 0.0 {
         true => Axis::log(low / 1.25, high * 1.25, symbol, unit),
         false => Axis::linear_rounded(low, high, symbol, unit, 5),

@@ -17,6 +17,7 @@ pub mod findings;
 pub mod humidity;
 pub mod index;
 pub mod monitoring;
+mod parameter_section;
 pub mod ratios;
 pub mod run;
 pub mod run_climate;

@@ -1,5 +1,7 @@
 //! Monitoring: alarms first, then every parameter over the life of the samples in the reference condition.
 
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
+use ieap_domain::range_of;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
@@ -280,7 +282,7 @@ fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<
     let marks: Vec<Mark> = (0..series.x.len())
         .step_by(every)
         .map(|k| {
-            let reach = 1.96 * series.variance[k].sqrt();
+            let reach = NORMAL_95_ROUNDED * series.variance[k].sqrt();
             Mark {
                 run: None,
                 came_from: 0,
@@ -319,9 +321,7 @@ fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<
         .flat_map(|mark| [mark.y, mark.bar.0, mark.bar.1])
         .chain(curve.y.iter().copied())
         .chain(limits.iter().copied());
-    let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
-        (low.min(y), high.max(y))
-    });
+    let (low, high) = range_of(shown);
     let y = match series.is_log && low > 0.0 && high / low > 5.0 {
         true => Axis::log(low / 1.2, high * 1.2, name, unit),
         false => Axis::linear_rounded(low, high, name, unit, 5),

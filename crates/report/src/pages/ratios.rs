@@ -1,15 +1,16 @@
 //! Every condition over a reference condition, with intervals.
 
+use super::parameter_section::ParameterSection;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
-use super::comparison::{caution, doubts};
-use super::wording::{counted, humidity_label, surroundings_label, voltage_label, voltage_labels};
+use super::comparison::{caution, doubts, groups_of};
+use super::wording::{counted, surroundings_label, voltage_label};
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
-use crate::figures::comparison::{Group, Slot, comparison};
+use crate::figures::comparison::{Group, comparison};
 use crate::input::Input;
 use crate::number::{fixed, interval, rounded};
 use crate::site::Site;
@@ -24,17 +25,9 @@ const STRETCH: f64 = 3.0;
 struct RatiosPage {
     lead: String,
     caution: Vec<String>,
-    parameters: Vec<ParameterSection>,
+    parameters: Vec<ParameterSection<Panel>>,
     columns: Vec<&'static str>,
     rows: Vec<Row>,
-}
-
-#[derive(Debug, Serialize)]
-struct ParameterSection {
-    id: &'static str,
-    symbol: &'static str,
-    name: &'static str,
-    panels: Vec<Panel>,
 }
 
 #[derive(Debug, Serialize)]
@@ -79,14 +72,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     for info in &PARAMETERS {
         let own: Vec<&Ratio> = found.iter().filter(|ratio| ratio.parameter == info.key).collect();
         let panels = panels(site, info, &own, &mut figures)?;
-        if !panels.is_empty() {
-            parameters.push(ParameterSection {
-                id: info.key,
-                symbol: info.symbol,
-                name: info.name,
-                panels,
-            });
-        }
+        parameters.extend(ParameterSection::of(info, panels));
     }
     let shown: Vec<&ParameterInfo> = PARAMETERS
         .iter()
@@ -174,38 +160,19 @@ fn panels(
 
 fn groups(site: &Site, own: &[&Ratio]) -> Vec<Group> {
     let conditions = &site.conditions;
-    let labels = voltage_labels(&conditions.voltages_v);
-    let mut environments: Vec<&str> = Vec::new();
-    let mut groups = Vec::new();
-    for (index, surroundings) in conditions.surroundings.iter().enumerate() {
-        if environments.last() != Some(&surroundings.environment.as_str()) {
-            environments.push(&surroundings.environment);
-        }
-        let slot = |(voltage, label): (usize, &String)| {
-            let here = own.iter().filter(|ratio| {
-                let condition = &conditions.measured[ratio.condition];
-                (condition.surroundings, condition.voltage) == (index, voltage)
-            });
-            Slot {
-                label: label.clone(),
-                estimates: here
-                    .map(|ratio| {
-                        let error = ratio.value * ratio.log_standard_error;
-                        Estimate::determined(ratio.value, error, ratio.low_95, ratio.high_95)
-                    })
-                    .collect(),
-                // A run that no result is made from has no ratio.
-                aside: Vec::new(),
-            }
+    let estimate = |ratio: &&Ratio| {
+        let error = ratio.value * ratio.log_standard_error;
+        Estimate::determined(ratio.value, error, ratio.low_95, ratio.high_95)
+    };
+    let estimates = |surroundings, voltage| {
+        let is_here = |ratio: &&&Ratio| {
+            let condition = &conditions.measured[ratio.condition];
+            (condition.surroundings, condition.voltage) == (surroundings, voltage)
         };
-        groups.push(Group {
-            label: surroundings.environment.clone(),
-            humidity: humidity_label(surroundings),
-            style: environments.len() - 1,
-            slots: labels.iter().enumerate().map(slot).collect(),
-        });
-    }
-    groups
+        own.iter().filter(is_here).map(estimate).collect()
+    };
+    // A run that no result is made from has no ratio.
+    groups_of(conditions, estimates, |_, _| Vec::new())
 }
 
 fn rows(site: &Site, found: &[Ratio], shown: &[&ParameterInfo]) -> Vec<Row> {

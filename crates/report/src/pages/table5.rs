@@ -10,7 +10,7 @@ use crate::error::ReportError;
 use crate::number::interval;
 use crate::site::Site;
 use crate::tables::{ShownCell, grid, note_letter};
-use ieap_analysis::tables::{self, Cell, SourceOrigin, TableInput, named};
+use ieap_analysis::tables::{self, Cell, SourceOrigin, named};
 
 /// Place of the material among the columns, and of the first column that is no part of the condition.
 const MATERIAL: usize = 0;
@@ -74,17 +74,7 @@ struct Footnote {
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
     let input = site.input;
-    let table = named("table5").map(|named| {
-        named.table(&TableInput {
-            campaign: &input.campaign,
-            runs: &input.runs,
-            set_aside: &input.set_aside,
-            modulus_logs: &input.modulus_logs,
-            files: &input.files,
-            groups: &input.findings.groups,
-            origin: &input.origin.database,
-        })
-    });
+    let table = named("table5").map(|named| named.table(&input.of_tables()));
     let table = table.unwrap_or_default();
     let shown = grid(&table);
     let mut materials: Vec<Material> = Vec::new();

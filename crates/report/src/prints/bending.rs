@@ -2,6 +2,7 @@
 //! one material share their vertical axis: how much less bends back in dry gas is the point of the figure. The thesis
 //! shows the displacement; the curvature is what the strip does whatever its length.
 
+use ieap_domain::range_of;
 use std::collections::BTreeMap;
 
 use super::FigureInput;
@@ -84,14 +85,7 @@ fn draw(input: &FigureInput, width: u32, quantity: Quantity) -> Result<Drawing, 
 }
 
 fn axes(points: &[(f64, f64)], quantity: Quantity) -> (Axis, Axis) {
-    let range = |pick: fn(&(f64, f64)) -> f64| {
-        points
-            .iter()
-            .map(pick)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                (low.min(value), high.max(value))
-            })
-    };
+    let range = |pick: fn(&(f64, f64)) -> f64| range_of(points.iter().map(pick));
     let ((from, to), (low, high)) = (range(|point| point.0), range(|point| point.1));
     let margin = 0.04 * (high - low);
     // Hours are read, thousands of seconds are not; short runs keep their seconds.

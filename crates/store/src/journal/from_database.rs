@@ -5,8 +5,9 @@ use std::path::Path;
 use rusqlite::{Connection, Row};
 
 use super::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+use crate::standing::{RUN_WORDS, read_word};
 use crate::{HandTag, StepError, from_json, from_key};
-use ieap_domain::{RunKind, RunWord};
+use ieap_domain::RunKind;
 
 /// An entry with the time at which it was said.
 type Said = (String, Entry);
@@ -152,16 +153,8 @@ fn tags(connection: &Connection) -> Result<Vec<Said>, StepError> {
 }
 
 fn words(connection: &Connection) -> Result<Vec<Said>, StepError> {
-    let sql = "SELECT run_path, drops, why, said_by, said_at, data_hash FROM run_word ORDER BY id";
-    rows(connection, sql, |row| {
-        let word = RunWord {
-            run_path: row.get(0)?,
-            drops: row.get(1)?,
-            why: row.get(2)?,
-            said_by: row.get(3)?,
-            said_at: row.get(4)?,
-            data_hash: row.get(5)?,
-        };
+    rows(connection, RUN_WORDS, |row| {
+        let word = read_word(row)?;
         Ok((word.said_at.clone(), Entry::Word(word)))
     })
 }

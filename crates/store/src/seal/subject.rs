@@ -84,12 +84,9 @@ const ANALYSIS: [&str; 4] = [
     "SELECT * FROM modulus_estimate WHERE analysis_id = ?1 ORDER BY ordinal",
     "SELECT * FROM modulus_curve WHERE analysis_id = ?1 ORDER BY ordinal",
 ];
-const DIAGNOSIS: [&str; 5] = [
+const DIAGNOSIS: [&str; 2] = [
     "SELECT * FROM diagnosis WHERE id = ?1",
     "SELECT * FROM diagnosis_run WHERE diagnosis_id = ?1 ORDER BY ordinal",
-    "SELECT * FROM diagnosis_candidate WHERE diagnosis_id = ?1 ORDER BY ordinal",
-    "SELECT * FROM diagnosis_effect WHERE diagnosis_id = ?1 ORDER BY ordinal",
-    "SELECT * FROM diagnosis_parameter WHERE diagnosis_id = ?1 ORDER BY effect_ordinal, ordinal",
 ];
 const LOG: [&str; 2] = [
     "SELECT * FROM climate_log WHERE id = ?1",

@@ -1,7 +1,7 @@
 //! One correlation for several channels: an instrument's noise is alike in all runs that it wrote, and all of them
 //! together know its memory better than each alone.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use ieap_numerics::chance::chi_square_chance;
 
 use super::memory::{CORRELATIONS, FROM, TO};
 
@@ -44,8 +44,7 @@ pub(super) fn shared(curves: &[&[f64]]) -> Option<f64> {
     let others = curves.len().checked_sub(1).filter(|others| *others > 0)?;
     let (index, depth) = together(curves);
     let alone: f64 = curves.iter().map(|curve| lowest(curve).1).sum();
-    let chance = ChiSquared::new(others as f64).ok()?;
-    (chance.sf((depth - alone).max(0.0)) > DIFFERENT).then(|| correlation_at(index))
+    (chi_square_chance(depth - alone, others) > DIFFERENT).then(|| correlation_at(index))
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::formats::stamp::{self, DateOrder};
 use crate::formats::{Format, ReadContext, ReadError, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::Meaning;
-use crate::text::{Delimiter, Line, Lines, decode};
+use crate::text::{Delimiter, Line, Lines};
 use crate::{Reading, Timestamp};
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, RunStatus};
@@ -55,12 +55,9 @@ impl Format for BiologicMpt {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
+        let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let decoded = decode(bytes);
-        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let mut lines = decoded.lines();
         let whole = keep_whole_last_line(&mut lines);
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let names_at = mpt_header::names_at(&lines);

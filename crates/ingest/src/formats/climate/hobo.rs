@@ -5,7 +5,7 @@
 //! one in which all rows are dates that follow each other counts, and two that fit are refused. Columns without a unit
 //! are events (`Logged`) and are left out. Relative humidity above 100 % occurs and is kept.
 
-use super::wall_clock::{Log, LogText, cells, measured, offset};
+use super::wall_clock::{Log, cells, measured, offset};
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::DateOrder;
@@ -51,7 +51,7 @@ impl Format for Hobo {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let text = LogText::of(bytes)?;
+        let text = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
         let mut lines = text.lines();
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);

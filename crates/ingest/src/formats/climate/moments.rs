@@ -3,6 +3,7 @@
 use jiff::civil::DateTime;
 
 use crate::formats::stamp::{self, DateOrder};
+use ieap_numerics::robust::upper_median;
 
 /// Share of steps that may go back under the order that is taken (one always may): a clock that is set right.
 const GOING_BACK: f64 = 0.01;
@@ -122,11 +123,7 @@ fn median_step(clock_s: &[f64]) -> f64 {
         .map(|pair| pair[1] - pair[0])
         .filter(|step| *step > 0.0)
         .collect();
-    if steps.is_empty() {
-        return 0.0;
-    }
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    upper_median(&mut steps).unwrap_or(0.0)
 }
 
 /// A date without its offset from UTC, and that offset, s: `2026-11-20T10:00:00+02:00`, `...Z`.

@@ -5,7 +5,7 @@
 
 use jiff::Timestamp as Moment;
 
-use super::wall_clock::{LogText, cells};
+use super::wall_clock::cells;
 use crate::formats::assemble::{Raw, assemble};
 use crate::formats::cells::CellTable;
 use crate::formats::recognition::{FileHead, Match};
@@ -48,7 +48,7 @@ impl Format for Picolog {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        let text = LogText::of(bytes)?;
+        let text = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
         let mut lines = text.lines();
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);

@@ -6,7 +6,7 @@
 
 use super::meaning::{ClimateColumn, climate_column};
 use super::moments::moments;
-use super::wall_clock::{Log, LogText, offset};
+use super::wall_clock::{Log, offset};
 use crate::Reading;
 use crate::formats::error::quoted;
 use crate::formats::recognition::{FileHead, Match};
@@ -76,7 +76,7 @@ impl Format for ClimateTable {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let text = LogText::of(bytes)?;
+        let text = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
         let mut lines = text.lines();
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);

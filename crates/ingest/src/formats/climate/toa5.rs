@@ -4,7 +4,7 @@
 //! local time without a zone. Air temperature and relative humidity are taken as such where their names say so
 //! (`AirTC_Avg`, `Temp_C`, `RH`); the temperature of the logger's own panel (`PTemp`) keeps its name.
 
-use super::wall_clock::{Log, LogText, cells};
+use super::wall_clock::{Log, cells};
 use crate::Reading;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::DateOrder;
@@ -42,7 +42,7 @@ impl Format for Toa5 {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
-        let text = LogText::of(bytes)?;
+        let text = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
         let mut lines = text.lines();
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);

@@ -6,7 +6,7 @@ use crate::formats::cells::CellTable;
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::stamp::DateOrder;
 use crate::text::header::{Header, Meaning};
-use crate::text::{Cell, Decimal, Delimiter, Line, Lines, decode, number};
+use crate::text::{Cell, Decimal, Delimiter, Line, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::{Issue, RunStatus};
 
@@ -38,36 +38,6 @@ pub struct Log<'a> {
     pub header_line: usize,
     /// The rows.
     pub rows: &'a [Line<'a>],
-}
-
-/// A text of lines, of which an unfinished last one is left out.
-pub struct LogText {
-    /// The text.
-    pub text: String,
-    /// Its encoding.
-    pub encoding: &'static str,
-}
-
-impl LogText {
-    /// Decodes the bytes.
-    ///
-    /// # Errors
-    /// There are no bytes.
-    pub fn of(bytes: &[u8]) -> Result<LogText, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
-        let decoded = decode(bytes);
-        Ok(LogText {
-            encoding: decoded.encoding,
-            text: decoded.text.into_owned(),
-        })
-    }
-
-    /// Lines of the text.
-    pub fn lines(&self) -> Vec<Line<'_>> {
-        Lines::new(&self.text).collect()
-    }
 }
 
 /// Cells of a line between commas, without their quotes.

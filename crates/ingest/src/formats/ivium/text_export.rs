@@ -9,7 +9,7 @@ use crate::formats::recognition::{FileHead, Match};
 use crate::formats::{Format, ReadContext, ReadError, date, delimited};
 use crate::text::grid::Dialect;
 use crate::text::header::Header;
-use crate::text::{Decimal, Delimiter, Line, Lines, decode};
+use crate::text::{Decimal, Delimiter, Lines};
 use crate::{Reading, Timestamp};
 use ieap_domain::RunStatus;
 
@@ -46,12 +46,9 @@ impl Format for IviumText {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
+        let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let decoded = decode(bytes);
-        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let mut lines = decoded.lines();
         let (status, status_evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let [date_line, names, rows @ ..] = lines.as_slice() else {
             return Err(ReadError::HeaderOnly {

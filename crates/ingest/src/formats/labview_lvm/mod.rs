@@ -14,7 +14,7 @@ use super::recognition::{FileHead, Match};
 use super::stamp::{self, DateOrder};
 use super::{Format, ReadContext, delimited};
 use crate::text::header::Header;
-use crate::text::{Decimal, Delimiter, Line, Lines, decode, number};
+use crate::text::{Decimal, Delimiter, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::tag::keys as tag_keys;
 use ieap_domain::{Issue, RunStatus};
@@ -49,12 +49,9 @@ impl Format for LabviewLvm {
     }
 
     fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
-        if bytes.is_empty() {
-            return Err(ReadError::Empty);
-        }
+        let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
-        let decoded = decode(bytes);
-        let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).collect();
+        let mut lines = decoded.lines();
         let (text_status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let has_commas = lines.iter().any(|line| line.text.starts_with("Separator,"));
         let delimiter = if has_commas {

@@ -1,4 +1,4 @@
-//! Fits of real instrument data whose answer is known; skipped where the data are absent.
+//! Fits of real instrument data whose answer is known.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,16 +6,10 @@ use std::sync::Arc;
 use ieap::domain::{Channel, Drive, Fit, Quantity};
 use ieap::fit::{FitInput, FitOptions, fit_run};
 
+use super::shared;
+
 fn campaign(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/campaigns")
-        .join(name)
-        .join("runs");
-    if !path.exists() {
-        println!("skipped: campaign {name} is not here");
-        return None;
-    }
-    Some(path)
+    shared(&format!("campaigns/{name}/runs"))
 }
 
 fn fitted(time_s: Vec<f64>, current_a: Vec<f64>, drive: &Drive) -> Fit {

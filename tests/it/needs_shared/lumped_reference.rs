@@ -1,19 +1,13 @@
 //! The closed form against values that were computed to high precision elsewhere.
 
-use std::path::{Path, PathBuf};
-
 use ieap::domain::Drive;
 use ieap::model::{Branch, LumpedModel};
 
+use super::shared;
+
 /// Rows of a reference table under their column names; none where the shared folder is absent.
 fn reference_rows(name: &str) -> Option<Vec<std::collections::HashMap<String, String>>> {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/reference")
-        .join(name);
-    if !path.exists() {
-        println!("skipped: {name} is not here");
-        return None;
-    }
+    let path = shared(&format!("reference/{name}"))?;
     let mut reader = csv::Reader::from_path(path).unwrap();
     Some(reader.deserialize().map(|row| row.unwrap()).collect())
 }

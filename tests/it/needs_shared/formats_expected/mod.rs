@@ -1,6 +1,5 @@
 //! Every real instrument file beside the project: read, refused with a reason, or not applicable, one line each, and
-//! held against what other readers found in it. They are no part of the project; where they are absent the test says
-//! so and skips.
+//! held against what other readers found in it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,6 +7,8 @@ use std::path::{Path, PathBuf};
 use ieap::ingest::Reading;
 use ieap::ingest::formats::{ReadContext, ReadError, read};
 use serde_json::Value;
+
+use super::shared;
 
 mod by_profile;
 mod climate;
@@ -112,11 +113,9 @@ const WITHOUT_READINGS: [&str; 17] = [
 
 #[test]
 fn every_file_is_read_and_held_or_refused_with_a_reason() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/formats");
-    if !root.is_dir() {
-        eprintln!("skipped: {} is absent", root.display());
+    let Some(root) = shared("formats") else {
         return;
-    }
+    };
     let (mut files_held, mut values_held, mut wrong) = (0, 0, Vec::new());
     for (name, path) in files(&root) {
         let bytes = fs::read(&path).unwrap();

@@ -1,5 +1,4 @@
-//! Real instrument files with expected values that other readers found. They are no part of the project and lie
-//! beside it; where they are absent the tests say so and skip.
+//! Real instrument files with expected values that other readers found.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,17 +8,7 @@ use ieap::ingest::formats::{ReadContext, ReadError, read};
 use ieap::ingest::{Reading, RunTable};
 use serde_json::Value;
 
-/// Folder beside the project, where it is present.
-pub fn shared(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared")
-        .join(folder);
-    if !path.is_dir() {
-        eprintln!("skipped: {} is absent", path.display());
-        return None;
-    }
-    Some(path)
-}
+use super::shared;
 
 fn name_of(path: &Path) -> String {
     path.file_name().unwrap().to_string_lossy().into_owned()

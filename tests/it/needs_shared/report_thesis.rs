@@ -7,7 +7,8 @@ use ieap::analysis::{Contrast, conditions, contrasts};
 use ieap::domain::tag::keys;
 use ieap::domain::{Estimate, RunRecord};
 
-use super::report_fixture::{campaign, run, tag};
+use super::shared;
+use crate::report_fixture::{campaign, run, tag};
 
 /// Relative standard error given to the thesis's values, which it prints without one.
 const RELATIVE_ERROR: f64 = 0.05;
@@ -56,11 +57,9 @@ fn place(run: &RunRecord) -> (&str, &str) {
 
 #[test]
 fn the_thesis_findings_come_out() {
-    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/thesis_table5.csv");
-    if !table.exists() {
-        println!("skipped: the reference values are not here");
+    let Some(table) = shared("reference/thesis_table5.csv") else {
         return;
-    }
+    };
     let runs = thesis_runs(&table);
     let campaign = campaign(&["CNaf", "CPvf"]);
     let table = conditions(&runs, &campaign);

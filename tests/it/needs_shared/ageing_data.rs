@@ -5,7 +5,7 @@ use calamine::{Data, Reader, Xlsx, open_workbook};
 use ieap::analysis::laws::shape::Law;
 use ieap::analysis::monitoring::series::{Limits, Reaches, Series};
 
-use crate::formats_real_files::shared;
+use super::shared;
 
 fn series(y: Vec<f64>, is_log: bool) -> Series {
     Series {
@@ -38,7 +38,6 @@ fn batteries_fade_and_their_recoveries_are_no_jumps() {
     let limits = Limits::for_false_alarms(500.0);
     for (battery, count, first, last) in [("B0005", 168, 1.856, 1.325), ("B0018", 132, 1.855, 1.341)] {
         let Some(capacity) = capacities(battery) else {
-            eprintln!("skipped: the ageing data of batteries are not here");
             return;
         };
         assert_eq!(capacity.len(), count);
@@ -70,7 +69,6 @@ fn batteries_fade_and_their_recoveries_are_no_jumps() {
 #[test]
 fn the_end_of_a_battery_is_foretold_or_refused() {
     let Some(capacity) = capacities("B0005") else {
-        eprintln!("skipped: the ageing data of batteries are not here");
         return;
     };
     let limits = Limits::for_false_alarms(500.0);
@@ -133,7 +131,6 @@ fn actuator() -> Option<Vec<(f64, f64, f64)>> {
 #[ignore = "slow: cargo test -- --ignored"]
 fn a_sensor_that_was_zeroed_again_is_no_degradation() {
     let Some(cycles) = actuator() else {
-        eprintln!("skipped: the lifetime of the actuator is not here");
         return;
     };
     assert!(cycles.len() > 2300, "{}", cycles.len());

@@ -1,22 +1,14 @@
 //! What is found in real campaigns whose cause is known from elsewhere, through the whole program. A long proof: the
-//! misfits are huge and are searched to the end, which takes minutes; ignored but in `cargo test -- --ignored`, and skipped
-//! where the data are absent.
-
-use std::path::Path;
+//! misfits are huge and are searched to the end, which takes minutes; ignored but in `cargo test -- --ignored`.
 
 use serde_json::Value;
 
-use super::campaign::CampaignFolder;
+use super::shared;
+use crate::campaign::CampaignFolder;
 
 /// The groups and single runs that `ieap diagnose --json` gives for the runs of a real campaign whose names `wanted` takes.
 fn found(name: &str, wanted: impl Fn(&str) -> bool) -> Option<Value> {
-    let from = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/campaigns")
-        .join(name);
-    if !from.exists() {
-        println!("skipped: {name} is not here");
-        return None;
-    }
+    let from = shared(&format!("campaigns/{name}"))?;
     let folder = CampaignFolder::new();
     folder.write(
         "campaign.toml",

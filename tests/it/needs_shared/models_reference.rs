@@ -2,10 +2,11 @@
 //! copy of equation [3], the laminates of table 3.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use ieap::model::DistributedModel;
 use ieap::model::coupling::CurvaturePerLineCharge;
+
+use super::shared;
 
 fn number(row: &HashMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap()
@@ -13,11 +14,9 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 
 #[test]
 fn one_branch_along_the_strip() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/distributed_one_branch.csv");
-    if !path.exists() {
-        println!("skipped: distributed_one_branch.csv is not here");
+    let Some(path) = shared("reference/distributed_one_branch.csv") else {
         return;
-    }
+    };
     let mut reader = csv::Reader::from_path(path).unwrap();
     let mut rows = 0;
     for row in reader.deserialize() {
@@ -57,30 +56,12 @@ fn one_branch_along_the_strip() {
 }
 
 #[test]
-fn the_reader_derives_curvature_as_the_model_does() {
-    use ieap::domain::{Channel, Quantity};
-    let displacement_mm = [-4.0, 0.0, 0.3, 5.0, 7.5];
-    let channel = Channel::new(
-        Quantity::TipDisplacement,
-        [0.0, 1.0, 2.0, 3.0, 4.0].into(),
-        displacement_mm.into(),
-    );
-    let derived = ieap::ingest::derived::responses(&[channel], Some(0.5));
-    for (curvature, displacement) in derived[1].values.iter().zip(displacement_mm) {
-        let formula = ieap::model::geometry::curvature_from_displacement(displacement, 5.0);
-        assert!((curvature - formula).abs() <= 1e-15 * formula.abs().max(1.0));
-    }
-}
-
-#[test]
 fn laminates_of_table_3_need_the_distributed_model_and_bend_as_identified() {
     use ieap::model::coupling::{ActiveArea, CurvaturePerTotalCharge};
     use ieap::model::{Branch, Laminate};
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/thesis_table3.csv");
-    if !path.exists() {
-        println!("skipped: thesis_table3.csv is not here");
+    let Some(path) = shared("reference/thesis_table3.csv") else {
         return;
-    }
+    };
     let mut reader = csv::Reader::from_path(path).unwrap();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().map(|row| row.unwrap()).collect();
     assert_eq!(rows.len(), 2);
@@ -119,11 +100,9 @@ fn laminates_of_table_3_need_the_distributed_model_and_bend_as_identified() {
 
 #[test]
 fn every_row_of_table_5_charges_faster_than_it_relaxes() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/thesis_table5.csv");
-    if !path.exists() {
-        println!("skipped: thesis_table5.csv is not here");
+    let Some(path) = shared("reference/thesis_table5.csv") else {
         return;
-    }
+    };
     let mut reader = csv::Reader::from_path(path).unwrap();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().map(|row| row.unwrap()).collect();
     assert_eq!(rows.len(), 18);
