@@ -10,6 +10,7 @@ mod asymmetric_capacitance;
 mod camera_delay;
 mod camera_zero;
 mod clock_rate;
+mod constant_phase;
 mod contact_break;
 mod counter_flow;
 mod coupling_saturation;
@@ -113,6 +114,7 @@ pub static ALL: &[&dyn Effect] = &[
     &residual_charge::ResidualCharge,
     &redox_peak::RedoxPeak,
     &contact_break::ContactBreak,
+    &constant_phase::ConstantPhase,
     &partial_relaxation::PartialRelaxation,
     &second_relaxation::SecondRelaxation,
     &fractional_relaxation::FractionalRelaxation,

@@ -176,7 +176,7 @@ fn every_effect_is_seen_at_its_probes() {
                 let apart = apart(&with, &respond(&[], &levels, &time_s, &time_s));
                 most = [most[0].max(apart[0]), most[1].max(apart[1])];
             }
-            if id != "contact-break" || probe[2] == 0.0 {
+            if effect.acts_in(probe, 0) {
                 if std::env::var_os("IEAP_SHOW").is_some() {
                     eprintln!(
                         "{id} {variant} {probe:.4?}: {:.2} % {:.2} %",
@@ -224,6 +224,29 @@ fn halving_all_steps_changes_little() {
         }
     }
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// Every shape costs a simulation of the group in every diagnosis.
+#[test]
+fn few_shapes_are_asked_for() {
+    let scale = scale();
+    let runs = scale.durations_s.len();
+    let mut whole = 0.0;
+    for (effect, variant, search) in forms() {
+        // Shapes of one run cost a run.
+        let of_one = search.probes.iter().any(|probe| !effect.acts_in(probe, 0));
+        let shapes = search.probes.len() as f64 / if of_one { runs as f64 } else { 1.0 };
+        let id = effect.about().id;
+        if std::env::var_os("IEAP_SHOW").is_some() {
+            eprintln!(
+                "{id} {variant}: {} probes, {shapes} of a group",
+                search.probes.len()
+            );
+        }
+        assert!(shapes <= 10.0, "{id} {variant}: {shapes}");
+        whole += shapes;
+    }
+    assert!(whole <= 280.0, "{whole}");
 }
 
 #[test]
@@ -282,7 +305,7 @@ fn effects_stand_in_the_order_of_the_catalogue() {
         ("EMKNG".find(class).unwrap(), number.parse::<u32>().unwrap())
     };
     assert!(ALL.is_sorted_by_key(place));
-    assert_eq!(ALL.len(), 48);
+    assert_eq!(ALL.len(), 49);
 }
 
 proptest! {
