@@ -35,6 +35,7 @@ mod moisture_bending;
 mod noncircular_shape;
 mod partial_relaxation;
 mod piezoresistive_electrode;
+mod polarity_memory;
 mod precurvature;
 mod quadratic_coupling;
 mod redox_peak;
@@ -115,6 +116,7 @@ pub static ALL: &[&dyn Effect] = &[
     &redox_peak::RedoxPeak,
     &contact_break::ContactBreak,
     &constant_phase::ConstantPhase,
+    &polarity_memory::PolarityMemory,
     &partial_relaxation::PartialRelaxation,
     &second_relaxation::SecondRelaxation,
     &fractional_relaxation::FractionalRelaxation,
