@@ -15,11 +15,13 @@ mod contact_break;
 mod counter_flow;
 mod coupling_saturation;
 mod creep;
+mod current_event;
 mod current_limit;
 mod current_offset;
 mod diffusion_limited_leak;
 mod dispersion;
 mod electrolytic_drying;
+mod event;
 mod exposure_smoothing;
 mod faradaic_leak;
 mod fast_branch;
@@ -117,6 +119,7 @@ pub static ALL: &[&dyn Effect] = &[
     &contact_break::ContactBreak,
     &constant_phase::ConstantPhase,
     &polarity_memory::PolarityMemory,
+    &current_event::CurrentEvent,
     &partial_relaxation::PartialRelaxation,
     &second_relaxation::SecondRelaxation,
     &fractional_relaxation::FractionalRelaxation,
