@@ -37,6 +37,7 @@ mod moisture_bending;
 mod noncircular_shape;
 mod partial_relaxation;
 mod piezoresistive_electrode;
+mod polarity_coupling;
 mod polarity_memory;
 mod precurvature;
 mod quadratic_coupling;
@@ -138,6 +139,7 @@ pub static ALL: &[&dyn Effect] = &[
     &threshold_relaxation::ThresholdRelaxation,
     &sensing_feedback::SensingFeedback,
     &lengthwise_resistance::LengthwiseResistance,
+    &polarity_coupling::PolarityCoupling,
     &joule_heating::JouleHeating,
     &water_redistribution::WaterRedistribution,
     &water_exchange::WaterExchange,
