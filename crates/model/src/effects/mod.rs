@@ -21,6 +21,7 @@ mod current_offset;
 mod diffusion_limited_leak;
 mod dispersion;
 mod electrolytic_drying;
+mod even_bending;
 mod event;
 mod exposure_smoothing;
 mod faradaic_leak;
@@ -140,6 +141,7 @@ pub static ALL: &[&dyn Effect] = &[
     &sensing_feedback::SensingFeedback,
     &lengthwise_resistance::LengthwiseResistance,
     &polarity_coupling::PolarityCoupling,
+    &even_bending::EvenBending,
     &joule_heating::JouleHeating,
     &water_redistribution::WaterRedistribution,
     &water_exchange::WaterExchange,
