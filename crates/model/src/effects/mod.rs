@@ -36,6 +36,7 @@ mod mechanical_lag;
 mod modulus_drift;
 mod moisture_bending;
 mod noncircular_shape;
+mod parameter_wander;
 mod partial_relaxation;
 mod piezoresistive_electrode;
 mod polarity_coupling;
@@ -148,6 +149,7 @@ pub static ALL: &[&dyn Effect] = &[
     &moisture_bending::MoistureBending,
     &electrolytic_drying::ElectrolyticDrying,
     &ambient_temperature::AmbientTemperature,
+    &parameter_wander::ParameterWander,
     &camera_zero::CameraZero,
     &camera_delay::CameraDelay,
     &clock_rate::ClockRate,
