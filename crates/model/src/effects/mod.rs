@@ -18,6 +18,7 @@ mod creep;
 mod current_event;
 mod current_limit;
 mod current_offset;
+mod curvature_limit;
 mod diffusion_limited_leak;
 mod dispersion;
 mod electrolytic_drying;
@@ -156,6 +157,7 @@ pub static ALL: &[&dyn Effect] = &[
     &tip_formula::TipFormula,
     &exposure_smoothing::ExposureSmoothing,
     &noncircular_shape::NoncircularShape,
+    &curvature_limit::CurvatureLimit,
 ];
 
 /// The effect of that id: one of the list, or one that follows a tag.
