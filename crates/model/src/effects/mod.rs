@@ -7,6 +7,7 @@ mod about;
 mod acting;
 mod ambient_temperature;
 mod asymmetric_capacitance;
+mod bending_event;
 mod camera_delay;
 mod camera_zero;
 mod clock_rate;
@@ -158,6 +159,7 @@ pub static ALL: &[&dyn Effect] = &[
     &exposure_smoothing::ExposureSmoothing,
     &noncircular_shape::NoncircularShape,
     &curvature_limit::CurvatureLimit,
+    &bending_event::BendingEvent,
 ];
 
 /// The effect of that id: one of the list, or one that follows a tag.

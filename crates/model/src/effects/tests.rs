@@ -305,7 +305,7 @@ fn effects_stand_in_the_order_of_the_catalogue() {
         ("EMKNG".find(class).unwrap(), number.parse::<u32>().unwrap())
     };
     assert!(ALL.is_sorted_by_key(place));
-    assert_eq!(ALL.len(), 55);
+    assert_eq!(ALL.len(), 56);
 }
 
 proptest! {
