@@ -81,3 +81,57 @@ pub(super) fn scale_capacitances(
         }
     }
 }
+
+/// Forms of an effect that goes its way in a time, where nobody knows by which law.
+pub(super) const APPROACHES: [&str; 3] = ["exponential", "diffusive", "delayed"];
+
+/// Part of the way after `x` time constants, in the form of that place: by first order; as a sheet takes up what diffuses
+/// into both its faces; or by two first orders, one after the other.
+pub(super) fn approached(form: usize, x: f64) -> f64 {
+    match form {
+        0 => -(-x).exp_m1(),
+        1 => taken_up(x),
+        _ => -(-x).exp_m1() - x * (-x).exp(),
+    }
+}
+
+/// Uptake of a sheet (Crank 1975, equations 4.18 and 4.20), `x` the time over that of its slowest term.
+fn taken_up(x: f64) -> f64 {
+    use std::f64::consts::PI;
+    if x < EARLY {
+        return 4.0 * (x.max(0.0) / PI.powi(3)).sqrt();
+    }
+    let term = |n: usize| {
+        let square = ((2 * n + 1) * (2 * n + 1)) as f64;
+        8.0 / (square * PI * PI) * (-square * x).exp()
+    };
+    1.0 - (0..TERMS).map(term).sum::<f64>()
+}
+
+/// Time up to which uptake goes with the root of time to 1e-8, and terms that are enough from there on.
+const EARLY: f64 = 0.15;
+const TERMS: usize = 5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_approach_goes_from_nothing_to_the_whole() {
+        for form in 0..APPROACHES.len() {
+            assert_eq!(approached(form, 0.0), 0.0);
+            assert!((approached(form, 40.0) - 1.0).abs() < 1e-12);
+            let ways: Vec<f64> = (0..400).map(|k| approached(form, 0.02 * f64::from(k))).collect();
+            assert!(ways.windows(2).all(|pair| pair[0] < pair[1]), "{form}");
+        }
+    }
+
+    #[test]
+    fn uptake_passes_smoothly_from_its_early_to_its_late_law() {
+        let (before, after) = (taken_up(EARLY - 1e-12), taken_up(EARLY));
+        assert!((before - after).abs() < 1e-7, "{before} {after}");
+        // Half is taken up after D t/h^2 = 0.04919 (Crank 1975).
+        let half = taken_up(0.04919 * std::f64::consts::PI.powi(2));
+        assert!((half - 0.5).abs() < 1e-4, "{half}");
+    }
+}

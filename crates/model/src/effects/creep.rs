@@ -12,14 +12,14 @@ static ABOUT: About = About {
     code: "M9",
     class: Class::Relaxation,
     summary: "logarithmic, not recovered",
-    equation: "kappa -> kappa + c ln(1 + t/t_0), times the sign of the first voltage in the odd form",
-    variants: &["even", "odd"],
+    equation: "kappa -> kappa + c ln(1 + t/t_0), of power: kappa + 3 c ((1 + t/t_0)^(1/3) - 1), times the sign of the first voltage in the odd forms",
+    variants: &["even", "odd", "power-even", "power-odd"],
     parameters: &[
         EffectParameter {
             key: "creep_per_cm",
             symbol: "c",
             unit: "1/cm",
-            meaning: "curvature per e-fold of time",
+            meaning: "curvature per e-fold of time, of power at first",
         },
         EffectParameter {
             key: "onset_s",
@@ -37,7 +37,7 @@ static ABOUT: About = About {
         "partial-relaxation",
     ],
     separated_by: "reversed polarity for the even form; a long recovery with pictures before and after",
-    sources: "logarithmic creep of glassy polymers",
+    sources: "logarithmic creep of glassy polymers; the cube root of time (Andrade 1910)",
 };
 
 /// 1, -1, or 0 for no voltage.
@@ -50,7 +50,7 @@ impl Effect for Creep {
         &ABOUT
     }
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
         if scale.curvature_per_cm == 0.0 {
             return Search::none();
         }
@@ -59,26 +59,26 @@ impl Effect for Creep {
             Limits::linear(-most, most),
             Limits::logarithmic(0.1, scale.longest_s().max(1.0)),
         ];
-        Search::over(
-            0.01 * most,
-            limits,
-            &[vec![0.3, 3.0, 30.0]
-                .into_iter()
-                .filter(|t| *t < scale.longest_s().max(1.0))
-                .collect()],
-        )
+        let onsets_s: &[f64] = if variant < 2 { &[0.3, 3.0, 30.0] } else { &[1.0] };
+        let longest_s = scale.longest_s().max(1.0);
+        let onsets_s = onsets_s.iter().copied().filter(|t| *t < longest_s);
+        Search::over(0.01 * most, limits, &[onsets_s.collect()])
     }
 
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
-        let along = if variant == 0 {
+        let along = if variant % 2 == 0 {
             1.0
         } else {
             sign(run.first_voltage_v())
         };
         let [creep, onset_s] = [along * parameters[0], parameters[1]];
+        let crept = move |x: f64| match variant {
+            0 | 1 => x.ln_1p(),
+            _ => 3.0 * ((1.0 + x).cbrt() - 1.0),
+        };
         system
             .observations
-            .push(read_as(move |t, kappa| kappa + creep * (t / onset_s).ln_1p()));
+            .push(read_as(move |t, kappa| kappa + creep * crept(t / onset_s)));
     }
 }
 
@@ -97,5 +97,8 @@ mod tests {
         assert!((more(0, -2.0) - 0.01).abs() < 1e-12);
         assert!((more(1, -2.0) + 0.01).abs() < 1e-12);
         assert!(more(1, 0.0).abs() < 1e-12);
+        let of_power = 0.03 * ((1.0_f64.exp()).cbrt() - 1.0);
+        assert!((more(2, -2.0) - of_power).abs() < 1e-12);
+        assert!((more(3, -2.0) + of_power).abs() < 1e-12);
     }
 }

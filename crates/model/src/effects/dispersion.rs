@@ -1,5 +1,6 @@
 //! Time constants spread over many pores: constant-phase behaviour.
 
+use super::fractional_relaxation::spectrum_of;
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
@@ -11,8 +12,8 @@ static ABOUT: About = About {
     code: "E4",
     class: Class::Charging,
     summary: "constant-phase behaviour, a spread of time constants",
-    equation: "branch k becomes many with ln tau normal around ln tau_k, standard deviation g; the same C_k in all",
-    variants: &["branch-1", "branch-2", "both"],
+    equation: "branch k becomes many with ln tau normal around ln tau_k, of power as in q(p) = C_k v(p)/(1 + (p tau_k)^b), standard deviation g = pi sqrt((1/b^2 - 1)/3); the same C_k in all",
+    variants: &["branch-1", "branch-2", "both", "power-branch-1", "power-branch-2"],
     parameters: &[EffectParameter {
         key: "log_spread",
         symbol: "g",
@@ -29,7 +30,7 @@ static ABOUT: About = About {
         "asymmetric-capacitance",
     ],
     separated_by: "half the voltage against a capacitance that depends on it; a pulse train against drift; a four-wire measurement against a contact",
-    sources: "constant-phase elements of porous electrodes; hermite quadrature of the normal distribution",
+    sources: "constant-phase elements of porous electrodes; hermite quadrature of the normal distribution; Cole and Cole 1941",
 };
 
 /// Nodes, not negative, and weights of the quadrature of the standard normal distribution that is exact up to degree 17.
@@ -41,16 +42,26 @@ const NODES: [(f64, f64); 5] = [
     (4.512_745_863_399_783, 2.234_584_400_774_657e-5),
 ];
 
+/// Bins to either side of the middle one of a spread by a power law.
+const SIDE: usize = 8;
+
+/// Logarithms of time constants and shares of the spread by a power law with that standard deviation.
+fn power_law(spread: f64) -> Vec<(f64, f64)> {
+    let order = 1.0 / (1.0 + 3.0 * (spread / std::f64::consts::PI).powi(2)).sqrt();
+    spectrum_of(order, SIDE)
+}
+
 impl Effect for Dispersion {
     fn about(&self) -> &'static About {
         &ABOUT
     }
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if variant > 0 && scale.base.branches.len() < 2 {
+        if !matches!(variant, 0 | 3) && scale.base.branches.len() < 2 {
             return Search::none();
         }
-        Search::over(0.1, vec![Limits::linear(0.0, 1.2)], &[])
+        let small = if variant < 3 { 0.1 } else { 0.3 };
+        Search::over(small, vec![Limits::linear(0.0, 1.2)], &[])
     }
 
     fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
@@ -58,24 +69,25 @@ impl Effect for Dispersion {
         let chosen = |branch: &BranchLaw| {
             matches!(
                 (variant, branch.of_base),
-                (0, Some(0)) | (1, Some(1)) | (2, Some(_))
+                (0 | 3, Some(0)) | (1 | 4, Some(1)) | (2, Some(_))
             )
         };
-        let nodes: Vec<(f64, f64)> = NODES
-            .iter()
-            .flat_map(|&(x, w)| {
-                if x == 0.0 {
-                    vec![(x, w)]
-                } else {
-                    vec![(x, w), (-x, w)]
-                }
-            })
-            .collect();
+        if spread <= 0.0 {
+            return;
+        }
+        let both = |&(x, w): &(f64, f64)| match x {
+            0.0 => vec![(0.0, w)],
+            _ => vec![(spread * x, w), (-spread * x, w)],
+        };
+        let nodes: Vec<(f64, f64)> = match variant {
+            0..=2 => NODES.iter().flat_map(both).collect(),
+            _ => power_law(spread),
+        };
         let shares = |branch: &BranchLaw| -> Vec<BranchLaw> {
-            if chosen(branch) && spread > 0.0 {
+            if chosen(branch) {
                 nodes
                     .iter()
-                    .map(|&(x, part)| branch.share(part, (spread * x).exp()))
+                    .map(|&(away, part)| branch.share(part, away.exp()))
                     .collect()
             } else {
                 vec![*branch]
@@ -88,6 +100,20 @@ impl Effect for Dispersion {
 #[cfg(test)]
 mod tests {
     use super::super::tests::respond;
+
+    /// Of order one half the charge after a step is C v (1 - e^x erfc(sqrt x)), x = t/tau.
+    #[test]
+    fn a_power_law_charges_as_a_mittag_leffler_function() {
+        let spread = std::f64::consts::PI;
+        let shares = super::power_law(spread);
+        let total: f64 = shares.iter().map(|(_, part)| part).sum();
+        assert!((total - 1.0).abs() < 1e-12);
+        for x in [0.03_f64, 0.1, 0.3, 1.0, 3.0, 10.0] {
+            let left: f64 = shares.iter().map(|(u, w)| w * (-x / u.exp()).exp()).sum();
+            let exact = x.exp() * statrs::function::erf::erfc(x.sqrt());
+            assert!((left - exact).abs() < 5e-3, "{x}: {left} {exact}");
+        }
+    }
 
     #[test]
     fn shares_add_up_and_the_first_current_is_known() {

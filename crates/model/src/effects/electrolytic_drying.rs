@@ -12,8 +12,8 @@ static ABOUT: About = About {
     code: "N5",
     class: Class::Drift,
     summary: "leak charge consumes water, R grows",
-    equation: "R_k -> R_k (1 + k INT |u|/R_ss dt where |u| > E_on)",
-    variants: &[],
+    equation: "R_k -> R_k (1 + k INT j dt); jump: j = |u|/R_ss where |u| > E_on; ramp: j = (|u| - E_on)/R_ss there",
+    variants: &["jump", "ramp"],
     parameters: &[
         EffectParameter {
             key: "growth_cm2_per_c",
@@ -40,30 +40,33 @@ impl Effect for ElectrolyticDrying {
         &ABOUT
     }
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
         let (volts, longest_s) = (scale.voltage_v, scale.longest_s());
         let leaked = volts / scale.base.steady_state_resistance_ohm_cm2 * longest_s;
         if leaked <= 0.0 {
             return Search::none();
         }
         let limits = vec![
-            Limits::linear(0.0, 3.0 / leaked),
+            Limits::linear(0.0, if variant == 0 { 3.0 } else { 10.0 } / leaked),
             Limits::linear(0.05 * volts, volts),
         ];
-        Search::over(
-            0.05 / leaked,
-            limits,
-            &[[0.3, 0.5, 0.7, 0.9].map(|part| part * volts).to_vec()],
-        )
+        let onsets: &[f64] = if variant == 0 {
+            &[0.3, 0.5, 0.7, 0.9]
+        } else {
+            &[0.4, 0.75]
+        };
+        let onsets = onsets.iter().map(|part| part * volts).collect();
+        Search::over(0.05 / leaked, limits, &[onsets])
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         let [growth, onset_v] = [parameters[0], parameters[1]];
         let leak = move |now: &Now| {
-            if now.terminal_v.abs() > onset_v {
-                now.steady_a_per_cm2.abs()
-            } else {
-                0.0
+            let volts = now.terminal_v.abs();
+            match (volts > onset_v, variant) {
+                (false, _) => 0.0,
+                (true, 0) => now.steady_a_per_cm2.abs(),
+                (true, _) => now.steady_a_per_cm2.abs() * (1.0 - onset_v / volts),
             }
         };
         system
@@ -81,14 +84,12 @@ mod tests {
     #[test]
     fn an_edge_meets_what_has_leaked_above_the_onset() {
         let levels = [(0.0, Some(0.9)), (100.0, Some(2.0)), (150.0, Some(0.0))];
-        let found = respond(
-            &[("electrolytic-drying", 0, &[0.6, 1.0])],
-            &levels,
-            &[150.0 - 1e-7, 150.0],
-            &[],
-        );
-        let factor = 1.0 + 0.6 * 50.0 * 2.0 / 300.0;
-        let jump = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / factor + 1.0 / 300.0);
-        assert!(((found.current_a[0] - found.current_a[1]) / jump - 1.0).abs() < 1e-6);
+        for (variant, volts) in [2.0, 2.0 - 1.0].into_iter().enumerate() {
+            let effect = ("electrolytic-drying", variant, [0.6, 1.0].as_slice());
+            let found = respond(&[effect], &levels, &[150.0 - 1e-7, 150.0], &[]);
+            let factor = 1.0 + 0.6 * 50.0 * volts / 300.0;
+            let jump = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / factor + 1.0 / 300.0);
+            assert!(((found.current_a[0] - found.current_a[1]) / jump - 1.0).abs() < 1e-6);
+        }
     }
 }

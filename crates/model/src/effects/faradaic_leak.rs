@@ -11,8 +11,8 @@ static ABOUT: About = About {
     code: "E8",
     class: Class::Leak,
     summary: "electrolysis current above an onset voltage; does not bend the strip",
-    equation: "i_F = i_0 (e^((|w| - E_on)/s) - 1) where |w| > E_on, else 0, along its tangent beyond e^16; w the voltage of the terminals or of branch 2's capacitor",
-    variants: &["terminal", "capacitor"],
+    equation: "i_F = i_0 (e^x - 1) where x > 0, else 0, along its tangent beyond e^16, x = (|w| - E_on)/s; soft: i_0 ln(1 + e^x); limited: i_0/(1 + e^-x), both less what they are at w = 0; w the voltage of the terminals or of branch 2's capacitor, in the last two forms of the terminals",
+    variants: &["terminal", "capacitor", "soft", "limited"],
     parameters: &[
         EffectParameter {
             key: "leak_current_a_per_cm2",
@@ -30,7 +30,7 @@ static ABOUT: About = About {
             key: "slope_v",
             symbol: "s",
             unit: "V",
-            meaning: "voltage by which the current grows e-fold",
+            meaning: "voltage by which the current grows e-fold; width of the onset of the last two forms",
         },
     ],
     vanishes: "i_0 = 0",
@@ -42,7 +42,7 @@ static ABOUT: About = About {
         "current-offset",
     ],
     separated_by: "four or more voltages around the onset, a discharge, or a repeat at low humidity",
-    sources: "Tafel's law; water's window of 1.23 V; Sci. Rep. 2020 on leakage tails of supercapacitors",
+    sources: "Tafel's law; a limiting current; water's window of 1.23 V; Sci. Rep. 2020 on leakage tails of supercapacitors",
 };
 
 /// From this exponent on the current grows along its tangent: e^16 is past any current that a source gives. A plateau would
@@ -59,6 +59,15 @@ fn growth(above: f64) -> f64 {
     steep.exp_m1() + (above.min(MOST) - steep) * steep.exp()
 }
 
+/// Current over its scale of the forms that do not begin at the onset, so many slopes above it.
+fn gradual(variant: usize, above: f64) -> f64 {
+    let above = above.min(MOST);
+    match variant {
+        2 => above.max(0.0) + (-above.abs()).exp().ln_1p(),
+        _ => 1.0 / (1.0 + (-above).exp()),
+    }
+}
+
 struct Leak {
     variant: usize,
     i0: f64,
@@ -68,7 +77,7 @@ struct Leak {
 
 impl Law for Leak {
     fn act(&self, now: &Now, _memory: f64, c: &mut Coefficients) {
-        let w = if self.variant == 0 {
+        let w = if self.variant != 1 {
             now.terminal_v
         } else {
             now.capacitor_v
@@ -78,7 +87,10 @@ impl Law for Leak {
                 .unwrap_or(0.0)
         };
         let above = (w.abs() - self.onset_v) / self.slope_v;
-        if above > 0.0 {
+        if self.variant > 1 {
+            let at_rest = gradual(self.variant, -self.onset_v / self.slope_v);
+            c.leak_a_per_cm2 += self.i0 * (gradual(self.variant, above) - at_rest).copysign(w);
+        } else if above > 0.0 {
             c.leak_a_per_cm2 += (self.i0 * growth(above)).copysign(w) * self.i0.signum();
         }
     }
@@ -89,17 +101,18 @@ impl Effect for FaradaicLeak {
         &ABOUT
     }
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
         let volts = scale.voltage_v;
         if volts <= 0.0 {
             return Search::none();
         }
         let density = scale.current_a / scale.area_cm2;
-        let onsets: Vec<f64> = [0.25, 0.45, 0.6, 0.75, 0.88]
-            .iter()
-            .map(|part| part * volts)
-            .collect();
-        let slopes = vec![0.1, 0.3];
+        let (onsets, slopes): (&[f64], &[f64]) = match variant {
+            0 | 1 => (&[0.25, 0.45, 0.6, 0.75, 0.88], &[0.1, 0.3]),
+            _ => (&[0.4, 0.75], &[0.15]),
+        };
+        let onsets: Vec<f64> = onsets.iter().map(|part| part * volts).collect();
+        let slopes = slopes.to_vec();
         let limits = vec![
             Limits::logarithmic(1e-8 * density, 100.0 * density),
             Limits::linear(0.05 * volts, volts),
@@ -110,7 +123,12 @@ impl Effect for FaradaicLeak {
             .probes
             .retain(|probe| (volts - probe[1]) / probe[2] < STEEP);
         for probe in &mut search.probes {
-            let most = growth((volts - probe[1]) / probe[2]);
+            let above = (volts - probe[1]) / probe[2];
+            let most = if variant < 2 {
+                growth(above)
+            } else {
+                gradual(variant, above)
+            };
             probe[0] = 0.01 * density / most;
         }
         search
@@ -129,6 +147,25 @@ impl Effect for FaradaicLeak {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gradual_onsets_are_known_at_and_far_above_their_onset() {
+        use super::super::tests::respond;
+        assert!((gradual(2, 0.0) - 2.0_f64.ln()).abs() < 1e-15 && (gradual(3, 0.0) - 0.5).abs() < 1e-15);
+        let (i0, levels) = (1e-3, [(0.0, Some(-2.0))]);
+        let more = |variant| {
+            let with = respond(
+                &[("faradaic-leak", variant, &[i0, 1.2, 0.02])],
+                &levels,
+                &[100.0],
+                &[],
+            );
+            let with = with.current_a[0];
+            with - respond(&[], &levels, &[100.0], &[]).current_a[0]
+        };
+        assert!((more(2) + 0.1 * i0 * 0.8 / 0.02).abs() < 1e-9);
+        assert!((more(3) + 0.1 * i0).abs() < 1e-9);
+    }
 
     #[test]
     fn beyond_what_a_source_gives_the_current_goes_on_along_its_tangent() {

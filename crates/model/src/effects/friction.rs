@@ -11,8 +11,8 @@ static ABOUT: About = About {
     code: "M8",
     class: Class::Motion,
     summary: "dead zone, stick",
-    equation: "kappa follows kappa_q at a distance of at most w (play operator)",
-    variants: &[],
+    equation: "play: kappa follows kappa_q at a distance of at most w (play operator); spread: the mean of plays with w/4, 3w/4, 5w/4 and 7w/4",
+    variants: &["play", "spread"],
     parameters: &[EffectParameter {
         key: "width_per_cm",
         symbol: "w",
@@ -79,6 +79,31 @@ impl Observation for Play {
     }
 }
 
+/// Widths of the plays of a contact that gives way bit by bit, in terms of their mean.
+const SPREAD: [f64; 4] = [0.25, 0.75, 1.25, 1.75];
+
+/// The mean of several plays.
+struct Plays(Vec<Play>);
+
+impl Observation for Plays {
+    fn observe(&self, clock_s: &[f64], curvature_per_cm: &mut [f64]) {
+        if let [only] = self.0.as_slice() {
+            return only.observe(clock_s, curvature_per_cm);
+        }
+        let own = curvature_per_cm.to_vec();
+        curvature_per_cm.fill(0.0);
+        for play in &self.0 {
+            let mut seen = own.clone();
+            play.observe(clock_s, &mut seen);
+            let share = 1.0 / self.0.len() as f64;
+            curvature_per_cm
+                .iter_mut()
+                .zip(seen)
+                .for_each(|(sum, seen)| *sum += share * seen);
+        }
+    }
+}
+
 impl Effect for Friction {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -95,17 +120,18 @@ impl Effect for Friction {
         )
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
         let start_s = run.start_s();
-        system.observations.push(Box::new(Play {
-            width: parameters[0].max(0.0),
-            edges_s: run
-                .drive
-                .segments
-                .iter()
-                .map(|segment| segment.start_s - start_s)
-                .collect(),
-        }));
+        let widths: &[f64] = if variant == 0 { &[1.0] } else { &SPREAD };
+        let segments = run.drive.segments.iter();
+        let edges_s: Vec<f64> = segments.map(|segment| segment.start_s - start_s).collect();
+        let play = |part: &f64| Play {
+            width: part * parameters[0].max(0.0),
+            edges_s: edges_s.clone(),
+        };
+        system
+            .observations
+            .push(Box::new(Plays(widths.iter().map(play).collect())));
     }
 }
 
@@ -125,6 +151,19 @@ mod tests {
         assert_eq!(kappa[..4], [0.0, 0.0, 0.8, 0.8]);
         assert!((0.6..=0.7).contains(&turned), "{turned}");
         assert!((last - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn of_many_plays_the_narrow_ones_move_first() {
+        let play = |part: &f64| Play {
+            width: 0.4 * part,
+            edges_s: vec![0.0],
+        };
+        let plays = super::Plays(super::SPREAD.iter().map(play).collect());
+        let mut kappa = vec![0.0, 0.1, 0.4, 2.0];
+        plays.observe(&[0.0, 1.0, 2.0, 3.0], &mut kappa);
+        assert!((kappa[1] - 0.0).abs() < 1e-12 && (kappa[3] - 1.6).abs() < 1e-12);
+        assert!((kappa[2] - (0.3 + 0.1) / 4.0).abs() < 1e-12, "{kappa:?}");
     }
 
     #[test]

@@ -11,8 +11,8 @@ static ABOUT: About = About {
     code: "N1",
     class: Class::Drift,
     summary: "R falls with dissipated heat",
-    equation: "theta' = i u - theta/tau (per cm2), R_k = R_k0 e^(-h theta)",
-    variants: &[],
+    equation: "theta' = i u - theta/tau (per cm2), R_k = R_k0 e^(-h theta), of both lambda = lambda_0 e^(h theta) too",
+    variants: &["resistance", "both"],
     parameters: &[
         EffectParameter {
             key: "softening_cm2_per_j",
@@ -45,6 +45,7 @@ const MOST_CM2_PER_J: f64 = 2.5;
 struct Heat {
     per_j: f64,
     time_s: f64,
+    quickens_relaxation: bool,
 }
 
 impl Law for Heat {
@@ -60,6 +61,9 @@ impl Law for Heat {
     fn act(&self, _now: &Now, heat: f64, c: &mut Coefficients) {
         let factor = (-self.per_j * heat).clamp(-3.0, 3.0).exp();
         c.resistance_ohm_cm2.iter_mut().for_each(|r| *r *= factor);
+        if self.quickens_relaxation {
+            c.relaxation_factor /= factor;
+        }
     }
 }
 
@@ -68,28 +72,57 @@ impl Effect for JouleHeating {
         &ABOUT
     }
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
+        let relaxes = scale.curvature_per_cm > 0.0 && scale.base.relaxation_rate_per_s > 0.0;
+        if variant == 1 && !relaxes {
+            return Search::none();
+        }
         let energy = scale.charge_c * scale.voltage_v / scale.area_cm2;
         if energy <= 0.0 {
             return Search::none();
         }
         let most = (2.0 / energy).min(MOST_CM2_PER_J);
         let limits = vec![Limits::linear(0.0, most), Limits::logarithmic(3.0, 100.0)];
-        Search::over(0.01 * most, limits, &[vec![8.0, 20.0, 50.0]])
+        let times_s = if variant == 0 {
+            vec![8.0, 20.0, 50.0]
+        } else {
+            vec![12.0, 40.0]
+        };
+        Search::over(0.01 * most, limits, &[times_s])
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         system.laws.push(Box::new(Heat {
             per_j: parameters[0],
             time_s: parameters[1],
+            quickens_relaxation: variant == 1,
         }));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::scale;
+    use super::super::tests::{respond, scale};
     use super::*;
+
+    /// Heat that never leaves is the energy put in; a late step relaxes faster by what it did.
+    #[test]
+    fn heat_quickens_the_relaxation_where_it_is_said_to() {
+        let levels = [(0.0, Some(2.0))];
+        let rate = |variant| {
+            let effect = ("joule-heating", variant, [0.4, 1e9].as_slice());
+            let kappa = respond(&[effect], &levels, &[], &[300.0, 300.5]).curvature_per_cm;
+            (kappa[0] / kappa[1]).ln() / 0.5
+        };
+        // Charging 0.7 F/cm2 takes C V^2, the leak V^2/R_ss.
+        let energy: f64 = 4.0 * (0.7 + 300.25 / 300.0);
+        assert!((rate(0) / 0.012 - 1.0).abs() < 1e-3, "{}", rate(0));
+        assert!(
+            (rate(1) / (0.012 * (0.4 * energy).exp()) - 1.0).abs() < 0.01,
+            "{}",
+            rate(1)
+        );
+    }
 
     /// A capacitor of 100 uF at 5 V takes 2.5 mJ: it cannot warm anything by what a fit would ask for.
     #[test]

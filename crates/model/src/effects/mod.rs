@@ -7,18 +7,24 @@ mod about;
 mod acting;
 mod ambient_temperature;
 mod asymmetric_capacitance;
+mod bending_event;
 mod camera_delay;
 mod camera_zero;
 mod clock_rate;
+mod constant_phase;
 mod contact_break;
 mod counter_flow;
 mod coupling_saturation;
 mod creep;
+mod current_event;
 mod current_limit;
 mod current_offset;
+mod curvature_limit;
 mod diffusion_limited_leak;
 mod dispersion;
 mod electrolytic_drying;
+mod even_bending;
+mod event;
 mod exposure_smoothing;
 mod faradaic_leak;
 mod fast_branch;
@@ -32,8 +38,11 @@ mod mechanical_lag;
 mod modulus_drift;
 mod moisture_bending;
 mod noncircular_shape;
+mod parameter_wander;
 mod partial_relaxation;
 mod piezoresistive_electrode;
+mod polarity_coupling;
+mod polarity_memory;
 mod precurvature;
 mod quadratic_coupling;
 mod redox_peak;
@@ -113,6 +122,9 @@ pub static ALL: &[&dyn Effect] = &[
     &residual_charge::ResidualCharge,
     &redox_peak::RedoxPeak,
     &contact_break::ContactBreak,
+    &constant_phase::ConstantPhase,
+    &polarity_memory::PolarityMemory,
+    &current_event::CurrentEvent,
     &partial_relaxation::PartialRelaxation,
     &second_relaxation::SecondRelaxation,
     &fractional_relaxation::FractionalRelaxation,
@@ -131,18 +143,23 @@ pub static ALL: &[&dyn Effect] = &[
     &threshold_relaxation::ThresholdRelaxation,
     &sensing_feedback::SensingFeedback,
     &lengthwise_resistance::LengthwiseResistance,
+    &polarity_coupling::PolarityCoupling,
+    &even_bending::EvenBending,
     &joule_heating::JouleHeating,
     &water_redistribution::WaterRedistribution,
     &water_exchange::WaterExchange,
     &moisture_bending::MoistureBending,
     &electrolytic_drying::ElectrolyticDrying,
     &ambient_temperature::AmbientTemperature,
+    &parameter_wander::ParameterWander,
     &camera_zero::CameraZero,
     &camera_delay::CameraDelay,
     &clock_rate::ClockRate,
     &tip_formula::TipFormula,
     &exposure_smoothing::ExposureSmoothing,
     &noncircular_shape::NoncircularShape,
+    &curvature_limit::CurvatureLimit,
+    &bending_event::BendingEvent,
 ];
 
 /// The effect of that id: one of the list, or one that follows a tag.

@@ -1,6 +1,6 @@
 //! One side wetter than the other: the strip bends by itself.
 
-use super::acting::read_as;
+use super::acting::{APPROACHES, approached, read_as};
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
@@ -12,8 +12,8 @@ static ABOUT: About = About {
     code: "N4",
     class: Class::Relaxation,
     summary: "one side wetter: baseline bends by itself",
-    equation: "kappa -> kappa + k (1 - e^(-t/tau)), t the time since the start of the drive",
-    variants: &[],
+    equation: "kappa -> kappa + k g(t/tau), t the time since the start of the drive; exponential: g = 1 - e^-x; diffusive: g = 1 - SUM 8/((2n+1)^2 pi^2) e^(-(2n+1)^2 x); delayed: g = 1 - (1 + x) e^-x",
+    variants: &APPROACHES,
     parameters: &[
         EffectParameter {
             key: "bending_per_cm",
@@ -38,7 +38,7 @@ static ABOUT: About = About {
         "camera-zero",
     ],
     separated_by: "reversed polarity; readings before the drive for a quarter of the run",
-    sources: "hygroscopic bending of laminates",
+    sources: "hygroscopic bending of laminates; uptake of a sheet (Crank 1975)",
 };
 
 impl Effect for MoistureBending {
@@ -46,7 +46,7 @@ impl Effect for MoistureBending {
         &ABOUT
     }
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
         if scale.curvature_per_cm == 0.0 {
             return Search::none();
         }
@@ -56,14 +56,18 @@ impl Effect for MoistureBending {
             Limits::linear(-most, most),
             Limits::logarithmic(longest_s / 100.0, 5.0 * longest_s),
         ];
-        Search::over(0.01 * most, limits, &[scale.times_s(0.03, 2.0, 4)])
+        let times_s = match variant {
+            0 => scale.times_s(0.03, 2.0, 4),
+            _ => scale.times_s(0.06, 0.6, 2),
+        };
+        Search::over(0.01 * most, limits, &[times_s])
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         let [bending, time_s] = [parameters[0], parameters[1]];
-        system
-            .observations
-            .push(read_as(move |t, kappa| kappa - bending * (-t / time_s).exp_m1()));
+        system.observations.push(read_as(move |t, kappa| {
+            kappa + bending * approached(variant, t / time_s)
+        }));
     }
 }
 
@@ -73,12 +77,12 @@ mod tests {
 
     #[test]
     fn without_a_drive_it_bends_alone() {
-        let found = respond(
-            &[("moisture-bending", 0, &[0.05, 20.0])],
-            &[(0.0, Some(0.0))],
-            &[],
-            &[20.0],
-        );
-        assert!((found.curvature_per_cm[0] + 0.05 * (-1.0_f64).exp_m1()).abs() < 1e-12);
+        let of = |variant, t| {
+            let effect = ("moisture-bending", variant, [0.05, 20.0].as_slice());
+            respond(&[effect], &[(0.0, Some(0.0))], &[], &[t]).curvature_per_cm[0]
+        };
+        assert!((of(0, 20.0) + 0.05 * (-1.0_f64).exp_m1()).abs() < 1e-12);
+        assert!((of(1, 1.0) - 0.05 * 4.0 * (0.05 / std::f64::consts::PI.powi(3)).sqrt()).abs() < 1e-12);
+        assert!((of(2, 20.0) - 0.05 * (1.0 - 2.0 * (-1.0_f64).exp())).abs() < 1e-12);
     }
 }

@@ -12,8 +12,8 @@ static ABOUT: About = About {
     code: "G6",
     class: Class::Frame,
     summary: "curvature fitted to a shape that is no arc",
-    equation: "kappa -> kappa (1 + c |kappa|)",
-    variants: &[],
+    equation: "kappa -> kappa (1 + c |kappa|), of one-sided kappa (1 + c kappa)",
+    variants: &["both-sides", "one-sided"],
     parameters: &[EffectParameter {
         key: "bias_cm",
         symbol: "c",
@@ -46,10 +46,11 @@ impl Effect for NoncircularShape {
         )
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         let bias_cm = parameters[0];
         system.observations.push(read_as(move |_, kappa| {
-            kappa * (1.0 + bias_cm * kappa.abs()).max(LEAST)
+            let bent = if variant == 0 { kappa.abs() } else { kappa };
+            kappa * (1.0 + bias_cm * bent).max(LEAST)
         }));
     }
 }
@@ -59,13 +60,15 @@ mod tests {
     use super::super::tests::respond;
 
     #[test]
-    fn error_is_even_in_the_curvature() {
+    fn error_is_even_in_the_curvature_or_odd() {
         for v in [2.0, -2.0] {
             let levels = [(0.0, Some(v))];
-            let with =
-                respond(&[("noncircular-shape", 0, &[0.5])], &levels, &[], &[20.0]).curvature_per_cm[0];
             let own = respond(&[], &levels, &[], &[20.0]).curvature_per_cm[0];
-            assert!((with / own - 1.0 - 0.5 * own.abs()).abs() < 1e-12);
+            for (variant, bent) in [own.abs(), own].into_iter().enumerate() {
+                let effect = ("noncircular-shape", variant, [0.5].as_slice());
+                let with = respond(&[effect], &levels, &[], &[20.0]).curvature_per_cm[0];
+                assert!((with / own - 1.0 - 0.5 * bent).abs() < 1e-12);
+            }
         }
     }
 }

@@ -12,8 +12,8 @@ static ABOUT: About = About {
     code: "E12",
     class: Class::Contact,
     summary: "R changes with curvature",
-    equation: "R_k -> R_k (1 + g kappa)",
-    variants: &[],
+    equation: "R_k -> R_k (1 + g kappa), of even R_k (1 + g |kappa|)",
+    variants: &["odd", "even"],
     parameters: &[EffectParameter {
         key: "gauge_cm",
         symbol: "g",
@@ -21,7 +21,7 @@ static ABOUT: About = About {
         meaning: "relative change of the resistances per curvature",
     }],
     vanishes: "g = 0",
-    signature: "odd in the voltage; the current follows the bending, its relaxation too",
+    signature: "odd in the voltage, or even; the current follows the bending, its relaxation too",
     twins: &["joule-heating", "water-redistribution", "asymmetric-capacitance"],
     separated_by: "reversed polarity, or a strip that is held straight",
     sources: "strain gauges; models of metal electrodes under bending",
@@ -40,10 +40,11 @@ impl Effect for PiezoresistiveElectrode {
         Search::over(0.03 * most, vec![Limits::linear(-most, most)], &[])
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         let gauge_cm = parameters[0];
         system.laws.push(instant(move |now, c| {
-            scale_resistances(c, 1.0 + gauge_cm * now.curvature_per_cm)
+            let kappa = now.curvature_per_cm;
+            scale_resistances(c, 1.0 + gauge_cm * if variant == 0 { kappa } else { kappa.abs() })
         }));
     }
 }
@@ -54,16 +55,14 @@ mod tests {
 
     #[test]
     fn an_edge_meets_the_resistance_of_the_bent_strip() {
-        let levels = [(0.0, Some(2.0)), (100.0, Some(0.0))];
         let times = [100.0 - 1e-7, 100.0];
-        let found = respond(
-            &[("piezoresistive-electrode", 0, &[1.5])],
-            &levels,
-            &times,
-            &times,
-        );
-        let factor = 1.0 + 1.5 * found.curvature_per_cm[0];
-        let jump = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / factor + 1.0 / 300.0);
-        assert!((found.current_a[0] - found.current_a[1] - jump).abs() < 1e-7);
+        for (variant, volts) in [(0, 2.0), (1, 2.0), (1, -2.0)] {
+            let levels = [(0.0, Some(volts)), (100.0, Some(0.0))];
+            let effect = ("piezoresistive-electrode", variant, [1.5].as_slice());
+            let found = respond(&[effect], &levels, &times, &times);
+            let factor = 1.0 + 1.5 * found.curvature_per_cm[0].abs();
+            let jump = 0.1 * volts * ((1.0 / 3.0 + 1.0 / 15.0) / factor + 1.0 / 300.0);
+            assert!((found.current_a[0] - found.current_a[1] - jump).abs() < 1e-7);
+        }
     }
 }

@@ -12,8 +12,8 @@ static ABOUT: About = About {
     code: "E11",
     class: Class::Drift,
     summary: "R changes with clock time",
-    equation: "R_k -> R_k (1 + e t/T), T the time of the last reading",
-    variants: &[],
+    equation: "R_k -> R_k (1 + e t/T), of root R_k (1 + e sqrt(t/T)), T the time of the last reading",
+    variants: &["linear", "root"],
     parameters: &[EffectParameter {
         key: "drift_per_run",
         symbol: "e",
@@ -36,10 +36,18 @@ impl Effect for ResistanceDrift {
         Search::over(0.03, vec![Limits::linear(-0.8, 2.0)], &[])
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
-        let per_s = parameters[0] / run.duration_s.max(f64::MIN_POSITIVE);
+    fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
+        let [change, end_s] = [parameters[0], run.duration_s.max(f64::MIN_POSITIVE)];
+        let per_s = change / end_s;
         system.laws.push(instant(move |now, c| {
-            scale_resistances(c, 1.0 + per_s * now.clock_s.max(0.0))
+            let clock_s = now.clock_s.max(0.0);
+            scale_resistances(
+                c,
+                match variant {
+                    0 => 1.0 + per_s * clock_s,
+                    _ => 1.0 + change * (clock_s / end_s).sqrt(),
+                },
+            )
         }));
     }
 }
@@ -51,8 +59,11 @@ mod tests {
     #[test]
     fn a_late_step_meets_the_changed_resistance() {
         let late = [(0.0, Some(0.0)), (150.0, Some(2.0))];
-        let found = respond(&[("resistance-drift", 0, &[0.4])], &late, &[150.0], &[]);
-        let expected = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / 1.2 + 1.0 / 300.0);
-        assert!((found.current_a[0] / expected - 1.0).abs() < 1e-12);
+        for (variant, way) in [0.5, 0.5_f64.sqrt()].into_iter().enumerate() {
+            let found = respond(&[("resistance-drift", variant, &[0.4])], &late, &[150.0], &[]);
+            let factor = 1.0 + 0.4 * way;
+            let expected = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / factor + 1.0 / 300.0);
+            assert!((found.current_a[0] / expected - 1.0).abs() < 1e-12);
+        }
     }
 }

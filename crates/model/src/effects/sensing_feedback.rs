@@ -4,6 +4,9 @@ use super::acting::instant;
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
+/// No motion gives more, V: where another effect makes the loop run away, numbers stay finite.
+const MOST_V: f64 = 1e3;
+
 /// See the module.
 pub(super) struct SensingFeedback;
 
@@ -56,7 +59,7 @@ impl Effect for SensingFeedback {
             // The voltage moves the strip that makes it: solved for a voltage that agrees with itself.
             let loop_gain = per_rate * now.curvature_rate_per_cm_s_v;
             let own = now.curvature_rate_per_cm_s - now.curvature_rate_per_cm_s_v * now.emf_v;
-            c.emf_v += per_rate * own / (1.0 - loop_gain.min(0.9));
+            c.emf_v += (per_rate * own / (1.0 - loop_gain.min(0.9))).clamp(-MOST_V, MOST_V);
         }));
     }
 }

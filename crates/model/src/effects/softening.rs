@@ -12,8 +12,8 @@ static ABOUT: About = About {
     code: "M7",
     class: Class::Coupling,
     summary: "nonlinear in curvature (cubic)",
-    equation: "kappa (1 + b kappa^2) = kappa_q",
-    variants: &[],
+    equation: "cubic: kappa (1 + b kappa^2) = kappa_q; hyperbolic: sinh(a kappa)/a = kappa_q where b > 0, kappa = sinh(a kappa_q)/a where b < 0, a = sqrt(6 |b|)",
+    variants: &["cubic", "hyperbolic"],
     parameters: &[EffectParameter {
         key: "cubic_cm2",
         symbol: "b",
@@ -26,6 +26,18 @@ static ABOUT: About = About {
     separated_by: "b = L^2/3 is the tip formula: the length decides",
     sources: "finite bending of soft laminates",
 };
+
+/// The same law as far as the cubic term, which goes on with the exponential of the curvature.
+fn bent_hyperbolically(b: f64, k: f64) -> f64 {
+    let a = (6.0 * b.abs()).sqrt();
+    if a * k.abs() < 1e-6 {
+        k
+    } else if b > 0.0 {
+        (a * k).asinh() / a
+    } else {
+        (a * k).sinh() / a
+    }
+}
 
 /// Root of x (1 + b x^2) = k that goes to k with b; where a softening strip would fold, the fold.
 fn bent(b: f64, k: f64) -> f64 {
@@ -45,28 +57,40 @@ impl Effect for Softening {
         &ABOUT
     }
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
         if scale.curvature_per_cm == 0.0 {
             return Search::none();
         }
         let square = scale.curvature_per_cm * scale.curvature_per_cm;
-        Search::over(
-            0.01 / square,
-            vec![Limits::linear(-0.12 / square, 1.0 / square)],
-            &[],
-        )
+        // The forms part where the strip bends far.
+        let (small, most) = if variant == 0 { (0.01, 1.0) } else { (1.0, 3.0) };
+        let limits = vec![Limits::linear(-0.12 / square, most / square)];
+        Search::over(small / square, limits, &[])
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         let cubic = parameters[0];
+        let law = if variant == 0 { bent } else { bent_hyperbolically };
         system
             .observations
-            .push(read_as(move |_, kappa| bent(cubic, kappa)));
+            .push(read_as(move |_, kappa| law(cubic, kappa)));
     }
 }
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn both_forms_begin_alike_and_the_hyperbolic_one_is_solved() {
+        for b in [0.4, -0.4] {
+            let (cubic, other) = (super::bent(b, 0.05), super::bent_hyperbolically(b, 0.05));
+            assert!((cubic - 0.05 + b * 0.05_f64.powi(3)).abs() < 1e-5 * 0.05);
+            assert!((cubic - other).abs() < 1e-5 * 0.05, "{b}: {cubic} {other}");
+        }
+        let (x, a) = (super::bent_hyperbolically(1.5, 2.0), 3.0);
+        assert!(((a * x).sinh() / a - 2.0).abs() < 1e-12);
+        assert!((super::bent_hyperbolically(-1.5, x) - 2.0).abs() < 1e-12);
+    }
+
     #[test]
     fn cubic_is_solved_and_folds_at_its_top() {
         for (b, k) in [(0.4, 1.3), (-0.08, 0.9), (2.0, -0.7), (1e-20, 0.5)] {

@@ -176,7 +176,7 @@ fn every_effect_is_seen_at_its_probes() {
                 let apart = apart(&with, &respond(&[], &levels, &time_s, &time_s));
                 most = [most[0].max(apart[0]), most[1].max(apart[1])];
             }
-            if id != "contact-break" || probe[2] == 0.0 {
+            if effect.acts_in(probe, 0) {
                 if std::env::var_os("IEAP_SHOW").is_some() {
                     eprintln!(
                         "{id} {variant} {probe:.4?}: {:.2} % {:.2} %",
@@ -224,6 +224,91 @@ fn halving_all_steps_changes_little() {
         }
     }
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// Both channels under the drives, each in terms of the base's peak, at a part of the way between the strength's limits.
+fn stacked(
+    effect: &'static dyn Effect,
+    variant: usize,
+    search: &Search,
+    part: f64,
+    scale: &Scale,
+) -> Vec<f64> {
+    let time_s = times(200);
+    let parameters = between(search, part, 0.4);
+    let under = |levels: &Vec<(f64, Option<f64>)>| {
+        let found = of(effect, variant, &parameters, &drive(levels), &time_s);
+        let current = found.current_a.into_iter().map(|i| i / scale.current_a);
+        let curvature = found
+            .curvature_per_cm
+            .into_iter()
+            .map(|k| k / scale.curvature_per_cm);
+        current.chain(curvature).collect::<Vec<f64>>()
+    };
+    drives()[1..].iter().flat_map(under).collect()
+}
+
+/// A search from beside it finds the strength that the readings were made with.
+#[test]
+fn every_form_recovers_its_own_strength() {
+    const TRUE: f64 = 0.35;
+    let scale = scale();
+    let mut failed = Vec::new();
+    for (effect, variant, search) in forms() {
+        if search.limits[0].held {
+            continue;
+        }
+        let readings = stacked(effect, variant, &search, TRUE, &scale);
+        let left = |part: f64| -> Vec<f64> {
+            let found = stacked(effect, variant, &search, part, &scale);
+            found.iter().zip(&readings).map(|(a, b)| a - b).collect()
+        };
+        let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
+        let mut part = 0.31;
+        for _ in 0..12 {
+            let own = left(part);
+            let slope: Vec<f64> = left(part + 1e-5)
+                .iter()
+                .zip(&own)
+                .map(|(a, b)| (a - b) / 1e-5)
+                .collect();
+            let along: f64 = slope.iter().zip(&own).map(|(s, r)| s * r).sum();
+            let step = -along / square(&slope).max(f64::MIN_POSITIVE);
+            let tried = (0..8).map(|k| part + step * 0.5_f64.powi(k));
+            let better = tried.into_iter().find(|next| square(&left(*next)) < square(&own));
+            match better {
+                Some(next) if (next - part).abs() > 1e-7 => part = next,
+                _ => break,
+            }
+        }
+        if (part - TRUE).abs() > 1e-3 {
+            failed.push(format!("{} {variant}: {part} for {TRUE}", effect.about().id));
+        }
+    }
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// Every shape costs a simulation of the group in every diagnosis.
+#[test]
+fn few_shapes_are_asked_for() {
+    let scale = scale();
+    let runs = scale.durations_s.len();
+    let mut whole = 0.0;
+    for (effect, variant, search) in forms() {
+        // Shapes of one run cost a run.
+        let of_one = search.probes.iter().any(|probe| !effect.acts_in(probe, 0));
+        let shapes = search.probes.len() as f64 / if of_one { runs as f64 } else { 1.0 };
+        let id = effect.about().id;
+        if std::env::var_os("IEAP_SHOW").is_some() {
+            eprintln!(
+                "{id} {variant}: {} probes, {shapes} of a group",
+                search.probes.len()
+            );
+        }
+        assert!(shapes <= 10.0, "{id} {variant}: {shapes}");
+        whole += shapes;
+    }
+    assert!(whole <= 280.0, "{whole}");
 }
 
 #[test]
@@ -282,7 +367,7 @@ fn effects_stand_in_the_order_of_the_catalogue() {
         ("EMKNG".find(class).unwrap(), number.parse::<u32>().unwrap())
     };
     assert!(ALL.is_sorted_by_key(place));
-    assert_eq!(ALL.len(), 48);
+    assert_eq!(ALL.len(), 56);
 }
 
 proptest! {

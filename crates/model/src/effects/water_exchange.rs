@@ -1,6 +1,6 @@
 //! Resistances that follow the water taken from the air.
 
-use super::acting::{instant, scale_resistances};
+use super::acting::{APPROACHES, approached, instant, scale_resistances};
 use super::{About, Class, Effect, EffectParameter, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
@@ -12,8 +12,8 @@ static ABOUT: About = About {
     code: "N3",
     class: Class::Drift,
     summary: "R follows the water taken up from the air during the run",
-    equation: "R_k -> R_k (1 + c (1 - e^(-t/tau))), t the time since the start of the drive",
-    variants: &[],
+    equation: "R_k -> R_k (1 + c g(t/tau)), t the time since the start of the drive; exponential: g = 1 - e^-x; diffusive: g = 1 - SUM 8/((2n+1)^2 pi^2) e^(-(2n+1)^2 x); delayed: g = 1 - (1 + x) e^-x",
+    variants: &APPROACHES,
     parameters: &[
         EffectParameter {
             key: "change",
@@ -37,7 +37,7 @@ static ABOUT: About = About {
         "asymmetric-capacitance",
     ],
     separated_by: "a record of humidity or mass; idle time and a repeat",
-    sources: "sorption of water by ionomers (Majsztrik 2007; Hallinan and Elabd 2009)",
+    sources: "sorption of water by ionomers (Majsztrik 2007; Hallinan and Elabd 2009); uptake of a sheet (Crank 1975)",
 };
 
 /// Fastest exchange with the air: water crosses half of a strip of 0.1 mm by diffusion (1e-10 m2/s) in ten seconds. What
@@ -49,10 +49,13 @@ impl Effect for WaterExchange {
         &ABOUT
     }
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
         let longest_s = scale.longest_s();
         let low_s = (longest_s / 100.0).max(SHORTEST_S);
-        let mut times_s = scale.times_s(0.02, 2.0, 4);
+        let mut times_s = match variant {
+            0 => scale.times_s(0.02, 2.0, 4),
+            _ => scale.times_s(0.06, 0.6, 2),
+        };
         times_s.retain(|time_s| *time_s >= low_s);
         if times_s.is_empty() {
             return Search::none();
@@ -64,10 +67,13 @@ impl Effect for WaterExchange {
         Search::over(0.02, limits, &[times_s])
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
         let [change, time_s] = [parameters[0], parameters[1]];
         system.laws.push(instant(move |now, c| {
-            scale_resistances(c, 1.0 - change * (-now.clock_s.max(0.0) / time_s).exp_m1());
+            scale_resistances(
+                c,
+                1.0 + change * approached(variant, now.clock_s.max(0.0) / time_s),
+            );
         }));
     }
 }
@@ -96,8 +102,10 @@ mod tests {
     #[test]
     fn a_late_step_meets_the_changed_resistance() {
         let late = [(0.0, Some(0.0)), (150.0, Some(2.0))];
-        let found = respond(&[("water-exchange", 0, &[-0.3, 4.0])], &late, &[150.0], &[]);
-        let expected = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / 0.7 + 1.0 / 300.0);
-        assert!((found.current_a[0] / expected - 1.0).abs() < 1e-9);
+        for variant in 0..APPROACHES.len() {
+            let found = respond(&[("water-exchange", variant, &[-0.3, 4.0])], &late, &[150.0], &[]);
+            let expected = 0.1 * 2.0 * ((1.0 / 3.0 + 1.0 / 15.0) / 0.7 + 1.0 / 300.0);
+            assert!((found.current_a[0] / expected - 1.0).abs() < 1e-9);
+        }
     }
 }

@@ -54,6 +54,7 @@ impl Grid {
             .chain(&seen_s)
             .copied()
             .chain(edges.iter().copied().filter(|&t| t <= last_s))
+            .chain(ramp_ends(run, system).filter(|&t| t <= last_s))
             .collect();
         // Stable, for it goes along stretches that are sorted already.
         time_s.sort_by(f64::total_cmp);
@@ -94,7 +95,13 @@ impl Grid {
     }
 }
 
-/// Times at which laws jump, within those of the run.
+/// Times at which a source that ramps reaches its level.
+fn ramp_ends(run: &RunContext, system: &System) -> impl Iterator<Item = f64> {
+    let segments = run.drive.segments.iter();
+    (system.ramp_s().into_iter()).flat_map(move |ramp_s| segments.clone().map(move |s| s.start_s + ramp_s))
+}
+
+/// Times at which laws jump or a ramp of the source ends, within those of the run.
 fn jumps(run: &RunContext, system: &System, time_s: &[f64]) -> Vec<f64> {
     let (Some(&first), Some(&last)) = (time_s.first(), time_s.last()) else {
         return Vec::new();
@@ -102,6 +109,7 @@ fn jumps(run: &RunContext, system: &System, time_s: &[f64]) -> Vec<f64> {
     let at = system.laws.iter().filter_map(|law| law.jumps_at_s());
     let mut at: Vec<f64> = at
         .map(|at_s| run.start_s() + at_s)
+        .chain(ramp_ends(run, system))
         .filter(|t| (first..=last).contains(t))
         .collect();
     at.sort_by(f64::total_cmp);

@@ -14,5 +14,5 @@ pub(crate) mod tests;
 
 pub use system::{
     BranchLaw, CameraClock, Coefficients, ExtendedModel, Law, Now, Observation, RelaxationMode, Responses,
-    RunContext, System,
+    RunContext, System, Written,
 };

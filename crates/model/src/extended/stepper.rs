@@ -17,8 +17,9 @@ struct State {
     strain: Vec<f64>,
     /// What the laws remember.
     memory: Vec<f64>,
-    /// Voltage of the source, V.
+    /// Voltage of the source, V, and its slope where it ramps, V/s.
     source_v: f64,
+    source_v_per_s: f64,
     /// Voltage across every node, V.
     nodes_v: Vec<f64>,
     /// Mean voltage across the strip, V, and current through it, A/cm2.
@@ -52,6 +53,7 @@ impl<'a> Stepper<'a> {
                 relaxation_factor: 1.0,
                 coupling_factor: 1.0,
                 emf_v: 0.0,
+                added_curvature_per_cm: 0.0,
             },
         }
     }
@@ -69,6 +71,7 @@ impl<'a> Stepper<'a> {
             strain: vec![0.0; self.system.relaxation.len()],
             memory: vec![0.0; self.system.laws.len()],
             source_v: baseline_v,
+            source_v_per_s: 0.0,
             nodes_v: vec![baseline_v; self.nodes],
             terminal_v: baseline_v,
             current: 0.0,
@@ -92,6 +95,9 @@ impl<'a> Stepper<'a> {
             }
             while let Some(next) = segments.next_if(|next| next.start_s <= t) {
                 segment = Some((next.start_s, next.level));
+                if let (Some(ramp_s), Level::Voltage(v)) = (self.system.ramp_s(), next.level) {
+                    state.source_v_per_s = (v - state.source_v) / ramp_s;
+                }
             }
             let Some((edge_s, level)) = segment else {
                 current_a[k] = at_rest_a + self.system.current_offset_a;
@@ -128,7 +134,7 @@ impl<'a> Stepper<'a> {
             self.act(state, work, t, edge_s);
             self.terminals(state, work, level);
         }
-        work.curvature = self.curvature(state, work.now.coupling_factor);
+        work.curvature = self.curvature(state, &work.now);
     }
 
     /// Voltages and total current now, with the coefficients in `work.now`.
@@ -164,7 +170,7 @@ impl<'a> Stepper<'a> {
     /// Lets the laws act on the plain coefficients, into `work.now`.
     fn act(&self, state: &State, work: &mut Work, t: f64, edge_s: f64) {
         let branches = self.system.branches.len();
-        let curvature_per_cm = self.curvature(state, work.now.coupling_factor);
+        let curvature_per_cm = self.curvature(state, &work.now);
         let (curvature_rate_per_cm_s, curvature_rate_per_cm_s_v) = self.curvature_rate(state, work);
         let now = Now {
             clock_s: t - self.run.start_s(),
@@ -188,16 +194,13 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    fn curvature(&self, state: &State, coupling_factor: f64) -> f64 {
+    fn curvature(&self, state: &State, now: &Coefficients) -> f64 {
         let area = self.run.area_cm2;
         let modes = self.system.relaxation.iter().zip(&state.strain);
         let strain: f64 = modes.map(|(mode, s)| mode.weight * s).sum();
-        let bent = self.system.charge_to_curvature_per_c_cm * area * coupling_factor * strain;
-        bent + self
-            .system
-            .direct_bending
-            .as_ref()
-            .map_or(0.0, |bend| bend(area * state.charge))
+        let bent = self.system.charge_to_curvature_per_c_cm * area * now.coupling_factor * strain;
+        let direct = self.system.direct_bending.as_ref();
+        bent + direct.map_or(0.0, |bend| bend(area * state.charge)) + now.added_curvature_per_cm
     }
 
     /// Rate of the curvature, 1/(cm s), and how it grows with the voltage across the strip, 1/(cm s V).
@@ -287,6 +290,15 @@ impl<'a> Stepper<'a> {
         state.source_v = match level {
             Level::OpenCircuit => state.terminal_v,
             Level::Voltage(v) if rise_s == 0.0 => v,
+            Level::Voltage(v) if self.system.source_ramps => {
+                let way = state.source_v_per_s * h;
+                let left = v - state.source_v;
+                if way.abs() < left.abs() {
+                    state.source_v + way
+                } else {
+                    v
+                }
+            }
             Level::Voltage(v) => v - (v - state.source_v) * (-h / rise_s).exp(),
         };
     }

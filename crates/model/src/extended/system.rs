@@ -40,6 +40,16 @@ impl RunContext<'_> {
             _ => 0.0,
         }
     }
+
+    /// Largest voltage that the source holds, the baseline's among them, whatever its sign, V.
+    pub fn largest_voltage_v(&self) -> f64 {
+        let held = |segment: &ieap_domain::Segment| match segment.level {
+            ieap_domain::Level::Voltage(voltage_v) => voltage_v.abs(),
+            ieap_domain::Level::OpenCircuit => 0.0,
+        };
+        let held = self.drive.segments.iter().map(held);
+        held.fold(self.drive.baseline_v.abs(), f64::max)
+    }
 }
 
 /// One R-C branch.
@@ -158,6 +168,8 @@ pub struct Coefficients {
     pub coupling_factor: f64,
     /// Voltage in series with the source, V.
     pub emf_v: f64,
+    /// Curvature beside that of the charge, 1/cm.
+    pub added_curvature_per_cm: f64,
 }
 
 /// Something that changes coefficients while the run goes on.
@@ -196,6 +208,9 @@ pub trait Observation {
     }
 }
 
+/// What is written down for a value at a time since the start of the drive, s (negative before it).
+pub type Written = Box<dyn Fn(f64, f64) -> f64>;
+
 /// The model of one run with every place where an effect may act.
 pub struct System {
     /// Branches in parallel with R_ss; the base's first, in its order.
@@ -218,6 +233,8 @@ pub struct System {
     pub direct_bending: Option<Box<dyn Fn(f64) -> f64>>,
     /// Time constant of the source, s.
     pub source_rise_s: f64,
+    /// Whether the source goes on a straight line, within twice that time, and not exponentially.
+    pub source_ramps: bool,
     /// Largest current that the source gives, A.
     pub current_limit_a: f64,
     /// Constant in the measured current, A.
@@ -228,6 +245,17 @@ pub struct System {
     pub observations: Vec<Box<dyn Observation>>,
     /// How curvature readings are taken.
     pub camera: CameraClock,
+    /// What is written down of a current (A) and of a curvature (1/cm): the last that happens to a reading, in order.
+    pub written_current: Vec<Written>,
+    /// See `written_current`.
+    pub written_curvature: Vec<Written>,
+}
+
+/// Readings as they are written down.
+fn write_down(values: &mut [f64], time_s: &[f64], start_s: f64, written: &[Written]) {
+    for (value, t) in values.iter_mut().zip(time_s) {
+        *value = written.iter().fold(*value, |value, map| map(t - start_s, value));
+    }
 }
 
 impl System {
@@ -255,11 +283,14 @@ impl System {
             bending_charge: None,
             direct_bending: None,
             source_rise_s: 0.0,
+            source_ramps: false,
             current_limit_a: f64::INFINITY,
             current_offset_a: 0.0,
             laws: Vec::new(),
             observations: Vec::new(),
             camera: CameraClock::default(),
+            written_current: Vec::new(),
+            written_curvature: Vec::new(),
         }
     }
 
@@ -281,6 +312,11 @@ impl System {
     /// readings, and are shown all of them.
     pub(super) fn is_smooth(&self) -> bool {
         self.observations.is_empty() && self.current_limit_a.is_infinite()
+    }
+
+    /// Time in which a source that ramps reaches its level, s; none where none does.
+    pub(super) fn ramp_s(&self) -> Option<f64> {
+        (self.source_ramps && self.source_rise_s > 0.0).then_some(2.0 * self.source_rise_s)
     }
 
     /// Whether every step can be exact: nothing depends on the state or on time.
@@ -328,6 +364,20 @@ impl ExtendedModel {
     pub fn responses(&self, run: &RunContext, current_time_s: &[f64], curvature_time_s: &[f64]) -> Responses {
         let system = self.system(run);
         let grid = Grid::new(run, &system, current_time_s, curvature_time_s);
-        Stepper::new(&system, run).responses(&grid)
+        let mut found = Stepper::new(&system, run).responses(&grid);
+        let start_s = run.start_s();
+        write_down(
+            &mut found.current_a,
+            current_time_s,
+            start_s,
+            &system.written_current,
+        );
+        write_down(
+            &mut found.curvature_per_cm,
+            curvature_time_s,
+            start_s,
+            &system.written_curvature,
+        );
+        found
     }
 }
