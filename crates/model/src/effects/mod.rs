@@ -45,6 +45,8 @@ mod polarity_coupling;
 mod polarity_memory;
 mod precurvature;
 mod quadratic_coupling;
+#[cfg(test)]
+mod recovery_tests;
 mod redox_peak;
 mod residual_charge;
 mod resistance_drift;

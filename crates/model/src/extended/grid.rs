@@ -4,6 +4,7 @@
 use ieap_domain::Level;
 
 use super::knots::{Places, enough};
+use super::source::ramp_ends;
 use super::system::{RunContext, System};
 
 /// Steps after an edge begin at this part of the shortest time constant and may grow by this part of the time that
@@ -93,12 +94,6 @@ impl Grid {
             time_s,
         }
     }
-}
-
-/// Times at which a source that ramps reaches its level.
-fn ramp_ends(run: &RunContext, system: &System) -> impl Iterator<Item = f64> {
-    let segments = run.drive.segments.iter();
-    (system.ramp_s().into_iter()).flat_map(move |ramp_s| segments.clone().map(move |s| s.start_s + ramp_s))
 }
 
 /// Times at which laws jump or a ramp of the source ends, within those of the run.

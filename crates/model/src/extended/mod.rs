@@ -7,6 +7,7 @@
 mod grid;
 mod knots;
 mod node;
+mod source;
 mod stepper;
 mod system;
 #[cfg(test)]

@@ -95,8 +95,8 @@ impl<'a> Stepper<'a> {
             }
             while let Some(next) = segments.next_if(|next| next.start_s <= t) {
                 segment = Some((next.start_s, next.level));
-                if let (Some(ramp_s), Level::Voltage(v)) = (self.system.ramp_s(), next.level) {
-                    state.source_v_per_s = (v - state.source_v) / ramp_s;
+                if let Level::Voltage(v) = next.level {
+                    state.source_v_per_s = self.system.ramp_v_per_s(state.source_v, v);
                 }
             }
             let Some((edge_s, level)) = segment else {
@@ -286,20 +286,9 @@ impl<'a> Stepper<'a> {
 
     /// The source's voltage after `h`.
     fn advance_source(&self, state: &mut State, h: f64, level: Level) {
-        let rise_s = self.system.source_rise_s;
         state.source_v = match level {
             Level::OpenCircuit => state.terminal_v,
-            Level::Voltage(v) if rise_s == 0.0 => v,
-            Level::Voltage(v) if self.system.source_ramps => {
-                let way = state.source_v_per_s * h;
-                let left = v - state.source_v;
-                if way.abs() < left.abs() {
-                    state.source_v + way
-                } else {
-                    v
-                }
-            }
-            Level::Voltage(v) => v - (v - state.source_v) * (-h / rise_s).exp(),
+            Level::Voltage(v) => (self.system).source_after(state.source_v, state.source_v_per_s, v, h),
         };
     }
 

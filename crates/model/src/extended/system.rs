@@ -314,11 +314,6 @@ impl System {
         self.observations.is_empty() && self.current_limit_a.is_infinite()
     }
 
-    /// Time in which a source that ramps reaches its level, s; none where none does.
-    pub(super) fn ramp_s(&self) -> Option<f64> {
-        (self.source_ramps && self.source_rise_s > 0.0).then_some(2.0 * self.source_rise_s)
-    }
-
     /// Whether every step can be exact: nothing depends on the state or on time.
     pub(super) fn is_linear(&self) -> bool {
         self.laws.is_empty()
