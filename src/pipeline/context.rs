@@ -245,7 +245,9 @@ fn open_locked(folder: &Path, lock: &mut InstanceLock) -> Result<Store, StoreErr
 
 /// Now, RFC 3339 in UTC to the second: what the database records.
 pub fn now() -> String {
-    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+    // A clock before or after all years that have a date shows the first of them.
+    let now = jiff::Timestamp::try_from(crate::system::now()).unwrap_or(jiff::Timestamp::UNIX_EPOCH);
+    now.strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
 }
 
 fn digest(text: &str) -> String {

@@ -5,11 +5,11 @@
 //! removed is removed file by file from that list: a file that comes in between is left where it is.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::PipelineError;
+use crate::system::fs;
 
 /// Lists the files of a finished folder by their paths in it, one a line.
 const WRITTEN: &str = ".written";
@@ -86,13 +86,13 @@ impl Fresh {
     }
 
     fn exchange_with(&self, target: &Path) -> io::Result<()> {
-        if !target.exists() {
+        if !fs::exists(target)? {
             fs::rename(&self.path, target)?;
             return fs::remove_file(target.join(PASSING));
         }
         let before = listed_or_all(target)?;
         fs::copy(self.path.join(PASSING), target.join(PASSING))?;
-        let aside = match exchange(&self.path, target) {
+        let aside = match fs::exchange(&self.path, target) {
             Ok(()) => self.path.clone(),
             Err(_) => {
                 // File systems without an exchange: a moment without a folder, never half a folder.
@@ -286,17 +286,6 @@ fn entries(folder: &Path) -> io::Result<Vec<Entry>> {
     }
     found.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(found)
-}
-
-#[cfg(target_os = "linux")]
-fn exchange(one: &Path, other: &Path) -> io::Result<()> {
-    use rustix::fs::{CWD, RenameFlags, renameat_with};
-    Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
-}
-
-#[cfg(not(target_os = "linux"))]
-fn exchange(_one: &Path, _other: &Path) -> io::Result<()> {
-    Err(io::ErrorKind::Unsupported.into())
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! One working instance a campaign.
 
-use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 use super::StoreError;
+use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
 /// What the file says after an orderly end.
 const ENDED: &str = "ended\n";
@@ -33,7 +33,7 @@ impl InstanceLock {
             let path = path.clone();
             move |source| StoreError::File { path, doing, source }
         };
-        let is_link = || std::fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink());
+        let is_link = || fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink());
         let mut file = match options().open(&path) {
             Ok(file) => file,
             Err(_) if is_link() => {
@@ -105,10 +105,7 @@ fn options() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.read(true).write(true).create(true).truncate(false);
     #[cfg(unix)]
-    {
-        use std::os::unix::fs::OpenOptionsExt;
-        options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
-    }
+    options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
     options
 }
 
