@@ -238,8 +238,7 @@ fn write_fresh(
     fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
     fresh
         .finish()
-        .map_err(failed(folder, "listing the report's files"))?;
-    sync(folder);
+        .map_err(failed(folder, "bringing the report to the disk"))?;
     Ok(rendered)
 }
 
@@ -249,17 +248,6 @@ fn faults_text(stamp: &str, faults: &[Fault]) -> String {
         faults: faults.to_vec(),
     };
     serde_json::json!(faulty).to_string()
-}
-
-/// Brings the report to the disk before it takes the old one's place. What fails here costs durability only:
-/// a report can always be made again.
-fn sync(folder: &Path) {
-    #[cfg(target_os = "linux")]
-    if let Ok(folder) = fs::File::open(folder) {
-        let _ = folder.sync_file_system();
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = folder;
 }
 
 pub(super) fn input(

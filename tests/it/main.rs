@@ -1,6 +1,7 @@
 //! Integration tests: one binary.
 
 mod across_runs;
+mod adopted;
 mod ageing_data;
 mod along;
 mod any_runs;
@@ -69,3 +70,4 @@ mod tables;
 mod unreadable_tags;
 mod verify;
 mod watch;
+mod world;

@@ -111,11 +111,11 @@ pub(super) struct Place {
 
 impl Place {
     /// Of the database that was just opened.
-    pub fn of(path: &Path) -> Place {
-        Place {
-            file: file_id(path),
+    pub fn of(path: &Path) -> Result<Place, StoreError> {
+        Ok(Place {
+            file: file_id(path)?,
             log: Cell::new(None),
-        }
+        })
     }
 
     /// Refuses where the database at `path`, or its write-ahead log, is another one than was opened.
@@ -124,9 +124,9 @@ impl Place {
             return Ok(());
         };
         let log_path = PathBuf::from(format!("{}-wal", path.display()));
-        let log = file_id(&log_path);
+        let (now, log) = (file_id(path)?, file_id(&log_path)?);
         let changed = match (self.log.get(), log) {
-            _ if file_id(path) != Some(file) => Some(path),
+            _ if now != Some(file) => Some(path),
             (Some(known), found) if found != Some(known) => Some(log_path.as_path()),
             (_, found) => {
                 self.log.set(found);
@@ -188,16 +188,25 @@ impl Store {
     }
 }
 
+/// None where there is no such file.
 #[cfg(unix)]
-fn file_id(path: &Path) -> Option<FileId> {
+fn file_id(path: &Path) -> Result<Option<FileId>, StoreError> {
     use std::os::unix::fs::MetadataExt;
-    let found = fs::metadata(path).ok()?;
-    Some((found.dev(), found.ino()))
+    match fs::metadata(path) {
+        Ok(found) => Ok(Some((found.dev(), found.ino()))),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        // What the system cannot tell now is no sign that the file is another one.
+        Err(source) => Err(StoreError::File {
+            path: path.to_owned(),
+            doing: "looking whether it is in its place",
+            source,
+        }),
+    }
 }
 
 #[cfg(not(unix))]
-fn file_id(_path: &Path) -> Option<FileId> {
-    None
+fn file_id(_path: &Path) -> Result<Option<FileId>, StoreError> {
+    Ok(None)
 }
 
 #[cfg(all(test, unix))]

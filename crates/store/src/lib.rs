@@ -100,7 +100,7 @@ impl Store {
             .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
         Ok(Store {
             connection,
-            place: in_place::Place::of(&path),
+            place: in_place::Place::of(&path)?,
             path,
             seals,
             journal: Journal::of(folder),

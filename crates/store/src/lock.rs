@@ -59,7 +59,9 @@ impl InstanceLock {
         file.set_len(0)
             .and_then(|()| file.rewind())
             .map_err(failed("writing the lock file"))?;
+        // On the disk before anything else is: a loss of power is noticed by it.
         file.write_all(holder.as_bytes())
+            .and_then(|()| file.sync_all())
             .map_err(failed("writing the lock file"))?;
         Ok(InstanceLock {
             file,
@@ -119,12 +121,17 @@ fn ended_in_order(file: &mut File, path: &Path) -> Result<bool, StoreError> {
         doing: "reading the lock file",
         source,
     })?;
-    // A disk that lost its power may keep the length of a file and not its content.
-    let is_blank = (head.len() as u64) < LONGEST && head.iter().all(|&byte| byte == 0);
+    // A disk that lost its power may keep the length of a file and a part of its content.
+    let zeros = head.iter().rev().take_while(|&&byte| byte == 0).count();
+    let part = &head[..head.len() - zeros];
+    let is_torn = (head.len() as u64) < LONGEST
+        && [ENDED, MARK]
+            .iter()
+            .any(|whole| whole.as_bytes().starts_with(part));
     match head.as_slice() {
         [] => Ok(true),
         head if head == ENDED.as_bytes() => Ok(true),
-        head if is_blank || head.starts_with(MARK.as_bytes()) => Ok(false),
+        head if is_torn || head.starts_with(MARK.as_bytes()) => Ok(false),
         _ => Err(StoreError::NotALock {
             path: path.to_owned(),
             found: "it holds something else",
@@ -195,12 +202,48 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let in_order = || InstanceLock::take(folder.path()).unwrap().last_ended_in_order();
         assert!(in_order() && in_order());
-        for left in ["process 1 on a", "\0\0\0\0"] {
+        for left in [
+            "process 1 on a",
+            "\0\0\0\0",
+            "p",
+            "process\0\0\0\0",
+            "end",
+            "ended\n\0",
+        ] {
             std::fs::write(folder.path().join(InstanceLock::FILE_NAME), left).unwrap();
             assert!(!in_order());
             assert!(!in_order());
             InstanceLock::take(folder.path()).unwrap().found_sound();
             assert!(in_order());
         }
+    }
+
+    /// Else a loss of power leaves what an earlier instance wrote when it ended in order.
+    #[test]
+    fn who_holds_it_is_on_the_disk_when_it_is_taken() {
+        use ieap_system::{Call, Kind, World, within};
+
+        #[derive(Default)]
+        struct Heard(std::sync::Mutex<Vec<Kind>>);
+
+        impl World for Heard {
+            fn before(&self, _call: &Call<'_>) -> std::io::Result<()> {
+                Ok(())
+            }
+
+            fn after(&self, call: &Call<'_>) {
+                self.0.lock().unwrap().push(call.kind);
+            }
+
+            fn now(&self) -> std::time::SystemTime {
+                std::time::SystemTime::now()
+            }
+        }
+
+        let folder = tempfile::tempdir().unwrap();
+        let heard = std::sync::Arc::new(Heard::default());
+        let _lock = within(heard.clone(), || InstanceLock::take(folder.path())).unwrap();
+        let heard = heard.0.lock().unwrap();
+        assert_eq!(heard[heard.len() - 2..], [Kind::Write, Kind::Sync]);
     }
 }
