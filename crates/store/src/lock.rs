@@ -86,9 +86,9 @@ impl Drop for InstanceLock {
     fn drop(&mut self) {
         // Where any of this fails the next instance looks at the database once more than it must.
         if self.is_sound {
-            let _ = self.file.set_len(0);
-            let _ = self.file.rewind();
-            let _ = self.file.write_all(ENDED.as_bytes());
+            // Only into an empty file: over the rest of another word it would be none that a lock writes.
+            let emptied = self.file.set_len(0).and_then(|()| self.file.rewind());
+            let _ = emptied.and_then(|()| self.file.write_all(ENDED.as_bytes()));
         }
         // Closing frees the lock only when the last copy of the handle is closed, and a child that is just being started has
         // one until it has become its own program.
@@ -151,6 +151,11 @@ fn host_name() -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{Arc, Mutex};
+    use std::time::SystemTime;
+
+    use ieap_system::{Call, Kind, World, within};
+
     use super::*;
 
     #[test]
@@ -218,32 +223,43 @@ mod tests {
         }
     }
 
-    /// Else a loss of power leaves what an earlier instance wrote when it ended in order.
-    #[test]
-    fn who_holds_it_is_on_the_disk_when_it_is_taken() {
-        use ieap_system::{Call, Kind, World, within};
+    /// Hears of all calls, and refuses those of one kind.
+    #[derive(Default)]
+    struct Heard(Option<Kind>, Mutex<Vec<Kind>>);
 
-        #[derive(Default)]
-        struct Heard(std::sync::Mutex<Vec<Kind>>);
-
-        impl World for Heard {
-            fn before(&self, _call: &Call<'_>) -> std::io::Result<()> {
-                Ok(())
-            }
-
-            fn after(&self, call: &Call<'_>) {
-                self.0.lock().unwrap().push(call.kind);
-            }
-
-            fn now(&self) -> std::time::SystemTime {
-                std::time::SystemTime::now()
+    impl World for Heard {
+        fn before(&self, call: &Call<'_>) -> std::io::Result<()> {
+            match self.0 == Some(call.kind) {
+                true => Err(std::io::Error::from_raw_os_error(5)),
+                false => Ok(()),
             }
         }
 
+        fn after(&self, call: &Call<'_>) {
+            self.1.lock().unwrap().push(call.kind);
+        }
+
+        fn now(&self) -> SystemTime {
+            SystemTime::now()
+        }
+    }
+
+    /// Else a loss of power leaves what an earlier instance wrote when it ended in order.
+    #[test]
+    fn who_holds_it_is_on_the_disk_when_it_is_taken() {
         let folder = tempfile::tempdir().unwrap();
-        let heard = std::sync::Arc::new(Heard::default());
+        let heard = Arc::new(Heard::default());
         let _lock = within(heard.clone(), || InstanceLock::take(folder.path())).unwrap();
-        let heard = heard.0.lock().unwrap();
+        let heard = heard.1.lock().unwrap();
         assert_eq!(heard[heard.len() - 2..], [Kind::Write, Kind::Sync]);
+    }
+
+    /// The word of an orderly end was written over the beginning of the longer one, and the next instance refused the file.
+    #[test]
+    fn a_file_that_cannot_be_emptied_keeps_its_word() {
+        let folder = tempfile::tempdir().unwrap();
+        let lock = InstanceLock::take(folder.path()).unwrap();
+        within(Arc::new(Heard(Some(Kind::Cut), Mutex::default())), || drop(lock));
+        assert!(!InstanceLock::take(folder.path()).unwrap().last_ended_in_order());
     }
 }

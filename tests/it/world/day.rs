@@ -21,7 +21,7 @@ fn a_day_of_intake_loses_and_doubles_nothing_and_every_file_is_in_soon() {
     let (began, clock) = (Instant::now(), SystemTime::now());
     let end = Duration::from_secs(counted(3600, 86_400) as u64);
     let (mut now, mut next_act, mut fair_since) = (Duration::ZERO, Duration::ZERO, Duration::ZERO);
-    let (mut looks, mut acts, mut refused) = (0, 0, 0);
+    let (mut looks, mut foul, mut acts, mut refused) = (0, 0, 0, 0);
     let mut last_act = Duration::ZERO;
     let mut intake = Intake::new(QUIET);
     let mut context = Context::open(world.folder.path(), false).unwrap();
@@ -40,13 +40,13 @@ fn a_day_of_intake_loses_and_doubles_nothing_and_every_file_is_in_soon() {
             refusals: if is_fair { 0.0 } else { 0.05 },
             ..Weather::default()
         });
-        if is_fair && world.rng.random_bool(0.005) {
+        if is_fair && world.rng.random_bool(0.02) {
             fair_since = now + Duration::from_secs(world.rng.random_range(60..1200));
         }
         let at = began + now;
         let look = super::on(&world.computer, || intake.look(&mut context, &|| at, &Silent)).unwrap();
         let look = look.unwrap();
-        looks += 1;
+        (looks, foul) = (looks + 1, foul + usize::from(!is_fair));
         refused += usize::from(look.taken.is_none());
         // Half of all events come; the others are lost, as when a queue overflows.
         let hint = if world.rng.random_bool(0.5) {
@@ -61,7 +61,7 @@ fn a_day_of_intake_loses_and_doubles_nothing_and_every_file_is_in_soon() {
         now = (now + look.wait).min(hint.max(now + Duration::from_millis(100)));
     }
     eprintln!(
-        "{} h: {acts} acts of people, {looks} looks, {refused} of them refused",
+        "{} h: {acts} acts of people, {looks} looks, {foul} of them while the system refused calls, {refused} in vain",
         end.as_secs() / 3600
     );
     drop(context);

@@ -358,12 +358,18 @@ fn after_loss(node: &Node, now: Vec<u8>, rng: &mut impl Rng) -> Vec<u8> {
     if node.is_lost {
         return before;
     }
+    // What is as it was is safe.
+    let safe = before
+        .iter()
+        .zip(&now)
+        .take_while(|(before, now)| before == now)
+        .count();
+    let from = rng.random_range(safe..=now.len());
     match rng.random_range(0..4) {
         0 => before,
         1 => now,
-        2 => now[..rng.random_range(0..=now.len())].to_vec(),
+        2 => now[..from].to_vec(),
         _ => {
-            let from = rng.random_range(0..=now.len());
             let mut zeroed = now;
             zeroed[from..].fill(0);
             zeroed

@@ -12,6 +12,7 @@ mod people;
 use std::collections::BTreeSet;
 use std::panic::AssertUnwindSafe;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use ieap::domain::FileState;
 use ieap::pipeline::verify::Verify;
@@ -149,7 +150,7 @@ impl World {
     fn step(&mut self, weather: Weather) {
         self.tell(|| format!("   {weather:?}"));
         self.computer.have(weather);
-        let asked = self.rng.random_range(0..24);
+        let (begun, asked) = (Instant::now(), self.rng.random_range(0..24));
         let outcome = match asked {
             0 => self.asks(render),
             1..4 => self.tag(),
@@ -164,7 +165,10 @@ impl World {
                 self.computer.have(Weather::default());
                 self.nothing_lost();
             }
-            Some(Ok(())) => self.tell(|| format!("   done in {calls} calls, {refused} refused")),
+            Some(Ok(())) => self.tell(|| {
+                let ms = begun.elapsed().as_millis();
+                format!("   done ({asked}) in {calls} calls, {refused} refused, {ms} ms")
+            }),
             Some(Err(error)) => {
                 assert!(refused > 0, "refused for no reason of the system: {error}");
                 self.tell(|| format!("   {error}"));

@@ -54,16 +54,19 @@ fn taken_in(files: u32, weather: Weather) -> (String, u64) {
 fn whichever_call_fails_or_is_the_last_the_next_run_makes_it_good() {
     let files = counted(6, 50) as u32;
     let (expected, calls) = taken_in(files, Weather::default());
-    // In the short form each call fails with one of its errors, by turns.
-    let is_tried = |nth: u64, which: u64| counted(0, 1) == 1 || which == nth % MOST_ERRORS % 2;
-    let refused = (1..=calls).flat_map(|nth| (0..MOST_ERRORS).map(move |which| (nth, which)));
+    // In the short form each seventh call is tried, with one of its errors by turns.
+    let (step, is_long) = (counted(7, 1), counted(0, 1) == 1);
+    let is_tried = |nth: u64, which: u64| is_long || which == nth % 2;
+    let refused = (1..=calls)
+        .step_by(step)
+        .flat_map(|nth| (0..MOST_ERRORS).map(move |which| (nth, which)));
     let refused = refused
         .filter(|(nth, which)| is_tried(*nth, *which))
         .map(|(nth, which)| Weather {
             refused: Some((nth, which as usize)),
             ..Weather::default()
         });
-    let lost = (1..=calls).map(|nth| Weather {
+    let lost = (1..=calls).step_by(step).map(|nth| Weather {
         power_lost_at: Some(nth),
         ..Weather::default()
     });
