@@ -87,7 +87,7 @@ impl Fresh {
     }
 
     fn exchange_with(&self, target: &Path) -> io::Result<()> {
-        let parent = target.parent().unwrap_or(Path::new("."));
+        let parent = parent_of(target);
         if !fs::exists(target)? {
             fs::rename(&self.path, target)?;
             sync(parent)?;
@@ -245,6 +245,12 @@ pub fn remove_leftovers(parent: &Path, prefix: &str) -> Vec<PathBuf> {
         }
     }
     kept
+}
+
+/// The folder that a file or folder lies in, which has no name in a path of one name.
+fn parent_of(path: &Path) -> &Path {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    parent.unwrap_or(Path::new("."))
 }
 
 /// Marks a folder as one that may be removed under the name `may_have`; the mark is on the disk when this returns.

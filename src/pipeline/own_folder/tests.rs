@@ -185,6 +185,14 @@ fn the_new_name_is_on_the_disk_before_the_old_folder_loses_a_file() {
 }
 
 #[test]
+fn every_path_has_a_folder_that_can_be_waited_for() {
+    for (path, parent) in [("report", "."), ("a/report", "a"), ("/report", "/")] {
+        assert_eq!(parent_of(Path::new(path)), Path::new(parent));
+        assert!(parent == "a" || sync(Path::new(parent)).is_ok());
+    }
+}
+
+#[test]
 fn a_folder_with_a_torn_mark_alone_goes() {
     let root = tempfile::tempdir().unwrap();
     for mark in ["", ".rep", "\0\0\0"] {
