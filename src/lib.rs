@@ -17,3 +17,4 @@ pub use ieap_numerics as numerics;
 pub use ieap_report as report;
 pub use ieap_store as store;
 pub use ieap_strip as strip;
+pub use ieap_system as system;

@@ -4,7 +4,6 @@
 //! made anew from the files, and must come out the same.
 
 use std::fmt::Write as _;
-use std::fs;
 
 use super::diagnosis_document::current_findings;
 use super::whole_file::put_bytes;
@@ -12,6 +11,7 @@ use super::{Context, PipelineError};
 use crate::domain::GroupDiagnosis;
 use crate::domain::campaign::Adopted;
 use crate::ingest::campaign_file::FILE_NAME;
+use crate::system::fs;
 
 /// The verb `diagnose --adopt`.
 #[derive(Debug, Clone, Default)]

@@ -245,7 +245,12 @@ fn open_locked(folder: &Path, lock: &mut InstanceLock) -> Result<Store, StoreErr
 
 /// Now, RFC 3339 in UTC to the second: what the database records.
 pub fn now() -> String {
-    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+    moment().strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+}
+
+/// Now. A clock that shows a year which no date has stands for 1970.
+pub(super) fn moment() -> jiff::Timestamp {
+    jiff::Timestamp::try_from(crate::system::now()).unwrap_or(jiff::Timestamp::UNIX_EPOCH)
 }
 
 fn digest(text: &str) -> String {

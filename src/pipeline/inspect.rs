@@ -14,6 +14,7 @@ use crate::ingest::profiles::{self, Choice, Claim, Profile, Reader};
 use crate::ingest::run_sheet;
 use crate::ingest::{Reading, RunTable, StartedAt};
 use crate::strip;
+use crate::system::fs;
 
 /// A file as a reader sees it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -136,7 +137,7 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     if file.is_dir() {
         return Ok(folder(file));
     }
-    let bytes = std::fs::read(file).map_err(|source| PipelineError::File {
+    let bytes = fs::read(file).map_err(|source| PipelineError::File {
         path: file.to_owned(),
         doing: "reading the file",
         source,
@@ -167,7 +168,7 @@ fn folder(folder: &Path) -> Inspection {
 /// The run that a file belongs to. A campaign that cannot be opened stores nothing that could be shown: what is wrong
 /// with it is said by the verbs that need it.
 fn stored(campaign: &Path, file: &Path) -> Option<StoredRun> {
-    let file = std::fs::canonicalize(file).ok()?;
+    let file = fs::canonicalize(file).ok()?;
     let path = file.strip_prefix(campaign).ok()?;
     let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
     let path = parts.join("/");

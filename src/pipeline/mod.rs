@@ -80,6 +80,6 @@ pub use rebuild::{Rebuild, RebuildSummary};
 pub use report::{REPORT_FOLDER, RenderReport, ReportSummary};
 pub use run::{Made, Run, RunSummary};
 pub use tag::{SetTags, TagSummary};
-pub use watch::{Watch, WatchSettings, Watched};
+pub use watch::{Intake, Look, Watch, WatchSettings, Watched};
 
 pub use crate::store::Earlier;

@@ -20,6 +20,7 @@ use crate::domain::tag::keys;
 use crate::domain::{GroupDiagnosis, RunRecord};
 use crate::ingest::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::ingest::run_sheet::{self, COLUMNS, SheetRow};
+use crate::system::fs;
 
 /// What is planned.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -303,7 +304,7 @@ pub fn write_sheet(context: &Context, plan: &Plan, file: &Path) -> Result<SheetS
 
 /// Rows of the sheet that is there already.
 fn earlier_rows(file: &Path) -> Result<Vec<SheetRow>, PipelineError> {
-    let bytes = match std::fs::read(file) {
+    let bytes = match fs::read(file) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(source) => {
@@ -399,7 +400,7 @@ fn write(file: &Path, rows: &[Vec<(String, String)>]) -> Result<(), PipelineErro
         .into_inner()
         .map_err(|error| failed(std::io::Error::other(error.to_string())))?;
     if let Some(folder) = file.parent() {
-        std::fs::create_dir_all(folder).map_err(failed)?;
+        fs::create_dir_all(folder).map_err(failed)?;
     }
     put_bytes(file, true, &bytes)
 }

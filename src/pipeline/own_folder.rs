@@ -5,11 +5,11 @@
 //! removed is removed file by file from that list: a file that comes in between is left where it is.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::PipelineError;
+use crate::system::fs;
 
 /// Lists the files of a finished folder by their paths in it, one a line.
 const WRITTEN: &str = ".written";
@@ -42,7 +42,7 @@ impl Fresh {
                 Ok(()) => {
                     let fresh = Fresh { path };
                     // First of all: whatever cuts this short, the next one knows what it may remove.
-                    fs::write(fresh.path.join(PASSING), &name)?;
+                    mark(&fresh.path, &name)?;
                     return Ok(fresh);
                 }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -57,7 +57,7 @@ impl Fresh {
         &self.path
     }
 
-    /// Lists what was written: from here on the folder is whole.
+    /// Lists what was written, and brings all of it to the disk: from here on the folder is whole.
     ///
     /// # Errors
     /// What the system says.
@@ -66,7 +66,8 @@ impl Fresh {
         let files = entries.iter().filter(|entry| !entry.is_dir);
         let names = files.map(|entry| entry.name.as_str());
         let listed: Vec<&str> = names.filter(|name| *name != PASSING).collect();
-        fs::write(self.path.join(WRITTEN), listed.join("\n") + "\n")
+        fs::write(self.path.join(WRITTEN), listed.join("\n") + "\n")?;
+        sync_all(&self.path, &entries)
     }
 
     /// Puts the folder where `target` is, in one step, and removes what was there. `is_earlier` says whether a folder
@@ -86,13 +87,15 @@ impl Fresh {
     }
 
     fn exchange_with(&self, target: &Path) -> io::Result<()> {
-        if !target.exists() {
+        let parent = parent_of(target);
+        if !fs::exists(target)? {
             fs::rename(&self.path, target)?;
+            sync(parent)?;
             return fs::remove_file(target.join(PASSING));
         }
         let before = listed_or_all(target)?;
-        fs::copy(self.path.join(PASSING), target.join(PASSING))?;
-        let aside = match exchange(&self.path, target) {
+        mark(target, &fs::read_to_string(self.path.join(PASSING))?)?;
+        let aside = match fs::exchange(&self.path, target) {
             Ok(()) => self.path.clone(),
             Err(_) => {
                 // File systems without an exchange: a moment without a folder, never half a folder.
@@ -102,6 +105,9 @@ impl Fresh {
                 aside
             }
         };
+        // The names are exchanged on the disk before the old folder loses a file: it may be the one that is there after a
+        // loss of power.
+        sync(parent)?;
         fs::remove_file(target.join(PASSING))?;
         remove_listed(&aside, &before)
     }
@@ -225,7 +231,7 @@ pub fn remove_leftovers(parent: &Path, prefix: &str) -> Vec<PathBuf> {
         if !entry.file_type().is_ok_and(|kind| kind.is_dir()) || fs::remove_dir(&path).is_ok() {
             continue;
         }
-        if is_passing(&path) {
+        if is_passing(&path) || is_just_begun(&path) {
             let _ = match listed(&path) {
                 Some(listed) => remove_listed(&path, &listed),
                 None => fs::remove_dir_all(&path),
@@ -241,6 +247,43 @@ pub fn remove_leftovers(parent: &Path, prefix: &str) -> Vec<PathBuf> {
     kept
 }
 
+/// The folder that a file or folder lies in, which has no name in a path of one name.
+fn parent_of(path: &Path) -> &Path {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    parent.unwrap_or(Path::new("."))
+}
+
+/// Marks a folder as one that may be removed under the name `may_have`; the mark is on the disk when this returns.
+fn mark(folder: &Path, may_have: &str) -> io::Result<()> {
+    let path = folder.join(PASSING);
+    fs::write(&path, may_have)?;
+    sync(&path)?;
+    sync(folder)
+}
+
+/// Brings a file, or the names in a folder, to the disk.
+fn sync(path: &Path) -> io::Result<()> {
+    match cfg!(unix) || path.is_file() {
+        // Other systems open no folders, and bring names to the disk by themselves.
+        true => fs::File::open(path)?.sync_all(),
+        false => Ok(()),
+    }
+}
+
+/// Brings a folder with all that is in it to the disk.
+#[cfg(target_os = "linux")]
+fn sync_all(folder: &Path, _entries: &[Entry]) -> io::Result<()> {
+    fs::File::open(folder)?.sync_file_system()
+}
+
+/// Brings a folder with all that is in it to the disk.
+#[cfg(not(target_os = "linux"))]
+fn sync_all(folder: &Path, entries: &[Entry]) -> io::Result<()> {
+    let paths = entries.iter().map(|entry| folder.join(&entry.name));
+    let all = paths.chain([folder.join(WRITTEN), folder.to_owned()]);
+    all.into_iter().try_for_each(|path| sync(&path))
+}
+
 /// Whether a folder carries the mark that it may be removed under the name that it has.
 fn is_passing(folder: &Path) -> bool {
     let name = folder
@@ -250,6 +293,11 @@ fn is_passing(folder: &Path) -> bool {
         .into_owned();
     let marked = fs::read_to_string(folder.join(PASSING));
     marked.is_ok_and(|marked| name == marked || name == format!("{marked}.{ASIDE}"))
+}
+
+/// Whether a folder holds the mark alone, which then may be torn: nothing is written before the mark is on the disk.
+fn is_just_begun(folder: &Path) -> bool {
+    entries(folder).is_ok_and(|entries| entries.iter().all(|entry| entry.name == PASSING && entry.is_file))
 }
 
 /// Something in a folder.
@@ -286,17 +334,6 @@ fn entries(folder: &Path) -> io::Result<Vec<Entry>> {
     }
     found.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(found)
-}
-
-#[cfg(target_os = "linux")]
-fn exchange(one: &Path, other: &Path) -> io::Result<()> {
-    use rustix::fs::{CWD, RenameFlags, renameat_with};
-    Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
-}
-
-#[cfg(not(target_os = "linux"))]
-fn exchange(_one: &Path, _other: &Path) -> io::Result<()> {
-    Err(io::ErrorKind::Unsupported.into())
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use super::PipelineError;
 use super::inspect::{Inspection, inspect_bytes};
 use super::whole_file::put_bytes;
 use crate::ingest::profiles::{self, FOLDER};
+use crate::system::fs;
 
 /// A proposed profile and what it makes of its file.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -29,7 +30,7 @@ pub struct ProposedProfile {
 /// # Errors
 /// The file cannot be opened, or holds no table.
 pub fn propose(file: &Path, name: &str) -> Result<ProposedProfile, PipelineError> {
-    let bytes = std::fs::read(file).map_err(|source| PipelineError::File {
+    let bytes = fs::read(file).map_err(|source| PipelineError::File {
         path: file.to_owned(),
         doing: "reading the file",
         source,
@@ -76,7 +77,7 @@ impl ProposedProfile {
         if let Some(path) = [&path, &taken].into_iter().find(|path| path.exists()) {
             return Err(PipelineError::FileExists { path: path.clone() });
         }
-        std::fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
+        fs::create_dir_all(&folder).map_err(|source| PipelineError::File {
             path: folder.clone(),
             doing: "making the folder of profiles",
             source,

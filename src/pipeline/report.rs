@@ -23,6 +23,7 @@ use crate::model::effects::{self, Effect};
 use crate::numerics::interrupt;
 use crate::pipeline::ingest::run_window;
 use crate::report;
+use crate::system::fs;
 
 /// Folder of the report inside a campaign.
 pub const REPORT_FOLDER: &str = "report";
@@ -62,7 +63,7 @@ struct Faulty {
 }
 
 fn faulty(folder: &Path) -> Option<Faulty> {
-    let text = std::fs::read_to_string(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
+    let text = fs::read_to_string(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
     serde_json::from_str(&text).ok()
 }
 
@@ -140,7 +141,7 @@ fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
 /// Whether a report with that stamp is there.
 fn stands(context: &Context, stamp: &str) -> bool {
     let folder = context.folder.join(REPORT_FOLDER);
-    let made_from = std::fs::read_to_string(folder.join(STAMP)).ok();
+    let made_from = fs::read_to_string(folder.join(STAMP)).ok();
     let made_from = made_from.or_else(|| Some(faulty(&context.folder)?.made_from));
     folder.join("index.html").exists() && made_from.is_some_and(|found| found == stamp)
 }
@@ -184,7 +185,7 @@ fn is_of_earlier_version(folder: &Path) -> bool {
     const FOLDERS: [&str; 3] = ["runs", "findings", "along"];
     let is_page = |path: &Path| path.extension().is_some_and(|end| end == "html") && begins_as_page(path);
     let names = |folder: &Path| -> Option<Vec<(String, PathBuf)>> {
-        let entries = std::fs::read_dir(folder).ok()?;
+        let entries = fs::read_dir(folder).ok()?;
         let named = entries.map(|entry| {
             let entry = entry.ok()?;
             Some((entry.file_name().into_string().ok()?, entry.path()))
@@ -207,7 +208,7 @@ fn begins_as_page(path: &Path) -> bool {
     /// Bytes within which the layout names its style sheet: the title is the only part before it that grows.
     const HEAD_BYTES: u64 = 4096;
     let mut head = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+    let read = fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
     let text = String::from_utf8_lossy(&head);
     read.is_ok() && text.starts_with("<!DOCTYPE html>") && text.contains("style.css") && text.contains(" · ")
 }
@@ -234,11 +235,10 @@ fn write_fresh(
         true => (STAMP, stamp.to_owned()),
         false => (FAULTS, faults_text(stamp, &rendered.faults)),
     };
-    std::fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
+    fs::write(folder.join(name), text).map_err(failed(folder, "stamping the report"))?;
     fresh
         .finish()
-        .map_err(failed(folder, "listing the report's files"))?;
-    sync(folder);
+        .map_err(failed(folder, "bringing the report to the disk"))?;
     Ok(rendered)
 }
 
@@ -248,17 +248,6 @@ fn faults_text(stamp: &str, faults: &[Fault]) -> String {
         faults: faults.to_vec(),
     };
     serde_json::json!(faulty).to_string()
-}
-
-/// Brings the report to the disk before it takes the old one's place. What fails here costs durability only:
-/// a report can always be made again.
-fn sync(folder: &Path) {
-    #[cfg(target_os = "linux")]
-    if let Ok(folder) = std::fs::File::open(folder) {
-        let _ = rustix::fs::syncfs(folder);
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = folder;
 }
 
 pub(super) fn input(

@@ -3,11 +3,11 @@
 //! The content goes into a temporary beside the file, is brought to the disk and takes the name in one step. A full disk or
 //! a kill leaves what stood there before, and no stump.
 
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::PipelineError;
+use crate::system::{Temporary, fs};
 
 /// Has `fill` write the temporary that becomes `path`. A device or a pipe has no name to take and is written as it is.
 ///
@@ -28,7 +28,7 @@ pub fn put_file<T>(
             source,
         },
     };
-    if path.symlink_metadata().is_ok() && !overwrite {
+    if fs::symlink_metadata(path).is_ok() && !overwrite {
         return Err(failed(io::ErrorKind::AlreadyExists.into()));
     }
     // A link keeps standing: what it leads to is exchanged.
@@ -38,17 +38,17 @@ pub fn put_file<T>(
         return fill(&target);
     }
     let part = temporary_beside(&target).map_err(failed)?;
-    let done = fill(&part)?;
-    let file = fs::File::open(&part).map_err(failed)?;
+    let done = fill(part.path())?;
+    let file = fs::File::open(part.path()).map_err(failed)?;
     if let Some(known) = known {
         file.set_permissions(known.permissions()).map_err(failed)?;
     }
     file.sync_all().map_err(failed)?;
     let placed = match overwrite {
         true => part.persist(&target),
-        false => part.persist_noclobber(&target),
+        false => part.persist_to_free(&target),
     };
-    placed.map_err(|kept| failed(kept.error))?;
+    placed.map_err(failed)?;
     Ok(done)
 }
 
@@ -71,15 +71,11 @@ pub fn put_bytes(path: &Path, overwrite: bool, bytes: &[u8]) -> Result<(), Pipel
 }
 
 /// An empty file with the rights of a new one, under a name that no scan takes for data; it goes when it is dropped.
-fn temporary_beside(path: &Path) -> io::Result<tempfile::TempPath> {
+fn temporary_beside(path: &Path) -> io::Result<Temporary> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.map_or(PathBuf::from("."), Path::to_owned);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".ieap-").suffix(".part");
     // Temporary files are their owner's alone; these are for everyone whom the user lets read.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    Ok(builder.tempfile_in(folder)?.into_temp_path())
+    Temporary::new_in(&folder, ".ieap-", ".part", 0o666)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, ieap, run_table};
 
-const CAMPAIGN: &str = r#"
+pub const CAMPAIGN: &str = r#"
 [campaign]
 id = "hidden"
 title = "A leak hidden in one of two samples"
@@ -27,7 +27,7 @@ width_mm = 2.0
 "#;
 
 /// Three steps of each sample; electrolysis above 1.2 V in those of `leaky`.
-fn spec() -> String {
+pub fn spec() -> String {
     let mut spec = String::from(
         r#"[simulation]
 seed = 5

@@ -1,22 +1,16 @@
-//! Killed at any moment, nothing is lost, doubled or half-done. `IEAP_KILLS=1000 cargo test --release --test it
-//! kill_loop` is the long form.
+//! Killed at any moment, nothing is lost, doubled or half-done.
 
 use std::process::Stdio;
 use std::time::Duration;
 
-use crate::campaign::{CampaignFolder, command, run_table};
+use crate::campaign::{CampaignFolder, command, counted, run_table};
 use crate::rebuild::comes_back;
 
-/// Kills in the short form.
-const KILLS: u32 = 15;
 /// Files added before each start.
 const FILES_A_ROUND: u32 = 2;
 
 fn kills() -> u32 {
-    std::env::var("IEAP_KILLS")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(KILLS)
+    counted(15, 1000) as u32
 }
 
 /// What must hold of a database whatever was killed when.

@@ -1,6 +1,7 @@
 //! Integration tests: one binary.
 
 mod across_runs;
+mod adopted;
 mod along;
 mod any_runs;
 mod architecture;
@@ -64,3 +65,4 @@ mod tables;
 mod unreadable_tags;
 mod verify;
 mod watch;
+mod world;

@@ -62,18 +62,18 @@ fn columns(table: &str, column: usize) -> String {
     table.lines().map(row).collect()
 }
 
-fn content(folder: &CampaignFolder) -> Content {
+pub fn content(folder: &CampaignFolder) -> Content {
     let store = Store::open_read_only(folder.path()).unwrap().unwrap();
     store.content().unwrap()
 }
 
-fn without_database(folder: &Path) {
+pub fn without_database(folder: &Path) {
     for companion in ["", "-wal", "-shm"] {
         let _ = fs::remove_file(folder.join(format!("campaign.db{companion}")));
     }
 }
 
-fn same(one: &Content, other: &Content) {
+pub fn same(one: &Content, other: &Content) {
     assert_eq!(one.differences(other), []);
     assert_eq!(one.hash(), other.hash());
 }

@@ -1,11 +1,11 @@
 //! The order of day and month that the other files of a folder show: one computer writes all of them alike.
 
-use std::fs;
 use std::io::Read;
 use std::path::Path;
 
 use crate::text::decode;
 use ieap_domain::DateOrder;
+use ieap_system::fs;
 
 /// Most files of a folder that are looked at.
 const MOST_FILES: usize = 200;

@@ -2,7 +2,6 @@
 //!
 //! A page that cannot be made is replaced by a box that says why, and the others are written: only the disk ends a report.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -27,6 +26,7 @@ use super::visible::{indexed, write_escaped};
 use ieap_analysis::dma::table::modulus_table;
 use ieap_analysis::{TableFormat, conditions_table, fits_wide, rounded, write_table};
 use ieap_domain::{CurveSource, Fault};
+use ieap_system::fs;
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -225,6 +225,20 @@ impl Store {
             .map_err(|e| self.failed("looking for raw files", e))
     }
 
+    /// Files that were another name of a run or log whose content is another one now: no current one holds their bytes.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn orphaned_aliases(&self) -> Result<Vec<String>, StoreError> {
+        let sql = "SELECT path FROM source_file WHERE state = 'alias' AND hash IS NOT NULL AND missing_since IS NULL
+                   AND NOT EXISTS (SELECT 1 FROM run_file JOIN run ON run.id = run_file.run_id
+                                   WHERE run_file.hash = source_file.hash AND run.superseded_at IS NULL)
+                   AND NOT EXISTS (SELECT 1 FROM climate_log
+                                   WHERE climate_log.hash = source_file.hash AND climate_log.superseded_at IS NULL)
+                   ORDER BY path";
+        self.rows("looking for files of no run", sql, [], |row| Ok(row.get(0)?))
+    }
+
     /// Has every file read again at the next scan, as if its reader had changed.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::{Connection, OpenFlags};
 
 use super::{FILE_NAME, Store, StoreError};
+use ieap_system::fs;
 
 /// Smallest page of SQLite, bytes: no database is smaller.
 const SMALLEST_BYTES: u64 = 512;
@@ -27,7 +28,7 @@ pub enum Found {
 /// Looks for the database of the campaign in `folder`; nothing is made or changed.
 pub fn found(folder: &Path) -> Found {
     let path = folder.join(FILE_NAME);
-    match std::fs::metadata(&path) {
+    match fs::metadata(&path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Found::Nothing,
         Ok(file) if file.len() < SMALLEST_BYTES || is_blank(&path) => Found::Empty { bytes: file.len() },
         _ => Found::Something,
@@ -58,7 +59,7 @@ pub fn set_aside(folder: &Path, mark: &str) -> Result<Option<PathBuf>, StoreErro
     let mut moved = None;
     for companion in ["", "-wal", "-shm"] {
         let with = |path: &Path| PathBuf::from(format!("{}{companion}", path.display()));
-        match std::fs::rename(with(&from), with(&to)) {
+        match fs::rename(with(&from), with(&to)) {
             Ok(()) => moved = Some(to.clone()),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
             Err(source) => {
@@ -86,12 +87,12 @@ pub fn put_in_place(made: &Path, folder: &Path, mark: &str) -> Result<Option<Pat
         doing: "putting the new database in place",
         source,
     };
-    let synced = std::fs::File::open(&from).and_then(|file| file.sync_all());
+    let synced = fs::File::open(&from).and_then(|file| file.sync_all());
     synced.map_err(|source| failed(&from, source))?;
     let aside = set_aside(folder, mark)?;
-    std::fs::rename(&from, &to).map_err(|source| failed(&to, source))?;
+    fs::rename(&from, &to).map_err(|source| failed(&to, source))?;
     #[cfg(unix)]
-    std::fs::File::open(folder)
+    fs::File::open(folder)
         .and_then(|folder| folder.sync_all())
         .map_err(|source| failed(folder, source))?;
     Ok(aside)
@@ -110,11 +111,11 @@ pub(super) struct Place {
 
 impl Place {
     /// Of the database that was just opened.
-    pub fn of(path: &Path) -> Place {
-        Place {
-            file: file_id(path),
+    pub fn of(path: &Path) -> Result<Place, StoreError> {
+        Ok(Place {
+            file: file_id(path)?,
             log: Cell::new(None),
-        }
+        })
     }
 
     /// Refuses where the database at `path`, or its write-ahead log, is another one than was opened.
@@ -123,9 +124,9 @@ impl Place {
             return Ok(());
         };
         let log_path = PathBuf::from(format!("{}-wal", path.display()));
-        let log = file_id(&log_path);
+        let (now, log) = (file_id(path)?, file_id(&log_path)?);
         let changed = match (self.log.get(), log) {
-            _ if file_id(path) != Some(file) => Some(path),
+            _ if now != Some(file) => Some(path),
             (Some(known), found) if found != Some(known) => Some(log_path.as_path()),
             (_, found) => {
                 self.log.set(found);
@@ -187,16 +188,25 @@ impl Store {
     }
 }
 
+/// None where there is no such file.
 #[cfg(unix)]
-fn file_id(path: &Path) -> Option<FileId> {
+fn file_id(path: &Path) -> Result<Option<FileId>, StoreError> {
     use std::os::unix::fs::MetadataExt;
-    let found = std::fs::metadata(path).ok()?;
-    Some((found.dev(), found.ino()))
+    match fs::metadata(path) {
+        Ok(found) => Ok(Some((found.dev(), found.ino()))),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        // What the system cannot tell now is no sign that the file is another one.
+        Err(source) => Err(StoreError::File {
+            path: path.to_owned(),
+            doing: "looking whether it is in its place",
+            source,
+        }),
+    }
 }
 
 #[cfg(not(unix))]
-fn file_id(_path: &Path) -> Option<FileId> {
-    None
+fn file_id(_path: &Path) -> Result<Option<FileId>, StoreError> {
+    Ok(None)
 }
 
 #[cfg(all(test, unix))]

@@ -34,6 +34,8 @@ mod unreadable_tags;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use ieap_system::fs;
+
 use rusqlite::{Connection, OpenFlags};
 
 pub use climate::{LogRecord, NewLog, NewSeries};
@@ -98,7 +100,7 @@ impl Store {
             .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
         Ok(Store {
             connection,
-            place: in_place::Place::of(&path),
+            place: in_place::Place::of(&path)?,
             path,
             seals,
             journal: Journal::of(folder),
@@ -113,7 +115,12 @@ impl Store {
     pub fn open_read_only(folder: &Path) -> Result<Option<Store>, StoreError> {
         check_sqlite()?;
         let path = folder.join(FILE_NAME);
-        if !path.exists() {
+        let there = fs::exists(&path).map_err(|source| StoreError::File {
+            path: path.clone(),
+            doing: "looking for the database",
+            source,
+        })?;
+        if !there {
             return Ok(None);
         }
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
@@ -121,7 +128,7 @@ impl Store {
             // A write-ahead log needs a folder that can be written. Without a log waiting to be merged, a
             // database on a read-only disk can be read as it stands.
             let log = folder.join(format!("{FILE_NAME}-wal"));
-            let settled = std::fs::metadata(log).map_or(true, |log| log.len() == 0);
+            let settled = fs::metadata(log).map_or(true, |log| log.len() == 0);
             match (refused, as_uri(&path, "immutable=1")) {
                 (StoreError::CannotOpen { .. } | StoreError::ReadOnly { .. }, Some(uri)) if settled => {
                     open_to_read(&path, &uri, flags | OpenFlags::SQLITE_OPEN_URI)

@@ -1,10 +1,10 @@
 //! One working instance a campaign.
 
-use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 use super::StoreError;
+use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
 /// What the file says after an orderly end.
 const ENDED: &str = "ended\n";
@@ -33,7 +33,7 @@ impl InstanceLock {
             let path = path.clone();
             move |source| StoreError::File { path, doing, source }
         };
-        let is_link = || std::fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink());
+        let is_link = || fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink());
         let mut file = match options().open(&path) {
             Ok(file) => file,
             Err(_) if is_link() => {
@@ -59,7 +59,9 @@ impl InstanceLock {
         file.set_len(0)
             .and_then(|()| file.rewind())
             .map_err(failed("writing the lock file"))?;
+        // On the disk before anything else is: a loss of power is noticed by it.
         file.write_all(holder.as_bytes())
+            .and_then(|()| file.sync_all())
             .map_err(failed("writing the lock file"))?;
         Ok(InstanceLock {
             file,
@@ -84,9 +86,9 @@ impl Drop for InstanceLock {
     fn drop(&mut self) {
         // Where any of this fails the next instance looks at the database once more than it must.
         if self.is_sound {
-            let _ = self.file.set_len(0);
-            let _ = self.file.rewind();
-            let _ = self.file.write_all(ENDED.as_bytes());
+            // Only into an empty file: over the rest of another word it would be none that a lock writes.
+            let emptied = self.file.set_len(0).and_then(|()| self.file.rewind());
+            let _ = emptied.and_then(|()| self.file.write_all(ENDED.as_bytes()));
         }
         // Closing frees the lock only when the last copy of the handle is closed, and a child that is just being started has
         // one until it has become its own program.
@@ -105,10 +107,7 @@ fn options() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.read(true).write(true).create(true).truncate(false);
     #[cfg(unix)]
-    {
-        use std::os::unix::fs::OpenOptionsExt;
-        options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
-    }
+    options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
     options
 }
 
@@ -122,12 +121,17 @@ fn ended_in_order(file: &mut File, path: &Path) -> Result<bool, StoreError> {
         doing: "reading the lock file",
         source,
     })?;
-    // A disk that lost its power may keep the length of a file and not its content.
-    let is_blank = (head.len() as u64) < LONGEST && head.iter().all(|&byte| byte == 0);
+    // A disk that lost its power may keep the length of a file and a part of its content.
+    let zeros = head.iter().rev().take_while(|&&byte| byte == 0).count();
+    let part = &head[..head.len() - zeros];
+    let is_torn = (head.len() as u64) < LONGEST
+        && [ENDED, MARK]
+            .iter()
+            .any(|whole| whole.as_bytes().starts_with(part));
     match head.as_slice() {
         [] => Ok(true),
         head if head == ENDED.as_bytes() => Ok(true),
-        head if is_blank || head.starts_with(MARK.as_bytes()) => Ok(false),
+        head if is_torn || head.starts_with(MARK.as_bytes()) => Ok(false),
         _ => Err(StoreError::NotALock {
             path: path.to_owned(),
             found: "it holds something else",
@@ -147,6 +151,11 @@ fn host_name() -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{Arc, Mutex};
+    use std::time::SystemTime;
+
+    use ieap_system::{Call, Kind, World, within};
+
     use super::*;
 
     #[test]
@@ -198,12 +207,59 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let in_order = || InstanceLock::take(folder.path()).unwrap().last_ended_in_order();
         assert!(in_order() && in_order());
-        for left in ["process 1 on a", "\0\0\0\0"] {
+        for left in [
+            "process 1 on a",
+            "\0\0\0\0",
+            "p",
+            "process\0\0\0\0",
+            "end",
+            "ended\n\0",
+        ] {
             std::fs::write(folder.path().join(InstanceLock::FILE_NAME), left).unwrap();
             assert!(!in_order());
             assert!(!in_order());
             InstanceLock::take(folder.path()).unwrap().found_sound();
             assert!(in_order());
         }
+    }
+
+    /// Hears of all calls, and refuses those of one kind.
+    #[derive(Default)]
+    struct Heard(Option<Kind>, Mutex<Vec<Kind>>);
+
+    impl World for Heard {
+        fn before(&self, call: &Call<'_>) -> std::io::Result<()> {
+            match self.0 == Some(call.kind) {
+                true => Err(std::io::Error::from_raw_os_error(5)),
+                false => Ok(()),
+            }
+        }
+
+        fn after(&self, call: &Call<'_>) {
+            self.1.lock().unwrap().push(call.kind);
+        }
+
+        fn now(&self) -> SystemTime {
+            SystemTime::now()
+        }
+    }
+
+    /// Else a loss of power leaves what an earlier instance wrote when it ended in order.
+    #[test]
+    fn who_holds_it_is_on_the_disk_when_it_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let heard = Arc::new(Heard::default());
+        let _lock = within(heard.clone(), || InstanceLock::take(folder.path())).unwrap();
+        let heard = heard.1.lock().unwrap();
+        assert_eq!(heard[heard.len() - 2..], [Kind::Write, Kind::Sync]);
+    }
+
+    /// The word of an orderly end was written over the beginning of the longer one, and the next instance refused the file.
+    #[test]
+    fn a_file_that_cannot_be_emptied_keeps_its_word() {
+        let folder = tempfile::tempdir().unwrap();
+        let lock = InstanceLock::take(folder.path()).unwrap();
+        within(Arc::new(Heard(Some(Kind::Cut), Mutex::default())), || drop(lock));
+        assert!(!InstanceLock::take(folder.path()).unwrap().last_ended_in_order());
     }
 }

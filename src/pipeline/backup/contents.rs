@@ -4,7 +4,6 @@
 //! what was traced from them; these are told.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +15,7 @@ use crate::ingest::scan::{self, SeenFile, display_path, is_passing_name, is_stat
 use crate::pipeline::climate::holds_logs;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{FileRow, Store};
+use crate::system::fs;
 
 /// A file that belongs to a backup.
 #[derive(Debug, Clone, PartialEq, Eq)]

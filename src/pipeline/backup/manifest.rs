@@ -1,6 +1,5 @@
 //! What a backup holds: `backup.json`, written last. A folder without one is no backup, or one that was never finished.
 
-use std::fs;
 use std::io;
 use std::path::Path;
 
@@ -10,6 +9,7 @@ use serde_json::Value;
 use super::error::BackupError;
 use crate::pipeline::PipelineError;
 use crate::pipeline::whole_file::put_bytes;
+use crate::system::fs;
 
 /// Name of the file inside the backup.
 pub const FILE_NAME: &str = "backup.json";

@@ -11,7 +11,6 @@ mod restore;
 mod shelf;
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -21,6 +20,7 @@ use super::{Context, Observer, PipelineError};
 use crate::ingest::archive::{self, Archive, FOLDER};
 use crate::numerics::interrupt;
 use crate::store::{Found, Store, found};
+use crate::system::fs;
 use contents::{Wanted, listed, reason};
 use manifest::{Head, LeftOut, Manifest, StoredFile};
 use shelf::{DATABASE, Shelf, UNFINISHED, failed, hash_of, sync_names};

@@ -1,6 +1,5 @@
 //! Restores a backup into a new folder, and tries what was restored before it gets its name.
 
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -15,6 +14,7 @@ use crate::ingest::scan::parse_display_path;
 use crate::pipeline::status::{self, Status};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FILE_NAME as DATABASE_NAME;
+use crate::system::fs;
 
 /// The verb `restore`.
 #[derive(Debug, Clone)]
@@ -191,7 +191,7 @@ fn write(into: &Path, file: &StoredFile, bytes: &[u8]) -> Result<(), PipelineErr
         #[cfg(unix)]
         if is_raw(&file.path) {
             // Raw files are for everyone to read and for nobody to change.
-            std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o444);
+            options.mode(0o444);
         }
         let mut out = options.open(&path)?;
         out.write_all(bytes)?;
@@ -262,7 +262,7 @@ fn drill(
 fn sync(folder: &Path) {
     #[cfg(target_os = "linux")]
     if let Ok(folder) = fs::File::open(folder) {
-        let _ = rustix::fs::syncfs(folder);
+        let _ = folder.sync_file_system();
     }
     #[cfg(not(target_os = "linux"))]
     let _ = folder;

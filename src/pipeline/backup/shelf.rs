@@ -1,7 +1,6 @@
 //! The folder of a backup: bytes under their hashes, as an archive keeps them, and copies of the database.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +9,7 @@ use super::manifest;
 use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming};
 use crate::pipeline::PipelineError;
 use crate::store::InstanceLock;
+use crate::system::fs;
 
 /// How the name of a copy of the database begins; its hash follows.
 pub const DATABASE: &str = "campaign.db.";

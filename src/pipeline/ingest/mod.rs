@@ -4,6 +4,7 @@ mod batch;
 mod copies;
 pub(super) mod frame_folder;
 mod groups;
+mod known;
 mod left_out;
 mod places;
 mod prepare;
@@ -23,16 +24,18 @@ use super::context::now;
 use super::{Context, Observer, PipelineError, planned, standing};
 use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::name_pattern::ProposedPattern;
-use crate::ingest::scan::{self, Changes, Known, Scan, SeenFile};
+use crate::ingest::scan::{self, Changes, Scan, SeenFile};
 use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
 use crate::pipeline::mends::Together;
 use crate::pipeline::status;
 use crate::store::FileRow;
 use batch::in_batches;
+use known::{Orphans, known, note_change_times};
 use prepare::Group;
 pub(super) use readers::Readers;
 
 pub(super) use batch::together;
+pub use known::files_due;
 pub use prepare::ReadFile;
 pub(super) use prepare::{Outcome, PreparedFile, With, joined, prepare_bytes, run_parts};
 pub use retag::{retag_runs, run_window};
@@ -163,14 +166,24 @@ impl Ingest<'_> {
         let shelf = Shelf::open(&context.store)?;
         let kind_of = |path: &str| context.campaign.kind_of(path);
         context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
-        let groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
-        observer.begin("reading", groups.len() as u64);
-        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
-            let with = (&readers, &shelf);
-            settle::settle(context, with, prepared, &changes, &mut summary, observer)
-        })?;
-        summary.mended.extend(mended);
-        observer.end();
+        let mut groups = self.due(&readers, &stored, &seen, &changes, kind_of, &mut summary);
+        let mut orphans = Orphans::default();
+        loop {
+            observer.begin("reading", groups.len() as u64);
+            let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+                let with = (&readers, &shelf);
+                settle::settle(context, with, prepared, &changes, &mut summary, observer)
+            })?;
+            summary.mended.extend(mended);
+            observer.end();
+            // Where a run has new content, another file that held the old one is a run by itself now.
+            let orphans = orphans.next(context, |path| !of_logs(path))?;
+            if orphans.is_empty() {
+                break;
+            }
+            let kind_of = |path: &str| context.campaign.kind_of(path);
+            groups = groups_with(&|path| orphans.contains(path), &seen, kind_of, &summary);
+        }
         settle::gone(context, &readers, &stored, &changes, &seen, &mut summary)?;
         // The lists of a large folder do not stand beside those that tagging needs.
         drop((groups, changes, seen, stored));
@@ -222,15 +235,24 @@ impl Ingest<'_> {
             kind: RunKind::Actuation,
             files: vec![Arc::clone(file)],
         };
-        let groups: Vec<Group> = ready.into_iter().map(group).collect();
-        observer.begin("reading climate logs", groups.len() as u64);
-        let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
-            prepared.files.iter().try_for_each(|file| {
-                climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
-            })
-        })?;
-        summary.mended.extend(mended);
-        observer.end();
+        let mut groups: Vec<Group> = ready.into_iter().map(group).collect();
+        let mut orphans = Orphans::default();
+        loop {
+            observer.begin("reading climate logs", groups.len() as u64);
+            let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
+                prepared.files.iter().try_for_each(|file| {
+                    climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
+                })
+            })?;
+            summary.mended.extend(mended);
+            observer.end();
+            let orphans = orphans.next(context, |path| holds_logs(path, &context.campaign.runs_folder))?;
+            if orphans.is_empty() {
+                break;
+            }
+            let found = seen.files.iter().filter(|file| orphans.contains(&file.display));
+            groups = found.map(group).collect();
+        }
         settle::gone(context, &readers, stored, &changes, &seen, summary)
     }
 
@@ -266,83 +288,30 @@ impl Ingest<'_> {
     ) -> Vec<Group> {
         let ready = self.ready_files(readers, stored, changes, summary);
         let due: BTreeSet<&str> = ready.into_iter().map(|file| file.display.as_str()).collect();
-        let waiting: BTreeSet<&str> = summary.waiting.iter().map(String::as_str).collect();
-        let by_path: BTreeMap<&str, &Arc<SeenFile>> =
-            seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
-        groups::grouped(by_path.keys().copied())
-            .into_iter()
-            .filter(|(_, paths)| paths.iter().any(|path| due.contains(path)))
-            .filter(|(_, paths)| !paths.iter().any(|path| waiting.contains(path)))
-            .map(|(run_name, paths)| Group {
-                kind: kind_of(&run_name),
-                run_name,
-                files: paths.iter().map(|path| Arc::clone(by_path[path])).collect(),
-            })
-            .collect()
+        groups_with(&|path| due.contains(path), seen, kind_of, summary)
     }
 }
 
-/// Number of files that would be read, or that have gone, without a change of anything.
-///
-/// # Errors
-/// The folder cannot be listed, or the database cannot be read.
-pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
-    let logs = crate::analysis::climate::sensors::FOLDER;
-    let runs_folder = &context.campaign.runs_folder;
-    let mut optional = context.campaign.optional_folders().to_vec();
-    if holds_logs(logs, runs_folder) {
-        optional.push(logs);
-    }
-    let seen = scan::scan(
-        &context.folder,
-        runs_folder,
-        &optional,
-        scan::ScanLimits::default(),
-    )?;
-    let stored = context.store.files()?;
-    let changes = scan::diff(&known(&stored), &seen);
-    let listed: BTreeSet<&String> = seen.issues.iter().map(|issue| &issue.place).collect();
-    let gone = changes.gone.iter().filter(|path| !listed.contains(path)).count();
-    let outdated = Readers::of(&context.profiles, context.campaign.date_order, &stored);
-    let outdated = outdated.outdated(&stored);
-    let unchanged = changes.unchanged.iter();
-    let again = unchanged
-        .filter(|file| outdated.contains(file.display.as_str()))
-        .count();
-    Ok(changes.new.len() + changes.changed.len() + gone + again)
-}
-
-fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
-    fn known(file: &FileRow) -> Known<'_> {
-        Known {
-            display: &file.path,
-            size_bytes: file.size_bytes,
-            modified_ns: file.modified_ns,
-            inode: file.inode,
-            changed_ns: file.changed_ns,
-            missing: file.missing_since.is_some(),
-        }
-    }
-    stored.iter().map(known).collect()
-}
-
-/// Completes what was stored before times of last changes were, without reading the files.
-fn note_change_times(
-    context: &mut Context,
-    stored: &[FileRow],
-    changes: &Changes,
-) -> Result<(), PipelineError> {
-    let unknown: BTreeSet<&str> = stored
-        .iter()
-        .filter(|file| file.changed_ns == 0)
-        .map(|file| file.path.as_str())
-        .collect();
-    let unchanged = changes.unchanged.iter().filter(|file| file.changed_ns != 0);
-    let times: Vec<(&str, i64)> = unchanged
-        .filter(|file| unknown.contains(file.display.as_str()))
-        .map(|file| (file.display.as_str(), file.changed_ns))
-        .collect();
-    Ok(context.store.note_change_times(&now(), &times)?)
+/// The groups of files with one that is `due` and none that waits.
+fn groups_with(
+    due: &dyn Fn(&str) -> bool,
+    seen: &Scan,
+    kind_of: impl Fn(&str) -> RunKind,
+    summary: &IngestSummary,
+) -> Vec<Group> {
+    let waiting: BTreeSet<&str> = summary.waiting.iter().map(String::as_str).collect();
+    let by_path: BTreeMap<&str, &Arc<SeenFile>> =
+        seen.files.iter().map(|f| (f.display.as_str(), f)).collect();
+    groups::grouped(by_path.keys().copied())
+        .into_iter()
+        .filter(|(_, paths)| paths.iter().any(|path| due(path)))
+        .filter(|(_, paths)| !paths.iter().any(|path| waiting.contains(path)))
+        .map(|(run_name, paths)| Group {
+            kind: kind_of(&run_name),
+            run_name,
+            files: paths.iter().map(|path| Arc::clone(by_path[path])).collect(),
+        })
+        .collect()
 }
 
 /// Records what the system could not give: what failed now, and what failed before and was not tried again yet.

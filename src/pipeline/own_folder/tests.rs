@@ -1,6 +1,9 @@
 //! Tests of folders that are exchanged as a whole.
 
+use std::sync::Arc;
+
 use super::*;
+use crate::system::{Call, Kind, World, within};
 
 fn never(_: &Path) -> bool {
     false
@@ -137,4 +140,66 @@ fn what_file_managers_leave_is_no_obstacle() {
     }
     put(root.path(), "b.html").unwrap();
     assert_eq!(names(root.path()), ["report", "report/.written", "report/b.html"]);
+}
+
+/// Writes down what is changed.
+#[derive(Default)]
+struct Heard(std::sync::Mutex<Vec<(Kind, PathBuf)>>);
+
+impl World for Heard {
+    fn before(&self, _call: &Call<'_>) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn after(&self, call: &Call<'_>) {
+        if call.kind.changes() {
+            self.0.lock().unwrap().push((call.kind, call.path.to_owned()));
+        }
+    }
+
+    fn now(&self) -> std::time::SystemTime {
+        std::time::SystemTime::now()
+    }
+}
+
+/// Else a loss of power leaves the old folder without a part of its files, or the mark in the new one.
+#[test]
+fn the_new_name_is_on_the_disk_before_the_old_folder_loses_a_file() {
+    let root = tempfile::tempdir().unwrap();
+    for turn in ["first", "second"] {
+        let heard = Arc::new(Heard::default());
+        within(heard.clone(), || put(root.path(), turn)).unwrap();
+        let heard = heard.0.lock().unwrap();
+        let place = |wanted: &dyn Fn(&(Kind, PathBuf)) -> bool| heard.iter().position(wanted).unwrap();
+        let named = place(&|(kind, _)| matches!(kind, Kind::Exchange | Kind::Rename));
+        let safe = place(&|(kind, path)| *kind == Kind::Sync && path == root.path());
+        let removed = place(&|(kind, _)| *kind == Kind::Remove);
+        assert!(named < safe && safe < removed, "{turn}: {heard:?}");
+        // Whatever is written, the mark is on the disk first.
+        let marks: Vec<Kind> = heard.iter().map(|(kind, _)| *kind).take(5).collect();
+        assert_eq!(
+            marks,
+            [Kind::MakeFolder, Kind::Make, Kind::Write, Kind::Sync, Kind::Sync]
+        );
+    }
+}
+
+#[test]
+fn every_path_has_a_folder_that_can_be_waited_for() {
+    for (path, parent) in [("report", "."), ("a/report", "a"), ("/report", "/")] {
+        assert_eq!(parent_of(Path::new(path)), Path::new(parent));
+        assert!(parent == "a" || sync(Path::new(parent)).is_ok());
+    }
+}
+
+#[test]
+fn a_folder_with_a_torn_mark_alone_goes() {
+    let root = tempfile::tempdir().unwrap();
+    for mark in ["", ".rep", "\0\0\0"] {
+        let folder = root.path().join(".report-15");
+        fs::create_dir(&folder).unwrap();
+        fs::write(folder.join(PASSING), mark).unwrap();
+        assert_eq!(remove_leftovers(root.path(), ".report-"), Vec::<PathBuf>::new());
+        assert!(!folder.exists(), "{mark:?}");
+    }
 }

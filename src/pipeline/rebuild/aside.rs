@@ -1,11 +1,11 @@
 //! The folder that a database is made in before it takes the place of the old one.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::pipeline::PipelineError;
 use crate::store::FILE_NAME;
+use crate::system::fs;
 
 /// Its name inside a campaign; hidden, so that no scan takes it for data.
 const FOLDER: &str = ".ieap-rebuild";

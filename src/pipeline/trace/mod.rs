@@ -11,6 +11,7 @@ use super::own_folder::{self, Fresh};
 use super::{Observer, PipelineError};
 use crate::ingest::campaign_file;
 use crate::ingest::frames::{self, FrameFile, FrameSettings};
+use crate::system::fs;
 
 pub use stream::{Source, Traced, trace_frames};
 
@@ -116,7 +117,7 @@ impl TraceFrames {
         let fresh = Fresh::begin(&parent, ".trace-").map_err(failed(&parent, "making a folder"))?;
         let overlays = fresh.path().join(OVERLAYS);
         if self.overlays {
-            std::fs::create_dir(&overlays).map_err(failed(&overlays, "making a folder"))?;
+            fs::create_dir(&overlays).map_err(failed(&overlays, "making a folder"))?;
         }
         let source = Source {
             files: &files,
@@ -128,7 +129,7 @@ impl TraceFrames {
         let traced = trace_frames(&source, observer)?;
         for (name, text) in [(TABLE, &traced.table), (ERRORS, &traced.errors)] {
             let path = fresh.path().join(name);
-            std::fs::write(&path, text).map_err(failed(&path, "writing the table"))?;
+            fs::write(&path, text).map_err(failed(&path, "writing the table"))?;
         }
         fresh
             .finish()
@@ -228,7 +229,7 @@ pub(super) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(std::io::E
 /// Whether a folder without a list of its files is one that an earlier version wrote: its names and no others.
 fn is_of_earlier_version(folder: &Path) -> bool {
     let names = |folder: &Path| -> Option<Vec<PathBuf>> {
-        let entries = std::fs::read_dir(folder).ok()?;
+        let entries = fs::read_dir(folder).ok()?;
         entries.map(|entry| Some(entry.ok()?.path())).collect()
     };
     let is_overlay = |path: &PathBuf| path.is_file() && path.extension().is_some_and(|end| end == "png");

@@ -13,6 +13,7 @@ use crate::ingest::scan::{ReadFileError, read_stable};
 use crate::numerics::interrupt;
 use crate::pipeline::{Observer, PipelineError};
 use crate::strip::{Gray, Initial, Positive, Scale, Trace, View, decode, overlay, trace};
+use crate::system::fs;
 
 /// Largest file of a frame, bytes.
 const LARGEST_FRAME_BYTES: u64 = 512 << 20;
@@ -159,7 +160,7 @@ fn frame(source: &Source, index: usize, initial: &Initial, size_px: (usize, usiz
         );
         let path = folder.join(name);
         let drawn = overlay(&gray, &traced, vectors(source.settings)).map_err(Failed::Frame)?;
-        std::fs::write(&path, drawn)
+        fs::write(&path, drawn)
             .map_err(|error| Failed::Disk(super::failed(&path, "writing the overlay")(error)))?;
     }
     Ok(Row {

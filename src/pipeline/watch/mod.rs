@@ -5,33 +5,28 @@
 //! database lets one through at a time, and every step starts from what is stored: so the threads need not agree.
 
 mod bell;
+mod intake;
+mod refusals;
 mod sightings;
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use super::context::moment;
 use super::run::render;
 use super::verify::Weekly;
 use super::{
-    Context, DiagnoseSummary, Ingest, IngestSummary, Interrupt, Made, Observer, PipelineError, ReportSummary,
-    Run,
+    Context, DiagnoseSummary, IngestSummary, Interrupt, Made, Observer, PipelineError, ReportSummary, Run,
 };
 use crate::domain::Issue;
-use crate::ingest::scan::SeenFile;
 use crate::ingest::watch::{Wake, WatchOptions, Watcher};
 use bell::Bell;
-use sightings::Sightings;
+use refusals::{AFTER_REFUSAL, Refusals};
 
-/// Waits between two looks at files that are not quiet yet, at least.
-const SHORTEST_WAIT: Duration = Duration::from_millis(100);
-/// Longest wait without a hint: hand tags and tag files on a share are noticed by then.
-const LONGEST_WAIT: Duration = Duration::from_secs(30);
-/// Wait before another try where the disk or the database refused.
-const AFTER_REFUSAL: Duration = Duration::from_secs(10);
+pub use intake::{Intake, Look};
+
 /// A diagnosis is looked at anew after this long: the report shows what is known by then, and runs that came since count.
 const TURN: Duration = Duration::from_secs(15);
-/// After this many refusals by the disk or the database in a row the watch ends.
-const MOST_REFUSALS: u32 = 360;
 
 /// How to watch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -151,29 +146,19 @@ impl Shared<'_> {
         watcher: &Watcher,
         quiet: Duration,
     ) -> Result<(), PipelineError> {
-        let mut sightings = Sightings::new(quiet);
-        let mut refusals = Refusals::default();
+        let mut intake = Intake::new(quiet);
         let mut first = true;
         let unmeasured = Unmeasured(self.observer);
         loop {
             self.reload(context);
-            sightings.begin();
-            let ready = &mut |file: &SeenFile| sightings.is_ready(file, Instant::now());
-            let in_place = context.check_in_place();
-            let taken = in_place.and_then(|()| Ingest { ready }.run(context, &unmeasured));
-            let wait = match refusals.passed(taken, self.observer)? {
-                Some(summary) => {
-                    sightings.note_unread(&summary.unread, Instant::now());
-                    if std::mem::take(&mut first) || summary.changed() {
-                        (self.hear)(&Watched::Taken(&summary));
-                    }
-                    self.work.ring();
-                    let next = sightings.next_look();
-                    next.map_or(LONGEST_WAIT, |wait| wait.clamp(SHORTEST_WAIT, LONGEST_WAIT))
+            let look = intake.look(context, &Instant::now, &unmeasured)?;
+            if let Some(summary) = &look.taken {
+                if std::mem::take(&mut first) || summary.changed() {
+                    (self.hear)(&Watched::Taken(summary));
                 }
-                None => AFTER_REFUSAL,
-            };
-            if waited(watcher, wait, self.stop, self.observer) {
+                self.work.ring();
+            }
+            if waited(watcher, look.wait, self.stop, self.observer) {
                 return Ok(());
             }
         }
@@ -198,7 +183,7 @@ impl Shared<'_> {
                         (self.hear)(&Watched::Made(&made, &report));
                     }
                     self.diagnosis.ring();
-                    let looked = weekly.look(context, jiff::Timestamp::now());
+                    let looked = weekly.look(context, moment());
                     self.tell_damage(refusals.passed(looked, self.observer)?.flatten());
                 }
                 None => self.work.ring_after(AFTER_REFUSAL, self.stop),
@@ -261,35 +246,6 @@ impl Shared<'_> {
             self.observer.warn(&format!(
                 "{error}; what campaign.toml and the profiles said before goes on to hold"
             ));
-        }
-    }
-}
-
-/// How often in a row the disk or the database refused.
-#[derive(Default)]
-struct Refusals(u32);
-
-impl Refusals {
-    /// What was done; none where it was refused and is to be tried again.
-    fn passed<T>(
-        &mut self,
-        outcome: Result<T, PipelineError>,
-        observer: &dyn Observer,
-    ) -> Result<Option<T>, PipelineError> {
-        match outcome {
-            Ok(done) => {
-                self.0 = 0;
-                Ok(Some(done))
-            }
-            Err(error) if error.may_pass() && self.0 < MOST_REFUSALS => {
-                self.0 += 1;
-                observer.warn(&format!(
-                    "{error}; the watch tries again in {} s",
-                    AFTER_REFUSAL.as_secs()
-                ));
-                Ok(None)
-            }
-            Err(error) => Err(error),
         }
     }
 }

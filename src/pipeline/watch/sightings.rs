@@ -86,10 +86,9 @@ impl Sightings {
         }
     }
 
-    /// Time until the first file that waits may be ready.
-    pub fn next_look(&self) -> Option<Duration> {
-        self.next
-            .map(|next| next.saturating_duration_since(Instant::now()))
+    /// Time from `now` until the first file that waits may be ready.
+    pub fn next_look(&self, now: Instant) -> Option<Duration> {
+        self.next.map(|next| next.saturating_duration_since(now))
     }
 
     fn look_at(&mut self, at: Instant) {

@@ -1,13 +1,13 @@
 //! Whether the archive holds what it should.
 
 use std::collections::BTreeMap;
-use std::fs;
 
 use rayon::prelude::*;
 
 use super::error::ArchiveError;
 use super::{Archive, Archived, hash};
 use ieap_domain::Issue;
+use ieap_system::fs;
 
 /// What is wrong with a raw file of the archive.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,12 +1,11 @@
 //! Makes written bytes and names safe against a loss of power.
 
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
 use super::error::{ArchiveError, sorted};
+use ieap_system::Temporary;
+use ieap_system::fs::File;
 
 /// More files or folders than these wait for their file system as a whole. Fewer wait each by itself, which does not
 /// write out what other programs left to be written.
@@ -37,12 +36,12 @@ impl Durability {
     }
 
     /// Returns when the bytes of all files are on the disk; beside each is the path that it is meant for.
-    pub fn sync_files(&self, files: &[(NamedTempFile, PathBuf)]) -> Result<(), ArchiveError> {
+    pub fn sync_files(&self, files: &[(Temporary, PathBuf)]) -> Result<(), ArchiveError> {
         if self.sync_whole(files.len())? {
             return Ok(());
         }
         files.iter().try_for_each(|(file, path)| {
-            let synced = file.as_file().sync_all();
+            let synced = file.sync_all();
             synced.map_err(|source| sorted(path, "write", 0, source))
         })
     }
@@ -64,8 +63,8 @@ impl Durability {
     fn sync_whole(&self, count: usize) -> Result<bool, ArchiveError> {
         match &self.whole {
             Some((path, folder)) if count > FEW => {
-                let synced = rustix::fs::syncfs(folder);
-                synced.map_err(|errno| sorted(path, "sync", 0, errno.into()))?;
+                let synced = folder.sync_file_system();
+                synced.map_err(|source| sorted(path, "sync", 0, source))?;
                 Ok(true)
             }
             _ => Ok(false),
@@ -135,7 +134,7 @@ mod tests {
         let durability = Durability::of(folder.path());
         for count in [0, 1, 40] {
             let file = |k: usize| {
-                let made = NamedTempFile::new_in(folder.path()).unwrap();
+                let made = Temporary::new_in(folder.path(), ".part-", "", 0o444).unwrap();
                 (made, folder.path().join(k.to_string()))
             };
             let files: Vec<_> = (0..count).map(file).collect();

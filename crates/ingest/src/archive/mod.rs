@@ -6,13 +6,13 @@ mod error;
 mod owner;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use ieap_system::{Temporary, fs};
+
 use durability::Durability;
 use error::sorted;
-use tempfile::NamedTempFile;
 
 pub use check::{BlobFault, BlobFinding};
 pub use error::ArchiveError;
@@ -133,7 +133,7 @@ impl Archive {
         durability.sync_files(&written)?;
         for (file, path) in written {
             let kept = file.persist(&path);
-            kept.map_err(|kept| sorted(&path, "write", 0, kept.error))?;
+            kept.map_err(|source| sorted(&path, "write", 0, source))?;
         }
         durability.sync_folders(&folders)?;
         Ok(stored)
@@ -193,10 +193,7 @@ impl Archive {
     /// Where a folder cannot be read.
     pub fn entries(&self) -> Result<Vec<Archived>, ArchiveError> {
         let mut entries = Vec::new();
-        for folder in list(&self.campaign.join(FOLDER))?
-            .into_iter()
-            .filter(|path| path.is_dir())
-        {
+        for folder in folders(&self.campaign.join(FOLDER))? {
             for path in list(&folder)? {
                 let Some(hash) = hash_in_name(&path) else { continue };
                 let there = fs::metadata(&path).map_err(|source| sorted(&path, "read", 0, source))?;
@@ -218,7 +215,7 @@ impl Archive {
     pub fn remove_partial(&self) -> Result<usize, ArchiveError> {
         let mut removed = 0;
         let archive = self.campaign.join(FOLDER);
-        let inside = list(&archive)?.into_iter().filter(|path| path.is_dir());
+        let inside = folders(&archive)?.into_iter();
         for folder in inside.chain([archive]) {
             for path in list(&folder)? {
                 let name = path.file_name().unwrap_or_default();
@@ -249,16 +246,10 @@ impl Archive {
 }
 
 /// A file beside the place at `path` with these bytes, not safe yet; it goes when it is dropped.
-fn temporary(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, ArchiveError> {
+fn temporary(folder: &Path, path: &Path, bytes: &[u8]) -> Result<Temporary, ArchiveError> {
     let failed = |source| sorted(path, "write", bytes.len() as u64, source);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PARTIAL);
     // Raw files are for everyone to read and for nobody to change.
-    #[cfg(unix)]
-    let permissions = <fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o444);
-    #[cfg(unix)]
-    builder.permissions(permissions);
-    let mut file = builder.tempfile_in(folder).map_err(failed)?;
+    let mut file = Temporary::new_in(folder, PARTIAL, "", 0o444).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     Ok(file)
 }
@@ -274,6 +265,17 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, ArchiveError> {
     let mut paths = paths.map_err(|source| sorted(folder, "read", 0, source))?;
     paths.sort();
     Ok(paths)
+}
+
+/// The folders in a folder, sorted.
+fn folders(folder: &Path) -> Result<Vec<PathBuf>, ArchiveError> {
+    let mut folders = Vec::new();
+    for path in list(folder)? {
+        if fs::is_dir(&path).map_err(|source| sorted(&path, "read", 0, source))? {
+            folders.push(path);
+        }
+    }
+    Ok(folders)
 }
 
 /// The hash that a file of the archive is named by.

@@ -1,10 +1,10 @@
 //! Which database an archive belongs to: `archive/database-id`.
 
-use std::fs;
 use std::io::{self, Write};
 
 use super::error::{ArchiveError, sorted};
-use super::{Archive, FOLDER, PARTIAL, list};
+use super::{Archive, FOLDER, PARTIAL, folders, list};
+use ieap_system::{Temporary, fs};
 
 /// Name of the file inside the archive.
 const OWNER: &str = "database-id";
@@ -32,19 +32,13 @@ impl Archive {
         let path = folder.join(OWNER);
         let failed = |source| sorted(&path, "write", 0, source);
         fs::create_dir_all(&folder).map_err(failed)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(PARTIAL);
-        #[cfg(unix)]
-        let permissions = <fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o644);
-        #[cfg(unix)]
-        builder.permissions(permissions);
-        let mut file = builder.tempfile_in(&folder).map_err(failed)?;
+        let mut file = Temporary::new_in(&folder, PARTIAL, "", 0o644).map_err(failed)?;
         let text =
             format!("{id}\nThis archive belongs to the campaign.db with this id. Keep them together.\n");
         file.write_all(text.as_bytes())
-            .and_then(|()| file.as_file().sync_all())
+            .and_then(|()| file.sync_all())
             .map_err(failed)?;
-        file.persist(&path).map_err(|kept| failed(kept.error))?;
+        file.persist(&path).map_err(failed)?;
         if cfg!(unix) {
             fs::File::open(&folder)
                 .and_then(|folder| folder.sync_all())
@@ -58,8 +52,7 @@ impl Archive {
     /// # Errors
     /// Where a folder cannot be read.
     pub fn holds_anything(&self) -> Result<bool, ArchiveError> {
-        let folders = list(&self.campaign.join(FOLDER))?.into_iter();
-        for folder in folders.filter(|path| path.is_dir()) {
+        for folder in folders(&self.campaign.join(FOLDER))? {
             if list(&folder)?
                 .iter()
                 .any(|path| super::hash_in_name(path).is_some())

@@ -12,10 +12,10 @@ mod raw;
 mod tags;
 mod template;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use ieap_domain::{Campaign, Issue};
+use ieap_system::fs;
 
 pub use error::CampaignFileError;
 pub(crate) use nearest::nearest;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::FramesError;
 use ieap_strip::ENDINGS;
+use ieap_system::fs;
 
 /// A file that is a frame by its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,14 +29,14 @@ pub fn list(folder: &Path) -> Result<Vec<FrameFile>, FramesError> {
         source,
     };
     let mut frames = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
         let path = entry.path();
         let name = entry.file_name().to_string_lossy().into_owned();
         if name.starts_with('.') || !is_frame(&path) {
             continue;
         }
-        let metadata = std::fs::metadata(&path).map_err(unreadable)?;
+        let metadata = fs::metadata(&path).map_err(unreadable)?;
         if metadata.is_file() {
             frames.push(FrameFile {
                 path,
@@ -58,7 +59,7 @@ pub fn list(folder: &Path) -> Result<Vec<FrameFile>, FramesError> {
 /// One of them cannot be read.
 pub fn of_paths(paths: &[PathBuf]) -> Result<Vec<FrameFile>, FramesError> {
     let frame = |path: &PathBuf| {
-        let metadata = std::fs::metadata(path).map_err(|source| FramesError::Unreadable {
+        let metadata = fs::metadata(path).map_err(|source| FramesError::Unreadable {
             path: path.clone(),
             source,
         })?;

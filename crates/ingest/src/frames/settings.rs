@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::FramesError;
 use ieap_strip::{Crop, Positive, Side, Tone};
+use ieap_system::fs;
 
 /// The file in a folder of frames that says how they are to be read.
 pub const FILE_NAME: &str = "frames.toml";
@@ -159,7 +160,7 @@ impl FrameSettings {
 /// It cannot be read, is no TOML, or states what cannot be.
 pub fn of_folder(folder: &Path) -> Result<FrameSettings, FramesError> {
     let path = folder.join(FILE_NAME);
-    let text = match std::fs::read_to_string(&path) {
+    let text = match fs::read_to_string(&path) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(FrameSettings::default()),
         Err(source) => return Err(FramesError::Unreadable { path, source }),

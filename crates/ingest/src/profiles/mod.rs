@@ -16,11 +16,11 @@ mod table;
 mod tests;
 mod time;
 
-use std::fs;
 use std::io;
 use std::path::Path;
 
 use crate::campaign_file::line_and_column;
+use ieap_system::fs;
 
 pub use choose::{Choice, Claim, Reader, choose, read};
 pub use definition::Profile;

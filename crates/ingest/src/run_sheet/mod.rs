@@ -9,7 +9,6 @@ mod read;
 mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -18,6 +17,7 @@ use crate::scan::{SeenFile, parse_display_path};
 use crate::text::decode;
 use ieap_domain::tag::keys;
 use ieap_domain::{Issue, Tag, TagSource};
+use ieap_system::fs;
 
 pub use read::{COLUMNS, read};
 

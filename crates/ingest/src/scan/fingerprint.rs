@@ -1,7 +1,8 @@
 //! What tells one state of a file from another: number in its file system, times of its content and of its entry.
 
-use std::fs::Metadata;
 use std::time::UNIX_EPOCH;
+
+use ieap_system::fs::Metadata;
 
 /// Device and inode; zeros where the operating system gives none.
 #[cfg(unix)]

@@ -1,12 +1,12 @@
 //! Folders of frames, which the scan takes for one file each.
 
-use std::fs::{self, DirEntry};
 use std::io;
 use std::path::Path;
 use std::time::SystemTime;
 
 use super::{SeenFile, Walk, changed_ns, display_path, identity, is_passing_name, modified_ns};
 use crate::frames::FILE_NAME;
+use ieap_system::fs::{self, DirEntry};
 
 /// Whether a folder with these entries is a folder of frames.
 pub(super) fn is_one(entries: &[DirEntry]) -> bool {

@@ -9,13 +9,13 @@ mod stable_read;
 mod what_changed;
 
 use std::collections::BTreeSet;
-use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use ieap_domain::Issue;
+use ieap_system::fs::{self, Metadata};
 
 pub(crate) use fingerprint::{changed_ns, identity, modified_ns};
 
@@ -147,12 +147,12 @@ pub fn scan(
             source,
         },
     };
-    let campaign_real = campaign.canonicalize().map_err(root)?;
-    let runs_real = path.canonicalize().map_err(root)?;
+    let campaign_real = fs::canonicalize(campaign).map_err(root)?;
+    let runs_real = fs::canonicalize(&path).map_err(root)?;
     if !runs_real.starts_with(&campaign_real) {
         return Err(ScanError::FolderOutside { path: path.clone() });
     }
-    if !runs_real.is_dir() {
+    if !fs::metadata(&runs_real).map_err(root)?.is_dir() {
         return Err(ScanError::FolderMissing { path: path.clone() });
     }
     fs::read_dir(&path).map_err(root)?;
@@ -160,7 +160,7 @@ pub fn scan(
         campaign,
         campaign_real,
         limits,
-        now: SystemTime::now(),
+        now: ieap_system::now(),
         looked_into: BTreeSet::new(),
         links: Vec::new(),
         found: Scan::default(),
@@ -254,7 +254,7 @@ impl Walk<'_> {
     /// Notes the files of one folder and gives the folders in it.
     fn folder(&mut self, relative: &Path, depth: usize) -> io::Result<Vec<PathBuf>> {
         let path = self.campaign.join(relative);
-        if !self.looked_into.insert(path.canonicalize()?) {
+        if !self.looked_into.insert(fs::canonicalize(&path)?) {
             return Ok(Vec::new());
         }
         let mut below = Vec::new();
@@ -292,7 +292,7 @@ impl Walk<'_> {
     }
 
     fn link(&mut self, relative: PathBuf, depth: usize) {
-        let target = match self.campaign.join(&relative).canonicalize() {
+        let target = match fs::canonicalize(self.campaign.join(&relative)) {
             Ok(target) => target,
             Err(error) => return self.broken_link(&relative, &error),
         };

@@ -1,10 +1,10 @@
 //! Reads a file whole, and only if nobody wrote to it meanwhile.
 
-use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use super::{changed_ns, identity, modified_ns};
+use ieap_system::fs::{self, File, Metadata, OpenOptions};
 
 /// Largest file that is read unless the caller says otherwise: 1 GiB.
 pub const DEFAULT_LIMIT_BYTES: u64 = 1 << 30;
@@ -139,7 +139,6 @@ fn open(path: &Path) -> Result<File, ReadFileError> {
     // Nor waiting for the writer of a pipe; and safe against a link put there a moment ago.
     #[cfg(unix)]
     {
-        use std::os::unix::fs::OpenOptionsExt;
         let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
         options.custom_flags(flags.bits().cast_signed());
     }

@@ -160,7 +160,7 @@ fn limits_and_special_files_are_said() {
 #[test]
 fn times_in_the_future_have_no_age() {
     let folder = campaign(&["runs/a.csv"]);
-    let file = fs::File::options()
+    let file = std::fs::File::options()
         .write(true)
         .open(folder.path().join("runs/a.csv"))
         .unwrap();

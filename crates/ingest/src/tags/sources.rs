@@ -1,6 +1,5 @@
 //! What each source says, before any choice.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -9,6 +8,7 @@ use crate::name_pattern::{KnownIds, NameMatch, NamePattern};
 use crate::scan::display_path;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, InputHash, Issue, Tag, TagSource};
+use ieap_system::fs;
 
 use super::value::shortest;
 use super::{OtherName, TagRequest, is_unreadable, stem, tags_of};

@@ -5,7 +5,6 @@ mod hint;
 mod signals;
 mod source;
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use crate::scan::identity;
 use ieap_domain::Issue;
+use ieap_system::fs;
 
 use signals::Signals;
 use source::{Source, arm, failed, poll_of, polling};

@@ -13,7 +13,6 @@ mod tail;
 mod tests;
 
 use std::cell::RefCell;
-use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -21,6 +20,8 @@ use std::time::{Duration, Instant};
 use rusqlite::Connection;
 
 use super::{StepError, Store, StoreError};
+use ieap_system::Temporary;
+use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
 pub use entry::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
 
@@ -122,7 +123,8 @@ impl Store {
         let Some(campaign) = self.journal.campaign.clone() else {
             return Ok(false);
         };
-        if path_in(&campaign).exists() {
+        let path = path_in(&campaign);
+        if fs::exists(&path).map_err(|source| failed(&path, source))? {
             return Ok(false);
         }
         self.begin_batch()?;
@@ -148,7 +150,7 @@ impl Store {
 pub fn set_aside(folder: &Path, mark: &str) -> Result<(), StoreError> {
     let path = path_in(folder);
     let aside = path.with_file_name(format!("{FILE_NAME}.set-aside-{mark}"));
-    match std::fs::rename(&path, aside) {
+    match fs::rename(&path, aside) {
         Err(source) if source.kind() != io::ErrorKind::NotFound => Err(failed(&path, source)),
         _ => Ok(()),
     }
@@ -195,7 +197,7 @@ pub struct Found {
 /// It cannot be read.
 pub fn read(folder: &Path) -> Result<Option<Found>, StoreError> {
     let path = path_in(folder);
-    match std::fs::read(&path) {
+    match fs::read(&path) {
         Ok(bytes) => Ok(Some(found(&bytes))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(source) => Err(failed(&path, source)),
@@ -237,17 +239,11 @@ fn put(campaign: &Path, text: &str) -> Result<(), StoreError> {
     let path = path_in(campaign);
     let folder = campaign.join(FOLDER);
     let place = || -> io::Result<()> {
-        std::fs::create_dir_all(&folder)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(PARTIAL);
-        #[cfg(unix)]
-        let permissions = <std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o644);
-        #[cfg(unix)]
-        builder.permissions(permissions);
-        let mut file = builder.tempfile_in(&folder)?;
+        fs::create_dir_all(&folder)?;
+        let mut file = Temporary::new_in(&folder, PARTIAL, "", 0o644)?;
         file.write_all(text.as_bytes())?;
-        file.as_file().sync_all()?;
-        file.persist_noclobber(&path).map_err(|kept| kept.error)?;
+        file.sync_all()?;
+        file.persist_to_free(&path)?;
         #[cfg(unix)]
         for folder in [folder.as_path(), campaign] {
             File::open(folder)?.sync_all()?;

@@ -1,9 +1,9 @@
 //! The end of a journal: its last line, and half a line that a crash left.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 
 use super::line;
+use ieap_system::fs::File;
 
 /// Bytes of the end that are looked at first: more than most lines have.
 const FIRST_LOOK_BYTES: u64 = 16 * 1024;

@@ -1,0 +1,129 @@
+//! Faults that the worlds found, one by one.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use ieap::pipeline::{Context, Ingest, IngestSummary, RenderReport, Silent};
+use ieap::system::{Call, Kind, World, within};
+
+use super::computer::hash_of_report;
+use crate::campaign::{CampaignFolder, run_table};
+
+/// Refuses every call of one kind on files or folders of that name.
+struct Refuses(Kind, &'static str);
+
+impl World for Refuses {
+    fn before(&self, call: &Call<'_>) -> io::Result<()> {
+        match call.kind == self.0 && call.path.ends_with(self.1) {
+            true => Err(io::Error::from_raw_os_error(5)),
+            false => Ok(()),
+        }
+    }
+
+    fn after(&self, _call: &Call<'_>) {}
+
+    fn now(&self) -> SystemTime {
+        SystemTime::now()
+    }
+}
+
+fn open(folder: &Path) -> Context {
+    Context::open(folder, false).unwrap()
+}
+
+fn ingest(context: &mut Context) -> IngestSummary {
+    Ingest { ready: &mut |_| true }.run(context, &Silent).unwrap()
+}
+
+/// It was known as another name of a run that then got other content, and no run was of it any more.
+#[test]
+fn a_copy_becomes_a_run_when_the_file_that_it_copies_is_written_anew() {
+    let folder = CampaignFolder::new();
+    let log = "time,relative_humidity_percent\n2026-03-02T10:00:00Z,40\n2026-03-02T10:01:00Z,4";
+    for copy in ["a", "b", "c"] {
+        folder.write(&format!("runs/{copy}.csv"), run_table(1));
+        folder.write(&format!("ambient/{copy}.csv"), format!("{log}1\n"));
+    }
+    let mut context = open(folder.path());
+    let first = ingest(&mut context);
+    assert_eq!((first.new.len(), first.aliases.len()), (1, 2), "{first:#?}");
+    assert_eq!(
+        (first.logs.new.len(), first.logs.aliases.len()),
+        (1, 2),
+        "{first:#?}"
+    );
+    folder.write("runs/a.csv", run_table(2));
+    folder.write("ambient/a.csv", format!("{log}2\n"));
+    let second = ingest(&mut context);
+    assert_eq!(
+        (&second.revised[..], &second.new[..]),
+        (&["runs/a.csv".into()][..], &["runs/b.csv".into()][..])
+    );
+    assert_eq!(
+        (&second.logs.revised[..], &second.logs.new[..]),
+        (&["ambient/a.csv".into()][..], &["ambient/b.csv".into()][..])
+    );
+    assert!(!ingest(&mut context).changed());
+}
+
+/// The watch took an error of the disk for a database that was replaced, and ended.
+#[cfg(unix)]
+#[test]
+fn a_database_that_cannot_be_looked_at_now_is_not_taken_for_another_one() {
+    let folder = CampaignFolder::new();
+    let context = open(folder.path());
+    for name in ["campaign.db", "campaign.db-wal"] {
+        let looked = within(Arc::new(Refuses(Kind::Look, name)), || context.check_in_place());
+        let error = looked.unwrap_err();
+        assert!(error.to_string().contains("Input/output error"), "{error}");
+        assert!(error.may_pass(), "{error}");
+    }
+    context.check_in_place().unwrap();
+}
+
+/// It took the place of the old one all the same; a loss of power then left half a report with the stamp of a whole one.
+#[test]
+fn a_report_that_cannot_be_brought_to_the_disk_leaves_the_old_one() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    let mut context = open(folder.path());
+    ingest(&mut context);
+    let render = || RenderReport { again: true }.run(&context, &Silent);
+    render().unwrap();
+    let old = hash_of_report(folder.path());
+    struct NoSync;
+    impl World for NoSync {
+        fn before(&self, call: &Call<'_>) -> io::Result<()> {
+            match call.kind {
+                Kind::SyncAll => Err(io::Error::from_raw_os_error(28)),
+                _ => Ok(()),
+            }
+        }
+        fn after(&self, _call: &Call<'_>) {}
+        fn now(&self) -> SystemTime {
+            SystemTime::now()
+        }
+    }
+    if cfg!(target_os = "linux") {
+        within(Arc::new(NoSync), render).unwrap_err();
+    }
+    assert_eq!(hash_of_report(folder.path()), old);
+    assert_eq!(left_beside(folder.path()), Vec::<PathBuf>::new());
+    render().unwrap();
+}
+
+/// What a rendering left beside the report.
+fn left_beside(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .filter(|path| {
+            path.file_name()
+                .unwrap()
+                .to_string_lossy()
+                .starts_with(".report-")
+        })
+        .collect()
+}

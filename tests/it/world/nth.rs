@@ -1,0 +1,78 @@
+//! Every call of a run refused once, under each error that such a call may have, and the power lost before every call.
+
+use std::sync::Arc;
+
+use ieap::pipeline::verify::Verify;
+use ieap::pipeline::{Context, Ingest, PipelineError, RenderReport, Silent};
+
+use super::computer::{Computer, Weather};
+use super::{each, folder, on};
+use crate::campaign::counted;
+
+/// Most errors that a call may have.
+const MOST_ERRORS: u64 = 6;
+
+/// What a campaign of some files says when it was taken in under that weather, and then again without any; and the number
+/// of calls of the first time.
+fn taken_in(files: u32, weather: Weather) -> (String, u64) {
+    let folder = folder();
+    for k in 0..files {
+        let mut table = "time_s,voltage_v,current_a,curvature_per_cm\n".to_owned();
+        for step in 0..12 {
+            table += &format!("{step},2,{}e-4,0.{step:02}\n", k + 1);
+        }
+        std::fs::write(folder.path().join(format!("runs/{k}.csv")), table).unwrap();
+    }
+    let computer = Arc::new(Computer::new(folder.path(), 1));
+    let path = folder.path();
+    let run = || -> Result<(), PipelineError> {
+        let mut context = Context::open(path, false)?;
+        Ingest { ready: &mut |_| true }.run(&mut context, &Silent)?;
+        RenderReport { again: false }.run(&context, &Silent).map(drop)
+    };
+    computer.have(weather);
+    let outcome = on(&computer, run);
+    let (calls, refused) = computer.calls();
+    match outcome {
+        None => computer.restart(),
+        Some(Err(error)) => assert!(refused > 0, "refused for no reason of the system: {error}"),
+        Some(Ok(())) => {}
+    }
+    computer.have(Weather::default());
+    on(&computer, run)
+        .unwrap()
+        .unwrap_or_else(|error| panic!("{weather:?}: it stays refused: {error}"));
+    let verified = on(&computer, || Verify::default().run(path, &Silent))
+        .unwrap()
+        .unwrap();
+    assert!(verified.is_sound(), "{weather:?}: {verified:#?}");
+    (verified.content_hash.unwrap_or_default(), calls)
+}
+
+#[test]
+#[ignore = "slow: cargo test -- --ignored"]
+fn whichever_call_fails_or_is_the_last_the_next_run_makes_it_good() {
+    let files = counted(6, 50) as u32;
+    let (expected, calls) = taken_in(files, Weather::default());
+    // In the short form each seventh call is tried, with one of its errors by turns.
+    let (step, is_long) = (counted(7, 1), counted(0, 1) == 1);
+    let is_tried = |nth: u64, which: u64| is_long || which == nth % 2;
+    let refused = (1..=calls)
+        .step_by(step)
+        .flat_map(|nth| (0..MOST_ERRORS).map(move |which| (nth, which)));
+    let refused = refused
+        .filter(|(nth, which)| is_tried(*nth, *which))
+        .map(|(nth, which)| Weather {
+            refused: Some((nth, which as usize)),
+            ..Weather::default()
+        });
+    let lost = (1..=calls).step_by(step).map(|nth| Weather {
+        power_lost_at: Some(nth),
+        ..Weather::default()
+    });
+    let tried: Vec<Weather> = refused.chain(lost).collect();
+    eprintln!("{} tries at {calls} calls of a run of {files} files", tried.len());
+    let differs = |weather: Weather| (taken_in(files, weather).0 != expected).then_some(weather);
+    let wrong: Vec<Weather> = each(tried.into_iter(), differs);
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
