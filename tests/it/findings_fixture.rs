@@ -1,8 +1,9 @@
 //! Made-up findings for the tests of the report: every verdict that a page words differently.
 
 use ieap::domain::{
-    Candidate, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, MisfitStretch,
-    NextRun, Parameter, ParameterShift, Prediction, ResidualCurve, StrengthProfile, Verdict, Whereabouts,
+    Candidate, Confusable, EffectFinding, Estimate, Gain, GroupDiagnosis, HeldOutGain, Hypothesis,
+    HypothesisKind, MisfitPercent, MisfitStretch, NextRun, Parameter, ParameterShift, Prediction,
+    ResidualCurve, StrengthProfile, VaryingParameter, VaryingValue, Verdict, Whereabouts,
 };
 use ieap::report::{EffectParameterText, EffectText, Findings, Input};
 
@@ -178,7 +179,59 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
     }
 }
 
-/// The troubled campaign with a group for each of four verdicts; one of a hostile name.
+/// Two runs that are right by themselves and differ in R_ss.
+fn varies(runs: &[&str]) -> GroupDiagnosis {
+    let hypothesis = |kind: HypothesisKind, mass: f64| Hypothesis {
+        kind,
+        effects: match kind {
+            HypothesisKind::Effect => vec!["faradaic-leak".to_owned()],
+            _ => Vec::new(),
+        },
+        form: None,
+        parameters_that_differ: match kind {
+            HypothesisKind::Varies => vec!["rss_ohm_cm2".to_owned()],
+            _ => Vec::new(),
+        },
+        with: (kind == HypothesisKind::Varies).then(|| "voltage_v".to_owned()),
+        with_unnamed: false,
+        form_error: (kind == HypothesisKind::Effect).then_some(0.2),
+        mass,
+    };
+    let value = |(run, step_v, value): (&str, f64, f64)| VaryingValue {
+        run: run.to_owned(),
+        step_v,
+        value,
+        standard_error: 0.02 * value,
+    };
+    let values = [(runs[0], 1.2, 17_900.0), (runs[1], 2.5, 1_900.0)];
+    GroupDiagnosis {
+        verdict: Verdict::Varies,
+        p_misfit: Some(0.001),
+        q_misfit: Some(0.004),
+        set: vec!["varies:rss_ohm_cm2".to_owned()],
+        posterior: vec![
+            hypothesis(HypothesisKind::Varies, 0.9991),
+            hypothesis(HypothesisKind::Effect, 0.0009),
+        ],
+        misfit_percent: MisfitPercent {
+            current: Some(9.3),
+            curvature: None,
+            charge: Some(120.0),
+        },
+        differs: vec![VaryingParameter {
+            key: "rss_ohm_cm2".to_owned(),
+            values: values.map(value).to_vec(),
+        }],
+        ..GroupDiagnosis::data_problem(
+            "sample=CNaf-02,environment=air",
+            runs.iter().map(|run| (*run).to_owned()).collect(),
+            "lumped-2",
+            "Each of the 2 runs is described to within the noise by its own parameters. Together they are not: R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.2 to 2.5 V.".to_owned(),
+        )
+    }
+}
+
+/// The troubled campaign with a group for each of five verdicts; one of a hostile name.
 pub fn input_with_findings() -> Input {
     let mut input = troubled_input();
     let path = |k: usize| input.runs[k].path.clone();
@@ -211,11 +264,12 @@ pub fn input_with_findings() -> Input {
         "lumped-2",
         "Set apart, not diagnosed: not the same series.".to_owned(),
     );
+    let varies = varies(&[&a, &b]);
     let mut alone = consistent.clone();
     alone.group.clone_from(&c);
     let turn = ieap::analysis::online::turns(&[0.31])[0];
     input.findings = Findings {
-        groups: vec![named(&[&a]), set, consistent, apart],
+        groups: vec![named(&[&a]), set, consistent, apart, varies],
         runs: vec![alone],
         turns: [(c, turn)].into(),
         shared: Vec::new(),
