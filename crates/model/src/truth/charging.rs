@@ -20,7 +20,7 @@
 //!   shared out like its C where it is dispersed. "gaussian": the normal density with that variance; "both-signs": |e| and
 //!   |E0| in place of e and E0.
 //! - `self-discharge`: `q_2' = i_2 - g e_2`; what is lost inside has no current outside, and the bending goes with q_2.
-//!   "threshold": what |e_2| has above 0.3 V in place of e_2; "first": branch 1 in place of 2.
+//!   "threshold": what |e_2| has above 0.1 V in place of e_2; "first": branch 1 in place of 2.
 //! - `residual-charge`: `e_k(0) = baseline_v + f V`, V the first voltage held. The bending charge starts there too,
 //!   and the shape that it has gives the zero of curvature. The current before the drive is that of the baseline.
 //!   "uneven": both, branch 1 half as much; "fixed": f times 2 V in place of V.
@@ -34,7 +34,7 @@ use super::{Branch, Truth};
 /// Thermal voltage kT/e at 25 C, V.
 const THERMAL_V: f64 = 0.0257;
 /// Voltage above which a thresholded self-discharge begins, V.
-const DISCHARGE_V: f64 = 0.3;
+const DISCHARGE_V: f64 = 0.1;
 /// Differential capacitance falls to this share of C at the least.
 const LEAST_SHARE: f64 = 0.05;
 
