@@ -24,7 +24,7 @@
 //! - `residual-charge`: `e_k(0) = baseline_v + f V`, V the first voltage held. The bending charge starts there too,
 //!   and the shape that it has gives the zero of curvature. The current before the drive is that of the baseline.
 //!   "uneven": both, branch 1 half as much; "fixed": f times 2 V in place of V.
-//! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + r exp(-|e|/4 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).
+//! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + r exp(-|e|/20 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).
 
 use super::effects::Effects;
 use super::error::TruthError;
@@ -176,7 +176,7 @@ impl Chain {
     pub fn bends_at(&self, e: f64) -> f64 {
         let ratio_change = self.bends - 1.0;
         match self.bends_law {
-            "fading" => 1.0 + ratio_change * (-e.abs() / 4.0).exp(),
+            "fading" => 1.0 + ratio_change * (-e.abs() / 20.0).exp(),
             "threshold" => 1.0 + 2.0 * ratio_change * passed(e.abs(), 1.0),
             _ => self.bends,
         }
