@@ -20,11 +20,11 @@
 //!   shared out like its C where it is dispersed. "gaussian": the normal density with that variance; "both-signs": |e| and
 //!   |E0| in place of e and E0.
 //! - `self-discharge`: `q_2' = i_2 - g e_2`; what is lost inside has no current outside, and the bending goes with q_2.
-//!   "threshold": what |e_2| has above 0.3 V in place of e_2; "first": branch 1 in place of 2.
+//!   "threshold": what |e_2| has above 0.1 V in place of e_2; "first": branch 1 in place of 2.
 //! - `residual-charge`: `e_k(0) = baseline_v + f V`, V the first voltage held. The bending charge starts there too,
 //!   and the shape that it has gives the zero of curvature. The current before the drive is that of the baseline.
 //!   "uneven": both, branch 1 half as much; "fixed": f times 2 V in place of V.
-//! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + r exp(-|e|/4 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).
+//! - `unequal-coupling`: b_2 = 1 + r. "fading": `1 + r exp(-|e|/20 V)`; "threshold": 1 + 2 r above 1 V ([`passed`]).
 
 use super::effects::Effects;
 use super::error::TruthError;
@@ -34,7 +34,7 @@ use super::{Branch, Truth};
 /// Thermal voltage kT/e at 25 C, V.
 const THERMAL_V: f64 = 0.0257;
 /// Voltage above which a thresholded self-discharge begins, V.
-const DISCHARGE_V: f64 = 0.3;
+const DISCHARGE_V: f64 = 0.1;
 /// Differential capacitance falls to this share of C at the least.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -176,7 +176,7 @@ impl Chain {
     pub fn bends_at(&self, e: f64) -> f64 {
         let ratio_change = self.bends - 1.0;
         match self.bends_law {
-            "fading" => 1.0 + ratio_change * (-e.abs() / 4.0).exp(),
+            "fading" => 1.0 + ratio_change * (-e.abs() / 20.0).exp(),
             "threshold" => 1.0 + 2.0 * ratio_change * passed(e.abs(), 1.0),
             _ => self.bends,
         }
