@@ -2,7 +2,7 @@
 //! the data, and the run that is proposed next.
 
 use ieap::diagnose::{DesignRun, DiagnoseOptions, diagnose_group, proposals};
-use ieap::model::effects::{ALL, Applied};
+use ieap::model::effects::Applied;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::case::{AREA, Case, Drives, Plan, Readings, case, inputs, measured, re
 use crate::details::{Detail, ignorance, strengths_and_gains};
 use crate::faults::faults;
 use crate::figure;
-use crate::hidden::{OUTSIDE, PUBLISHED, hidden, outside};
+use crate::hidden::{HIDEABLE, OUTSIDE, PUBLISHED, hidden, outside};
 use crate::methods::{METHODS, ORACLE, OURS, Said, ask, judged};
 use crate::oracle::oracle;
 
@@ -244,7 +244,7 @@ fn key(drives: Drives) -> &'static str {
 }
 
 fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<Hunted> {
-    let wanted: Vec<(usize, u64)> = (0..ALL.len())
+    let wanted: Vec<(usize, u64)> = (0..HIDEABLE.len())
         .flat_map(|effect| (0..extent.each).map(move |seed| (effect, seed)))
         .collect();
     each(&wanted, |&(effect, seed)| {
@@ -253,7 +253,7 @@ fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<Hunted> {
             ..Plan::default()
         };
         let mut case = case(extent.first + 1000 + 50 * seed + effect as u64, plan);
-        let (applied, _) = hidden(&mut case, ALL[effect], d)?;
+        let (applied, _) = hidden(&mut case, HIDEABLE[effect], d)?;
         let with = true_responses(&case, std::slice::from_ref(&applied))?;
         let channels = measured(&mut case, &with);
         let (found, mut said) = judged(&inputs(&case, &channels));
@@ -270,7 +270,7 @@ fn hunted(extent: &Extent, drives: Drives, d: f64) -> Vec<Hunted> {
         });
         Some(Hunted {
             said,
-            truth: ALL[effect].about().id,
+            truth: HIDEABLE[effect].about().id,
             detail,
         })
     })
@@ -283,7 +283,7 @@ fn several(extent: &Extent, count: usize) {
         let mut case = case(extent.first + 100_000 + seed, Plan::default());
         let mut applied: Vec<Applied> = Vec::new();
         while applied.len() < count {
-            let effect = ALL[case.generator.random_range(0..ALL.len())];
+            let effect = HIDEABLE[case.generator.random_range(0..HIDEABLE.len())];
             if applied.iter().any(|a| a.effect.about().id == effect.about().id) {
                 continue;
             }
@@ -396,7 +396,7 @@ fn next(extent: &Extent) {
     println!("|---|---|---|---|---|---|---|");
     for (name, drives) in [("+2 V", Drives::Step), ("+2 V; +2 V then 0 V", Drives::Discharge)] {
         for d in [16.0, 32.0] {
-            let wanted: Vec<(usize, u64)> = (0..ALL.len())
+            let wanted: Vec<(usize, u64)> = (0..HIDEABLE.len())
                 .flat_map(|effect| (0..extent.each).map(move |seed| (effect, seed)))
                 .collect();
             let found: Vec<[f64; 4]> = each(&wanted, |&(effect, seed)| {
@@ -423,7 +423,7 @@ fn next(extent: &Extent) {
 
 /// Sizes of the set before, as expected after, and after the proposed run, and whether the truth stayed in it.
 fn proposed(mut case: Case, effect: usize, d: f64) -> Option<[f64; 4]> {
-    let (applied, _) = hidden(&mut case, ALL[effect], d)?;
+    let (applied, _) = hidden(&mut case, HIDEABLE[effect], d)?;
     let with = true_responses(&case, std::slice::from_ref(&applied))?;
     let mut channels = measured(&mut case, &with);
     let options = DiagnoseOptions::default();
@@ -446,7 +446,7 @@ fn proposed(mut case: Case, effect: usize, d: f64) -> Option<[f64; 4]> {
     let more = measured(&mut case, &with).pop()?;
     channels.push(more);
     let again = diagnose_group("case", &inputs(&case, &channels), &options);
-    let kept = again.set.iter().any(|id| id == ALL[effect].about().id);
+    let kept = again.set.iter().any(|id| id == HIDEABLE[effect].about().id);
     Some([
         found.set.len() as f64,
         next.expected_set_size,

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use ieap::domain::{Estimate, GroupDiagnosis, Verdict};
-use ieap::model::effects::{ALL, Applied};
+use ieap::model::effects::Applied;
 use rand::RngExt;
 use rayon::prelude::*;
 
 use crate::case::{Plan, case, diagnose, responses, true_responses};
-use crate::hidden::{Outside, apart, hidden, outside};
+use crate::hidden::{HIDEABLE, Outside, apart, hidden, outside};
 use crate::oracle::oracle;
 use crate::verdicts::Count;
 
@@ -91,7 +91,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
         let (mut left, mut further) = (Vec::new(), 0);
         let mut all = Held::default();
         let (mut by_rules, mut by_evidence) = (Count::default(), Count::default());
-        for (&effect, own) in ALL.iter().zip((first..).step_by(SEEDS_OF_AN_EFFECT)) {
+        for (&effect, own) in HIDEABLE.iter().zip((first..).step_by(SEEDS_OF_AN_EFFECT)) {
             let id = effect.about().id;
             if !only.is_empty() && !only.iter().any(|o| o == id) {
                 continue;
@@ -226,7 +226,7 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
 pub fn ceilings(first: u64, count: u64, strengths: &[f64]) {
     for &d in strengths {
         let seeds = (first..).step_by(SEEDS_OF_AN_EFFECT);
-        let all = ALL
+        let all = HIDEABLE
             .iter()
             .zip(seeds)
             .flat_map(|(&effect, own)| (own..own + count).map(move |seed| (effect, seed)));
@@ -327,7 +327,7 @@ pub fn together(first: u64, count: u64, strengths: &[f64]) -> [usize; 2] {
             let mut case = case(seed, Plan::default());
             let mut applied: Vec<Applied> = Vec::new();
             while applied.len() < strengths.len() {
-                let effect = ALL[case.generator.random_range(0..ALL.len())];
+                let effect = HIDEABLE[case.generator.random_range(0..HIDEABLE.len())];
                 let is_there = applied.iter().any(|a| a.effect.about().id == effect.about().id);
                 // Laws without free strength fit the noise to themselves, which two of them cannot.
                 let before = case.noise;

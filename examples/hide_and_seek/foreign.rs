@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use ieap::diagnose::sigmas_after_refit;
 use ieap::domain::GroupDiagnosis;
-use ieap::model::effects::{ALL, Effect, Limits};
+use ieap::model::effects::{Effect, Limits};
 use ieap::model::extended::Responses;
 use ieap::model::truth::HiddenEffect;
 use ieap::model::truth::catalogue::{Bounds, KnownEffect, known};
@@ -13,7 +13,7 @@ use rand::RngExt;
 
 use crate::benchmark::each;
 use crate::case::{Case, Plan, case, diagnose, truly};
-use crate::hidden::{OUTSIDE, Outside, scale, strength_bounds};
+use crate::hidden::{HIDEABLE, OUTSIDE, Outside, hidden_variants, scale, strength_bounds};
 use crate::nearness::cosine;
 use crate::reach::{Range, reach};
 use crate::verdicts::Count;
@@ -39,7 +39,7 @@ pub fn foreign(first: u64, count: u64, strengths: &[f64], only: &[String]) {
     let mut all: Vec<Judged> = Vec::new();
     let mut missed: BTreeMap<String, u64> = BTreeMap::new();
     for &d in strengths {
-        let forms = ALL.iter().zip(0..).filter(|(effect, _)| {
+        let forms = HIDEABLE.iter().zip(0..).filter(|(effect, _)| {
             let id = effect.about().id;
             wanted(id) && known(id).is_some_and(|entry| !entry.forms.is_empty())
         });
@@ -147,9 +147,7 @@ fn hidden_form(
     d: f64,
 ) -> Option<(&'static str, String, Vec<Responses>)> {
     let entry = known(effect.about().id)?;
-    let variant = case
-        .generator
-        .random_range(0..effect.about().variants.len().max(1));
+    let variant = case.generator.random_range(0..hidden_variants(effect)?);
     let search = effect.search(variant, &scale(case));
     if search.probes.is_empty() {
         return None;
@@ -260,7 +258,7 @@ mod tests {
     #[ignore = "slow: cargo test --example hide_and_seek -- --ignored --nocapture"]
     fn every_form_and_every_cause_outside_can_be_hidden() {
         let mut never = Vec::new();
-        for &effect in ALL {
+        for &effect in HIDEABLE.iter() {
             let id = effect.about().id;
             for form in known(id).map_or(&[][..], |entry| entry.forms) {
                 let kinds: Vec<&str> = (0..3)

@@ -1,7 +1,9 @@
 //! Effects with a strength that leaves so many standard deviations after the base parameters are refitted.
 
+use std::sync::LazyLock;
+
 use ieap::diagnose::sigmas_after_refit;
-use ieap::model::effects::{Applied, Effect, Scale};
+use ieap::model::effects::{ALL, Applied, Effect, Scale};
 use ieap::model::extended::Responses;
 use ieap::model::truth::HiddenEffect;
 use ieap::model::truth::catalogue::{Bounds, known};
@@ -9,10 +11,21 @@ use rand::RngExt;
 
 use crate::case::{AREA, Case, LENGTH, responses, truly};
 
+/// Effects of the library that the truth simulator hides, in the library's order: seeds go by places here.
+pub static HIDEABLE: LazyLock<Vec<&'static dyn Effect>> = LazyLock::new(|| {
+    let all = ALL.iter().copied();
+    all.filter(|effect| known(effect.about().id).is_some()).collect()
+});
+
+/// Forms of an effect that the truth simulator hides: the first ones of the library's. None where it hides no such effect.
+pub fn hidden_variants(effect: &dyn Effect) -> Option<usize> {
+    Some(known(effect.about().id)?.variants.len().max(1))
+}
+
 /// Parameters of a random form of the effect, with a strength that gives about `d` sigmas after refit.
 pub fn hidden(case: &mut Case, effect: &'static dyn Effect, d: f64) -> Option<(Applied, f64)> {
     let scale = scale(case);
-    let variants = effect.about().variants.len().max(1);
+    let variants = hidden_variants(effect)?;
     let variant = case.generator.random_range(0..variants);
     let search = effect.search(variant, &scale);
     if search.probes.is_empty() {

@@ -23,6 +23,6 @@ pub(super) fn group_tags(runs: &[&RunRecord], declared: &[String]) -> Vec<Vec<Ta
 /// Adds to a hash what a group's result follows from these tags; nothing where none differs.
 pub(super) fn take_tags(hash: &mut InputHash, places: &[Vec<TagAt>]) {
     for place in places.iter().flatten() {
-        hash.text(&place.id).number(place.at);
+        hash.text(place.id).number(place.at);
     }
 }

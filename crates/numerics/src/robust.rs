@@ -18,7 +18,7 @@ pub fn median(values: &[f64]) -> Option<f64> {
     // What stands before the upper middle is not above it.
     let below = values[..values.len() / 2].iter().copied().max_by(f64::total_cmp);
     match below {
-        Some(lower) if values.len() % 2 == 0 => Some(0.5 * (lower + upper)),
+        Some(lower) if values.len().is_multiple_of(2) => Some(0.5 * (lower + upper)),
         _ => Some(upper),
     }
 }

@@ -39,6 +39,9 @@ pub struct Computer {
     state: Mutex<State>,
 }
 
+/// What a disk holds, and what is left of the files that SQLite writes by itself.
+type Left = (Image, BTreeMap<&'static str, Option<Vec<u8>>>);
+
 struct State {
     rng: ChaCha8Rng,
     disk: Disk,
@@ -47,7 +50,7 @@ struct State {
     calls: u64,
     refused: u64,
     /// What is left, once the power went.
-    left: Option<(Image, BTreeMap<&'static str, Option<Vec<u8>>>)>,
+    left: Option<Left>,
     /// The reports that were ever put in place, by the hash of all that is in them.
     reports: Vec<String>,
 }

@@ -99,7 +99,9 @@ impl Disk {
         };
         if matches!(call.kind, Kind::Rename | Kind::Exchange | Kind::RenameToFree) {
             self.known(call.path);
-            call.to.map(|to| self.known(to));
+            if let Some(to) = call.to {
+                self.known(to);
+            }
         }
         for (path, id) in loses.map_or_else(Vec::new, |path| self.below(path)) {
             if let Ok(bytes) = fs::read(path) {

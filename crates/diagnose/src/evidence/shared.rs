@@ -52,11 +52,11 @@ pub(super) fn fit(base: &Fitted, own: &[usize], starts: &[Vec<f64>]) -> Shared {
     let order = layout.order(starts.len());
     let (mut at, mut low, mut high) = (vec![0.0; order], vec![0.0; order], vec![0.0; order]);
     for (run, start) in starts.iter().enumerate() {
-        for k in 0..parameters {
+        for (k, own) in start.iter().enumerate().take(parameters) {
             let place = layout.place(run, k);
             // What is shared begins in the middle of the runs' own places.
             let parts = if place == k { starts.len() as f64 } else { 1.0 };
-            at[place] += start[k] / parts;
+            at[place] += own / parts;
             (low[place], high[place]) = base.problem.limits_of(k);
         }
     }

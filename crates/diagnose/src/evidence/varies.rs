@@ -160,12 +160,12 @@ fn shared_form(forms: &[RunForm], set: &[usize], spread: f64) -> (Dense, Vec<f64
             .zip(&of_pull)
             .map(|(&k, x)| form.pull[k] * x)
             .sum::<f64>();
-        for column in 0..n {
+        for (column, pull) in pull.iter_mut().enumerate() {
             let of_column = taken(&|l| form.precision.get(l, column));
             let back = |right: &dyn Fn(usize) -> f64| -> f64 {
                 set.iter().zip(&of_column).map(|(&k, x)| right(k) * x).sum()
             };
-            pull[column] += form.pull[column] - back(&|k| form.pull[k]);
+            *pull += form.pull[column] - back(&|k| form.pull[k]);
             for row in 0..n {
                 let left = form.precision.get(row, column) - back(&|k| form.precision.get(k, row));
                 shared.add(row, column, left);
@@ -186,8 +186,8 @@ fn along(forms: &[RunForm], set: &[usize], at: &[f64], spread: f64) -> f64 {
     for (form, at) in forms.iter().zip(at) {
         let factor = |k: usize| if k < n { 1.0 } else { spread * at };
         square += form.at_origin;
-        for a in 0..all {
-            pull[a] += factor(a) * form.pull[place(a)];
+        for (a, pull) in pull.iter_mut().enumerate() {
+            *pull += factor(a) * form.pull[place(a)];
             for b in 0..all {
                 shared.add(
                     a,

@@ -68,7 +68,7 @@ impl Effect for CouplingSaturation {
 
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
         let per_c = parameters[0].max(0.0);
-        if variant % 2 == 0 {
+        if variant.is_multiple_of(2) {
             let before = system.bending_charge.take();
             system.bending_charge = Some(Box::new(move |q| {
                 before.as_ref().map_or(q, |map| map(q)) / weaker(variant, per_c * q)

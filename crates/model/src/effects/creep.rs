@@ -66,7 +66,7 @@ impl Effect for Creep {
     }
 
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
-        let along = if variant % 2 == 0 {
+        let along = if variant.is_multiple_of(2) {
             1.0
         } else {
             sign(run.first_voltage_v())

@@ -89,7 +89,7 @@ fn figure(
         })
         .collect();
     let (low, high) = ends(&mut bars.iter().flat_map(|(low, high)| [*low, *high]));
-    if volts.len() < 2 || !(high > low) {
+    if volts.len() < 2 || high <= low {
         return Ok(None);
     }
     let margin = 0.06 * (last - first);
