@@ -66,7 +66,12 @@ fn an_adopted_model_comes_back_with_a_rebuilding_and_findings_are_derived_again(
     // A number that is sealed and wrong: without seals the next opening makes them of what is there.
     rusqlite::Connection::open(folder.join("campaign.db"))
         .unwrap()
-        .execute_batch("UPDATE diagnosis SET p_misfit = p_misfit / 2 WHERE name = 'sample=clean,environment=air'; DELETE FROM seal")
+        .execute_batch(
+            "UPDATE diagnosis
+             SET document = json_replace(document, '$.p_misfit', json_extract(document, '$.p_misfit') / 2)
+             WHERE name = 'sample=clean,environment=air';
+             DELETE FROM seal",
+        )
         .unwrap();
     folder.ieap(&["report"]).expect(0);
     folder.ieap(&["verify", "--deep"]).expect(0);
