@@ -5,6 +5,7 @@ use ieap::domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment};
 use ieap::fit::FitInput;
 use ieap::model::effects::Applied;
 use ieap::model::extended::{ExtendedModel, Responses, RunContext};
+use ieap::model::truth::catalogue::known;
 use ieap::model::truth::{HiddenEffect, Truth, simulate};
 use ieap::model::{Branch, LumpedModel};
 use rand::{Rng, RngExt, SeedableRng};
@@ -213,7 +214,9 @@ pub fn true_responses(case: &Case, applied: &[Applied]) -> Option<Vec<Responses>
         let keys = about.parameters.iter().map(|p| p.key.to_owned());
         HiddenEffect {
             id: about.id.to_owned(),
-            variant: about.variants.get(applied.variant).map(|v| (*v).to_owned()),
+            variant: known(about.id)
+                .and_then(|own| own.variants.get(applied.variant))
+                .map(|v| (*v).to_owned()),
             parameters: keys.zip(applied.parameters.iter().copied()).collect(),
         }
     });

@@ -187,7 +187,7 @@ fn in_form(
     strength: f64,
 ) -> HiddenEffect {
     let about = effect.about();
-    let own = about.variants.get(variant).copied().unwrap_or_default();
+    let own = entry.variants.get(variant).copied().unwrap_or_default();
     let keys = about.parameters.iter().map(|parameter| parameter.key.to_owned());
     let mut parameters: BTreeMap<String, f64> = keys.zip(probe.iter().copied()).collect();
     parameters.insert(entry.parameters[0].key.to_owned(), strength);
