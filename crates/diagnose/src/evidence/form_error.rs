@@ -1,12 +1,9 @@
 //! How wrong an effect's own equation may be: its trace times a smooth factor that is not quite one.
 
-use super::policy::{FORM_ERRORS, log_sum};
-use super::smooth::{Column, Knots, Process, longest_s};
+use super::policy::{FORM_ERRORS, FORM_KNOTS_BY_CLOCK, log_sum};
+use super::smooth::{Column, Knots, Process, blocks_of, longest_s, shared_since_edge};
 use crate::group::Group;
 use crate::tangent::Tangent;
-
-/// Knots of the factor over the clock, where a run has several edges.
-const BY_CLOCK: usize = 6;
 
 /// What errors of the form do to the evidence for an effect.
 pub(super) struct FormError {
@@ -36,32 +33,30 @@ pub(super) fn form_error(group: &Group, tangent: &Tangent, trace: &[f64], left: 
 fn columns(group: &Group, trace: &[f64]) -> Vec<Column> {
     let longest_s = longest_s(group);
     let half = 0.5_f64.sqrt();
+    let modulated = |place: usize, weights: &[f64], size: f64| -> (usize, Vec<f64>) {
+        let block = &group.blocks[place];
+        let each = weights.iter().zip(&trace[block.first..block.end]);
+        (block.first, each.map(|(w, g)| size * w * g).collect())
+    };
+    let has_several = |place: usize| {
+        let run = &group.runs[group.blocks[place].run];
+        run.given.input.drive.segments.len() > 1
+    };
+    let by_edge = |place: usize| if has_several(place) { half * half } else { half };
     let mut columns = Vec::new();
     for channel in 0..2 {
-        let mut shared: Vec<Vec<(usize, Vec<f64>)>> = Vec::new();
-        for (place, block) in group.blocks.iter().enumerate() {
-            if block.channel != channel {
-                continue;
-            }
-            let own = &trace[block.first..block.end];
-            let modulated = |weights: &Vec<f64>, size: f64| -> (usize, Vec<f64>) {
-                let each = weights.iter().zip(own);
-                (block.first, each.map(|(w, g)| size * w * g).collect())
-            };
-            let has_several = group.runs[block.run].given.input.drive.segments.len() > 1;
-            let by_edge = if has_several { half } else { 1.0 };
+        columns.extend(shared_since_edge(group, channel, |place, weights| {
+            modulated(place, weights, by_edge(place))
+        }));
+        for (place, _) in blocks_of(group, channel) {
+            let own = |weights: &Vec<f64>, size: f64| Column::of(vec![modulated(place, weights, size)]);
             let edges = Knots::since_edge(group, place, longest_s).weights;
-            shared.resize_with(edges.len().max(shared.len()), Vec::new);
-            for (sharing, weights) in shared.iter_mut().zip(&edges) {
-                sharing.push(modulated(weights, half * by_edge));
-                columns.push(Column::of(vec![modulated(weights, half * by_edge)]));
-            }
-            if has_several {
-                let clock = Knots::by_clock(group, place, BY_CLOCK).weights;
-                columns.extend(clock.iter().map(|w| Column::of(vec![modulated(w, half)])));
+            columns.extend(edges.iter().map(|weights| own(weights, by_edge(place))));
+            if has_several(place) {
+                let clock = Knots::by_clock(group, place, FORM_KNOTS_BY_CLOCK).weights;
+                columns.extend(clock.iter().map(|weights| own(weights, half)));
             }
         }
-        columns.extend(shared.into_iter().map(Column::of));
     }
     columns
 }

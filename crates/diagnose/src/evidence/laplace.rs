@@ -6,11 +6,8 @@
 
 use ieap_numerics::dense::Dense;
 
-use super::policy::SIZES;
+use super::policy::{KNOWN_BEFORE, SIZES};
 use crate::fitted::Fitted;
-
-/// Precision with which a coordinate of the base is known before any reading; coordinates are of order one.
-const KNOWN_BEFORE: f64 = 1e-4;
 
 /// Logarithm of the evidence for `fitted` over that of `base`, both of the same readings.
 pub(super) fn log_evidence(base: &Fitted, base_normal: &Dense, fitted: &Fitted) -> f64 {

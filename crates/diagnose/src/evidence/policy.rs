@@ -27,6 +27,21 @@ pub(super) const SIZES: (f64, f64) = (2.5, 1500.0);
 /// Spread of a parameter between runs, in parts of itself, likewise. The prototype ended at 0.3; measured resistances differ
 /// 9-fold between voltages.
 pub(super) const SPREADS: (f64, f64) = (0.003, 3.0);
+/// Precision with which a coordinate of the base, of order one, is known before any reading: under every hypothesis the same.
+pub(super) const KNOWN_BEFORE: f64 = 1e-4;
+
+/// Knots of smooth courses: distance of those over the logarithm of the time since an edge (half a decade), from where that
+/// scale ends, s; number of those over the clock, for an error of the form and for what wanders. Spacing and start: prototype;
+/// numbers over the clock: not calibrated.
+pub(super) const KNOT_SPACING: f64 = 0.5 * std::f64::consts::LN_10;
+pub(super) const KNOTS_FROM_S: f64 = 0.2;
+pub(super) const FORM_KNOTS_BY_CLOCK: usize = 6;
+pub(super) const KNOTS_BY_CLOCK: usize = 8;
+/// Waves of slow noise: the longest lasts two records, the shortest a sixth of one. Not calibrated.
+pub(super) const WAVES: usize = 12;
+/// Knots or waves of all channels of a group together, for the time that they take.
+pub(super) const MOST_BY_CLOCK: usize = 160;
+
 /// Points of the grids over sizes and spreads.
 pub(super) const GRID: usize = 9;
 

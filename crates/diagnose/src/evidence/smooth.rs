@@ -3,13 +3,9 @@
 use ieap_numerics::dense::Dense;
 use ieap_numerics::sums::dot;
 
-use crate::group::Group;
+use super::policy::{KNOT_SPACING, KNOTS_FROM_S};
+use crate::group::{Block, Group};
 use crate::tangent::Tangent;
-
-/// Distance of neighbouring knots: half a decade of time since an edge, ...
-const SPACING: f64 = 0.5 * std::f64::consts::LN_10;
-/// ... from where a linear scale ends, s.
-const LINEAR_S: f64 = 0.2;
 
 /// A column of whitened readings, as pieces that begin at a row.
 pub(super) struct Column {
@@ -114,7 +110,7 @@ pub(super) struct Knots {
 impl Knots {
     /// Over the logarithm of the time since the last edge of the drive.
     pub(super) fn since_edge(group: &Group, block: usize, longest_s: f64) -> Knots {
-        let place = |t: f64| ((t.max(0.0) + LINEAR_S) / LINEAR_S).ln() / SPACING;
+        let place = |t: f64| ((t.max(0.0) + KNOTS_FROM_S) / KNOTS_FROM_S).ln() / KNOT_SPACING;
         let places: Vec<f64> = since_edge(group, block).into_iter().map(place).collect();
         Knots::at(&places, place(longest_s))
     }
@@ -146,6 +142,31 @@ impl Knots {
             weights: (0..count).map(of_knot).collect(),
         }
     }
+}
+
+/// Columns of a channel that its runs share, one for each knot since the edge: `piece` makes a block's part of a column from
+/// the place of the block and the knot's weights.
+pub(super) fn shared_since_edge(
+    group: &Group,
+    channel: usize,
+    piece: impl Fn(usize, &[f64]) -> (usize, Vec<f64>),
+) -> Vec<Column> {
+    let longest_s = longest_s(group);
+    let mut shared: Vec<Vec<(usize, Vec<f64>)>> = Vec::new();
+    for (place, _) in blocks_of(group, channel) {
+        let knots = Knots::since_edge(group, place, longest_s).weights;
+        shared.resize_with(knots.len().max(shared.len()), Vec::new);
+        for (column, weights) in shared.iter_mut().zip(&knots) {
+            column.push(piece(place, weights));
+        }
+    }
+    shared.into_iter().map(Column::of).collect()
+}
+
+/// The blocks of a channel, with their places.
+pub(super) fn blocks_of<'g>(group: &'g Group, channel: usize) -> impl Iterator<Item = (usize, &'g Block)> {
+    let all = group.blocks.iter().enumerate();
+    all.filter(move |(_, block)| block.channel == channel)
 }
 
 /// Time since the last edge of the drive at every reading of a block, s; below 0 before the first.

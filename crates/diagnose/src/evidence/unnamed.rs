@@ -1,16 +1,10 @@
 //! What has no name: a smooth answer to every step of the voltage, or what wanders with the clock.
 
-use super::policy::{SIZES, grid, log_mean};
-use super::smooth::{Column, Knots, Process, longest_s};
+use super::policy::{KNOTS_BY_CLOCK, MOST_BY_CLOCK, SIZES, WAVES, grid, log_mean};
+use super::smooth::{Column, Knots, Process, shared_since_edge};
 use crate::group::Group;
 use crate::tangent::Tangent;
 use ieap_domain::Level;
-
-/// Knots of what wanders with the clock, in a run of a few; all runs together have no more than [`MOST_BY_CLOCK`].
-const BY_CLOCK: usize = 8;
-const MOST_BY_CLOCK: usize = 160;
-/// Slow waves of a record's noise.
-const WAVES: usize = 12;
 
 /// Hypotheses without a name beside which every effect is held, as columns that do not depend on the model.
 pub(super) struct Nameless {
@@ -65,25 +59,17 @@ fn whitened(group: &Group, place: usize, mut series: Vec<f64>) -> (usize, Vec<f6
 
 /// One answer for all runs, by the voltage that is on: a column for each knot since the edge, of current and curvature.
 fn answers(group: &Group) -> Vec<Column> {
-    let longest_s = longest_s(group);
-    let mut columns = Vec::new();
-    for channel in 0..2 {
-        let mut shared: Vec<Vec<(usize, Vec<f64>)>> = Vec::new();
-        for (place, block) in group.blocks.iter().enumerate() {
-            if block.channel != channel {
-                continue;
-            }
-            let knots = Knots::since_edge(group, place, longest_s).weights;
-            shared.resize_with(knots.len().max(shared.len()), Vec::new);
-            let steps = step_v(group, place);
-            for (sharing, weights) in shared.iter_mut().zip(knots) {
-                let series = weights.iter().zip(&steps).map(|(w, v)| w * v).collect();
-                sharing.push(whitened(group, place, series));
-            }
-        }
-        columns.extend(shared.into_iter().map(Column::of));
-    }
-    columns
+    let piece = |place: usize, weights: &[f64]| {
+        let steps = step_v(group, place);
+        whitened(
+            group,
+            place,
+            weights.iter().zip(&steps).map(|(w, v)| w * v).collect(),
+        )
+    };
+    (0..2)
+        .flat_map(|channel| shared_since_edge(group, channel, piece))
+        .collect()
 }
 
 /// Size of the last step of the voltage at every reading of a block, V; 0 before the first.
@@ -108,7 +94,7 @@ fn step_v(group: &Group, place: usize) -> Vec<f64> {
 
 /// Every channel of every run by itself: a smooth course over the clock.
 fn wandering(group: &Group) -> Vec<Column> {
-    let count = (MOST_BY_CLOCK / group.blocks.len().max(1)).clamp(2, BY_CLOCK);
+    let count = (MOST_BY_CLOCK / group.blocks.len().max(1)).clamp(2, KNOTS_BY_CLOCK);
     let of_block = |place: usize| Knots::by_clock(group, place, count).weights;
     let blocks = 0..group.blocks.len();
     blocks

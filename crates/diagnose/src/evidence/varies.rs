@@ -7,13 +7,11 @@
 use ieap_numerics::dense::Dense;
 
 use super::own::RunForm;
-use super::policy::{SPREADS, VARIES, grid, log_mean};
+use super::policy::{KNOWN_BEFORE, SPREADS, VARIES, grid, log_mean};
 use crate::group::Group;
 
 /// Parameters of which all subsets are asked; of more only singles, pairs and all.
 const ALL_SUBSETS: usize = 11;
-/// Precision with which a shared parameter is known before any reading, as everywhere.
-const KNOWN_BEFORE: f64 = 1e-4;
 /// A spread that holds nothing together.
 const FREE: f64 = 1e4;
 
