@@ -69,7 +69,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 20;
+pub const VERSION: u32 = 21;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
@@ -112,10 +112,7 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     if runs.len() > 1 && (may_vary || found.verdict == Verdict::Unknown) {
         let alone = alone::alone(runs, options);
         match may_vary && varying::are_described(&alone) {
-            true => {
-                varying::say(&mut found);
-                found.remarks.extend(varying::doubts(&alone));
-            }
+            true => varying::say(&mut found, &alone),
             false => found.remarks.extend(alone::in_words(&alone)),
         }
         found.alone = alone;

@@ -25,21 +25,26 @@ pub(super) fn are_described(alone: &[RunAlone]) -> bool {
     alone.iter().all(|run| run.p_misfit.is_some()) && smallest * alone.len() as f64 >= NOT_DESCRIBED
 }
 
-/// Runs that by themselves leave more than a group is called right by.
-pub(super) fn doubts(alone: &[RunAlone]) -> Vec<String> {
-    let doubted = alone
+/// Runs that by themselves leave more than a single one is called right by, with their p.
+fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
+    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG);
+    alone
         .iter()
-        .filter_map(|run| Some((&run.run, run.p_misfit.filter(|p| *p < WRONG)?)));
-    doubted
+        .filter_map(move |run| Some((run.run.as_str(), low(run)?)))
+}
+
+fn doubts(alone: &[RunAlone]) -> Vec<String> {
+    doubted(alone)
         .map(|(run, p)| format!("{run} leaves more than noise by itself, or chance did (p = {p:.3})"))
         .collect()
 }
 
 /// Makes it the finding, in the place of what the group as one set would have been said to lack.
-pub(super) fn say(found: &mut GroupDiagnosis) {
+pub(super) fn say(found: &mut GroupDiagnosis, alone: &[RunAlone]) {
     found.verdict = Verdict::Varies;
     found.set = set_of(&found.posterior);
-    found.sentence = sentence(found);
+    found.sentence = sentence(found, doubted(alone).count());
+    found.remarks.extend(doubts(alone));
     found.effects.clear();
     found
         .candidates
@@ -60,7 +65,7 @@ pub(super) fn say(found: &mut GroupDiagnosis) {
 /// Parameters whose courses are told; the others are named.
 const TOLD: usize = 2;
 
-fn sentence(found: &GroupDiagnosis) -> String {
+fn sentence(found: &GroupDiagnosis, doubted: usize) -> String {
     let mut differing: Vec<&VaryingParameter> = found.differs.iter().collect();
     differing.sort_by(|a, b| fold(b).total_cmp(&fold(a)));
     let told: Vec<String> = differing
@@ -78,11 +83,16 @@ fn sentence(found: &GroupDiagnosis) -> String {
         [_] => format!("; {} differs too", listed(&others)),
         _ => format!("; {} differ too", listed(&others)),
     };
-    format!(
-        "Each of the {} runs is described to within the noise by its own parameters. Together they are not: {}{further}.",
-        found.runs.len(),
-        listed(&told)
-    )
+    let runs = found.runs.len();
+    let described = match doubted {
+        0 => format!("Each of the {runs} runs is described to within the noise by its own parameters"),
+        some => format!(
+            "{} of {runs} runs are described to within the noise by their own parameters, and what is left of {} may be chance",
+            runs - some.min(runs),
+            if some == 1 { "the other" } else { "the others" }
+        ),
+    };
+    format!("{described}. Together they are not: {}{further}.", listed(&told))
 }
 
 /// Largest over smallest size of a parameter; endless where one is none.
@@ -91,7 +101,7 @@ fn fold(parameter: &VaryingParameter) -> f64 {
     let (low, high) = sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), v| {
         (low.min(v), high.max(v))
     });
-    high / low
+    if high == 0.0 { 1.0 } else { high / low }
 }
 
 /// How a parameter goes: with the voltage where it rises or falls all along it, else between which values it lies.
@@ -219,5 +229,20 @@ mod tests {
         assert!(are_described(&[run(0.02), run(0.6), run(0.9)]));
         assert!(!are_described(&[run(0.0003), run(0.6), run(0.9)]));
         assert_eq!(doubts(&[run(0.003), run(0.6)]).len(), 1);
+        let mut found =
+            GroupDiagnosis::data_problem("g", vec!["a".into(), "b".into()], "lumped-2", String::new());
+        say(&mut found, &[run(0.003), run(0.6)]);
+        assert!(
+            found.sentence.starts_with("1 of 2 runs are described"),
+            "{}",
+            found.sentence
+        );
+        assert_eq!(found.remarks.len(), 1);
+        say(&mut found, &[run(0.3), run(0.6)]);
+        assert!(
+            found.sentence.starts_with("Each of the 2 runs is described"),
+            "{}",
+            found.sentence
+        );
     }
 }

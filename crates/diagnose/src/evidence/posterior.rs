@@ -68,9 +68,7 @@ pub(crate) fn weigh(asked: &Asked) -> Weighed {
                 .map(|subset| varying.hypothesis(asked, subset)),
         );
     }
-    let all = log_sum(&found.iter().map(|h| h.mass).collect::<Vec<_>>());
-    found.iter_mut().for_each(|h| h.mass = (h.mass - all).exp());
-    found.sort_by(|a, b| b.mass.total_cmp(&a.mass));
+    normalise(&mut found);
     let matters: f64 = found
         .iter()
         .filter(|h| h.kind == HypothesisKind::Varies)
@@ -87,6 +85,17 @@ pub(crate) fn weigh(asked: &Asked) -> Weighed {
         differs: differs.map_or_else(Vec::new, |varying| varying.told(asked)),
         posterior: found,
     }
+}
+
+/// Makes masses of logarithms of weights, in falling order. One whose evidence is no number cannot be weighed and has none:
+/// it must not take the others' from them.
+fn normalise(found: &mut [Hypothesis]) {
+    for own in found.iter_mut().filter(|own| own.mass.is_nan()) {
+        own.mass = f64::NEG_INFINITY;
+    }
+    let all = log_sum(&found.iter().map(|own| own.mass).collect::<Vec<_>>());
+    found.iter_mut().for_each(|own| own.mass = (own.mass - all).exp());
+    found.sort_by(|a, b| b.mass.total_cmp(&a.mass));
 }
 
 /// A hypothesis with the logarithm of its prior weight times its evidence in the place of its mass.
@@ -264,5 +273,23 @@ impl Varying {
             }
         };
         first.of.iter().map(of_parameter).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hypothesis_that_cannot_be_weighed_takes_nothing_from_the_others() {
+        let mut found = vec![
+            weight(HypothesisKind::Effect, 1.0, f64::NAN),
+            weight(HypothesisKind::Base, 1.0, 0.0),
+            weight(HypothesisKind::Unnamed, 3.0, 0.0),
+        ];
+        normalise(&mut found);
+        let masses: Vec<f64> = found.iter().map(|own| own.mass).collect();
+        assert!((masses[0] - 0.75).abs() < 1e-12 && (masses[1] - 0.25).abs() < 1e-12);
+        assert_eq!((masses[2], found[2].kind), (0.0, HypothesisKind::Effect));
     }
 }
