@@ -6,10 +6,12 @@ use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue, Verd
 use super::evidence::{by_evidence, set_of};
 use super::outcome::WRONG;
 
-/// Whether parameters that differ are what is behind the misfit. A cause that clearly predicts runs which it has not seen
-/// stands: what differs freely predicts none. That a parameter follows a tag is said in those words already.
+/// Whether parameters that differ are what is behind the misfit. A cause that explains it all and clearly predicts runs
+/// which it has not seen stands: what differs freely predicts none. One that leaves a misfit yields to what leaves none.
+/// That a parameter follows a tag is said in those words already.
 pub(super) fn leads(found: &GroupDiagnosis) -> bool {
-    let is_proved = found.verdict.names_a_cause() && found.gains_clearly();
+    let explains = found.verdict.names_a_cause() && found.verdict != Verdict::Partial;
+    let is_proved = explains && found.gains_clearly();
     let is_told = found.effects.iter().any(|own| follows_a_tag(&own.effect));
     by_evidence(&found.posterior) == Verdict::Varies && !found.differs.is_empty() && !is_proved && !is_told
 }

@@ -42,23 +42,33 @@ impl Shown<'_, '_> {
     }
 }
 
-/// The strength with an interval that holds those of the other forms too.
+/// The strength with an interval that holds those of the other forms too. An end that one of them leaves open is open:
+/// what one form tells and another, as good, does not, the readings do not tell.
 pub(super) fn widened(strength: &Estimate, others: &[(&'static str, Vec<Parameter>)]) -> Estimate {
     let mut wide = strength.clone();
-    let (Some(mut low), Some(mut high)) = (wide.low_95, wide.high_95) else {
-        return wide;
-    };
-    for (_, parameters) in others {
-        let other = parameters.first().map(|parameter| &parameter.estimate);
-        if let Some((its_low, its_high)) = other.and_then(|other| other.low_95.zip(other.high_95)) {
-            (low, high) = (low.min(its_low), high.max(its_high));
+    let mut open_in: Option<&str> = None;
+    for (form, parameters) in others {
+        let Some(other) = parameters.first().map(|parameter| &parameter.estimate) else {
+            continue;
+        };
+        let ends = |estimate: &Estimate| {
+            usize::from(estimate.low_95.is_some()) + usize::from(estimate.high_95.is_some())
+        };
+        let before = ends(&wide);
+        wide.low_95 = wide.low_95.zip(other.low_95).map(|(own, its)| own.min(its));
+        wide.high_95 = wide.high_95.zip(other.high_95).map(|(own, its)| own.max(its));
+        if ends(&wide) < before {
+            open_in = Some(form);
         }
     }
-    if (wide.low_95, wide.high_95) == (Some(low), Some(high)) {
-        return wide;
+    if let Some(form) = open_in {
+        let reason = format!("its form `{form}` explains the readings as well and leaves it open");
+        (wide.value, wide.standard_error, wide.reason) = (None, None, Some(reason));
+    } else if let (Some(low), Some(high)) = (wide.low_95, wide.high_95)
+        && (wide.low_95, wide.high_95) != (strength.low_95, strength.high_95)
+    {
+        wide.standard_error = Some(0.5 * (high - low) / NORMAL_95_ROUNDED);
     }
-    wide.standard_error = Some(0.5 * (high - low) / NORMAL_95_ROUNDED);
-    (wide.low_95, wide.high_95) = (Some(low), Some(high));
     wide
 }
 
@@ -67,22 +77,41 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_interval_holds_those_of_other_forms_and_is_itself_without_any() {
+    fn an_interval_holds_those_of_other_forms() {
         let strength = Estimate::determined(2.0, 0.1, 1.8, 2.2);
         assert_eq!(widened(&strength, &[]), strength);
         let other = Parameter {
             key: "part".to_owned(),
             estimate: Estimate::determined(3.0, 0.2, 2.6, 3.4),
         };
-        let unknown = Parameter {
-            key: "part".to_owned(),
-            estimate: Estimate::not_determined("flat"),
-        };
-        let wide = widened(&strength, &[("both", vec![other]), ("one", vec![unknown])]);
+        let wide = widened(&strength, &[("both", vec![other])]);
         assert_eq!(
             (wide.value, wide.low_95, wide.high_95),
             (Some(2.0), Some(1.8), Some(3.4))
         );
         assert!((wide.standard_error.unwrap() - 0.8 / 1.96).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_another_form_leaves_open_is_open() {
+        let strength = Estimate::determined(2.0, 0.1, 1.8, 2.2);
+        let leaves = |estimate| {
+            let parameter = Parameter {
+                key: "part".to_owned(),
+                estimate,
+            };
+            widened(&strength, &[("linear", vec![parameter])])
+        };
+        let above = leaves(Estimate::above(1.5, "the threshold makes up for it"));
+        assert_eq!(
+            (above.value, above.low_95, above.high_95),
+            (None, Some(1.5), None)
+        );
+        assert!(above.reason.unwrap().contains("`linear`"));
+        let nothing = leaves(Estimate::not_determined("flat"));
+        assert_eq!(
+            (nothing.value, nothing.low_95, nothing.high_95),
+            (None, None, None)
+        );
     }
 }
