@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use ieap_numerics::interrupt;
+use ieap_numerics::products::{gram, products};
 use ieap_numerics::sums::dot;
 
 use super::calibration::Calibration;
@@ -73,6 +74,13 @@ pub(super) struct Null {
     smallest_p: Vec<f64>,
 }
 
+/// What one draw begins with.
+struct Drawn {
+    unit: Vec<f64>,
+    sizes: Vec<f64>,
+    line: f64,
+}
+
 impl Null {
     /// Draws `count` sets of statistics.
     pub(super) fn new(
@@ -112,22 +120,33 @@ impl Null {
         let mixture = Mixture::of(directions);
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let mut gains = vec![0.0; directions.len()];
-        let draws = (0..count)
-            .map(|_| {
-                interrupt::check();
-                let unit: Vec<f64> = pivots
+        // The same numbers in the same order whatever is made of them.
+        let drawn: Vec<Drawn> = (0..count)
+            .map(|_| Drawn {
+                unit: pivots
                     .iter()
                     .map(|_| StandardNormal.sample(&mut generator))
-                    .collect();
-                let sizes: Vec<f64> = freedoms
+                    .collect(),
+                sizes: freedoms
                     .iter()
                     .map(|&nu| size_factor(nu, &mut generator))
-                    .collect();
+                    .collect(),
+                line: chance_line(lines, &mut generator),
+            })
+            .collect();
+        let rows: Vec<&[f64]> = factor.iter().map(Vec::as_slice).collect();
+        let units: Vec<&[f64]> = drawn.iter().map(|own| own.unit.as_slice()).collect();
+        let scores = products(&units, &rows);
+        let draws = drawn
+            .iter()
+            .zip(&scores)
+            .map(|(Drawn { unit, sizes, line }, scores)| {
+                interrupt::check();
                 let square = |k: usize| {
-                    let z = dot(&factor[k], &unit[..factor[k].len()]);
+                    let z = scores[k];
                     let size: f64 = shares[k]
                         .iter()
-                        .zip(&sizes)
+                        .zip(sizes)
                         .map(|(share, size)| share * size)
                         .sum();
                     (z, z * z * size)
@@ -150,13 +169,13 @@ impl Null {
                 let of_pivot = |(&pivot, x): (&usize, &f64)| {
                     let size: f64 = shares[pivot]
                         .iter()
-                        .zip(&sizes)
+                        .zip(sizes)
                         .map(|(share, size)| share * size)
                         .sum();
                     x * x * size
                 };
-                found.together = pivots[..from_stretches].iter().zip(&unit).map(of_pivot).sum();
-                found.line = chance_line(lines, &mut generator);
+                found.together = pivots[..from_stretches].iter().zip(unit).map(of_pivot).sum();
+                found.line = *line;
                 found
             })
             .collect::<Vec<Statistics>>();
@@ -401,8 +420,9 @@ fn unit_of(stretch: &Stretch, rows: usize, tangent: &Tangent) -> Option<Vec<f64>
 /// Lower factor of the columns' products, row by row in the columns' order, by pivoted elimination: first among the
 /// first `first` columns, then among the rest. Gives also the pivots and how many come from the first.
 fn pivoted(columns: &[&[f64]], first: usize) -> (Vec<Vec<f64>>, Vec<usize>, usize) {
+    let products = gram(columns);
     let mut factor: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
-    let mut left: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
+    let mut left: Vec<f64> = (0..columns.len()).map(|k| products[k][k]).collect();
     let mut pivots = Vec::new();
     let mut from_first = 0;
     for (range, is_first) in [(0..first, true), (first..columns.len(), false)] {
@@ -420,7 +440,7 @@ fn pivoted(columns: &[&[f64]], first: usize) -> (Vec<Vec<f64>>, Vec<usize>, usiz
                 } else if k == pivot {
                     root
                 } else {
-                    (dot(columns[k], columns[pivot]) - dot(&factor[k][..rank], &row[..rank])) / root
+                    (products[k][pivot] - dot(&factor[k][..rank], &row[..rank])) / root
                 };
                 factor[k].push(value);
                 left[k] -= value * value;

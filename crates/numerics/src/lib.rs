@@ -19,6 +19,7 @@ pub mod nonnegative;
 pub mod ode;
 #[cfg(test)]
 mod problems;
+pub mod products;
 pub mod robust;
 pub mod rosenbrock;
 pub mod student;

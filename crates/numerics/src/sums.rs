@@ -1,6 +1,7 @@
 //! Sums over long columns in eight running parts: fast, of small rounding, and the same on every machine.
 
-const LANES: usize = 8;
+/// Running parts of a sum.
+pub(super) const LANES: usize = 8;
 
 /// `SUM f(a_k, b_k)` over the shorter of two columns.
 #[inline(always)]
@@ -16,6 +17,12 @@ fn over_pairs(a: &[f64], b: &[f64], f: impl Fn(f64, f64) -> f64) -> f64 {
         }
     }
     let rest: f64 = left_rest.iter().zip(right_rest).map(|(&a, &b)| f(a, b)).sum();
+    total(&sums, rest)
+}
+
+/// The sum of the running parts and of what is left over.
+#[inline(always)]
+pub(super) fn total(sums: &[f64; LANES], rest: f64) -> f64 {
     let halves = (sums[0] + sums[4]) + (sums[1] + sums[5]);
     halves + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
 }
