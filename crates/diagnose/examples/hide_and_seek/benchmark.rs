@@ -1,8 +1,8 @@
 //! Every method on the same groups: clean ones, single causes, pairs and triples, causes outside the library, faults of
 //! the data, and the run that is proposed next.
 
-use ieap::diagnose::{DesignRun, DiagnoseOptions, diagnose_group, proposals};
-use ieap::model::effects::Applied;
+use ieap_diagnose::{DesignRun, DiagnoseOptions, diagnose_group, proposals};
+use ieap_model::effects::Applied;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -369,7 +369,7 @@ fn without(extent: &Extent) {
             let mut case = case(extent.first + 200_000 + seed, Plan::default());
             let with = outside(&case, OUTSIDE[kind], d)?;
             let (found, said) = ask(&mut case, &with);
-            Some((said, found.verdict == ieap::domain::Verdict::Unknown))
+            Some((said, found.verdict == ieap_domain::Verdict::Unknown))
         });
         let unknown = found.iter().filter(|(_, unknown)| *unknown).count();
         let all: Vec<(Vec<Said>, Option<&str>)> = found.into_iter().map(|(said, _)| (said, None)).collect();

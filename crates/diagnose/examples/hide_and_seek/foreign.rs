@@ -3,12 +3,12 @@
 
 use std::collections::BTreeMap;
 
-use ieap::diagnose::sigmas_after_refit;
-use ieap::domain::GroupDiagnosis;
-use ieap::model::effects::{Effect, Limits};
-use ieap::model::extended::Responses;
-use ieap::model::truth::HiddenEffect;
-use ieap::model::truth::catalogue::{Bounds, KnownEffect, known};
+use ieap_diagnose::sigmas_after_refit;
+use ieap_domain::GroupDiagnosis;
+use ieap_model::effects::{Effect, Limits};
+use ieap_model::extended::Responses;
+use ieap_model::truth::HiddenEffect;
+use ieap_model::truth::catalogue::{Bounds, KnownEffect, known};
 use rand::RngExt;
 
 use crate::benchmark::each;

@@ -1,9 +1,9 @@
 //! The same readings judged by this diagnosis and by textbook criteria.
 
-use ieap::diagnose::{DiagnoseOptions, ForwardStep, RunInput, Textbook, diagnose_group, textbook};
-use ieap::domain::{GroupDiagnosis, Verdict};
-use ieap::model::extended::Responses;
-use ieap::numerics::chance::chi_square_chance;
+use ieap_diagnose::{DiagnoseOptions, ForwardStep, RunInput, Textbook, diagnose_group, textbook};
+use ieap_domain::{GroupDiagnosis, Verdict};
+use ieap_model::extended::Responses;
+use ieap_numerics::chance::chi_square_chance;
 
 use crate::case::{Case, inputs, measured};
 

@@ -1,8 +1,8 @@
 //! How near a foreign trace is to what its own effect's forms leave after the refit.
 
-use ieap::diagnose::in_units_of_noise;
-use ieap::model::effects::{Applied, Effect, Limits};
-use ieap::model::extended::Responses;
+use ieap_diagnose::in_units_of_noise;
+use ieap_model::effects::{Applied, Effect, Limits};
+use ieap_model::extended::Responses;
 
 use crate::case::{Case, responses};
 use crate::hidden::scale;

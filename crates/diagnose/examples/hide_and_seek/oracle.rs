@@ -1,9 +1,9 @@
 //! The ceiling: who knows the noise and the base parameters, sees to first order, and has the hidden effect's exact
 //! trace in the list.
 
-use ieap::diagnose::{base_columns, in_units_of_noise};
-use ieap::model::effects::{ALL, Applied};
-use ieap::model::extended::Responses;
+use ieap_diagnose::{base_columns, in_units_of_noise};
+use ieap_model::effects::{ALL, Applied};
+use ieap_model::extended::Responses;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::case::{Case, responses};

@@ -1,8 +1,8 @@
 //! Faults of the data that no cause in the strip explains: what is made of them, and whether the strip is blamed.
 
-use ieap::diagnose::RunInput;
-use ieap::domain::{Channel, Verdict};
-use ieap::model::effects::ALL;
+use ieap_diagnose::RunInput;
+use ieap_domain::{Channel, Verdict};
+use ieap_model::effects::ALL;
 use rand::RngExt;
 
 use crate::benchmark::{Extent, each, percent};

@@ -1,13 +1,13 @@
 //! Groups of runs with known truth: random base parameters, a design of drives, noise of a chosen kind.
 
-use ieap::diagnose::{DesignRun, DiagnoseOptions, KnownNoise, RunInput, diagnose_group};
-use ieap::domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment};
-use ieap::fit::FitInput;
-use ieap::model::effects::Applied;
-use ieap::model::extended::{ExtendedModel, Responses, RunContext};
-use ieap::model::truth::catalogue::known;
-use ieap::model::truth::{HiddenEffect, Truth, simulate};
-use ieap::model::{Branch, LumpedModel};
+use ieap_diagnose::{DesignRun, DiagnoseOptions, KnownNoise, RunInput, diagnose_group};
+use ieap_domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment};
+use ieap_fit::FitInput;
+use ieap_model::effects::Applied;
+use ieap_model::extended::{ExtendedModel, Responses, RunContext};
+use ieap_model::truth::catalogue::known;
+use ieap_model::truth::{HiddenEffect, Truth, simulate};
+use ieap_model::{Branch, LumpedModel};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

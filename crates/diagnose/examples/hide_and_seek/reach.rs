@@ -1,7 +1,7 @@
 //! The strength at which what is hidden leaves so many standard deviations after the refit.
 
-use ieap::diagnose::sigmas_after_refit;
-use ieap::model::extended::Responses;
+use ieap_diagnose::sigmas_after_refit;
+use ieap_model::extended::Responses;
 
 use crate::case::Case;
 

@@ -3,10 +3,10 @@
 
 use std::fmt::Write;
 
-use ieap::diagnose::{DiagnoseOptions, RunInput, known_cause_gain};
-use ieap::domain::GroupDiagnosis;
-use ieap::model::ModelChoice;
-use ieap::model::effects::{ALL, Applied};
+use ieap_diagnose::{DiagnoseOptions, RunInput, known_cause_gain};
+use ieap_domain::GroupDiagnosis;
+use ieap_model::ModelChoice;
+use ieap_model::effects::{ALL, Applied};
 
 use crate::benchmark::percent;
 use crate::methods::{METHODS, Said};

@@ -1,8 +1,8 @@
 //! Groups in which nothing is hidden but a parameter that is not one number: it differs from run to run.
 
-use ieap::diagnose::sigmas_after_refit;
-use ieap::domain::GroupDiagnosis;
-use ieap::model::LumpedModel;
+use ieap_diagnose::sigmas_after_refit;
+use ieap_domain::GroupDiagnosis;
+use ieap_model::LumpedModel;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 

@@ -1,7 +1,7 @@
 //! Groups in which nothing is hidden and the noise is as slow as a record is long.
 
-use ieap::diagnose::{DiagnoseOptions, diagnose_group};
-use ieap::domain::Channel;
+use ieap_diagnose::{DiagnoseOptions, diagnose_group};
+use ieap_domain::Channel;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 

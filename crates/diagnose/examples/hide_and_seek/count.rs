@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use ieap::domain::{Estimate, GroupDiagnosis, Verdict};
-use ieap::model::effects::Applied;
+use ieap_domain::{Estimate, GroupDiagnosis, Verdict};
+use ieap_model::effects::Applied;
 use rand::RngExt;
 use rayon::prelude::*;
 

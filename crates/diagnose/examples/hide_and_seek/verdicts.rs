@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use ieap::diagnose::{by_evidence, set_of};
-use ieap::domain::{GroupDiagnosis, Verdict};
+use ieap_diagnose::{by_evidence, set_of};
+use ieap_domain::{GroupDiagnosis, Verdict};
 
 use crate::benchmark::percent;
 
