@@ -11,7 +11,8 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use ieap_fit::{FoundAgain, NoiseAgain};
+use ieap_fit::{FoundAgain, NoiseAgain, Pair, Scaled};
+use ieap_numerics::dense::Dense;
 use ieap_numerics::interrupt;
 use ieap_numerics::sums::dot;
 
@@ -27,6 +28,9 @@ const FEWEST: usize = 30;
 const PRODUCTS: f64 = 4e8;
 /// A p below this is small whatever a calibration says.
 const CLEAR: f64 = 1e-7;
+/// Part of the largest pivot below which a column of the tangent counts as one of the others: it is orthonormal but for
+/// how the noise differs.
+const SINGULAR: f64 = 1e-12;
 /// Set apart from other uses of the same seed.
 const STREAM: u64 = 1 << 40;
 
@@ -86,31 +90,64 @@ impl Calibration {
     }
 }
 
-/// What all draws share: series in the units of the readings, and what finds the noise.
+/// What all draws share: series in the units of the readings, what finds the noise, and what inner products are in it.
 struct Simulation {
     again: Vec<NoiseAgain>,
     tangent: Vec<Vec<f64>>,
     candidates: Vec<Vec<f64>>,
+    /// Of every candidate: its square, and its products with the tangent.
+    squares: Vec<Product>,
+    absorbed: Vec<Vec<Product>>,
+    /// Products of the tangent with itself.
+    normal: Vec<Vec<Product>>,
 }
+
+/// An inner product of two series, by blocks.
+type Product = Vec<Pair>;
 
 impl Simulation {
     fn new(asked: &Asked) -> Simulation {
         let group = asked.group;
-        let again = group
+        let again: Vec<NoiseAgain> = group
             .blocks
             .iter()
             .filter_map(|block| group.channel(block))
             .map(|channel| channel.noise_again())
             .collect();
         let raw = |white: &[f64]| coloured(group, white.to_vec());
+        let tangent: Vec<Vec<f64>> = asked.tangent.basis().iter().map(|column| raw(column)).collect();
+        let candidates: Vec<Vec<f64>> = asked
+            .directions
+            .par_iter()
+            .map(|direction| raw(asked.signatures[direction.signature].change()))
+            .collect();
+        let each = |series: &[f64]| -> Vec<Scaled> {
+            let blocks = group.blocks.iter().zip(&again);
+            blocks
+                .map(|(block, again)| again.scaled(&series[block.first..block.end]))
+                .collect()
+        };
+        let product = |a: &[Scaled], b: &[Scaled]| -> Product {
+            let blocks = again.iter().zip(a.iter().zip(b));
+            blocks.map(|(again, (a, b))| again.pair(a, b)).collect()
+        };
+        let scaled: Vec<Vec<Scaled>> = tangent.iter().map(|column| each(column)).collect();
+        let with_all = |a: &[Scaled]| -> Vec<Product> { scaled.iter().map(|b| product(a, b)).collect() };
+        let (squares, absorbed) = candidates
+            .par_iter()
+            .map(|candidate| {
+                let own = each(candidate);
+                (product(&own, &own), with_all(&own))
+            })
+            .unzip();
+        let normal = scaled.iter().map(|a| with_all(a)).collect();
         Simulation {
+            squares,
+            absorbed,
+            normal,
             again,
-            tangent: asked.tangent.basis().iter().map(|column| raw(column)).collect(),
-            candidates: asked
-                .directions
-                .par_iter()
-                .map(|direction| raw(asked.signatures[direction.signature].change()))
-                .collect(),
+            tangent,
+            candidates,
         }
     }
 
@@ -150,22 +187,28 @@ impl Simulation {
             .map(|(stretch, _)| mean_of(stretch, &residuals, &tangent))
             .collect();
         let answer = transposed(residuals);
-        let absorbed: Vec<Vec<f64>> = tangent
-            .basis()
-            .iter()
-            .map(|column| transposed(column.clone()))
-            .collect();
-        let gain = |(raw, direction): (&Vec<f64>, &Direction)| {
-            let white = whitened(raw);
-            let square = dot(&white, &white) - absorbed.iter().map(|q| dot(q, raw).powi(2)).sum::<f64>();
-            let z = dot(&answer, raw);
+        let product = |pairs: &Product| -> f64 {
+            let blocks = found.iter().zip(pairs);
+            blocks.map(|(found, pair)| found.product(pair)).sum()
+        };
+        let mut normal = Dense::zero(self.normal.len());
+        for (row, products) in self.normal.iter().enumerate() {
+            for (column, pairs) in products.iter().enumerate() {
+                normal.add(row, column, product(pairs));
+            }
+        }
+        let inverse = normal.inverse(SINGULAR);
+        let gain = |(place, direction): (usize, &Direction)| {
+            let absorbed: Vec<f64> = self.absorbed[place].iter().map(&product).collect();
+            let square = product(&self.squares[place]) - inverse.form(&absorbed, &absorbed);
+            let z = dot(&answer, &self.candidates[place]);
             if square > 0.0 && (z > 0.0 || !direction.one_sided) {
                 z * z / square
             } else {
                 0.0
             }
         };
-        let gains: Vec<f64> = self.candidates.iter().zip(asked.directions).map(gain).collect();
+        let gains: Vec<f64> = asked.directions.iter().enumerate().map(gain).collect();
         asked.null.p_of_simulated(&means, &gains, &mut generator)
     }
 

@@ -16,6 +16,7 @@ mod given;
 mod group;
 mod joint;
 mod joint_estimates;
+mod noise_again;
 mod outcome;
 mod parabola;
 mod sampled;
@@ -34,7 +35,8 @@ pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, fit_group, shareable,
 };
 
-pub use whitened::{FoundAgain, NoiseAgain, WhitenedChannel};
+pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
+pub use whitened::WhitenedChannel;
 
 use bending::Bending;
 use electrical::Electrical;

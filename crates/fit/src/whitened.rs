@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive, NoiseCharacter, Quantity};
 
-use super::joint::noise::{Again, Noise};
+use super::joint::noise::Noise;
 use super::joint::readings::Response;
 use super::joint::whitening::{Memory, Whitener};
+use super::noise_again::NoiseAgain;
 use super::sampled::{Sampled, Span};
 
 /// Readings behind each edge of the drive that say nothing of growth: what a model misses there looks like it.
@@ -26,13 +27,13 @@ pub struct WhitenedChannel {
 
 /// The whitener over stretches of readings without a gap: noise remembers across the edges of the drive.
 #[derive(Debug, Clone)]
-struct Continuing {
+pub(super) struct Continuing {
     stretches: Vec<Span>,
     whitener: Whitener,
 }
 
 impl Continuing {
-    fn new(sampled: &Sampled, sd: &[f64], memory: &Memory) -> Continuing {
+    pub(super) fn new(sampled: &Sampled, sd: &[f64], memory: &Memory) -> Continuing {
         let mut joined = sampled.clone();
         joined.spans = without_gaps(sampled);
         Continuing {
@@ -41,13 +42,23 @@ impl Continuing {
         }
     }
 
-    fn each(&self, series: &mut [f64], what: impl Fn(&Whitener, &Span, &mut [f64])) {
+    /// Two series over the readings, stretch by stretch.
+    pub(super) fn stretches_of<'a>(
+        &'a self,
+        a: &'a [f64],
+        b: &'a [f64],
+    ) -> impl Iterator<Item = (&'a [f64], &'a [f64])> {
+        let spans = self.stretches.iter();
+        spans.map(move |span| (&a[span.first..span.end], &b[span.first..span.end]))
+    }
+
+    pub(super) fn each(&self, series: &mut [f64], what: impl Fn(&Whitener, &Span, &mut [f64])) {
         for stretch in &self.stretches {
             what(&self.whitener, stretch, &mut series[stretch.first..stretch.end]);
         }
     }
 
-    fn whiten(&self, series: &mut [f64]) {
+    pub(super) fn whiten(&self, series: &mut [f64]) {
         self.each(series, Whitener::whiten);
     }
 }
@@ -276,61 +287,7 @@ impl WhitenedChannel {
 
     /// What finds the noise again in other residuals at the same readings.
     pub fn noise_again(&self) -> NoiseAgain {
-        NoiseAgain {
-            sampled: self.response.sampled.clone(),
-            again: Again::new(&self.response.sampled, &self.response.noise),
-        }
-    }
-}
-
-/// Finds the noise of a channel again in simulated residuals, as a simulation of the whole procedure needs it: its size
-/// and its correlation by reading order; memory of another kind is taken as it was found.
-pub struct NoiseAgain {
-    sampled: Sampled,
-    again: Again,
-}
-
-/// A noise that was found again.
-pub struct FoundAgain {
-    memory: Continuing,
-}
-
-impl NoiseAgain {
-    /// The noise that `rest`, what a fit has left in canonical units, shows.
-    pub fn find(&self, rest: &[f64]) -> FoundAgain {
-        let (sd, memory) = self.again.find(rest);
-        self.found(&sd, &memory)
-    }
-
-    /// The noises of channels that share one correlation, each from its `rest`.
-    pub fn find_shared(all: &[(&NoiseAgain, &[f64])]) -> Vec<FoundAgain> {
-        let inner: Vec<(&Again, &[f64])> = all.iter().map(|(own, rest)| (&own.again, *rest)).collect();
-        match Again::find_shared(&inner) {
-            Some(found) => all
-                .iter()
-                .zip(found)
-                .map(|((own, _), (sd, memory))| own.found(&sd, &memory))
-                .collect(),
-            None => all.iter().map(|(own, rest)| own.find(rest)).collect(),
-        }
-    }
-
-    fn found(&self, sd: &[f64], memory: &Memory) -> FoundAgain {
-        FoundAgain {
-            memory: Continuing::new(&self.sampled, sd, memory),
-        }
-    }
-}
-
-impl FoundAgain {
-    /// Makes a series over the readings white, in standard deviations, in place.
-    pub fn whiten(&self, series: &mut [f64]) {
-        self.memory.whiten(series);
-    }
-
-    /// The transpose of [`FoundAgain::whiten`].
-    pub fn transpose(&self, series: &mut [f64]) {
-        self.memory.each(series, Whitener::transpose);
+        NoiseAgain::of(&self.response.sampled, &self.response.noise)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::sampled::Sampled;
 
 use super::whitening::{Memory, Whitener};
 
-pub(crate) use again::Again;
+pub(crate) use again::{Again, Products, products, white};
 use growth::growth;
 use smooth::Smooth;
 

@@ -47,7 +47,7 @@ struct Tried {
 
 /// Products of the shapes with the residuals at the same reading and at neighbours: at the first, at later ones, at those
 /// before them, and across.
-type Products = [f64; 4];
+pub(crate) type Products = [f64; 4];
 
 impl Again {
     /// For the readings that `noise` was found in.
@@ -75,6 +75,15 @@ impl Again {
             freedom,
             how,
         }
+    }
+
+    /// Scale of every reading's noise, and the whitener of the memory that is taken as it was found, where one is.
+    pub(crate) fn taken(&self) -> (&[f64], Option<&Memory>) {
+        let memory = match &self.how {
+            How::Correlation(_) => None,
+            How::Size { memory, .. } => Some(memory),
+        };
+        (&self.scale, memory)
     }
 
     /// Standard deviation of every reading and memory of the noise, from `rest`, what a fit has left.
@@ -230,7 +239,8 @@ fn scaled(column: &[f64], scale: &[f64], span: &Span) -> Vec<f64> {
     column.iter().zip(own).map(|(v, s)| v / s).collect()
 }
 
-fn products(x: &[f64], y: &[f64]) -> Products {
+/// See [`Products`].
+pub(crate) fn products(x: &[f64], y: &[f64]) -> Products {
     let last = x.len() - 1;
     let later = inner(&x[1..], &y[1..]);
     let ends = x[0] * y[0] - x[last] * y[last];
@@ -239,7 +249,7 @@ fn products(x: &[f64], y: &[f64]) -> Products {
 }
 
 /// The product of both series made white by that correlation.
-fn white([first, later, earlier, across]: &Products, rho: f64) -> f64 {
+pub(crate) fn white([first, later, earlier, across]: &Products, rho: f64) -> f64 {
     first + (later + rho * rho * earlier - rho * across) / (1.0 - rho * rho)
 }
 
