@@ -261,13 +261,6 @@ pub(super) fn input(
     } = standing::runs(context)?;
     same_tags::annotate(&mut runs);
     sequence::annotate(&mut runs);
-    let mut news: Vec<report::News> = (runs.iter().chain(&set_aside))
-        .map(|run| report::News {
-            run_path: run.path.clone(),
-            at: run.ingested_at.clone(),
-        })
-        .collect();
-    news.sort_by(|a, b| b.at.cmp(&a.at).then_with(|| a.run_path.cmp(&b.run_path)));
     // Each of these may fail by itself: the report then lacks it, and says so.
     let mut faults = Vec::new();
     let mut laws = or_nothing(campaign_laws(context, &runs, None), &mut faults)?;
@@ -306,7 +299,6 @@ pub(super) fn input(
             program: format!("ieap {CODE_VERSION}"),
             database: format!("change {changes} of {changed_at}"),
         },
-        news,
         climate: context
             .store
             .climate_assessment()?

@@ -6,7 +6,7 @@ use ieap::domain::{
     Parameter, Quantity, RunCurve, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample, SourceFile, Tag,
     TagSource,
 };
-use ieap::report::{Findings, Input, News, Origin};
+use ieap::report::{Findings, Input, Origin};
 
 /// Readings of each drawn curve.
 const DRAWN: usize = 450;
@@ -265,7 +265,6 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
             }
         }
     }
-    let latest = runs.iter().rev().take(4);
     Input {
         untying: Vec::new(),
         next_runs: Vec::new(),
@@ -277,12 +276,6 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         monitoring: Default::default(),
         faults: vec![],
         run_spans_s: vec![],
-        news: latest
-            .map(|run| News {
-                run_path: run.path.clone(),
-                at: run.ingested_at.clone(),
-            })
-            .collect(),
         runs,
         set_aside: vec![],
         modulus_logs: vec![],
@@ -404,7 +397,6 @@ pub fn current_only_input() -> Input {
             run
         })
         .collect();
-    input.news.clear();
     input
 }
 

@@ -35,7 +35,6 @@ fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, String>) {
 fn all_inputs() -> [Input; 4] {
     let mut empty = input(&["CNaf"], 1);
     empty.runs.clear();
-    empty.news.clear();
     [
         input(&["CNaf", "CPvf"], 2),
         troubled_input(),

@@ -29,8 +29,6 @@ pub struct Input {
     pub files: Vec<SourceFile>,
     /// What the report was generated from.
     pub origin: Origin,
-    /// What came in last, newest first; the index shows the first few.
-    pub news: Vec<News>,
     /// What the simulation gets wrong.
     pub findings: Findings,
     /// What holds across runs.
@@ -140,13 +138,4 @@ pub struct Origin {
     pub program: String,
     /// State of the database in words, `change 412 of 2026-11-20T06:00:00Z`.
     pub database: String,
-}
-
-/// A run that came in.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct News {
-    /// Path of the run.
-    pub run_path: String,
-    /// When, RFC 3339 UTC.
-    pub at: String,
 }

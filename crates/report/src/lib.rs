@@ -22,6 +22,6 @@ pub mod visible;
 pub mod zone;
 
 pub use error::ReportError;
-pub use input::{EffectParameterText, EffectText, Findings, Input, News, Origin};
+pub use input::{EffectParameterText, EffectText, Findings, Input, Origin};
 pub use render::{Rendered, render, render_site};
 pub use site::Site;

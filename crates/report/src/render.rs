@@ -177,7 +177,7 @@ impl Press<'_> {
         let place = Place {
             file: self.site.finding_href(group),
             kind: "finding.html",
-            title: found.group.clone(),
+            title: crate::pages::wording::group_title(&found.group),
             runs: found
                 .runs
                 .iter()

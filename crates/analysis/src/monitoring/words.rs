@@ -30,6 +30,25 @@ pub fn life(watched: &Watched) -> String {
     text
 }
 
+/// When a limit is reached, where that can be told, with the place on the axis by which forecasts are put in order: what lies
+/// beyond its limit already comes first.
+pub fn forecast(watched: &Watched) -> Option<(f64, String)> {
+    let (limit, reaches) = watched.limit.as_ref()?;
+    let at = match reaches {
+        Reaches::Beyond => f64::NEG_INFINITY,
+        Reaches::At(at) => at.value,
+        Reaches::Unknown(_) => return None,
+    };
+    let said = limit_words(watched, limit, reaches);
+    Some((at, format!("{}: {}", subject(watched), lower_first(&said))))
+}
+
+fn lower_first(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_lowercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}
+
 fn subject(watched: &Watched) -> String {
     format!("{} of {}", symbol(&watched.parameter), watched.sample)
 }

@@ -13,6 +13,8 @@ use ieap_domain::Estimate;
 
 /// Size of one panel, px.
 const SIZE: (u32, u32) = (530, 270);
+/// Size of one of small multiples, px.
+const SMALL: (u32, u32) = (310, 190);
 const MARGINS: Margins = Margins {
     left: 66,
     right: 12,
@@ -52,6 +54,14 @@ pub struct Slot {
 /// The message of the drawing library.
 pub fn comparison(groups: &[Group], y: &Axis, title: &str, desc: &str) -> Result<String, String> {
     svg(SIZE, title, desc, |area| comparison_on(area, groups, y))
+}
+
+/// The same as one of small multiples.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn small_comparison(groups: &[Group], y: &Axis, title: &str, desc: &str) -> Result<String, String> {
+    svg(SMALL, title, desc, |area| comparison_on(area, groups, y))
 }
 
 /// Draws one panel over the whole of `area`.

@@ -240,7 +240,8 @@ pub fn next_rows(site: &Site) -> Vec<NextRow> {
         .collect()
 }
 
-fn next_row(rank: usize, planned: &PlannedRun) -> NextRow {
+/// `CNaf-1, air, 33 % RH`: what is to be measured and where.
+pub fn place_words(planned: &PlannedRun) -> String {
     let run = &planned.run;
     let mut place = vec![run.sample.clone()];
     place.extend(run.environment.clone());
@@ -252,12 +253,16 @@ fn next_row(rank: usize, planned: &PlannedRun) -> NextRow {
             .iter()
             .map(|(covariate, name)| format!("{} {name}", covariate.label())),
     );
+    place.join(", ")
+}
+
+fn next_row(rank: usize, planned: &PlannedRun) -> NextRow {
     NextRow {
         rank,
         planned: planned.planned.clone(),
-        place: place.join(", "),
-        drive: run.drive.clone(),
-        why: run.why.clone(),
+        place: place_words(planned),
+        drive: planned.run.drive.clone(),
+        why: planned.run.why.clone(),
         file: planned.file.clone(),
         sheet: planned.on_sheet.clone().unwrap_or_default(),
     }

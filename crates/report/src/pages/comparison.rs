@@ -13,7 +13,7 @@ use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
-use crate::figures::comparison::{Group, Slot, comparison};
+use crate::figures::comparison::{Group, Slot, comparison, small_comparison};
 use crate::number::significant;
 use crate::site::Site;
 use ieap_analysis::conditions::{Conditions, nominal_voltage_v};
@@ -232,6 +232,69 @@ fn section(
         sentences,
         panels,
     })
+}
+
+/// A small panel of the overview.
+#[derive(Debug, Serialize)]
+pub struct SmallPanel {
+    title: String,
+    figure: String,
+    /// The section of the comparison that shows it large.
+    href: String,
+}
+
+/// Materials that the overview draws: those with most runs; the comparison has all.
+const SMALL_MATERIALS: usize = 2;
+
+/// Every parameter over all conditions, small.
+pub fn small_panels(
+    site: &Site,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Vec<SmallPanel>, ReportError> {
+    let names = &site.conditions.materials;
+    let runs_of = |material: usize| -> usize {
+        let measured = site.conditions.measured.iter();
+        measured
+            .filter(|own| own.material == material)
+            .map(|own| own.runs.len())
+            .sum()
+    };
+    let mut materials: Vec<usize> = (0..names.len()).collect();
+    materials.sort_by_key(|&material| std::cmp::Reverse(runs_of(material)));
+    materials.truncate(SMALL_MATERIALS);
+    materials.sort_unstable();
+    let mut panels = Vec::new();
+    for parameter in COMPARED.iter().filter_map(|key| ParameterInfo::of(key)) {
+        let all: Vec<Vec<Group>> = materials.iter().map(|&m| groups(site, m, parameter)).collect();
+        let shared = parameter
+            .spans_decades
+            .then(|| axis(parameter, all.iter().flatten()));
+        for (&material, groups) in materials.iter().zip(&all) {
+            let slots = groups.iter().flat_map(|group| &group.slots);
+            if !slots.flat_map(|slot| &slot.estimates).any(says_something) {
+                continue;
+            }
+            let figure = format!("{}-{material}", parameter.key.replace('_', "-"));
+            let axis = shared.clone().unwrap_or_else(|| axis(parameter, groups.iter()));
+            let title = format!("{} of {}", parameter.name, names[material]);
+            let desc = format!(
+                "{} against step voltage in each environment, with 95 % intervals.",
+                parameter.symbol
+            );
+            let drawn =
+                small_comparison(groups, &axis, &title, &desc).map_err(|reason| ReportError::Figure {
+                    figure: figure.clone(),
+                    reason,
+                })?;
+            figures.insert(figure.clone(), drawn);
+            panels.push(SmallPanel {
+                title: format!("{} of {}", parameter.symbol, names[material]),
+                figure,
+                href: format!("comparison.html#{}", parameter.key),
+            });
+        }
+    }
+    Ok(panels)
 }
 
 fn says_something(estimate: &Estimate) -> bool {

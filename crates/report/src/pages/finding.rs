@@ -10,7 +10,7 @@ use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, extension, gain_section, in_legend};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
 use super::finding_words::{equation, lead, shift_words, test_words, verdict_of};
-use super::wording::{EstimateText, RunLink, listed};
+use super::wording::{EstimateText, RunLink, group_title, listed};
 use crate::error::ReportError;
 use crate::figures::gain_bars::gain_bars;
 use crate::figures::profile::profile;
@@ -172,7 +172,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let shifts = found.shifts.iter();
     let drawn_of = found.residuals.len();
     let page = FindingPage {
-        name: found.group.clone(),
+        name: group_title(&found.group),
         verdict: verdict_of(found),
         key: found.verdict.key(),
         summary: summary(found, findings),
@@ -239,16 +239,16 @@ fn size_words(found: &GroupDiagnosis) -> Option<String> {
         return None;
     }
     let size = found.misfit_percent;
-    let of = |percent: Option<f64>, what: &str| Some(format!("{} % {what}", significant(percent?, 2)));
+    let of = |percent: Option<f64>, what: &str| Some(format!("{} % of {what}", significant(percent?, 2)));
     let sizes: Vec<String> = [
-        of(size.current, "of the range of the current"),
-        of(size.curvature, "of the range of the curvature"),
-        of(size.charge, "of the charge at the end of the worst run"),
+        of(size.current, "the range of the current"),
+        of(size.curvature, "the range of the curvature"),
+        of(size.charge, "the charge in the worst run"),
     ]
     .into_iter()
     .flatten()
     .collect();
-    (!sizes.is_empty()).then(|| format!("One set of parameters is off by {}.", listed(&sizes)))
+    (!sizes.is_empty()).then(|| format!("The simulation is off by {}.", listed(&sizes)))
 }
 
 fn named_run(site: &Site, path: &str) -> NamedRun {

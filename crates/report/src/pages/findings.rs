@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::Content;
 use super::across;
 use super::finding_words::{campaign_lead, probability, verdict_of};
-use super::wording::{RunLink, counted};
+use super::wording::{RunLink, counted, group_title};
 use crate::error::ReportError;
 use crate::number::{interval, measured, significant};
 use crate::site::Site;
@@ -125,7 +125,7 @@ fn group_row(site: &Site, place: usize) -> GroupRow {
     GroupRow {
         link: RunLink {
             href: site.finding_href(place),
-            name: found.group.clone(),
+            name: group_title(&found.group),
         },
         runs: counted(found.runs.len(), "run"),
         verdict: verdict_of(found),
@@ -183,7 +183,7 @@ fn shared_section(effect: &SharedEffect, said: &str, groups: &[GroupDiagnosis]) 
 
 fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
     let row = |question: String, p: Option<f64>, q: Option<f64>| LedgerRow {
-        group: found.group.clone(),
+        group: group_title(&found.group),
         question,
         p: probability(p),
         q: probability(q),

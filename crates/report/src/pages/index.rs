@@ -1,21 +1,20 @@
-//! The overview: what was found, which conditions are measured, what is new, what needs a hand.
+//! The overview: what needs a person, what was found, the parameters over the conditions, every run.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
-use super::across;
-use super::comparison::{caution, contrast_sentences};
-use super::wording::{IssueText, RunLink, counted, has_warnings, humidity_label, listed, voltage_labels};
+use super::cards::{Card, cards};
+use super::comparison::{SmallPanel, caution, contrast_sentences, small_panels};
+use super::runs_table::{RunsTable, runs_table};
+use super::wording::{IssueText, RunLink, counted, has_warnings, humidity_label, voltage_labels};
 use crate::error::ReportError;
 use crate::site::Site;
-use ieap_domain::{FileState, Issue, RunState, Severity, Standing};
+use ieap_domain::{FileState, Issue, RunState, Severity};
 
-/// Entries shown of what came in last.
-const NEWS: usize = 8;
 /// Contrasts named on this page; the comparison has all.
-const CONTRASTS: usize = 4;
+const CONTRASTS: usize = 3;
 /// Voltages from which the matrix is set tighter.
 const MANY: usize = 8;
 /// Ratio from which a contrast is worth a sentence here.
@@ -24,18 +23,18 @@ const NOTABLE_RATIO: f64 = 1.5;
 /// The page's text.
 #[derive(Debug, Serialize)]
 struct Index {
-    findings: Vec<String>,
+    lead: String,
     caution: Vec<String>,
-    /// Runs to make next, where there are any.
-    next: String,
-    /// What the modulus logs say; empty where there are none.
-    modulus: Vec<String>,
+    cards: Vec<Card>,
     counts: Vec<Count>,
+    /// The largest differences between conditions.
+    contrasts: Vec<String>,
+    small: Vec<SmallPanel>,
+    runs: RunsTable,
     voltages: Vec<String>,
     many_voltages: bool,
     rows: Vec<MatrixRow>,
     unplaced: Vec<RunLink>,
-    news: Vec<NewsRow>,
     refused: Vec<RefusedRow>,
     refused_more: Vec<String>,
     waiting: Vec<RefusedRow>,
@@ -65,13 +64,6 @@ struct MatrixRun {
     ordinal: usize,
     /// `fitted`, `warned` or `unfitted`: class and word.
     state: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-struct NewsRow {
-    link: Option<RunLink>,
-    path: String,
-    when: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -109,12 +101,18 @@ struct Problem {
 
 /// Makes the page.
 pub fn content(site: &Site) -> Result<Content, ReportError> {
+    let mut figures = BTreeMap::new();
     let index = Index {
-        findings: findings(site),
+        lead: lead(site),
         caution: caution(site),
-        next: across::next_words(site),
-        modulus: modulus(site),
+        cards: cards(site),
         counts: counts(site),
+        contrasts: contrast_sentences(site, NOTABLE_RATIO)
+            .into_iter()
+            .take(CONTRASTS)
+            .collect(),
+        small: small_panels(site, &mut figures)?,
+        runs: runs_table(site),
         voltages: voltage_labels(&site.conditions.voltages_v),
         many_voltages: site.conditions.voltages_v.len() > MANY,
         rows: rows(site),
@@ -124,7 +122,6 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             .iter()
             .map(|&run| RunLink::to(site, run))
             .collect(),
-        news: news(site),
         refused_more: more(site),
         refused: first_of_each_reason(files(site, FileState::Refused)),
         waiting: files(site, FileState::Pending),
@@ -132,96 +129,28 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         untagged: untagged(site),
         problems: problems(site),
     };
-    Content::new("index.html", &index, BTreeMap::new())
+    Content::new("index.html", &index, figures)
 }
 
-/// Sentences shown here of the modulus logs; their page has all.
-const MODULUS_SENTENCES: usize = 3;
-
-fn modulus(site: &Site) -> Vec<String> {
-    let mut sentences = super::dma::findings(site);
-    sentences.truncate(MODULUS_SENTENCES);
-    let logs = site.input.modulus_logs.iter();
-    let waiting = logs.filter(|log| log.analysis.is_none()).count();
-    if waiting > 0 {
-        sentences.push(format!(
-            "{} could not be analysed.",
-            counted(waiting, "modulus log")
-        ));
-    }
-    sentences
-}
-
-fn findings(site: &Site) -> Vec<String> {
+fn lead(site: &Site) -> String {
     let runs = &site.input.runs;
-    let conditions = &site.conditions;
     if runs.is_empty() {
         let said = match site.input.set_aside.is_empty() {
             true => "No run has been taken in yet.",
             false => "Every run is set aside: see below.",
         };
-        return vec![said.to_owned()];
+        return said.to_owned();
     }
     let fitted = runs.iter().filter(|run| run.fit.is_some()).count();
-    let mut sentences = vec![format!(
+    format!(
         "{} in {}; {} fitted.",
         counted(runs.len(), "run"),
-        counted(conditions.measured.len(), "condition"),
+        counted(site.conditions.measured.len(), "condition"),
         match fitted == runs.len() {
             true => "all are".to_owned(),
             false => format!("{fitted} {}", if fitted == 1 { "is" } else { "are" }),
         }
-    )];
-    sentences.extend(
-        contrast_sentences(site, NOTABLE_RATIO)
-            .into_iter()
-            .take(CONTRASTS),
-    );
-    let possible = conditions.materials.len() * conditions.surroundings.len() * conditions.voltages_v.len();
-    let missing = possible - conditions.measured.len();
-    if missing > 0 {
-        sentences.push(format!(
-            "{missing} of the {possible} combinations of material, environment and voltage are not measured."
-        ));
-    }
-    sentences.extend(needs_a_hand(site));
-    sentences
-}
-
-/// What only a person can mend.
-fn needs_a_hand(site: &Site) -> Option<String> {
-    let refused = files(site, FileState::Refused).len();
-    let untagged = site
-        .input
-        .runs
-        .iter()
-        .filter(|run| run.state == RunState::Untagged)
-        .count();
-    let stuck = |run: &&ieap_domain::RunRecord| run.fit.as_ref().is_some_and(|fit| !fit.converged);
-    let not_converged = site.input.runs.iter().filter(stuck).count();
-    let mut parts = Vec::new();
-    if refused > 0 {
-        parts.push(format!("{} could not be read", counted(refused, "file")));
-    }
-    if untagged > 0 {
-        let verb = if untagged == 1 { "lacks" } else { "lack" };
-        parts.push(format!("{} {verb} a tag", counted(untagged, "run")));
-    }
-    let condemned = site.input.set_aside.iter();
-    let condemned = condemned
-        .filter(|run| matches!(run.standing, Standing::Condemned { .. }))
-        .count();
-    if condemned > 0 {
-        let verb = if condemned == 1 { "is" } else { "are" };
-        parts.push(format!(
-            "{} {verb} set aside for wrong readings",
-            counted(condemned, "run")
-        ));
-    }
-    if not_converged > 0 {
-        parts.push(format!("{} did not converge", counted(not_converged, "fit")));
-    }
-    (!parts.is_empty()).then(|| format!("{}: see below.", listed(&parts)))
+    )
 }
 
 fn counts(site: &Site) -> Vec<Count> {
@@ -233,8 +162,6 @@ fn counts(site: &Site) -> Vec<Count> {
         .count();
     let count = |number, label| Count { number, label };
     let all = vec![
-        count(runs.len(), "runs"),
-        count(runs.iter().filter(|run| run.fit.is_some()).count(), "fitted"),
         count(
             runs.iter().filter(|run| has_warnings(run)).count(),
             "with warnings",
@@ -249,12 +176,7 @@ fn counts(site: &Site) -> Vec<Count> {
         count(site.input.superseded.len(), "earlier revisions kept"),
         count(site.input.modulus_logs.len(), "modulus logs"),
     ];
-    // The first two are always of interest, the others where there are any.
-    all.into_iter()
-        .enumerate()
-        .filter(|(k, c)| *k < 2 || c.number > 0)
-        .map(|(_, c)| c)
-        .collect()
+    all.into_iter().filter(|count| count.number > 0).collect()
 }
 
 fn rows(site: &Site) -> Vec<MatrixRow> {
@@ -292,18 +214,6 @@ fn matrix_runs(site: &Site, runs: &[usize]) -> Vec<MatrixRun> {
         }
     };
     runs.iter().enumerate().map(matrix_run).collect()
-}
-
-fn news(site: &Site) -> Vec<NewsRow> {
-    let row = |news: &crate::News| {
-        let run = site.run_of(&news.run_path);
-        NewsRow {
-            link: run.map(|run| RunLink::to(site, run)),
-            path: news.run_path.clone(),
-            when: site.zone().moment(&news.at),
-        }
-    };
-    site.input.news.iter().take(NEWS).map(row).collect()
 }
 
 fn files(site: &Site, state: FileState) -> Vec<RefusedRow> {

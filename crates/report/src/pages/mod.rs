@@ -3,6 +3,7 @@
 pub mod across;
 pub mod against;
 pub mod along;
+mod cards;
 pub mod climate;
 pub mod comparison;
 pub mod coverage;
@@ -28,6 +29,7 @@ pub mod run_fit;
 pub mod run_page;
 pub mod run_tables;
 mod run_tags;
+mod runs_table;
 pub mod strip;
 pub mod table5;
 pub mod wording;

@@ -9,7 +9,7 @@ use super::run_evidence::{Evidence, Fact, evidence};
 use super::run_figures::{Response, Subject, responses};
 use super::run_fit::{self as fits, ParameterRow};
 use super::run_tags::TagGroup;
-use super::wording::{IssueText, RunLink, humidity_label, voltage_label};
+use super::wording::{IssueText, RunLink, group_title, humidity_label, voltage_label};
 use crate::error::ReportError;
 use crate::fault::REPORT_IT;
 use crate::number::significant;
@@ -138,7 +138,7 @@ pub fn section(
     let alone = findings.runs.iter().find(|found| found.group == record.path);
     let group = site.finding_of_run(run).map(|place| RunLink {
         href: site.finding_href(place),
-        name: findings.groups[place].group.clone(),
+        name: group_title(&findings.groups[place].group),
     });
     Ok(RunSection {
         slug: site.run_slug(run).to_owned(),

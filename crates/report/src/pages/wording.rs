@@ -140,6 +140,25 @@ pub fn estimate_of(run: &RunRecord, parameter: &ParameterInfo) -> EstimateText {
 /// What is said of every number of a fit that did not converge.
 pub const NOT_CONVERGED: &str = "the fit did not converge, so that its numbers are not to be used";
 
+/// `CNaf-1 in air, 33 % RH` of a group's name, `sample=CNaf-1,environment=air,relative_humidity_percent=33`.
+pub fn group_title(name: &str) -> String {
+    let (mut title, mut rest) = (String::new(), Vec::new());
+    for part in name.split(',') {
+        match part.split_once('=') {
+            Some(("sample", sample)) => title = sample.to_owned(),
+            Some(("environment", environment)) => title += &format!(" in {environment}"),
+            Some(("relative_humidity_percent", percent)) => rest.push(format!("{percent} % RH")),
+            Some((key, value)) => rest.push(format!("{} {value}", key.replace('_', " "))),
+            None => rest.push(part.to_owned()),
+        }
+    }
+    if title.is_empty() {
+        return rest.join(", ");
+    }
+    rest.insert(0, title.trim_start().to_owned());
+    rest.join(", ")
+}
+
 /// Why a run has no fit, in words.
 pub fn why_unfitted(run: &RunRecord) -> &'static str {
     match run.state {
@@ -228,6 +247,21 @@ pub fn has_warnings(run: &RunRecord) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_group_is_named_as_one_says_it() {
+        let said = |name| group_title(name);
+        assert_eq!(said("sample=CNaf-1,environment=air"), "CNaf-1 in air");
+        assert_eq!(
+            said("sample=S,environment=air,relative_humidity_percent=35.2"),
+            "S in air, 35.2 % RH"
+        );
+        assert_eq!(
+            said("sample=S,environment=air,started_at=2020-02-03"),
+            "S in air, started at 2020-02-03"
+        );
+        assert_eq!(said("a run"), "a run");
+    }
 
     #[test]
     fn estimates_in_every_state() {
