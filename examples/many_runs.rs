@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Writes a campaign with so many tables of 30 rows.
 fn make(folder: &Path, count: usize) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder.join("runs"))?;
-    let campaign = "[campaign]\nid = \"many\"\ntitle = \"Very many runs\"\n\n[[sample]]\nid = \"S1\"\nlength_mm = 5.0\nwidth_mm = 2.0\n";
+    let campaign = "[campaign]\nid = \"many\"\ntitle = \"Very many runs\"\n\n[[sample]]\nid = \"S1\"\nmaterial = \"CNaf\"\nlength_mm = 5.0\nwidth_mm = 2.0\n";
     fs::write(folder.join("campaign.toml"), campaign)?;
     fs::write(
         folder.join("runs/tags.toml"),

@@ -13,7 +13,7 @@ use crate::ingest::Reading;
 use crate::ingest::scan::{Changes, Scan};
 use crate::pipeline::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FileRow, NewRun, RunContent};
+use crate::store::{FileRow, NewRun, RunContent, Store};
 
 /// Stores a group: its runs, an alias, a new name, or why it was refused.
 pub fn settle(
@@ -428,13 +428,40 @@ pub fn gone(
         matches!(state, Some(FileState::Run | FileState::Log))
     };
     let gone = changes.gone.iter().filter(|path| !stays.contains(path));
-    let (runs, others): (Vec<String>, Vec<String>) = gone.cloned().partition(is_run);
+    let (mut runs, others): (Vec<String>, Vec<String>) = gone.cloned().partition(is_run);
+    let held = files_of_runs(&context.store, &others)?;
+    context.store.record_files(&now, &held)?;
+    runs.extend(held.into_iter().map(|row| row.path));
+    let others: Vec<String> = others.into_iter().filter(|path| !runs.contains(path)).collect();
     context.store.mark_missing(&now, &runs)?;
     context.store.forget_files(&now, &others)?;
     summary.gone.extend(runs);
     let is_stored = |row: &FileRow| known.get(&row.path).is_some_and(|known| *known == row);
     let fresh: Vec<FileRow> = outside.iter().filter(|row| !is_stored(row)).cloned().collect();
     Ok(context.store.record_files(&now, &fresh)?)
+}
+
+/// Files of the current runs that stand under these names: what was refused in the place of a run leaves it where it was.
+fn files_of_runs(store: &Store, paths: &[String]) -> Result<Vec<FileRow>, PipelineError> {
+    let mut rows = Vec::new();
+    for path in paths {
+        let held = store.contents_of(path)?;
+        if let Some((_, hash)) = held.into_iter().find(|(own, _)| own == path) {
+            rows.push(FileRow {
+                path: path.clone(),
+                size_bytes: 0,
+                modified_ns: 0,
+                inode: 0,
+                changed_ns: 0,
+                hash: Some(hash),
+                state: FileState::Run,
+                reader: store.reader_of(path)?.unwrap_or_default(),
+                issue: None,
+                missing_since: None,
+            });
+        }
+    }
+    Ok(rows)
 }
 
 fn refused_entry(readers: &Readers, issue: &Issue) -> FileRow {

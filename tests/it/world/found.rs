@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use ieap::pipeline::{Context, Ingest, IngestSummary, RenderReport, Silent};
+use ieap::domain::FileState;
+use ieap::pipeline::{Context, Ingest, IngestSummary, Rebuild, RenderReport, Silent};
+use ieap::store::Store;
 use ieap::system::{Call, Kind, World, within};
 
 use super::computer::hash_of_report;
@@ -67,6 +69,39 @@ fn a_copy_becomes_a_run_when_the_file_that_it_copies_is_written_anew() {
         (&["ambient/a.csv".into()][..], &["ambient/b.csv".into()][..])
     );
     assert!(!ingest(&mut context).changed());
+}
+
+/// What was refused under the name of a run was forgotten when it went, and the run's own file with it: nothing said that it
+/// is gone, and a rebuilt database said so.
+#[test]
+fn a_run_whose_file_became_unreadable_and_went_has_a_file_that_is_gone() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    let mut context = open(folder.path());
+    ingest(&mut context);
+    folder.write("runs/a.csv", "no table");
+    ingest(&mut context);
+    std::fs::remove_file(folder.path().join("runs/a.csv")).unwrap();
+    let last = ingest(&mut context);
+    assert_eq!(last.gone, ["runs/a.csv"], "{last:#?}");
+    let rows = context.store.files().unwrap();
+    let row = rows.iter().find(|row| row.path == "runs/a.csv").unwrap();
+    assert!(
+        row.state == FileState::Run && row.missing_since.is_some(),
+        "{row:?}"
+    );
+    assert!(!ingest(&mut context).changed());
+    let before = context.store.content().unwrap();
+    drop(context);
+    for companion in ["", "-wal", "-shm"] {
+        let _ = std::fs::remove_file(folder.path().join(format!("campaign.db{companion}")));
+    }
+    Rebuild::default().run(folder.path(), &Silent).unwrap();
+    let rebuilt = Store::open_read_only(folder.path()).unwrap().unwrap();
+    // It is fitted by the next run.
+    let mut differences = rebuilt.content().unwrap().differences(&before);
+    differences.retain(|(part, _)| *part != "fit");
+    assert_eq!(differences, []);
 }
 
 /// The watch took an error of the disk for a database that was replaced, and ended.

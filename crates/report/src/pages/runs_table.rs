@@ -55,7 +55,9 @@ pub fn runs_table(site: &Site) -> RunsTable {
     let mut order: Vec<usize> = (0..runs.len()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (&runs[a], &runs[b]);
-        b.ingested_at.cmp(&a.ingested_at).then_with(|| a.path.cmp(&b.path))
+        b.ingested_at
+            .cmp(&a.ingested_at)
+            .then_with(|| a.path.cmp(&b.path))
     });
     let left = order.len().saturating_sub(MOST);
     order.truncate(MOST);
