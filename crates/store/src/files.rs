@@ -34,6 +34,22 @@ pub struct FileRow {
 }
 
 impl FileRow {
+    /// A file of which no fingerprint is known, so that the next scan looks at it.
+    pub fn unseen(path: String, state: FileState, reader: String) -> FileRow {
+        FileRow {
+            path,
+            size_bytes: 0,
+            modified_ns: 0,
+            inode: 0,
+            changed_ns: 0,
+            hash: None,
+            state,
+            reader,
+            issue: None,
+            missing_since: None,
+        }
+    }
+
     /// What pages and `status` show of it.
     pub fn source_file(&self) -> SourceFile {
         SourceFile {

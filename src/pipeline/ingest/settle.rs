@@ -447,17 +447,10 @@ fn files_of_runs(store: &Store, paths: &[String]) -> Result<Vec<FileRow>, Pipeli
     for path in paths {
         let held = store.contents_of(path)?;
         if let Some((_, hash)) = held.into_iter().find(|(own, _)| own == path) {
+            let reader = store.reader_of(path)?.unwrap_or_default();
             rows.push(FileRow {
-                path: path.clone(),
-                size_bytes: 0,
-                modified_ns: 0,
-                inode: 0,
-                changed_ns: 0,
                 hash: Some(hash),
-                state: FileState::Run,
-                reader: store.reader_of(path)?.unwrap_or_default(),
-                issue: None,
-                missing_since: None,
+                ..FileRow::unseen(path.clone(), FileState::Run, reader)
             });
         }
     }
@@ -474,15 +467,7 @@ fn refused_entry(readers: &Readers, issue: &Issue) -> FileRow {
         ..issue.clone()
     };
     FileRow {
-        path,
-        size_bytes: 0,
-        modified_ns: 0,
-        inode: 0,
-        changed_ns: 0,
-        hash: None,
-        state: FileState::Refused,
-        reader: readers.all(),
         issue: Some(issue),
-        missing_since: None,
+        ..FileRow::unseen(path, FileState::Refused, readers.all())
     }
 }

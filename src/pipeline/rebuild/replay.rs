@@ -205,15 +205,7 @@ fn tools(context: &Context) -> Result<(Readers, Shelf), PipelineError> {
 /// A file of which only its bytes are known; the next scan looks at it.
 fn row(file: &NamedBytes, state: FileState) -> FileRow {
     FileRow {
-        path: file.path.clone(),
-        size_bytes: 0,
-        modified_ns: 0,
-        inode: 0,
-        changed_ns: 0,
         hash: Some(file.hash.clone()),
-        state,
-        reader: String::new(),
-        issue: None,
-        missing_since: None,
+        ..FileRow::unseen(file.path.clone(), state, String::new())
     }
 }
