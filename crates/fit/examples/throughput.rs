@@ -4,9 +4,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use ieap::domain::{Channel, Drive, Quantity};
-use ieap::fit::{FitInput, FitOptions, fit_run};
-use ieap::model::{Branch, LumpedModel};
+use ieap_domain::{Channel, Drive, Quantity};
+use ieap_fit::{FitInput, FitOptions, fit_run};
+use ieap_model::{Branch, LumpedModel};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
