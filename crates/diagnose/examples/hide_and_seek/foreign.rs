@@ -39,10 +39,10 @@ pub fn foreign(first: u64, count: u64, strengths: &[f64], only: &[String]) {
     let mut all: Vec<Judged> = Vec::new();
     let mut missed: BTreeMap<String, u64> = BTreeMap::new();
     for &d in strengths {
-        let forms = HIDEABLE.iter().zip(0..).filter(|(effect, _)| {
-            let id = effect.about().id;
-            wanted(id) && known(id).is_some_and(|entry| !entry.forms.is_empty())
-        });
+        let forms = HIDEABLE
+            .iter()
+            .zip(0..)
+            .filter(|(effect, _)| wanted(effect.about().id) && has_forms(**effect));
         let forms = forms.map(|(&effect, place)| (Cause::Form(effect), place));
         let outside = OUTSIDE.iter().zip(500..).filter(|(kind, _)| wanted(kind.0));
         let causes: Vec<(Cause, u64)> = forms
@@ -95,30 +95,51 @@ fn print_tables(all: &[Judged], strengths: &[f64]) {
     }
 }
 
+fn has_forms(effect: &dyn Effect) -> bool {
+    known(effect.about().id).is_some_and(|entry| !entry.forms.is_empty())
+}
+
+/// Effects that have foreign forms.
+pub fn with_forms() -> Vec<&'static dyn Effect> {
+    HIDEABLE
+        .iter()
+        .copied()
+        .filter(|effect| has_forms(*effect))
+        .collect()
+}
+
 /// What is hidden.
-enum Cause {
+pub enum Cause {
+    /// A foreign form of an effect of the library.
     Form(&'static dyn Effect),
+    /// What no library holds.
     Outside(Outside),
 }
 
 impl Cause {
-    fn id(&self) -> &'static str {
+    /// Id of the effect or cause.
+    pub fn id(&self) -> &'static str {
         match self {
             Cause::Form(effect) => effect.about().id,
             Cause::Outside(kind) => kind.0,
         }
     }
 
-    fn judged(&self, seed: u64, d: f64) -> Option<Judged> {
-        let mut case = case(seed, Plan::default());
-        let (kind, form, with) = match self {
+    /// Kind (near, far or outside), form and responses with it.
+    pub fn hidden(&self, case: &mut Case, d: f64) -> Option<(&'static str, String, Vec<Responses>)> {
+        match self {
             Cause::Form(effect) => {
                 let forms = known(effect.about().id)?.forms;
                 let form = forms[case.generator.random_range(0..forms.len())];
-                hidden_form(&mut case, *effect, form, d)?
+                hidden_form(case, *effect, form, d)
             }
-            Cause::Outside(outside) => hidden_outside(&mut case, *outside, d)?,
-        };
+            Cause::Outside(outside) => hidden_outside(case, *outside, d),
+        }
+    }
+
+    fn judged(&self, seed: u64, d: f64) -> Option<Judged> {
+        let mut case = case(seed, Plan::default());
+        let (kind, form, with) = self.hidden(&mut case, d)?;
         let found = diagnose(&mut case, &with);
         if std::env::var_os("SHOW").is_some() {
             eprintln!(

@@ -8,14 +8,15 @@
 //! Equations that differ from the library's: `-- foreign 5 16,64 [id ...]` hides foreign forms of its effects and causes
 //! that it does not hold (`x-...`), `-- differs 20` lets parameters differ from run to run and hides nothing,
 //! `-- rednoise 20` adds noise as slow as a record is long. Their tables are Markdown on stdout, their progress stands
-//! on stderr.
+//! on stderr. `-- reliability 100 docs/reliability-diagram.svg` holds stated probabilities, intervals and p against how
+//! often they are right, on groups of own forms, foreign forms, causes outside and none.
 //!
 //! Environment: `SHOW=1` and `NOISE=1` print details (`SHOW=wrong` of wrong names only, `SHOW=strength` of strengths
 //! outside of their intervals); `DRIVES=step`, `same` (three of it), `voltages`, `three` (voltages) or `discharge` (two runs) are taken in place of five drives,
 //! `repeated` takes three drives twice each; `STRENGTHS=16,32` and `DRIVES=five` take a part of the benchmark's table of single causes; `READINGS=uneven`, `quantised` or `outliers` (1 %, ten
 //! standard deviations off) says how groups are read; `GROWING=1` lets the noise at the largest signal
 //! of a run be `sqrt(1 + GROWING^2)` times that at none. `FIRST` is the first seed of `effects` and
-//! `together` (1000 without it), of `outside` (5000), `foreign` (7000), `differs` (8000) and `rednoise` (9000); `SHOW=proof` prints what the acceptance of each group's causes rests on.
+//! `together` (1000 without it), of `outside` (5000), `foreign` (7000), `differs` (8000), `rednoise` (9000) and `reliability` (10000); `SHOW=proof` prints what the acceptance of each group's causes rests on.
 
 mod benchmark;
 mod case;
@@ -31,6 +32,7 @@ mod nearness;
 mod oracle;
 mod reach;
 mod rednoise;
+mod reliability;
 mod verdicts;
 
 use count::{ceilings, effects, nulls, outsides, together};
@@ -59,6 +61,9 @@ fn main() {
         ),
         Some("differs") => differs::differs(seed_from(8000), count),
         Some("rednoise") => rednoise::rednoise(seed_from(9000), count),
+        Some("reliability") => {
+            reliability::reliability(seed_from(10_000), count, arguments.get(2).map(String::as_str));
+        }
         Some("outside") => {
             for d in strengths(&arguments) {
                 let _ = outsides(&OUTSIDE, seed_from(5000), count, d);
@@ -77,7 +82,7 @@ fn main() {
             );
         }
         _ => eprintln!(
-            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | ceiling N 4,6 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | foreign N 16,64 [id ...] | differs N | rednoise N | figure < TABLES | short"
+            "usage: hide_and_seek null N [FIRST SEED] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | ceiling N 4,6 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | foreign N 16,64 [id ...] | differs N | rednoise N | reliability N [FIGURE.svg] | figure < TABLES | short"
         ),
     }
 }
