@@ -4,69 +4,39 @@
 //! residuals are asked for every candidate effect's signature and for any smooth shape; how large the answers become
 //! by chance is simulated. Candidates that promise most are fitted in full, taken one after another under strict
 //! rules, proved on held-out readings, and named only where no other explains the readings as well.
+//!
+//! The rooms in this order, each of which uses those before it: `readings`, `fitting`, `misfit`, `cause`, `outcome`. Beside
+//! them `extended`, where the effects are given, and `benchmark`, what a diagnosis is held against.
 
-mod alone;
-mod base_fit;
-mod beside;
-mod between;
-mod calibration;
-mod candidates;
-mod discrepancy;
-mod drawn;
-mod elsewhere;
-mod ends;
-mod evidence;
-mod extend;
-mod fitted;
-mod from_others;
-mod gain;
-mod group;
-mod held_out;
-mod known_cause;
-mod later;
-mod leftover;
-mod lengthwise;
-mod louder;
-mod misfit_size;
-mod mixture;
-mod modes;
-mod needed;
-mod next_run;
-mod null;
-mod odd_scale;
+mod benchmark;
+mod cause;
+mod extended;
+mod fitting;
+mod misfit;
 mod outcome;
-mod own_limits;
-mod predictive;
-mod problem;
-mod profile;
-mod quantities;
-mod record_length;
-mod remainder;
-mod select;
-mod sigmas;
-mod signature;
-mod spikes;
-mod strays;
-mod stretch;
-mod tangent;
+mod readings;
 #[cfg(test)]
 mod tests;
-mod textbook;
-mod varying;
-mod words;
 
 use ieap_domain::{CondemnedRun, GroupDiagnosis, Verdict};
 use ieap_model::FitModel;
 
-pub use evidence::{by_evidence, set_of};
-pub use extend::{fit_extended, model_version};
-pub use from_others::{FromOthersFall, fall_from_others};
-pub use group::RunInput;
-pub use known_cause::known_cause_gain;
-pub use lengthwise::with_places;
-pub use next_run::proposals;
-pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_after_refit};
-pub use textbook::{ForwardStep, Textbook, textbook};
+pub use benchmark::effect_size::{
+    DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_after_refit,
+};
+pub use benchmark::known_cause::known_cause_gain;
+pub use benchmark::textbook::{ForwardStep, Textbook, textbook};
+pub use cause::evidence::{by_evidence, set_of};
+use cause::select;
+pub use extended::fits::{fit_extended, model_version};
+pub use extended::from_others::{FromOthersFall, fall_from_others};
+use fitting::{base_fit, fitted};
+use misfit::{odd_scale, signature, stretch};
+pub use outcome::lengthwise::with_places;
+pub use outcome::next_run::proposals;
+use outcome::{finding, per_run, varying};
+pub use readings::group::RunInput;
+use readings::{group, outliers};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
 pub const VERSION: u32 = 22;
@@ -107,13 +77,13 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     let found = with_base(&raw, options.model, |group, base| {
         diagnosed(name, group, base, options)
     });
-    let mut found = found.unwrap_or_else(|| outcome::nothing(name, runs, options));
+    let mut found = found.unwrap_or_else(|| finding::nothing(name, runs, options));
     let may_vary = varying::leads(&found);
     if runs.len() > 1 && (may_vary || found.verdict == Verdict::Unknown) {
-        let alone = alone::alone(runs, options);
+        let alone = per_run::alone(runs, options);
         match may_vary && varying::are_described(&alone) {
             true => varying::say(&mut found, &alone),
-            false => found.remarks.extend(alone::in_words(&alone)),
+            false => found.remarks.extend(per_run::in_words(&alone)),
         }
         found.alone = alone;
     }
@@ -175,7 +145,7 @@ const STRAY_LOOKS: usize = 3;
 /// Calls `then` as [`with_base`] does, from a first fit of the base model and without the readings that are far off it.
 fn without_strays<R>(raw: &group::Group, first: &fitted::Fitted, looks: usize, then: Then<R>) -> Option<R> {
     let model = first.problem.model(&first.at);
-    if let Some(cleaned) = strays::without(raw, &model).filter(|_| looks > 0) {
+    if let Some(cleaned) = outliers::without(raw, &model).filter(|_| looks > 0) {
         let again = base_fit::refit(&cleaned, first)?;
         return without_strays(&cleaned, &again, looks - 1, then);
     }
@@ -209,7 +179,7 @@ fn diagnosed(
     let residuals = base.residuals();
     let observed = null.observe(group, &residuals, &directions);
     let calibration = ground.calibration(&null, &observed, &directions);
-    let shown = outcome::Shown {
+    let shown = finding::Shown {
         name,
         group,
         base: &base,
@@ -221,7 +191,7 @@ fn diagnosed(
         p_misfit: null.p_misfit(&observed, calibration.as_ref()),
         options,
     };
-    if shown.p_misfit >= outcome::WRONG {
+    if shown.p_misfit >= finding::WRONG {
         return shown.without_cause();
     }
     let selection = ground.select(&null, &directions);

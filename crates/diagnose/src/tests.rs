@@ -14,6 +14,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
+use crate::cause::proof::{discrepancy, held_out, later};
+use crate::fitting::modes;
+use crate::misfit::null;
+use crate::readings::louder;
 use ieap_domain::{Channel, Drive, Level, Quantity, Segment, Verdict};
 use ieap_fit::FitInput;
 use ieap_model::truth::{HiddenEffect, Truth, simulate};

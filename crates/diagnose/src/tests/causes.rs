@@ -1,8 +1,8 @@
 //! Which causes are found, and what is said of their parameters.
 
-use super::super::beside::Beside;
-use super::super::signature::{directions, scale, signatures};
 use super::*;
+use crate::cause::extended_start::Beside;
+use crate::misfit::signature::{directions, scale, signatures};
 
 #[test]
 fn a_clean_group_is_consistent_and_says_what_it_could_not_have_seen() {

@@ -1,7 +1,7 @@
 //! Runs of a group that differ as a tag says.
 
 use super::*;
-use crate::between::{not_asked, p_dealt};
+use crate::cause::between::{not_asked, p_dealt};
 use ieap_model::effects::{TagAt, tag_places};
 
 /// Readings that are kept of each run: enough for R_ss, and short.

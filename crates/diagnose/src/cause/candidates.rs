@@ -1,0 +1,287 @@
+//! Candidates in the order of what they promise, the promising ones fitted in full.
+
+use rayon::prelude::*;
+
+use crate::cause::extended_start::Beside;
+use crate::fitting::fitted::Fitted;
+use crate::misfit::null::gain;
+use crate::misfit::signature::{Direction, Signature};
+use ieap_numerics::sums::dot;
+
+/// Candidates that are fitted in full: those within this part of the best forecast ...
+const PROMISING: f64 = 0.4;
+/// ... or this near to it, ...
+const NEAR: f64 = 25.0;
+/// ... at least and at most so many.
+const FEWEST: usize = 5;
+const MOST: usize = 10;
+/// Candidates whose quick fit comes within this part of the best one's are fitted to the end.
+const CONTENDS: f64 = 0.5;
+/// Starts of every candidate: its best probes.
+const STARTS: usize = 4;
+/// Evidence that a strength must bring, in units of the sum of squares; where forms are compared, or several effects with
+/// several, every parameter.
+pub(crate) const PRICE: f64 = 3.0;
+
+/// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
+pub(crate) const AS_GOOD: f64 = 6.0;
+/// ... and, since no equation of an effect is exact, this part of what the effect explains.
+pub(crate) const INEXACT: f64 = 0.003;
+
+/// A candidate with its forecast and, where it was fitted, the extended model.
+#[derive(Clone)]
+pub(crate) struct Looked<'g> {
+    pub(crate) effect: &'static str,
+    pub(crate) variant: usize,
+    /// The direction with the best forecast.
+    pub(crate) direction: usize,
+    pub(crate) forecast: f64,
+    pub(crate) fitted: Option<Fitted<'g>>,
+    /// Fall of the sum of squares by the full fit.
+    pub(crate) gain: f64,
+    /// Parameters that it adds.
+    pub(crate) extra: usize,
+    /// Evidence that its choice of forms must bring.
+    pub(crate) forms: f64,
+}
+
+impl Looked<'_> {
+    /// Gain less the price of the strength and of the forms.
+    pub(crate) fn score(&self) -> f64 {
+        self.gain - self.price()
+    }
+
+    fn price(&self) -> f64 {
+        PRICE * self.extra.min(1) as f64 + self.forms
+    }
+
+    /// The score, or the one that was forecast where it is more: the quick fit may not have arrived.
+    fn promise(&self) -> f64 {
+        self.score().max(self.forecast - self.price())
+    }
+}
+
+/// Looks at every effect beside those that `current` has, but for those that are `refused`.
+pub(crate) fn look<'g>(
+    current: &Fitted<'g>,
+    residuals: &[f64],
+    signatures: &[Signature],
+    directions: &[Direction],
+    refused: &[&'static str],
+) -> Vec<Looked<'g>> {
+    let has = |id: &str| {
+        current
+            .problem
+            .effects
+            .iter()
+            .any(|sought| sought.effect.about().id == id)
+    };
+    let mut looked: Vec<(Looked, Vec<usize>)> = Vec::new();
+    for (place, direction) in directions.iter().enumerate() {
+        let signature = &signatures[direction.signature];
+        let id = signature.effect.about().id;
+        if has(id) || refused.contains(&id) {
+            continue;
+        }
+        let forecast = gain(direction, residuals);
+        match looked.iter_mut().find(|(looked, _)| looked.effect == id) {
+            Some((looked, places)) => {
+                places.push(place);
+                if forecast > looked.forecast {
+                    looked.forecast = forecast;
+                    looked.direction = place;
+                    looked.variant = signature.variant;
+                }
+            }
+            None => looked.push((
+                Looked {
+                    effect: id,
+                    variant: signature.variant,
+                    direction: place,
+                    forecast,
+                    fitted: None,
+                    gain: 0.0,
+                    extra: signature.sought().free(),
+                    forms: 0.0,
+                },
+                vec![place],
+            )),
+        }
+    }
+    for (looked, places) in &mut looked {
+        let gains = places.iter().map(|&place| gain(&directions[place], residuals));
+        looked.forms = price_of_forms(gains, looked.forecast);
+    }
+    looked.sort_by(|a, b| b.0.forecast.total_cmp(&a.0.forecast));
+    let best = looked.first().map_or(0.0, |(looked, _)| looked.forecast);
+    let promising = |(rank, (looked, _)): &(usize, &(Looked, Vec<usize>))| {
+        let near = looked.forecast >= PROMISING * best || looked.forecast >= best - NEAR;
+        *rank < MOST && looked.forecast > 0.0 && (near || *rank < FEWEST)
+    };
+    let count = looked.iter().enumerate().take_while(promising).count();
+    // A law without free strength can do more than its forecast, which is for a strength that could be chosen.
+    let (mut looked, rest): (Vec<_>, Vec<_>) = looked
+        .into_iter()
+        .enumerate()
+        .partition(|(rank, (looked, _))| *rank < count || looked.extra == 0);
+    let count = looked.len();
+    looked.extend(rest);
+    let mut looked: Vec<(Looked, Vec<usize>)> = looked.into_iter().map(|(_, looked)| looked).collect();
+    let beside = Beside::of(current);
+    looked[..count].par_iter_mut().for_each(|(looked, places)| {
+        fit(looked, places, &beside, residuals, signatures, directions);
+    });
+    let mut looked: Vec<Looked> = looked.into_iter().map(|(looked, _)| looked).collect();
+    let best = looked[..count].iter().map(Looked::score).fold(0.0, f64::max);
+    looked[..count].par_iter_mut().for_each(|looked| {
+        if looked.promise() > (1.0 - CONTENDS) * best - NEAR {
+            settle(looked, current);
+        }
+    });
+    looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
+    simplest_first(&mut looked[..count]);
+    looked
+}
+
+/// Orders candidates anew: those that were fitted by their scores, the others behind them as they were.
+pub(crate) fn by_score(looked: &mut [Looked]) {
+    looked.sort_by_key(|own| own.fitted.is_none());
+    let count = looked.iter().filter(|own| own.fitted.is_some()).count();
+    looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
+    simplest_first(&mut looked[..count]);
+}
+
+/// What an effect pays for having had the choice among forms of these gains: the best one's gain less what they bring on
+/// average. Nothing where all explain the readings alike, twice the logarithm of their number where one alone does. A price
+/// for every parameter of a form is too low where the readings know the form and too high where they do not.
+fn price_of_forms(gains: impl ExactSizeIterator<Item = f64>, best: f64) -> f64 {
+    let count = gains.len() as f64;
+    let likelihood: f64 = gains.map(|gain| (0.5 * (gain - best)).exp()).sum();
+    -2.0 * (likelihood / count).ln()
+}
+
+/// Of the candidates that explain as much as the best the one with the fewest parameters comes first. What is allowed for
+/// equations that are not exact does not count here: a simpler law that leaves a misfit would hide the better one.
+fn simplest_first(looked: &mut [Looked]) {
+    let Some(best) = looked.iter().map(Looked::score).max_by(f64::total_cmp) else {
+        return;
+    };
+    let least = best - AS_GOOD;
+    let as_good = looked
+        .iter()
+        .take_while(|other| other.score() > least && other.fitted.is_some());
+    let simplest = as_good
+        .enumerate()
+        .min_by_key(|(rank, other)| (other.extra, *rank));
+    if let Some((place, _)) = simplest {
+        looked[..=place].rotate_right(1);
+    }
+}
+
+/// Score beyond which a candidate explains the readings as well as the best.
+pub(crate) fn least_score(looked: &[Looked]) -> Option<f64> {
+    let best = looked.iter().max_by(|a, b| a.score().total_cmp(&b.score()))?;
+    Some(best.score() - AS_GOOD - INEXACT * best.gain)
+}
+
+/// The current model with the one effect that all `signatures` are of, from its most promising shapes; none where it
+/// cannot be fitted.
+pub(crate) fn added<'g>(
+    current: &Fitted<'g>,
+    residuals: &[f64],
+    signatures: &[Signature],
+    directions: &[Direction],
+) -> Option<Fitted<'g>> {
+    let beside = Beside::of(current);
+    let first = signatures.first()?;
+    let mut looked = Looked {
+        effect: first.effect.about().id,
+        variant: first.variant,
+        direction: 0,
+        forecast: 0.0,
+        fitted: None,
+        gain: 0.0,
+        extra: 0,
+        forms: 0.0,
+    };
+    let places: Vec<usize> = (0..directions.len()).collect();
+    if !places.is_empty() {
+        fit(&mut looked, &places, &beside, residuals, signatures, directions);
+    }
+    // An effect that a refit takes up entirely has no direction of its own: it is searched from its first shape.
+    looked.fitted.or_else(|| beside.extended(first, first.part))
+}
+
+/// Goes on to the end with all columns of the Jacobian.
+fn settle(looked: &mut Looked, current: &Fitted) {
+    if let Some(fitted) = looked.fitted.take() {
+        let fitted = fitted.arrived().in_own_limits();
+        looked.gain = current.square - fitted.square;
+        looked.fitted = Some(fitted);
+    }
+}
+
+/// Fits one candidate in full from its best probes.
+fn fit<'g>(
+    looked: &mut Looked<'g>,
+    places: &[usize],
+    beside: &Beside<'_, 'g>,
+    residuals: &[f64],
+    signatures: &[Signature],
+    directions: &[Direction],
+) {
+    let current = beside.current;
+    let mut ranked: Vec<usize> = places.to_vec();
+    ranked.sort_by(|&a, &b| gain(&directions[b], residuals).total_cmp(&gain(&directions[a], residuals)));
+    let variants = signatures[directions[ranked[0]].signature]
+        .effect
+        .about()
+        .variants
+        .len()
+        .max(1);
+    let best_of = |variant: usize| {
+        ranked
+            .iter()
+            .copied()
+            .filter(move |&p| signatures[directions[p].signature].variant == variant)
+    };
+    let mut starts: Vec<usize> = (0..variants)
+        .filter_map(|variant| best_of(variant).next())
+        .collect();
+    starts.extend(
+        ranked
+            .iter()
+            .copied()
+            .filter(|p| !starts.contains(p))
+            .take(STARTS.saturating_sub(starts.len()))
+            .collect::<Vec<_>>(),
+    );
+    let tried = starts.into_iter().filter_map(|place| {
+        let direction = &directions[place];
+        let signature = &signatures[direction.signature];
+        let strength = signature.part * dot(&direction.unit, residuals) / direction.norm;
+        let fitted = beside.extended(signature, strength)?;
+        Some((fitted, signature.variant, place))
+    });
+    let best = tried.min_by(|a, b| a.0.square.total_cmp(&b.0.square));
+    if let Some((fitted, variant, _)) = best {
+        looked.gain = current.square - fitted.square;
+        looked.extra = fitted.extra() - current.extra();
+        looked.variant = variant;
+        looked.fitted = Some(fitted);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_form_costs_as_much_as_the_readings_had_to_choose() {
+        let price = |gains: &[f64]| price_of_forms(gains.iter().copied(), 60.0);
+        assert!(price(&[60.0]).abs() < 1e-12);
+        assert!(price(&[60.0; 9]).abs() < 1e-12);
+        assert!((price(&[60.0, 0.0, 0.0, 0.0]) - 2.0 * 4.0_f64.ln()).abs() < 1e-9);
+        assert!((price(&[60.0, 60.0, 0.0, 0.0]) - 2.0 * 2.0_f64.ln()).abs() < 1e-9);
+    }
+}

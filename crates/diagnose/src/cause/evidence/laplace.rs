@@ -1,0 +1,92 @@
+//! The evidence for effects at the place where they fit best (Laplace's method).
+//!
+//! The integral of likelihood times prior over the effect's parameters is taken from the height and the width of its peak,
+//! beside the same integral of the base alone. Parameters of the base have the same flat prior under every hypothesis: of
+//! theirs only the change of their width is left.
+
+use ieap_numerics::dense::Dense;
+
+use super::policy::{KNOWN_BEFORE, SIZES};
+use crate::fitting::fitted::Fitted;
+
+/// Logarithm of the evidence for `fitted` over that of `base`, both of the same readings.
+pub(super) fn log_evidence(base: &Fitted, base_normal: &Dense, fitted: &Fitted) -> f64 {
+    let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
+    let known = fitted.problem.base_len();
+    let normal = known_before(&slope.normal, known);
+    let fall = 0.5 * (base.square - fitted.square);
+    let widths = 0.5 * (known_before(base_normal, known).log_determinant() - normal.log_determinant());
+    let mut at = known;
+    let mut prior = 0.0;
+    for sought in &fitted.problem.effects {
+        for (k, limits) in sought.limits.iter().enumerate().filter(|(_, l)| !l.held) {
+            let precision = precision_beside(&normal, known, at);
+            let (low, high) = fitted.problem.limits_of(at);
+            prior += match (k, limits.logarithmic) {
+                (0, false) => strength(fitted.at[at], precision, low < 0.0 && high > 0.0),
+                (0, true) => -(SIZES.1 / SIZES.0).ln(),
+                _ => -(high - low).max(f64::MIN_POSITIVE).ln(),
+            };
+            // A peak wider than what is possible is cut at its ends.
+            let width = (std::f64::consts::TAU / precision.max(f64::MIN_POSITIVE)).sqrt();
+            let room = if k == 0 { width } else { width.min(high - low) };
+            prior += std::f64::consts::TAU.sqrt().ln() + (room / width).ln();
+            at += 1;
+        }
+    }
+    fall + widths + prior
+}
+
+/// Logarithm of the prior density of a strength's coordinate: its size is as likely on any part of a logarithmic scale.
+fn strength(coordinate: f64, precision: f64, either_sign: bool) -> f64 {
+    let size_of_unit = precision.max(f64::MIN_POSITIVE).sqrt();
+    let size = (coordinate.abs() * size_of_unit).max(SIZES.0);
+    let sign = if either_sign { 0.5_f64 } else { 1.0 };
+    (sign * size_of_unit / (size * (SIZES.1 / SIZES.0).ln())).ln()
+}
+
+/// Precision of coordinate `k` where the parameters of the base (the first `base` coordinates) are free and its fellows are
+/// held.
+fn precision_beside(normal: &Dense, base: usize, k: usize) -> f64 {
+    let mut part = Dense::zero(base);
+    for a in 0..base {
+        for b in 0..base {
+            part.add(a, b, normal.get(a, b));
+        }
+    }
+    let across: Vec<f64> = (0..base).map(|a| normal.get(a, k)).collect();
+    let taken_up = part.solve(&across, 1e-12);
+    let absorbed: f64 = taken_up.iter().zip(&across).map(|(x, y)| x * y).sum();
+    (normal.get(k, k) - absorbed).max(1e-12 * normal.get(k, k))
+}
+
+/// The matrix with what is known of the first `base` coordinates before any reading.
+pub(super) fn known_before(normal: &Dense, base: usize) -> Dense {
+    let mut known = normal.clone();
+    for k in 0..base.min(known.order()) {
+        known.add(k, k, KNOWN_BEFORE);
+    }
+    known
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A peak of one strength, integrated by steps, against the closed form.
+    #[test]
+    fn the_integral_over_a_strength_is_that_of_its_peak() {
+        let (best, precision) = (0.8, 900.0_f64);
+        let unit = precision.sqrt();
+        let density = |s: f64| 1.0 / (2.0 * s.abs() * (SIZES.1 / SIZES.0).ln());
+        let steps = 200_000;
+        let (low, high) = (SIZES.0 / unit, SIZES.1 / unit);
+        let width = (high - low) / f64::from(steps);
+        let sum: f64 = (0..steps)
+            .map(|k| low + width * (f64::from(k) + 0.5))
+            .map(|s| density(s) * (-0.5 * precision * (s - best) * (s - best)).exp() * width)
+            .sum();
+        let closed = strength(best, precision, true) + 0.5 * (std::f64::consts::TAU / precision).ln();
+        assert!((sum.ln() - closed).abs() < 5e-3, "{} {closed}", sum.ln());
+    }
+}

@@ -1,0 +1,126 @@
+//! Runs that share some parameters and have others of their own, fitted in full.
+
+use ieap_numerics::dense::{Slope, descend};
+
+use crate::fitting::fitted::{Fitted, LONG};
+use crate::fitting::problem::Problem;
+
+/// Fall of the sum of squares that ends the search.
+const SETTLE: f64 = 1e-2;
+/// Searches of [`LONG`] evaluations at most.
+const SEARCHES: usize = 4;
+
+/// Where the runs' parameters lie.
+pub(super) struct Shared {
+    /// Coordinates of every run.
+    pub(super) at: Vec<Vec<f64>>,
+    /// Standard errors of the coordinates of every run.
+    pub(super) standard_errors: Vec<Vec<f64>>,
+    pub(super) square: f64,
+}
+
+/// Where a run finds its coordinates: shared ones first, then its own.
+struct Layout<'a> {
+    parameters: usize,
+    own: &'a [usize],
+}
+
+impl Layout<'_> {
+    fn place(&self, run: usize, k: usize) -> usize {
+        match self.own.iter().position(|own| *own == k) {
+            Some(at) => self.parameters + run * self.own.len() + at,
+            None => k,
+        }
+    }
+
+    fn order(&self, runs: usize) -> usize {
+        self.parameters + runs * self.own.len()
+    }
+
+    fn of_run(&self, run: usize, at: &[f64]) -> Vec<f64> {
+        (0..self.parameters).map(|k| at[self.place(run, k)]).collect()
+    }
+}
+
+/// Fits the base to all runs, the coordinates `own` free in each, from the places `starts` of the runs by themselves.
+pub(super) fn fit(base: &Fitted, own: &[usize], starts: &[Vec<f64>]) -> Shared {
+    let parameters = base.problem.base_len();
+    let layout = Layout { parameters, own };
+    let problems: Vec<Problem> = (0..starts.len())
+        .map(|run| base.problem.over(vec![run]))
+        .collect();
+    let order = layout.order(starts.len());
+    let (mut at, mut low, mut high) = (vec![0.0; order], vec![0.0; order], vec![0.0; order]);
+    for (run, start) in starts.iter().enumerate() {
+        for (k, own) in start.iter().enumerate().take(parameters) {
+            let place = layout.place(run, k);
+            // What is shared begins in the middle of the runs' own places.
+            let parts = if place == k { starts.len() as f64 } else { 1.0 };
+            at[place] += own / parts;
+            (low[place], high[place]) = base.problem.limits_of(k);
+        }
+    }
+    // What is own of every run has no place among the shared ones.
+    for &k in own {
+        (low[k], high[k]) = (0.0, 0.0);
+        at[k] = 0.0;
+    }
+    let evaluate = |at: &[f64]| slope(&problems, &layout, at);
+    let mut bottom = descend(&at, &low, &high, LONG, SETTLE, evaluate);
+    for _ in 1..SEARCHES {
+        let before = bottom.slope.square;
+        bottom = descend(&bottom.at, &low, &high, LONG, SETTLE, evaluate);
+        if before - bottom.slope.square < SETTLE {
+            break;
+        }
+    }
+    let inverse = bottom.slope.normal.inverse(1e-12);
+    let runs: Vec<Vec<f64>> = (0..starts.len())
+        .map(|run| layout.of_run(run, &bottom.at))
+        .collect();
+    let error = |run: usize, k: usize| {
+        let place = layout.place(run, k);
+        inverse.get(place, place).max(0.0).sqrt()
+    };
+    Shared {
+        standard_errors: (0..starts.len())
+            .map(|run| (0..parameters).map(|k| error(run, k)).collect())
+            .collect(),
+        at: runs,
+        square: bottom.slope.square,
+    }
+}
+
+/// Sum of squares of all runs with its slope.
+fn slope(problems: &[Problem], layout: &Layout, at: &[f64]) -> Slope {
+    let mut all = Slope::zero(at.len());
+    for (run, problem) in problems.iter().enumerate() {
+        let own = problem.slope(&layout.of_run(run, at), &[]).0;
+        all.square += own.square;
+        for a in 0..layout.parameters {
+            let place = layout.place(run, a);
+            all.descent[place] += own.descent[a];
+            for b in 0..layout.parameters {
+                all.normal.add(place, layout.place(run, b), own.normal.get(a, b));
+            }
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_find_their_own_parameters_behind_the_shared_ones() {
+        let layout = Layout {
+            parameters: 3,
+            own: &[1],
+        };
+        let at = [10.0, 0.0, 12.0, 21.0, 31.0];
+        assert_eq!(layout.order(2), 5);
+        assert_eq!(layout.of_run(0, &at), [10.0, 21.0, 12.0]);
+        assert_eq!(layout.of_run(1, &at), [10.0, 31.0, 12.0]);
+    }
+}

@@ -1,0 +1,122 @@
+//! What has no name: a smooth answer to every step of the voltage, or what wanders with the clock.
+
+use super::policy::{KNOTS_BY_CLOCK, MOST_BY_CLOCK, SIZES, WAVES, grid, log_mean};
+use super::smooth::{Column, Knots, Process, shared_since_edge};
+use crate::fitting::tangent::Tangent;
+use crate::readings::group::Group;
+use ieap_domain::Level;
+
+/// Hypotheses without a name beside which every effect is held, as columns that do not depend on the model.
+pub(super) struct Nameless {
+    /// A smooth answer to every step; what wanders with the clock.
+    unnamed: [Vec<Column>; 2],
+    slow_noise: Vec<Column>,
+}
+
+impl Nameless {
+    pub(super) fn of(group: &Group) -> Nameless {
+        Nameless {
+            unnamed: [answers(group), wandering(group)],
+            slow_noise: slow(group),
+        }
+    }
+
+    /// Logarithm of the evidence for something without a name, over none of it.
+    pub(super) fn unnamed(&self, tangent: &Tangent, left: &[f64]) -> f64 {
+        log_mean(
+            &self
+                .unnamed
+                .each_ref()
+                .map(|columns| evidence(columns, tangent, left)),
+        )
+    }
+
+    /// Logarithm of the evidence for slow noise, which is there at rest as under voltage, over none of it.
+    pub(super) fn slow_noise(&self, tangent: &Tangent, left: &[f64]) -> f64 {
+        evidence(&self.slow_noise, tangent, left)
+    }
+}
+
+fn evidence(columns: &[Column], tangent: &Tangent, left: &[f64]) -> f64 {
+    let Some(process) = Process::of(columns, tangent, left).of_unit_size() else {
+        return 0.0;
+    };
+    let by_size: Vec<f64> = grid(SIZES).map(|size| process.log_evidence(size)).collect();
+    log_mean(&by_size)
+}
+
+/// Whitened pieces of a block from a series in units of its noise.
+fn whitened(group: &Group, place: usize, mut series: Vec<f64>) -> (usize, Vec<f64>) {
+    let block = &group.blocks[place];
+    if let Some(channel) = group.channel(block) {
+        let sd = channel.standard_deviation();
+        let mean = sd.iter().sum::<f64>() / sd.len().max(1) as f64;
+        series.iter_mut().for_each(|v| *v *= mean);
+        channel.whiten(&mut series);
+    }
+    (block.first, series)
+}
+
+/// One answer for all runs, by the voltage that is on: a column for each knot since the edge, of current and curvature.
+fn answers(group: &Group) -> Vec<Column> {
+    let piece = |place: usize, weights: &[f64]| {
+        let steps = step_v(group, place);
+        whitened(
+            group,
+            place,
+            weights.iter().zip(&steps).map(|(w, v)| w * v).collect(),
+        )
+    };
+    (0..2)
+        .flat_map(|channel| shared_since_edge(group, channel, piece))
+        .collect()
+}
+
+/// Size of the last step of the voltage at every reading of a block, V; 0 before the first.
+fn step_v(group: &Group, place: usize) -> Vec<f64> {
+    let block = &group.blocks[place];
+    let run = &group.runs[block.run];
+    let drive = run.given.input.drive;
+    let mut steps: Vec<(f64, f64)> = Vec::new();
+    let mut before_v = drive.baseline_v;
+    for segment in &drive.segments {
+        if let Level::Voltage(v) = segment.level {
+            steps.push((segment.start_s, v - before_v));
+            before_v = v;
+        }
+    }
+    let last = |t: &f64| {
+        let found = steps.iter().rev().find(|(start_s, _)| start_s <= t);
+        found.map_or(0.0, |(_, v)| *v)
+    };
+    run.times(block.channel).iter().map(last).collect()
+}
+
+/// Every channel of every run by itself: a smooth course over the clock.
+fn wandering(group: &Group) -> Vec<Column> {
+    let count = (MOST_BY_CLOCK / group.blocks.len().max(1)).clamp(2, KNOTS_BY_CLOCK);
+    let of_block = |place: usize| Knots::by_clock(group, place, count).weights;
+    let blocks = 0..group.blocks.len();
+    blocks
+        .flat_map(|place| {
+            let each = of_block(place).into_iter();
+            each.map(move |weights| Column::of(vec![whitened(group, place, weights)]))
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// Every channel of every run by itself: waves of the record's length and shorter, the slower the larger.
+fn slow(group: &Group) -> Vec<Column> {
+    let count = (MOST_BY_CLOCK / group.blocks.len().max(1)).clamp(2, WAVES);
+    let mut columns = Vec::new();
+    for (place, block) in group.blocks.iter().enumerate() {
+        let rows = block.end - block.first;
+        for wave in 1..=count {
+            let turn = std::f64::consts::PI * wave as f64 / rows as f64;
+            let series = (0..rows).map(|k| (turn * (k as f64 + 0.5)).cos() / wave as f64);
+            columns.push(Column::of(vec![whitened(group, place, series.collect())]));
+        }
+    }
+    columns
+}

@@ -1,0 +1,279 @@
+//! Parameters that are not one number for the group: they differ from run to run, freely or with what the runs carry.
+//!
+//! Of every run the fit with parameters of its own says how its sum of squares rises about its best place. What of the
+//! parameters is shared and what differs is then asked in closed form: a parameter that differs freely scatters about a
+//! mean with a spread of its own, one that follows the voltage or a tag lies on a line.
+
+use ieap_numerics::dense::Dense;
+
+use super::own::RunForm;
+use super::policy::{KNOWN_BEFORE, SPREADS, VARIES, grid, log_mean};
+use crate::readings::group::Group;
+
+/// Parameters of which all subsets are asked; of more only singles, pairs and all.
+const ALL_SUBSETS: usize = 11;
+/// A spread that holds nothing together.
+const FREE: f64 = 1e4;
+
+/// What the parameters of a subset follow.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Covariate {
+    /// `voltage_v`, or the id of the effect that follows a tag.
+    pub(super) name: String,
+    /// Place of every run on a scale of unit span about its mean.
+    pub(super) at: Vec<f64>,
+}
+
+/// Parameters that differ.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Subset {
+    /// Coordinates.
+    pub(super) of: Vec<usize>,
+    /// Place in the list of covariates; none where they differ freely.
+    pub(super) with: Option<usize>,
+    /// Logarithm of prior weight times evidence over the base's evidence.
+    pub(super) log_weight: f64,
+}
+
+/// What the runs of a group carry that differs between them: the voltage, and numbers that are tags.
+pub(super) fn covariates(group: &Group) -> Vec<Covariate> {
+    let volts: Vec<f64> = group
+        .runs
+        .iter()
+        .map(|run| run.given.input.drive.nominal_step_v().abs())
+        .collect();
+    let mut found = Vec::new();
+    if volts.iter().all(|v| *v > 0.0) {
+        let logarithms = volts.iter().map(|v| v.ln()).collect();
+        found.extend(scaled("voltage_v".to_owned(), logarithms));
+    }
+    if let Some(first) = group.runs.first() {
+        for (k, tag) in first.given.tags.iter().enumerate() {
+            let at = group
+                .runs
+                .iter()
+                .map(|run| run.given.tags.get(k).map_or(0.0, |tag| tag.at));
+            found.extend(scaled(tag.id.to_owned(), at.collect()));
+        }
+    }
+    found
+}
+
+/// None where all runs have the same, or each of two runs its own: two points lie on any line.
+fn scaled(name: String, at: Vec<f64>) -> Option<Covariate> {
+    let low = at.iter().copied().fold(f64::INFINITY, f64::min);
+    let span = at.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low;
+    let mean = at.iter().sum::<f64>() / at.len().max(1) as f64;
+    (at.len() > 2 && span > 1e-9).then(|| Covariate {
+        at: at.iter().map(|x| (x - mean) / span).collect(),
+        name,
+    })
+}
+
+/// Every subset with its weight. `log_base` is the logarithm of the base's evidence but for what all hypotheses share: half
+/// of its sum of squares and of its width, negative.
+pub(super) fn subsets(forms: &[RunForm], covariates: &[Covariate], log_base: f64) -> Vec<Subset> {
+    let parameters = forms.first().map_or(0, |form| form.pull.len());
+    let sets = sets(parameters);
+    let mut of_size = vec![0_usize; parameters + 1];
+    for set in &sets {
+        of_size[set.len()] += 1;
+    }
+    let sizes = of_size.iter().filter(|count| **count > 0).count();
+    let kinds = 1 + covariates.len();
+    let mut found = Vec::new();
+    for set in sets {
+        let prior = VARIES / (sizes * of_size[set.len()] * kinds) as f64;
+        for with in std::iter::once(None).chain((0..covariates.len()).map(Some)) {
+            let by_spread: Vec<f64> = grid(SPREADS)
+                .map(|spread| match with {
+                    None => free(forms, &set, spread),
+                    Some(k) => along(forms, &set, &covariates[k].at, spread),
+                })
+                .collect();
+            found.push(Subset {
+                of: set.clone(),
+                with,
+                log_weight: prior.ln() + log_mean(&by_spread) - log_base,
+            });
+        }
+    }
+    found
+}
+
+fn sets(parameters: usize) -> Vec<Vec<usize>> {
+    if parameters <= ALL_SUBSETS {
+        let of = |mask: usize| (0..parameters).filter(|k| mask >> k & 1 == 1).collect();
+        return (1..1_usize << parameters).map(of).collect();
+    }
+    let singles = (0..parameters).map(|k| vec![k]);
+    let pairs = (0..parameters).flat_map(|a| (a + 1..parameters).map(move |b| vec![a, b]));
+    let all = std::iter::once((0..parameters).collect());
+    singles.chain(pairs).chain(all).collect()
+}
+
+/// Logarithm of the evidence where the parameters of `set` scatter freely by `spread` about a mean.
+fn free(forms: &[RunForm], set: &[usize], spread: f64) -> f64 {
+    let (shared, pull, square, widths) = shared_form(forms, set, spread);
+    concluded(&shared, &pull, square) - 0.5 * widths
+}
+
+/// Least sum of squares where the parameters of `set` are every run's own.
+pub(super) fn least(forms: &[RunForm], set: &[usize]) -> f64 {
+    let (shared, pull, square, _) = shared_form(forms, set, FREE);
+    let best = shared.solve(&pull, 1e-14);
+    square - best.iter().zip(&pull).map(|(x, p)| x * p).sum::<f64>()
+}
+
+/// What the runs say of the parameters that they share once each run's deviations in `set` are integrated out: precision,
+/// pull, sum of squares at the origin, and the logarithms of what the deviations' widths cost.
+fn shared_form(forms: &[RunForm], set: &[usize], spread: f64) -> (Dense, Vec<f64>, f64, f64) {
+    let n = forms[0].pull.len();
+    let mut shared = Dense::zero(n);
+    let mut pull = vec![0.0; n];
+    let (mut square, mut widths) = (0.0, 0.0);
+    for form in forms {
+        // The run's own deviations, integrated out.
+        let mut own = Dense::zero(set.len());
+        for (a, &k) in set.iter().enumerate() {
+            for (b, &l) in set.iter().enumerate() {
+                own.add(a, b, spread * spread * form.precision.get(k, l));
+            }
+            own.add(a, a, 1.0);
+        }
+        widths += own.log_determinant();
+        let inverse = own.inverse(1e-14);
+        let taken = |right: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let part = |a: usize| -> f64 {
+                let each = set.iter().enumerate();
+                each.map(|(b, &l)| spread * spread * inverse.get(a, b) * right(l))
+                    .sum()
+            };
+            (0..set.len()).map(part).collect()
+        };
+        let of_pull = taken(&|l| form.pull[l]);
+        square += form.at_origin;
+        square -= set
+            .iter()
+            .zip(&of_pull)
+            .map(|(&k, x)| form.pull[k] * x)
+            .sum::<f64>();
+        for (column, pull) in pull.iter_mut().enumerate() {
+            let of_column = taken(&|l| form.precision.get(l, column));
+            let back = |right: &dyn Fn(usize) -> f64| -> f64 {
+                set.iter().zip(&of_column).map(|(&k, x)| right(k) * x).sum()
+            };
+            *pull += form.pull[column] - back(&|k| form.pull[k]);
+            for row in 0..n {
+                let left = form.precision.get(row, column) - back(&|k| form.precision.get(k, row));
+                shared.add(row, column, left);
+            }
+        }
+    }
+    (shared, pull, square, widths)
+}
+
+/// Logarithm of the evidence where the parameters of `set` lie on lines over `at` whose rises scatter by `spread`.
+fn along(forms: &[RunForm], set: &[usize], at: &[f64], spread: f64) -> f64 {
+    let n = forms[0].pull.len();
+    let all = n + set.len();
+    let place = |k: usize| if k < n { k } else { set[k - n] };
+    let mut shared = Dense::zero(all);
+    let mut pull = vec![0.0; all];
+    let mut square = 0.0;
+    for (form, at) in forms.iter().zip(at) {
+        let factor = |k: usize| if k < n { 1.0 } else { spread * at };
+        square += form.at_origin;
+        for (a, pull) in pull.iter_mut().enumerate() {
+            *pull += factor(a) * form.pull[place(a)];
+            for b in 0..all {
+                shared.add(
+                    a,
+                    b,
+                    factor(a) * factor(b) * form.precision.get(place(a), place(b)),
+                );
+            }
+        }
+    }
+    // Rises in units of their spread have a variance of one; what is shared has its own prior in `concluded`.
+    for k in n..all {
+        shared.add(k, k, 1.0 - KNOWN_BEFORE);
+    }
+    concluded(&shared, &pull, square)
+}
+
+/// Logarithm of the evidence of a form whose coordinates are integrated out.
+fn concluded(precision: &Dense, pull: &[f64], square: f64) -> f64 {
+    let mut known = precision.clone();
+    for k in 0..known.order() {
+        known.add(k, k, KNOWN_BEFORE);
+    }
+    let best = known.solve(pull, 1e-14);
+    let least = square - best.iter().zip(pull).map(|(x, p)| x * p).sum::<f64>();
+    -0.5 * least - 0.5 * known.log_determinant()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_numerics::dense::Slope;
+
+    /// Runs that each know both of their parameters, at these places, to one standard error.
+    fn forms(places: &[[f64; 2]], error: f64) -> Vec<RunForm> {
+        let of = |at: &[f64; 2]| {
+            let mut slope = Slope::zero(2);
+            for k in 0..2 {
+                slope.normal.add(k, k, error.powi(-2));
+            }
+            RunForm::of(at, &slope)
+        };
+        places.iter().map(of).collect()
+    }
+
+    fn best(places: &[[f64; 2]], covariates: &[Covariate]) -> Subset {
+        let forms = forms(places, 0.01);
+        let all = subsets(&forms, covariates, 0.0);
+        let most = all
+            .into_iter()
+            .max_by(|a, b| a.log_weight.total_cmp(&b.log_weight));
+        most.unwrap()
+    }
+
+    #[test]
+    fn the_parameter_that_differs_is_found_and_what_it_follows() {
+        let free = [[0.0, 1.0], [0.3, 1.01], [-0.2, 0.99], [0.1, 1.0]];
+        let volts = Covariate {
+            name: "voltage_v".into(),
+            at: vec![-0.5, -0.2, 0.2, 0.5],
+        };
+        let found = best(&free, std::slice::from_ref(&volts));
+        assert_eq!((found.of, found.with), (vec![0], None));
+        let line = [[-0.5, 1.0], [-0.2, 1.01], [0.21, 0.99], [0.5, 1.0]];
+        let found = best(&line, &[volts]);
+        assert_eq!((found.of, found.with), (vec![0], Some(0)));
+        let both = [[0.0, 1.0], [0.3, 1.2], [-0.2, 0.7], [0.1, 1.0]];
+        assert_eq!(best(&both, &[]).of, [0, 1]);
+    }
+
+    /// The closed form against a sum over all values of the deviations.
+    #[test]
+    fn a_scatter_is_integrated_out() {
+        let (error, spread) = (0.1, 0.2);
+        let forms = forms(&[[0.25, 0.0], [-0.15, 0.0]], error);
+        let with = free(&forms, &[0], spread);
+        let none = free(&forms, &[0], 1e-9);
+        // One shared mean with a prior of variance 1/KNOWN_BEFORE: of the difference of two runs the variance is
+        // 2 (error^2 + spread^2), and of their mean half of that beside the prior's.
+        let log_normal = |x: f64, variance: f64| -0.5 * (x * x / variance + variance.ln());
+        let of = |spread: f64| {
+            let own = error * error + spread * spread;
+            log_normal(0.4, 2.0 * own) + log_normal(0.05, 0.5 * own + 1.0 / KNOWN_BEFORE)
+        };
+        let expected = of(spread) - of(0.0);
+        assert!(
+            (with - none - expected).abs() < 1e-3,
+            "{} {expected}",
+            with - none
+        );
+    }
+}

@@ -1,0 +1,256 @@
+//! Proof on readings that took no part in a fit: a drive left out with all its repeats, or for a single run a stretch of
+//! its time.
+
+use rayon::prelude::*;
+
+use ieap_domain::ResidualCurve;
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
+use ieap_domain::seconds::span;
+use ieap_model::extended::Responses;
+
+use crate::cause::proof::predictive::Predictive;
+use crate::fitting::fitted::Fitted;
+use crate::readings::drawn::drawn;
+use crate::readings::group::{Block, Group};
+use crate::readings::quantities::{Predicted, predicted};
+
+/// Evaluations of a refit without the held-out part; it starts from the fit to everything.
+pub(crate) const REFIT: u64 = 6;
+pub(crate) const SETTLE: f64 = 0.05;
+/// Parts of a single run's time that are held out in turn: the middle of its logarithm by what surrounds it, for what
+/// happens after a step happens there, and the end by the rest.
+const OF_TIME: [Stretch; 2] = [Stretch::OfLogarithm(0.5, 0.75), Stretch::OfTime(EARLIER, 1.0)];
+/// Part of a run's time that is earlier, and predicts the later.
+pub(crate) const EARLIER: f64 = 0.6;
+
+/// A stretch of a run's time, as parts of it or of its logarithm.
+#[derive(Debug, Clone, Copy)]
+enum Stretch {
+    OfLogarithm(f64, f64),
+    OfTime(f64, f64),
+}
+
+impl Stretch {
+    /// First and last time, s after the start of a run of that length whose readings follow each other that closely.
+    fn ends_s(self, shortest_s: f64, duration_s: f64) -> (f64, f64) {
+        match self {
+            Stretch::OfTime(from, to) => (from * duration_s, to * duration_s),
+            Stretch::OfLogarithm(from, to) => {
+                let span = (duration_s / shortest_s).max(1.0).ln();
+                let at = |part: f64| shortest_s * (part * span).exp();
+                (at(from), at(to))
+            }
+        }
+    }
+}
+
+/// One held-out part and how well it was predicted.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Part {
+    pub(crate) name: String,
+    /// How far it lies from the prediction, the prediction's own uncertainty allowed for.
+    pub(crate) deviance: f64,
+    /// Current and curvature beside the prediction.
+    pub(crate) deviations: [Deviations; 2],
+    /// What a user predicts of each run; none where times of a run are held out.
+    pub(crate) predicted: Vec<Predicted>,
+    /// What is left of it, drawn.
+    pub(crate) curves: Vec<ResidualCurve>,
+}
+
+impl Part {
+    /// A part of which nothing is compared yet.
+    pub(crate) fn new(name: String, deviance: f64) -> Part {
+        Part {
+            name,
+            deviance,
+            deviations: <[Deviations; 2]>::default(),
+            predicted: Vec::new(),
+            curves: Vec::new(),
+        }
+    }
+}
+
+/// Held-out readings of one channel beside what was predicted of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Deviations {
+    /// Sum of the squares of measured minus predicted, in the channel's unit squared.
+    pub(crate) square: f64,
+    pub(crate) readings: usize,
+    /// Readings within the 95 % interval of the noise about the prediction.
+    pub(crate) covered: usize,
+}
+
+impl Deviations {
+    pub(crate) fn add(&mut self, other: Deviations) {
+        self.square += other.square;
+        self.readings += other.readings;
+        self.covered += other.covered;
+    }
+}
+
+/// Runs or times that are held out.
+pub(crate) fn kind(group: &Group) -> &'static str {
+    if group.runs.len() > 1 { "run" } else { "time" }
+}
+
+/// Every part predicted by the model refitted without it.
+pub(crate) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
+    let predictive = Predictive::of(fitted);
+    if group.runs.len() > 1 {
+        drives(group)
+            .par_iter()
+            .map(|runs| left_out(fitted, &predictive, group, runs))
+            .collect()
+    } else {
+        OF_TIME
+            .par_iter()
+            .map(|&stretch| out_of_time(fitted, &predictive, group, stretch))
+            .collect()
+    }
+}
+
+/// Rows that each part leaves out, in the order of [`parts`].
+pub(crate) fn rows(group: &Group) -> Vec<Vec<bool>> {
+    if group.runs.len() > 1 {
+        let parts = drives(group);
+        parts.iter().map(|runs| rows_of_runs(group, runs)).collect()
+    } else {
+        OF_TIME
+            .iter()
+            .map(|&stretch| rows_of_time(group, 0, stretch).0)
+            .collect()
+    }
+}
+
+/// The runs of each drive: left in, a repeat would tell what a left-out run is like whatever the model. Every run by
+/// itself where all are of one drive.
+fn drives(group: &Group) -> Vec<Vec<usize>> {
+    let of = |run: usize| group.runs[run].given.input.drive;
+    let mut drives: Vec<Vec<usize>> = Vec::new();
+    for run in 0..group.runs.len() {
+        match drives.iter_mut().find(|runs| of(runs[0]).repeats(of(run))) {
+            Some(runs) => runs.push(run),
+            None => drives.push(vec![run]),
+        }
+    }
+    match drives.len() {
+        1 => (0..group.runs.len()).map(|run| vec![run]).collect(),
+        _ => drives,
+    }
+}
+
+fn rows_of_runs(group: &Group, runs: &[usize]) -> Vec<bool> {
+    let mut out = vec![false; group.rows()];
+    for block in group.blocks.iter().filter(|block| runs.contains(&block.run)) {
+        out[block.first..block.end].fill(true);
+    }
+    out
+}
+
+/// The rows of the later part of those runs.
+pub(crate) fn later_rows(group: &Group, runs: &[usize]) -> Vec<bool> {
+    let mut out = vec![false; group.rows()];
+    for &run in runs {
+        let (rows, _) = rows_of_time(group, run, Stretch::OfTime(EARLIER, 1.0));
+        out.iter_mut().zip(rows).for_each(|(out, is_out)| *out |= is_out);
+    }
+    out
+}
+
+/// The rows of a stretch of a run, and its ends, s after the start of the drive.
+fn rows_of_time(group: &Group, run: usize, stretch: Stretch) -> (Vec<bool>, (f64, f64)) {
+    let group_run = &group.runs[run];
+    let start_s = group_run.context(run, None).start_s();
+    let times = |channel: usize| group_run.times(channel).iter().map(|t| t - start_s);
+    let shortest_s = (0..2)
+        .flat_map(|channel| times(channel).find(|t| *t > 0.0))
+        .fold(f64::INFINITY, f64::min);
+    let (from_s, to_s) = stretch.ends_s(shortest_s, group_run.duration_s - start_s);
+    let mut out = vec![false; group.rows()];
+    for block in group.blocks.iter().filter(|block| block.run == run) {
+        for (k, t) in times(block.channel).enumerate() {
+            out[block.first + k] = t >= from_s && t <= to_s;
+        }
+    }
+    (out, (from_s, to_s))
+}
+
+fn left_out(fitted: &Fitted, predictive: &Predictive, group: &Group, runs: &[usize]) -> Part {
+    let others: Vec<usize> = (0..group.runs.len())
+        .filter(|other| !runs.contains(other))
+        .collect();
+    let bottom = fitted
+        .problem
+        .over(others)
+        .descend(&fitted.at, REFIT, SETTLE, &[]);
+    let model = fitted.problem.model(&bottom.at);
+    let deviance = predictive.deviance(&rows_of_runs(group, runs), bottom.slope.square);
+    let mut part = Part::new(name(group, runs), deviance);
+    for &run in runs {
+        let group_run = &group.runs[run];
+        let context = group_run.context(run, None);
+        let found = model.responses(&context, group_run.times(0), group_run.times(1));
+        compare(&mut part, group, run, &found, &|_| true);
+        let found = [found.current_a.as_slice(), found.curvature_per_cm.as_slice()];
+        part.predicted.push(predicted(group_run, found));
+    }
+    part
+}
+
+/// What a part is called: its run, or the first of several.
+fn name(group: &Group, runs: &[usize]) -> String {
+    let first = group.runs[runs[0]].given.name;
+    match runs.len() {
+        1 => first.to_owned(),
+        2 => format!("{first} and its repeat"),
+        n => format!("{first} and its {} repeats", n - 1),
+    }
+}
+
+/// Adds to the part the wanted readings of a run beside what was predicted of them.
+pub(crate) fn compare(
+    part: &mut Part,
+    group: &Group,
+    run: usize,
+    found: &Responses,
+    wanted: &dyn Fn(usize) -> bool,
+) {
+    let fitted = [&found.current_a, &found.curvature_per_cm];
+    for block in group.blocks.iter().filter(|block| block.run == run) {
+        let fitted = fitted[block.channel];
+        part.deviations[block.channel].add(deviations(group, block, fitted, wanted));
+        part.curves.extend(drawn(group, block, fitted, wanted));
+    }
+}
+
+fn deviations(group: &Group, block: &Block, fitted: &[f64], wanted: &dyn Fn(usize) -> bool) -> Deviations {
+    let mut sum = Deviations::default();
+    let Some(channel) = group.channel(block) else {
+        return sum;
+    };
+    let readings = channel.values().iter().zip(channel.standard_deviation());
+    for (k, ((y, sd), f)) in readings.zip(fitted).enumerate() {
+        if wanted(block.first + k) {
+            sum.square += (y - f) * (y - f);
+            sum.readings += 1;
+            sum.covered += usize::from((y - f).abs() <= NORMAL_95_ROUNDED * sd);
+        }
+    }
+    sum
+}
+
+fn out_of_time(fitted: &Fitted, predictive: &Predictive, group: &Group, stretch: Stretch) -> Part {
+    let run = &group.runs[0];
+    let (out, (from_s, to_s)) = rows_of_time(group, 0, stretch);
+    let bottom = fitted
+        .problem
+        .without(&out)
+        .descend(&fitted.at, REFIT, SETTLE, &[]);
+    let model = fitted.problem.model(&bottom.at);
+    let found = model.responses(&run.context(0, None), run.times(0), run.times(1));
+    let deviance = predictive.deviance(&out, bottom.slope.square);
+    let mut part = Part::new(span(from_s, to_s), deviance);
+    compare(&mut part, group, 0, &found, &|row| out[row]);
+    part
+}

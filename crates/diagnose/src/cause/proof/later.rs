@@ -1,0 +1,47 @@
+//! Later times of several runs predicted from the earlier times of all of them.
+//!
+//! A single run has its end among its held-out parts; of several runs whole drives are held out, and that a model also
+//! carries forward in time is a question of its own: what drifts, leaks or creeps shows at the end of every run. It is
+//! told beside the other gain and decides nothing.
+
+use rayon::prelude::*;
+
+use crate::cause::proof::held_out::{EARLIER, Part, REFIT, SETTLE, compare, later_rows};
+use crate::cause::proof::predictive::Predictive;
+use crate::fitting::fitted::Fitted;
+use crate::readings::group::Group;
+use ieap_domain::seconds::seconds;
+
+/// The later time of every run, predicted by the model refitted to the earlier time of all; none for a single run.
+///
+/// The deviance of a run's part is what it adds to the earlier readings of all runs, whatever the later ones of the
+/// others are.
+pub(crate) fn later_parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
+    let runs: Vec<usize> = (0..group.runs.len()).collect();
+    if runs.len() < 2 {
+        return Vec::new();
+    }
+    let predictive = Predictive::of(fitted);
+    let all_later = later_rows(group, &runs);
+    let earlier = fitted.problem.without(&all_later);
+    let earlier = earlier.descend(&fitted.at, 2 * REFIT, SETTLE, &[]);
+    let model = fitted.problem.model(&earlier.at);
+    let part = |&run: &usize| {
+        let others: Vec<usize> = runs.iter().copied().filter(|&other| other != run).collect();
+        let out = later_rows(group, &others);
+        let with = fitted.problem.without(&out);
+        let with = with.descend(&earlier.at, REFIT, SETTLE, &[]);
+        let group_run = &group.runs[run];
+        let context = group_run.context(run, None);
+        let found = model.responses(&context, group_run.times(0), group_run.times(1));
+        let from_s = EARLIER * (group_run.duration_s - context.start_s());
+        let mut part = Part::new(
+            format!("{} after {} s", group_run.given.name, seconds(from_s)),
+            predictive.added((&out, with.slope.square), (&all_later, earlier.slope.square)),
+        );
+        let own = later_rows(group, &[run]);
+        compare(&mut part, group, run, &found, &|row| own[row]);
+        part
+    };
+    runs.par_iter().map(part).collect()
+}

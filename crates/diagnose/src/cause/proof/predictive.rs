@@ -1,0 +1,122 @@
+//! How far held-out readings lie from what a model fitted to the others predicts, its own uncertainty allowed for.
+//!
+//! A model whose parameters the other readings hardly determine predicts anything, and its best guess may lie far off
+//! without being contradicted. The deviance is twice the negative logarithm of the density that the readings of a part
+//! have under the prediction from all others, less what is the same for every model. To first order in the parameters
+//! about the fit to everything it is
+//!
+//! `S - S' + ln det(N + P) - ln det(N' + P)`,
+//!
+//! with the least sums of squares S of all readings and S' of the others, their normal matrices N and N', and P the
+//! little that is known of the parameters before. A part that the others contradict raises S; parameters that only the
+//! part itself tells are paid for by the determinants, so that none proves itself.
+
+use ieap_numerics::dense::Dense;
+use ieap_numerics::sums::dot;
+
+use crate::fitting::fitted::Fitted;
+
+/// Precision of what is known before, in coordinates scaled to be of order one: a standard deviation of three.
+pub(crate) const BEFORE: f64 = 1.0 / 9.0;
+
+/// A model at its fit to all readings, linear in its parameters from there.
+pub(crate) struct Predictive {
+    columns: Vec<Vec<f64>>,
+    square: f64,
+    /// ln det(N + P).
+    information: f64,
+}
+
+impl Predictive {
+    pub(crate) fn of(fitted: &Fitted) -> Predictive {
+        let (_, columns) = fitted.problem.slope(&fitted.at, &[]);
+        Predictive {
+            information: information(&columns, &[]),
+            square: fitted.square,
+            columns,
+        }
+    }
+
+    /// Deviance of the rows that are `out`, where the others leave the least sum of squares `others`.
+    pub(crate) fn deviance(&self, out: &[bool], others: f64) -> f64 {
+        self.added((&[], self.square), (out, others))
+    }
+
+    /// Deviance of the rows that are out of the second fit and not of the first: each with its least sum of squares.
+    pub(crate) fn added(&self, with: (&[bool], f64), without: (&[bool], f64)) -> f64 {
+        let of = |(out, square): (&[bool], f64)| {
+            let told = match out.is_empty() {
+                true => self.information,
+                false => information(&self.columns, out),
+            };
+            square + told
+        };
+        of(with) - of(without)
+    }
+}
+
+/// ln det(N + P) of the rows that are not `out`.
+fn information(columns: &[Vec<f64>], out: &[bool]) -> f64 {
+    let mut normal = normal(columns, out);
+    for k in 0..columns.len() {
+        normal.add(k, k, BEFORE);
+    }
+    normal.log_determinant()
+}
+
+/// J'J of the rows that are not `out`.
+pub(crate) fn normal(columns: &[Vec<f64>], out: &[bool]) -> Dense {
+    let kept: Vec<Vec<f64>> = columns.iter().map(|column| kept(column, out)).collect();
+    let mut normal = Dense::zero(columns.len());
+    for (a, left) in kept.iter().enumerate() {
+        for (b, right) in kept[..=a].iter().enumerate() {
+            let product = dot(left, right);
+            normal.add(a, b, product);
+            if a != b {
+                normal.add(b, a, product);
+            }
+        }
+    }
+    normal
+}
+
+/// Rows that are not `out`; all where nothing is said.
+pub(crate) fn kept(column: &[f64], out: &[bool]) -> Vec<f64> {
+    let is_out = |row: usize| out.get(row).copied().unwrap_or(false);
+    let rows = column.iter().enumerate();
+    rows.filter(|(row, _)| !is_out(*row)).map(|(_, v)| *v).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The density of some readings of a line given the others, by the covariance of the prediction.
+    #[test]
+    fn it_is_the_density_of_the_held_out_readings_under_the_prediction() {
+        let column: Vec<f64> = (0..12).map(|k| 1.0 + 0.3 * f64::from(k)).collect();
+        let readings: Vec<f64> = (0..12)
+            .map(|k| (1.7 * f64::from(k)).sin() + 0.1 * f64::from(k))
+            .collect();
+        let out: Vec<bool> = (0..12).map(|k| k > 7).collect();
+        let least = |out: &[bool]| {
+            let (c, r) = (kept(&column, out), kept(&readings, out));
+            let normal = dot(&c, &c) + BEFORE;
+            (
+                dot(&r, &r) - dot(&c, &r).powi(2) / normal,
+                dot(&c, &r) / normal,
+                normal,
+            )
+        };
+        let ((whole, ..), (others, at, normal)) = (least(&[]), least(&out));
+        let found = whole - others + information(std::slice::from_ref(&column), &[])
+            - information(std::slice::from_ref(&column), &out);
+        // Prediction c x with variance 1 + c c / N': by Sherman and Morrison.
+        let held: Vec<usize> = (8..12).collect();
+        let off: Vec<f64> = held.iter().map(|&k| readings[k] - at * column[k]).collect();
+        let c: Vec<f64> = held.iter().map(|&k| column[k]).collect();
+        let growth = 1.0 + dot(&c, &c) / normal;
+        let expected = dot(&off, &off) - dot(&c, &off).powi(2) / normal / growth + growth.ln();
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+}

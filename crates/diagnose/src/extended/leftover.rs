@@ -1,0 +1,77 @@
+//! What is left of a group's misfit where an effect is known from elsewhere.
+
+use ieap_model::effects::{Limits, effect};
+use ieap_model::{Branch, LumpedModel};
+
+use crate::cause::select::Ground;
+use crate::fitting::fitted::Fitted;
+use crate::fitting::problem::{Problem, Sought};
+use crate::misfit::signature::{scale, signatures};
+use crate::misfit::stretch::stretches;
+use crate::readings::group::Group;
+use crate::{DiagnoseOptions, RunInput, with_base};
+
+/// Factors on the resistances of the branches from which they are searched: an effect that resists before them has made
+/// those of the base model too large.
+const STARTS: [f64; 3] = [1.0, 0.3, 0.1];
+
+/// Fits the base parameters of a group beside the first form of the effect `id` with its parameters held at `values`, and
+/// says how often chance leaves as much; none where the effect is not known or does not act in these runs, or nothing can
+/// be fitted.
+pub(crate) fn p_leftover(
+    runs: &[RunInput],
+    options: &DiagnoseOptions,
+    id: &str,
+    values: &[f64],
+) -> Option<f64> {
+    let effect = effect(id)?;
+    let raw = Group::new(runs);
+    let found = with_base(&raw, options.model, |group, base| {
+        let scale = scale(group, &base.problem, &base.at);
+        let search = effect.search(0, &scale);
+        if search.probes.is_empty() || search.limits.len() != values.len() {
+            return None;
+        }
+        let held = |limits: &Limits| Limits {
+            held: true,
+            ..*limits
+        };
+        let limits: Vec<Limits> = search.limits.iter().map(held).collect();
+        let sought = || Sought::new(effect, 0, limits.clone(), values);
+        let fitted = STARTS.into_iter().filter_map(|factor| {
+            let start = conducting(&base.base(), factor);
+            let problem = Problem::new(group, &start, vec![sought()]);
+            let at = problem.coordinates(&start, &[values.to_vec()]);
+            Some(Fitted::search(problem, &[at], &[])?.arrived())
+        });
+        let with = fitted
+            .filter(|with| with.square.is_finite())
+            .min_by(|a, b| a.square.total_cmp(&b.square))?;
+        let signatures = signatures(&base.problem, &base.at, &scale);
+        let ground = Ground {
+            group,
+            base: &base,
+            signatures: &signatures,
+            stretches: &stretches(group, &base),
+            draws: options.draws,
+            seed: options.seed,
+            of_several: options.of_several,
+        };
+        let (null, directions) = ground.null(&with, 1);
+        let left = null.observe(group, &with.residuals(), &directions);
+        Some(null.p_misfit(&left, None))
+    });
+    found?
+}
+
+/// The model with the resistances of its branches times a factor.
+fn conducting(model: &LumpedModel, factor: f64) -> LumpedModel {
+    let branch = |branch: &Branch| Branch {
+        resistance_ohm_cm2: factor * branch.resistance_ohm_cm2,
+        ..*branch
+    };
+    LumpedModel {
+        branches: model.branches.iter().map(branch).collect(),
+        ..model.clone()
+    }
+}

@@ -1,0 +1,404 @@
+//! The sum of squares of a group under the base model with effects added.
+
+use ieap_fit::WhitenedChannel;
+use ieap_model::effects::{Applied, Effect, Limits};
+use ieap_model::extended::ExtendedModel;
+use ieap_model::{Branch, LumpedModel};
+use ieap_numerics::dense::{Bottom, Slope, descend};
+use ieap_numerics::sums::dot;
+
+use crate::readings::group::Group;
+
+/// Step of the difference quotients, in coordinates scaled to be of order one.
+const STEP: f64 = 1e-5;
+/// How far a resistance or capacitance may be from its start, as logarithm.
+const REACH: f64 = 7.0;
+
+/// An effect whose parameters are sought.
+#[derive(Clone)]
+pub(crate) struct Sought {
+    pub(crate) effect: &'static dyn Effect,
+    pub(crate) variant: usize,
+    pub(crate) limits: Vec<Limits>,
+    /// Size of each linear parameter of one coordinate unit.
+    units: Vec<f64>,
+    /// Values of the held parameters; the others' are not read.
+    held: Vec<f64>,
+}
+
+impl Sought {
+    pub(crate) fn new(
+        effect: &'static dyn Effect,
+        variant: usize,
+        limits: Vec<Limits>,
+        probe: &[f64],
+    ) -> Sought {
+        let unit = |(limits, &value): (&Limits, &f64)| {
+            let reach = limits.high.abs().min(limits.low.abs().max(limits.high.abs()));
+            if value != 0.0 { value.abs() } else { reach }
+        };
+        Sought {
+            effect,
+            variant,
+            units: limits.iter().zip(probe).map(unit).collect(),
+            held: probe.to_vec(),
+            limits,
+        }
+    }
+
+    /// Number of parameters that are searched.
+    pub(crate) fn free(&self) -> usize {
+        self.limits.iter().filter(|limits| !limits.held).count()
+    }
+
+    /// Coordinate of parameter `k` at that value.
+    pub(crate) fn coordinate(&self, k: usize, value: f64) -> f64 {
+        if self.limits[k].logarithmic {
+            value.max(f64::MIN_POSITIVE).ln()
+        } else {
+            value / self.units[k]
+        }
+    }
+
+    /// Coordinates of the free parameters of `values`.
+    pub(crate) fn coordinates(&self, values: &[f64]) -> Vec<f64> {
+        let free = (0..self.limits.len()).filter(|&k| !self.limits[k].held);
+        free.map(|k| self.coordinate(k, values[k])).collect()
+    }
+
+    /// Parameters at `coordinates` of the free ones.
+    pub(crate) fn values(&self, coordinates: &[f64]) -> Vec<f64> {
+        let mut next = coordinates.iter();
+        let value = |k: usize| {
+            if self.limits[k].held {
+                return self.held[k];
+            }
+            let at = next.next().copied().unwrap_or(0.0);
+            if self.limits[k].logarithmic {
+                at.exp()
+            } else {
+                at * self.units[k]
+            }
+        };
+        (0..self.limits.len()).map(value).collect()
+    }
+
+    /// Parameter, its value per coordinate unit at `value`.
+    pub(crate) fn slope(&self, k: usize, value: f64) -> f64 {
+        if self.limits[k].logarithmic {
+            value
+        } else {
+            self.units[k]
+        }
+    }
+}
+
+/// The sum of squares of some runs of a group.
+#[derive(Clone)]
+pub(crate) struct Problem<'g> {
+    pub(crate) group: &'g Group<'g>,
+    /// Runs that take part.
+    pub(crate) runs: Vec<usize>,
+    pub(crate) effects: Vec<Sought>,
+    branches: usize,
+    bends: bool,
+    units: [f64; 3],
+    start: LumpedModel,
+    resolved_s: Option<f64>,
+    /// Rows that take no part; empty where all do.
+    left_out: Vec<bool>,
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+impl<'g> Problem<'g> {
+    /// All runs, with `start` as what sizes are measured by.
+    pub(crate) fn new(group: &'g Group<'g>, start: &LumpedModel, effects: Vec<Sought>) -> Problem<'g> {
+        let parallel: f64 = start.branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum();
+        let longest_s = group.runs.iter().map(|run| run.duration_s).fold(1e-9, f64::max);
+        let steady = start.steady_state_resistance_ohm_cm2.recip();
+        let or = |value: f64, other: f64| if value > 0.0 { value } else { other };
+        let units = [
+            or(steady, 0.01 * parallel),
+            or(start.charge_to_curvature_per_c_cm.abs(), 1.0),
+            or(start.relaxation_rate_per_s, 0.1 / longest_s),
+        ];
+        let shortest_s = start
+            .branches
+            .iter()
+            .map(|b| b.time_constant_s())
+            .fold(longest_s, f64::min);
+        let mut problem = Problem {
+            group,
+            runs: (0..group.runs.len()).collect(),
+            effects,
+            branches: start.branches.len(),
+            bends: group.bends(),
+            units,
+            start: start.clone(),
+            resolved_s: Some(shortest_s),
+            left_out: Vec::new(),
+            low: Vec::new(),
+            high: Vec::new(),
+        };
+        problem.bound();
+        problem
+    }
+
+    fn bound(&mut self) {
+        let at = self.base_coordinates(&self.start);
+        let logs = 2 * self.branches;
+        self.low = at[..logs].iter().map(|x| x - REACH).collect();
+        self.high = at[..logs].iter().map(|x| x + REACH).collect();
+        self.low.push(0.0);
+        self.high.push(1e6);
+        if self.bends {
+            self.low.extend([-1e6, 0.0]);
+            self.high.extend([1e6, 1e5]);
+        }
+        for sought in &self.effects {
+            let lows: Vec<f64> = sought.limits.iter().map(|limits| limits.low).collect();
+            let highs: Vec<f64> = sought.limits.iter().map(|limits| limits.high).collect();
+            self.low.extend(sought.coordinates(&lows));
+            self.high.extend(sought.coordinates(&highs));
+        }
+    }
+
+    /// The same with one more effect, its coordinates behind the others.
+    pub(crate) fn with(&self, sought: Sought) -> Problem<'g> {
+        let mut problem = self.clone();
+        let lows: Vec<f64> = sought.limits.iter().map(|limits| limits.low).collect();
+        let highs: Vec<f64> = sought.limits.iter().map(|limits| limits.high).collect();
+        problem.low.extend(sought.coordinates(&lows));
+        problem.high.extend(sought.coordinates(&highs));
+        problem.effects.push(sought);
+        problem
+    }
+
+    /// The same with other limits of its effects.
+    pub(crate) fn within_limits_of(&self, effects: Vec<Sought>) -> Problem<'g> {
+        let mut problem = Problem {
+            effects,
+            ..self.clone()
+        };
+        problem.bound();
+        problem
+    }
+
+    /// The same over other runs of the group.
+    pub(crate) fn over(&self, runs: Vec<usize>) -> Problem<'g> {
+        Problem { runs, ..self.clone() }
+    }
+
+    /// The same without some rows of all runs.
+    pub(crate) fn without(&self, rows: &[bool]) -> Problem<'g> {
+        Problem {
+            left_out: rows.to_vec(),
+            ..self.clone()
+        }
+    }
+
+    /// Number of coordinates of the base model.
+    pub(crate) fn base_len(&self) -> usize {
+        2 * self.branches + 1 + if self.bends { 2 } else { 0 }
+    }
+
+    /// Size of one coordinate of `1/R_ss`, alpha and lambda.
+    pub(crate) fn units(&self) -> [f64; 3] {
+        self.units
+    }
+
+    fn base_coordinates(&self, model: &LumpedModel) -> Vec<f64> {
+        let resistances = model.branches.iter().map(|b| b.resistance_ohm_cm2.ln());
+        let capacitances = model.branches.iter().map(|b| b.capacitance_f_per_cm2.ln());
+        let mut at: Vec<f64> = resistances.chain(capacitances).collect();
+        at.push(model.steady_state_resistance_ohm_cm2.recip() / self.units[0]);
+        if self.bends {
+            at.push(model.charge_to_curvature_per_c_cm / self.units[1]);
+            at.push(model.relaxation_rate_per_s / self.units[2]);
+        }
+        at
+    }
+
+    /// Coordinates of a base model and of the effects' parameters.
+    pub(crate) fn coordinates(&self, base: &LumpedModel, effects: &[Vec<f64>]) -> Vec<f64> {
+        let mut at = self.base_coordinates(base);
+        for (sought, values) in self.effects.iter().zip(effects) {
+            at.extend(sought.coordinates(values));
+        }
+        at
+    }
+
+    /// The model at these coordinates.
+    pub(crate) fn model(&self, at: &[f64]) -> ExtendedModel {
+        let n = self.branches;
+        let branch = |k: usize| Branch {
+            resistance_ohm_cm2: at[k].exp(),
+            capacitance_f_per_cm2: at[n + k].exp(),
+        };
+        let bending = if self.bends {
+            (at[2 * n + 1], at[2 * n + 2])
+        } else {
+            (0.0, 0.0)
+        };
+        let base = LumpedModel {
+            branches: (0..n).map(branch).collect(),
+            steady_state_resistance_ohm_cm2: (at[2 * n].max(0.0) * self.units[0]).recip(),
+            charge_to_curvature_per_c_cm: bending.0 * self.units[1],
+            relaxation_rate_per_s: bending.1.max(0.0) * self.units[2],
+        };
+        let mut first = self.base_len();
+        let applied = self.effects.iter().map(|sought| {
+            let end = first + sought.free();
+            let parameters = sought.values(&at[first..end]);
+            first = end;
+            Applied {
+                effect: sought.effect,
+                variant: sought.variant,
+                parameters,
+            }
+        });
+        let effects = applied.collect();
+        ExtendedModel { base, effects }
+    }
+
+    /// Whitened residuals of the runs that take part, channel after channel.
+    pub(crate) fn residuals(&self, at: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        let model = self.model(at);
+        for &run in &self.runs {
+            self.run_residuals(&model, run, out);
+        }
+        for (value, left_out) in out.iter_mut().zip(&self.left_out) {
+            if *left_out {
+                *value = 0.0;
+            }
+        }
+    }
+
+    /// Sum of squares.
+    pub(crate) fn square(&self, at: &[f64]) -> f64 {
+        let mut out = Vec::new();
+        self.residuals(at, &mut out);
+        dot(&out, &out)
+    }
+
+    /// Number of residuals of one run.
+    pub(crate) fn rows_of(&self, run: usize) -> usize {
+        self.group.runs[run]
+            .channels
+            .iter()
+            .flatten()
+            .map(WhitenedChannel::len)
+            .sum()
+    }
+
+    /// Whitened residuals of one run, appended.
+    pub(crate) fn run_residuals(&self, model: &ExtendedModel, run: usize, out: &mut Vec<f64>) {
+        let group_run = &self.group.runs[run];
+        let context = group_run.context(run, self.resolved_s);
+        let responses = model.responses(&context, group_run.times(0), group_run.times(1));
+        let fitted = [&responses.current_a, &responses.curvature_per_cm];
+        for (channel, fitted) in group_run.channels.iter().zip(fitted) {
+            if let Some(channel) = channel {
+                channel.residuals(fitted, out);
+            }
+        }
+    }
+
+    /// Sum of squares with its slope, and the Jacobian of the residuals column by column; the first columns are
+    /// taken from `known` as far as it goes.
+    pub(crate) fn slope(&self, at: &[f64], known: &[Vec<f64>]) -> (Slope, Vec<Vec<f64>>) {
+        let mut here = Vec::new();
+        self.residuals(at, &mut here);
+        let fresh = (known.len()..at.len())
+            .map(|k| self.column(at, k, &here))
+            .collect::<Vec<_>>();
+        let mut slope = Slope::zero(at.len());
+        slope.square = dot(&here, &here);
+        let columns: Vec<&Vec<f64>> = known.iter().chain(&fresh).collect();
+        for (a, left) in columns.iter().enumerate() {
+            slope.descent[a] = -dot(left, &here);
+            for (b, right) in columns[..=a].iter().enumerate() {
+                let product = dot(left, right);
+                slope.normal.add(a, b, product);
+                if a != b {
+                    slope.normal.add(b, a, product);
+                }
+            }
+        }
+        (slope, fresh)
+    }
+
+    /// How whitened residuals follow all resistances of branches at once, and how the size of the bending, both in
+    /// logarithms: the shapes of a larger current and of a larger curvature.
+    pub(crate) fn answers(&self, at: &[f64]) -> [Vec<f64>; 2] {
+        let mut here = Vec::new();
+        self.residuals(at, &mut here);
+        let mut by_resistance = vec![0.0; here.len()];
+        for k in 0..self.branches {
+            let column = self.column(at, k, &here);
+            by_resistance
+                .iter_mut()
+                .zip(column)
+                .for_each(|(sum, own)| *sum += own);
+        }
+        let by_size = match self.bends {
+            true => self.column(at, 2 * self.branches + 1, &here),
+            false => vec![0.0; here.len()],
+        };
+        [by_resistance, by_size]
+    }
+
+    fn column(&self, at: &[f64], k: usize, here: &[f64]) -> Vec<f64> {
+        let step = if at[k] + STEP > self.high[k] { -STEP } else { STEP };
+        let mut there = at.to_vec();
+        there[k] += step;
+        let mut column = Vec::with_capacity(here.len());
+        self.residuals(&there, &mut column);
+        for (there, here) in column.iter_mut().zip(here) {
+            *there = (*there - here) / step;
+        }
+        column
+    }
+
+    /// Lowers the sum of squares from `start` within `limit` evaluations of the slope. Columns of the Jacobian that
+    /// are `known` are held: the search then takes more steps, each of them cheap.
+    pub(crate) fn descend(&self, start: &[f64], limit: u64, settle: f64, known: &[Vec<f64>]) -> Bottom {
+        let mut lowest = f64::INFINITY;
+        descend(start, &self.low, &self.high, limit, settle, |at| {
+            let mut residuals = Vec::new();
+            self.residuals(at, &mut residuals);
+            let square = dot(&residuals, &residuals);
+            if square >= lowest {
+                // It will not be taken: its slope is not asked for.
+                let mut slope = Slope::zero(at.len());
+                slope.square = square;
+                return slope;
+            }
+            lowest = square;
+            self.slope(at, known).0
+        })
+    }
+
+    /// Limits of coordinate `k`.
+    pub(crate) fn limits_of(&self, k: usize) -> (f64, f64) {
+        (self.low[k], self.high[k])
+    }
+
+    /// Whether coordinate `k` may not take that value.
+    pub(crate) fn is_outside(&self, k: usize, value: f64) -> bool {
+        value < self.low[k] || value > self.high[k]
+    }
+
+    /// The value of coordinate `k`, or the limit that it passes.
+    pub(crate) fn within(&self, k: usize, value: f64) -> f64 {
+        value.clamp(self.low[k], self.high[k])
+    }
+
+    /// Whether coordinate `k` lies at a limit of the search.
+    pub(crate) fn at_limit(&self, k: usize, value: f64) -> bool {
+        let near = 1e-6 * (self.high[k] - self.low[k]).min(1.0);
+        value <= self.low[k] + near || value >= self.high[k] - near
+    }
+}

@@ -1,0 +1,63 @@
+//! How large a misfit is in what a user compares: percent of current, curvature and charge.
+
+use ieap_domain::MisfitPercent;
+
+use crate::fitting::fitted::Fitted;
+use crate::readings::group::{Block, Group};
+
+/// Of the base model.
+pub(crate) fn misfit_percent(group: &Group, base: &Fitted) -> MisfitPercent {
+    let model = base.problem.model(&base.at);
+    let mut charge: Option<f64> = None;
+    let mut squares = [(0.0, 0.0); 2];
+    let mut ranges = [0.0_f64; 2];
+    for block in &group.blocks {
+        let run = &group.runs[block.run];
+        let Some(channel) = group.channel(block) else {
+            continue;
+        };
+        let responses = model.responses(&run.context(block.run, None), run.times(0), run.times(1));
+        let fitted = [&responses.current_a, &responses.curvature_per_cm][block.channel];
+        let off: Vec<f64> = channel.values().iter().zip(fitted).map(|(y, f)| y - f).collect();
+        let noise: f64 = channel.standard_deviation().iter().map(|sd| sd * sd).sum();
+        let square: f64 = off.iter().map(|off| off * off).sum();
+        let (sum, count) = squares[block.channel];
+        squares[block.channel] = (sum + square - noise, count + off.len() as f64);
+        ranges[block.channel] = ranges[block.channel].max(range(channel.values()));
+        if block.channel == 0 {
+            let own = charge_error(group, block, channel.values(), &off);
+            charge = charge.into_iter().chain(own).reduce(f64::max);
+        }
+    }
+    let percent = |k: usize| {
+        let (sum, count): (f64, f64) = squares[k];
+        (count > 0.0 && ranges[k] > 0.0).then(|| 100.0 * (sum / count).max(0.0).sqrt() / ranges[k])
+    };
+    MisfitPercent {
+        current: percent(0),
+        curvature: percent(1),
+        charge,
+    }
+}
+
+fn range(values: &[f64]) -> f64 {
+    let ends = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(*v), high.max(*v))
+        });
+    ends.1 - ends.0
+}
+
+/// Error of the charge at the end of a run, in percent of the largest charge on the way.
+fn charge_error(group: &Group, block: &Block, values: &[f64], off: &[f64]) -> Option<f64> {
+    let times = group.runs[block.run].times(block.channel);
+    let (mut flowed, mut most, mut missed) = (0.0, 0.0_f64, 0.0);
+    for k in 1..times.len() {
+        let half_s = 0.5 * (times[k] - times[k - 1]);
+        flowed += half_s * (values[k] + values[k - 1]);
+        missed += half_s * (off[k] + off[k - 1]);
+        most = most.max(flowed.abs());
+    }
+    (most > 0.0).then(|| 100.0 * missed.abs() / most)
+}

@@ -1,0 +1,232 @@
+//! What every candidate effect would add to the readings, before and after the base parameters are refitted.
+
+use rayon::prelude::*;
+
+use ieap_model::effects::{ALL, Applied, Effect, Limits, Scale};
+use ieap_model::extended::ExtendedModel;
+use ieap_numerics::sums::dot;
+
+use crate::cause::between::asked;
+use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::tangent::Tangent;
+use crate::readings::group::Group;
+
+/// An effect of which less than this part is left by a refit is said to be absorbed by it.
+const ABSORBED: f64 = 1e-3;
+
+/// Part of a probe's strength at which the signature is taken: what is left of its bend is below what a refit leaves.
+const SMALL: f64 = 0.1;
+
+/// Change of the whitened residuals by an effect at one probe.
+#[derive(Clone)]
+pub(crate) struct Signature {
+    pub(crate) effect: &'static dyn Effect,
+    pub(crate) variant: usize,
+    pub(crate) limits: Vec<Limits>,
+    pub(crate) probe: Vec<f64>,
+    /// Strength at which the effect is absent.
+    pub(crate) absent: f64,
+    /// Part of the probe's strength at which the change was taken.
+    pub(crate) part: f64,
+    /// Whitened readings of the model with the probe less those without.
+    change: Vec<f64>,
+}
+
+/// A signature after the refit, of unit length.
+#[derive(Clone)]
+pub(crate) struct Direction {
+    /// Place of the signature in the list.
+    pub(crate) signature: usize,
+    /// Id of its effect.
+    pub(crate) effect: &'static str,
+    pub(crate) unit: Vec<f64>,
+    /// Length before it was made unit: sigmas that the probe leaves after the refit.
+    pub(crate) norm: f64,
+    /// Share of the signature that the refit leaves.
+    pub(crate) left: f64,
+    /// Whether only strengths of the probe's sign are allowed.
+    pub(crate) one_sided: bool,
+}
+
+impl Signature {
+    /// Whitened readings of the model with the probe's part less those without.
+    pub(crate) fn change(&self) -> &[f64] {
+        &self.change
+    }
+
+    /// The same change whitened with the noise of `to`, where it was with that of `from`: the same readings in both.
+    pub(crate) fn in_noise_of(&self, from: &Group, to: &Group) -> Signature {
+        let mut change = self.change.clone();
+        for (block, other) in from.blocks.iter().zip(&to.blocks) {
+            if let Some((before, after)) = from.channel(block).zip(to.channel(other)) {
+                let rows = &mut change[block.first..block.end];
+                before.colour(rows);
+                after.whiten(rows);
+            }
+        }
+        Signature {
+            change,
+            ..self.clone()
+        }
+    }
+
+    /// The effect at this probe as something to search.
+    pub(crate) fn sought(&self) -> Sought {
+        Sought::new(self.effect, self.variant, self.limits.clone(), &self.probe)
+    }
+}
+
+/// Effect, variant, limits, probe, and the strength at which it is absent.
+type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
+
+/// Signatures of every effect at every probe, at the base model `at`: of the library, and of tags that differ in the group.
+pub(crate) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Signature> {
+    let mut effects = ALL.to_vec();
+    effects.extend(asked(problem.group));
+    signatures_of(&effects, problem, at, scale)
+}
+
+/// Signatures of these effects.
+pub(crate) fn signatures_of(
+    effects: &[&'static dyn Effect],
+    problem: &Problem,
+    at: &[f64],
+    scale: &Scale,
+) -> Vec<Signature> {
+    let model = problem.model(at);
+    let mut without = Vec::new();
+    problem.residuals(at, &mut without);
+    let mut wanted = Vec::new();
+    for &effect in effects {
+        for variant in 0..effect.about().variants.len().max(1) {
+            let search = effect.search(variant, scale);
+            wanted.extend(
+                search
+                    .probes
+                    .into_iter()
+                    .map(|probe| (effect, variant, search.limits.clone(), probe, search.absent)),
+            );
+        }
+    }
+    let of = |(effect, variant, limits, probe, absent): Wanted| {
+        let part = if absent == 0.0 { SMALL } else { 1.0 };
+        let mut small = probe.clone();
+        small[0] *= part;
+        let change = change(problem, &model, &without, effect, variant, &small)?;
+        Some(Signature {
+            effect,
+            variant,
+            limits,
+            probe,
+            absent,
+            part,
+            change,
+        })
+    };
+    wanted.into_par_iter().filter_map(of).collect()
+}
+
+fn change(
+    problem: &Problem,
+    model: &ExtendedModel,
+    without: &[f64],
+    effect: &'static dyn Effect,
+    variant: usize,
+    probe: &[f64],
+) -> Option<Vec<f64>> {
+    let mut effects = model.effects.clone();
+    effects.push(Applied {
+        effect,
+        variant,
+        parameters: probe.to_vec(),
+    });
+    let extended = ExtendedModel {
+        base: model.base.clone(),
+        effects,
+    };
+    let mut with = Vec::with_capacity(without.len());
+    for &run in &problem.runs {
+        if effect.acts_in(probe, run) {
+            problem.run_residuals(&extended, run, &mut with);
+        } else {
+            let same = with.len()..with.len() + problem.rows_of(run);
+            with.extend_from_slice(&without[same]);
+        }
+    }
+    with.iter_mut()
+        .zip(without)
+        .for_each(|(with, without)| *with = without - *with);
+    let size = dot(&with, &with);
+    (size.is_finite() && size > 0.0).then_some(with)
+}
+
+/// The signatures with what the tangent absorbs taken out; those that it absorbs whole are left out.
+pub(crate) fn directions(signatures: &[Signature], tangent: &Tangent) -> Vec<Direction> {
+    let of = |(place, signature): (usize, &Signature)| {
+        let mut unit = signature.change.clone();
+        let whole = dot(&unit, &unit).sqrt();
+        tangent.remove(&mut unit);
+        let norm = dot(&unit, &unit).sqrt();
+        if norm < ABSORBED * whole || norm < 1e-9 {
+            return None;
+        }
+        unit.iter_mut().for_each(|v| *v /= norm);
+        let strength = signature.limits[0];
+        let reach = signature.probe[0] - signature.absent;
+        let one_sided = if strength.held {
+            true
+        } else if reach > 0.0 {
+            strength.low >= signature.absent
+        } else {
+            strength.high <= signature.absent
+        };
+        Some(Direction {
+            signature: place,
+            effect: signature.effect.about().id,
+            unit,
+            norm,
+            left: norm / whole,
+            one_sided,
+        })
+    };
+    signatures.par_iter().enumerate().filter_map(of).collect()
+}
+
+/// Sizes of the data and of the base model, from which limits of effects follow.
+pub(crate) fn scale(group: &Group, problem: &Problem, at: &[f64]) -> Scale {
+    let model = problem.model(at);
+    let mut scale = Scale {
+        base: model.base.clone(),
+        area_cm2: group.runs.first().map_or(1.0, |run| run.given.input.area_cm2),
+        length_cm: group
+            .runs
+            .iter()
+            .map(|run| run.given.length_cm)
+            .collect::<Option<Vec<f64>>>()
+            .and_then(|l| l.first().copied()),
+        durations_s: group.runs.iter().map(|run| run.duration_s).collect(),
+        shortest_s: f64::INFINITY,
+        voltage_v: 0.0,
+        current_a: 0.0,
+        curvature_per_cm: 0.0,
+        charge_c: 0.0,
+    };
+    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    for (index, run) in group.runs.iter().enumerate() {
+        let context = run.context(index, None);
+        let found = model.responses(&context, run.times(0), run.times(1));
+        scale.current_a = scale.current_a.max(peak(&found.current_a));
+        scale.curvature_per_cm = scale.curvature_per_cm.max(peak(&found.curvature_per_cm));
+        let drive = run.given.input.drive;
+        scale.voltage_v = scale.voltage_v.max(drive.nominal_step_v().abs());
+        for channel in run.channels.iter().flatten() {
+            let steps = channel.time_s().windows(2).map(|pair| pair[1] - pair[0]);
+            scale.shortest_s = scale.shortest_s.min(steps.fold(f64::INFINITY, f64::min));
+        }
+    }
+    if !scale.shortest_s.is_finite() {
+        scale.shortest_s = 1.0;
+    }
+    scale.charge_c = scale.capacitance_f_per_cm2() * scale.voltage_v * scale.area_cm2;
+    scale
+}

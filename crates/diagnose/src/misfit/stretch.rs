@@ -1,0 +1,159 @@
+//! Stretches of time over which residuals are averaged: where the simulation is wrong, whatever the cause.
+
+use ieap_domain::Level;
+use ieap_numerics::sums::dot;
+
+use crate::fitting::fitted::Fitted;
+use crate::readings::group::{Block, Group};
+
+/// Stretches of the clock per run, and of the time since an edge per level of the drive.
+const BY_CLOCK: usize = 8;
+const BY_PHASE: usize = 4;
+/// Readings that a stretch needs.
+const FEWEST: usize = 4;
+
+/// A run with so many edges of its drive is asked whether it answers all of them alike; ...
+const EDGES: usize = 4;
+/// ... neighbours are taken together where there are more than this.
+const MOST_ANSWERS: usize = 32;
+
+/// Which rows belong together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    /// Those between two times, s since the start of the drive.
+    Clock(f64, f64),
+    /// Those as long after every edge to the same level.
+    Phase,
+    /// The answer to one edge, or to some that follow one another.
+    Answer,
+}
+
+/// Rows of one channel of one run that are averaged.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Stretch {
+    pub(crate) kind: Kind,
+    pub(crate) block: usize,
+    pub(crate) rows: Vec<usize>,
+    /// Weight of every row; their squares sum to one.
+    pub(crate) weights: Vec<f64>,
+}
+
+impl Stretch {
+    /// All rows alike.
+    fn even(kind: Kind, block: usize, rows: Vec<usize>) -> Stretch {
+        let weights = vec![(rows.len() as f64).sqrt().recip(); rows.len()];
+        Stretch {
+            kind,
+            block,
+            rows,
+            weights,
+        }
+    }
+
+    /// Weighted sum of a series over the rows.
+    pub(crate) fn over(&self, series: &[f64]) -> f64 {
+        let each = self.rows.iter().zip(&self.weights);
+        each.map(|(&row, weight)| weight * series[row]).sum()
+    }
+}
+
+/// Stretches of every channel of every run; then how much each run answers to each of many edges, by the shape in which
+/// the fitted current follows the resistances and the fitted curvature its size.
+pub(crate) fn stretches(group: &Group, base: &Fitted) -> Vec<Stretch> {
+    let mut found = Vec::new();
+    for (place, block) in group.blocks.iter().enumerate() {
+        of_block(group, place, block, &mut found);
+    }
+    let shapes = base.problem.answers(&base.at);
+    for (place, block) in group.blocks.iter().enumerate() {
+        found.extend(answers(group, place, block, &shapes[block.channel]));
+    }
+    found
+}
+
+fn answers(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Stretch> {
+    let run = &group.runs[block.run];
+    let segments = &run.given.input.drive.segments;
+    if segments.len() < EDGES {
+        return Vec::new();
+    }
+    let times = run.times(block.channel);
+    let together = segments.len().div_ceil(MOST_ANSWERS);
+    let row_at = |time_s: f64| block.first + times.partition_point(|&t| t < time_s);
+    let starts: Vec<usize> = segments
+        .chunks(together)
+        .map(|some| row_at(some[0].start_s))
+        .chain([block.end])
+        .collect();
+    let of = |ends: &[usize]| {
+        let rows: Vec<usize> = (ends[0]..ends[1]).collect();
+        let norm = dot(&shape[ends[0]..ends[1]], &shape[ends[0]..ends[1]]).sqrt();
+        (norm > 0.0 && norm.is_finite()).then(|| Stretch {
+            kind: Kind::Answer,
+            block: place,
+            weights: rows.iter().map(|&row| shape[row] / norm).collect(),
+            rows,
+        })
+    };
+    starts.windows(2).filter_map(of).collect()
+}
+
+fn of_block(group: &Group, place: usize, block: &Block, found: &mut Vec<Stretch>) {
+    let run = &group.runs[block.run];
+    let drive = run.given.input.drive;
+    let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+    let times = run.times(block.channel);
+    let shortest_s = times
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .fold(f64::INFINITY, f64::min);
+    let span = ((run.duration_s - start_s) / shortest_s).max(2.0).ln();
+    let logarithmic = |elapsed_s: f64, count: usize| {
+        let part = (elapsed_s.max(shortest_s) / shortest_s).ln() / span;
+        ((part * count as f64) as usize).min(count - 1)
+    };
+    let levels = levels(group, block);
+    let mut clock: Vec<Vec<usize>> = vec![Vec::new(); BY_CLOCK + 1];
+    let mut phase: Vec<Vec<usize>> = vec![Vec::new(); BY_PHASE * levels.len()];
+    for (k, &t) in times.iter().enumerate() {
+        let row = block.first + k;
+        let Some(segment) = drive.segments.iter().rev().find(|segment| segment.start_s <= t) else {
+            clock[BY_CLOCK].push(row);
+            continue;
+        };
+        clock[logarithmic(t - start_s, BY_CLOCK)].push(row);
+        let level = levels
+            .iter()
+            .position(|level| same(*level, segment.level))
+            .unwrap_or(0);
+        if levels.len() > 1 {
+            phase[level * BY_PHASE + logarithmic(t - segment.start_s, BY_PHASE)].push(row);
+        }
+    }
+    let at = |row: usize| times[row - block.first] - start_s;
+    for rows in clock.into_iter().filter(|rows| rows.len() >= FEWEST) {
+        let kind = Kind::Clock(at(rows[0]), at(rows[rows.len() - 1]));
+        found.push(Stretch::even(kind, place, rows));
+    }
+    for rows in phase.into_iter().filter(|rows| rows.len() >= FEWEST) {
+        found.push(Stretch::even(Kind::Phase, place, rows));
+    }
+}
+
+fn same(left: Level, right: Level) -> bool {
+    match (left, right) {
+        (Level::Voltage(a), Level::Voltage(b)) => (a - b).abs() < 0.01,
+        (left, right) => left == right,
+    }
+}
+
+/// Different levels of a run's drive.
+fn levels(group: &Group, block: &Block) -> Vec<Level> {
+    let mut levels: Vec<Level> = Vec::new();
+    for segment in &group.runs[block.run].given.input.drive.segments {
+        if levels.len() < 4 && !levels.iter().any(|level| same(*level, segment.level)) {
+            levels.push(segment.level);
+        }
+    }
+    levels
+}

@@ -1,0 +1,139 @@
+//! Where the simulation is wrong, in words.
+
+use ieap_domain::seconds::span;
+use ieap_domain::{MisfitStretch, Whereabouts};
+
+use crate::misfit::null::Null;
+use crate::misfit::stretch::{Kind, Stretch};
+use crate::readings::group::Group;
+
+/// A stretch is said to be wrong where its mean is this many standard errors off.
+const WRONG: f64 = 4.0;
+
+/// Stretches in which `residuals` are off, with a sentence on the worst of them.
+pub(crate) fn whereabouts(
+    group: &Group,
+    null: &Null,
+    stretches: &[Stretch],
+    residuals: &[f64],
+) -> Whereabouts {
+    let scores = null.stretch_scores(residuals);
+    let mut segments: Vec<MisfitStretch> = Vec::new();
+    for (stretch, &sigma) in stretches.iter().zip(&scores) {
+        let (Kind::Clock(from_s, to_s), true) = (stretch.kind, sigma.abs() >= WRONG) else {
+            continue;
+        };
+        let block = &group.blocks[stretch.block];
+        segments.push(MisfitStretch {
+            run: group.runs[block.run].given.name.to_owned(),
+            channel: channel_name(block.channel).to_owned(),
+            from_s,
+            to_s,
+            sigma,
+        });
+    }
+    segments.sort_by(|a, b| b.sigma.abs().total_cmp(&a.sigma.abs()));
+    let off = (!segments.is_empty()).then(|| sentence(group, &segments));
+    let said: Vec<String> = off
+        .into_iter()
+        .chain(unequal_answers(group, stretches, &scores))
+        .collect();
+    let text = match said.is_empty() {
+        true => "no single stretch of time stands out".to_owned(),
+        false => said.join("; "),
+    };
+    Whereabouts { text, segments }
+}
+
+/// Says which channel answers the edges of a drive of many most unequally; none where none does beyond chance.
+fn unequal_answers(group: &Group, stretches: &[Stretch], scores: &[f64]) -> Option<String> {
+    let of_block = |place: usize| {
+        let is_its = |(stretch, _): &(&Stretch, &f64)| stretch.kind == Kind::Answer && stretch.block == place;
+        let own: Vec<f64> = stretches
+            .iter()
+            .zip(scores)
+            .filter(is_its)
+            .map(|(_, z)| *z)
+            .collect();
+        let count = own.len() as f64;
+        let excess = (own.iter().map(|z| z * z).sum::<f64>() - count) / (2.0 * count).sqrt();
+        (!own.is_empty()).then_some((excess, place, own))
+    };
+    let most = (0..group.blocks.len()).filter_map(of_block);
+    let (_, place, own) = most
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(excess, ..)| *excess > WRONG)?;
+    let largest = own.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
+    let block = &group.blocks[place];
+    let run = &group.runs[block.run].given;
+    Some(format!(
+        "the {} answers the {} edges of the drive of {} unequally, by up to {largest:.0} standard errors more or less than simulated",
+        channel_name(block.channel),
+        run.input.drive.segments.len(),
+        run.name,
+    ))
+}
+
+pub(crate) fn channel_name(channel: usize) -> &'static str {
+    ["current", "curvature"][channel]
+}
+
+/// Of stretches that are off, of which there is one at least, the worst first.
+fn sentence(group: &Group, segments: &[MisfitStretch]) -> String {
+    let worst = &segments[0];
+    let alike: Vec<&MisfitStretch> = segments
+        .iter()
+        .filter(|other| other.channel == worst.channel && overlap(other, worst))
+        .collect();
+    let from_s = alike.iter().map(|s| s.from_s).fold(f64::INFINITY, f64::min);
+    let to_s = alike.iter().map(|s| s.to_s).fold(0.0, f64::max);
+    let of_run = |run: &str| {
+        group
+            .runs
+            .iter()
+            .find(|r| r.given.name == run)
+            .map(|r| r.given.input.drive.nominal_step_v())
+    };
+    let mut volts: Vec<f64> = alike.iter().filter_map(|s| of_run(&s.run)).collect();
+    volts.sort_by(f64::total_cmp);
+    volts.dedup();
+    // Too large and too small are meant in size: a current of -2 mA where -1 mA was simulated is too large.
+    let signs = alike.iter().filter_map(|s| Some(s.sigma * of_run(&s.run)?));
+    let (mut simulated_small, mut simulated_large) = (false, false);
+    signs.for_each(|sign| {
+        if sign > 0.0 {
+            simulated_small = true
+        } else {
+            simulated_large = true
+        }
+    });
+    let wrong = match (simulated_small, simulated_large) {
+        (true, false) => "too small",
+        (false, true) => "too large",
+        _ => "wrong",
+    };
+    let list: Vec<String> = volts
+        .iter()
+        .map(|v| {
+            format!("{v:.2}")
+                .trim_end_matches('0')
+                .trim_end_matches('.')
+                .to_owned()
+        })
+        .collect();
+    let at = match list.as_slice() {
+        [] => String::new(),
+        [one] => format!(" at {one} V"),
+        [first @ .., last] => format!(" at {} and {last} V", first.join(", ")),
+    };
+    format!(
+        "simulated {} {wrong} from {}{at}, by up to {:.0} standard errors of its mean",
+        worst.channel,
+        span(from_s, to_s),
+        worst.sigma.abs()
+    )
+}
+
+fn overlap(a: &MisfitStretch, b: &MisfitStretch) -> bool {
+    a.from_s <= b.to_s && b.from_s <= a.to_s
+}

@@ -1,0 +1,344 @@
+//! The finding about a group, put together.
+
+mod causes;
+mod forms;
+mod sentence;
+mod sets;
+
+use sentence::SPIKED_WORDS;
+
+use ieap_domain::{
+    DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve, StrengthProfile,
+    Verdict,
+};
+
+use crate::cause::between::{not_asked, refused_in_words};
+use crate::cause::evidence::{Asked, weigh};
+use crate::cause::proof::held_out::Part;
+use crate::cause::select::Selection;
+use crate::fitting::fitted::Fitted;
+use crate::fitting::profile::profiles;
+use crate::misfit::misfit_size::misfit_percent;
+use crate::misfit::null::Null;
+use crate::misfit::signature::{Direction, Signature};
+use crate::misfit::stretch::Stretch;
+use crate::misfit::whereabouts::{channel_name, whereabouts};
+use crate::outcome::gain::gain;
+use crate::outcome::next_run::next_run;
+use crate::readings::drawn::{drawn, paired};
+use crate::readings::group::Group;
+use crate::{DiagnoseOptions, RunInput};
+use ieap_model::effects::effect;
+use ieap_numerics::sums::dot;
+
+/// The simulation is called wrong below this p, and right from the second on.
+pub(crate) const WRONG: f64 = 0.01;
+pub(crate) const RIGHT: f64 = 0.05;
+/// Where a misfit is left, a first cause that explains less than this part of everything names nothing: a cause that no
+/// library holds finds a likeness in it. Of 20 plays of the charge of 16 standard deviations 2 were explained to more than
+/// this by one cause; ceramic capacitors and an electrolysis cell, whose causes are known, are to 0.97 and more.
+const MOST_OF_IT: f64 = 0.9;
+/// Spikes beyond this part of the readings make the readings themselves the problem.
+const SPIKED: f64 = 0.05;
+
+/// What is known before a cause is looked for.
+pub(crate) struct Shown<'a, 'g> {
+    pub(crate) name: &'a str,
+    pub(crate) group: &'g Group<'g>,
+    pub(crate) base: &'a Fitted<'g>,
+    pub(crate) null: &'a Null,
+    pub(crate) directions: &'a [Direction],
+    pub(crate) signatures: &'a [Signature],
+    pub(crate) stretches: &'a [Stretch],
+    pub(crate) residuals: &'a [f64],
+    pub(crate) p_misfit: f64,
+    pub(crate) options: &'a DiagnoseOptions,
+}
+
+/// A group without readings that could be diagnosed.
+pub(crate) fn nothing(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
+    GroupDiagnosis::data_problem(
+        name,
+        runs.iter().map(|run| run.name.to_owned()).collect(),
+        options.model.id,
+        "No run of this group has enough readings of current or curvature after the step to be diagnosed."
+            .into(),
+    )
+}
+
+impl<'g> Shown<'_, 'g> {
+    /// Consistent, undecided, or readings that allow no finding.
+    pub(crate) fn without_cause(&self) -> GroupDiagnosis {
+        let mut found = self.frame();
+        found.verdict = if self.is_spiked() {
+            Verdict::DataProblem
+        } else if self.p_misfit >= RIGHT {
+            Verdict::Consistent
+        } else {
+            Verdict::Undecided
+        };
+        let places = self.by_forecast();
+        found.confusable = self.confusable(places.iter().map(|(place, _)| *place));
+        found.candidates = self.forecasts();
+        found.sentence = match found.verdict {
+            Verdict::Consistent => format!(
+                "The simulation is right to within the noise (p = {:.2}).",
+                self.p_misfit
+            ),
+            Verdict::DataProblem => SPIKED_WORDS.into(),
+            _ => format!(
+                "The simulation may be wrong (p = {:.3}): too much for chance to be sure, too little to name a cause; {}.",
+                self.p_misfit,
+                found.whereabouts.as_ref().map_or("", |w| &w.text)
+            ),
+        };
+        found
+    }
+
+    /// With what the selection found.
+    pub(crate) fn with_cause(&self, selection: &Selection<'g>) -> GroupDiagnosis {
+        let mut found = self.frame();
+        let weighed = weigh(&Asked {
+            group: self.group,
+            base: self.base,
+            selection,
+            model: self.options.model,
+        });
+        found.posterior = weighed.posterior;
+        found.differs = weighed.differs;
+        found.remarks.extend(refused_in_words(&selection.dealt));
+        let model = &selection.model;
+        let taken: Vec<&'static str> = model
+            .problem
+            .effects
+            .iter()
+            .map(|sought| sought.effect.about().id)
+            .collect();
+        let total = self.base.square - model.square;
+        let passed = selection
+            .held_out
+            .as_ref()
+            .is_some_and(|held_out| held_out.passed(total));
+        let sets = self.sets(selection);
+        found.candidates = self.candidates(selection, passed);
+        let looked = selection.steps.first().map_or(&[][..], |step| &step.looked);
+        found.confusable = self.confusable(looked.iter().map(|looked| looked.direction));
+        found.p_leftover = (!taken.is_empty()).then_some(selection.p_leftover);
+        let rest = (selection.leftover.together - self.expected_together())
+            .max(selection.leftover.candidate)
+            .max(selection.leftover.answers - self.null.answers() as f64)
+            .max(0.0);
+        let first = match &selection.proved {
+            Some(_) => total,
+            None => selection
+                .steps
+                .first()
+                .and_then(|step| step.looked.first())
+                .map_or(0.0, |looked| looked.gain),
+        };
+        let explained = first / (total + rest).max(1e-300);
+        found.verdict = match () {
+            () if self.is_spiked() => Verdict::DataProblem,
+            () if taken.is_empty() || !passed || !self.determines(model) => Verdict::Unknown,
+            () if selection.p_leftover < WRONG && explained < MOST_OF_IT => Verdict::Unknown,
+            () if selection.p_leftover < WRONG => Verdict::Partial,
+            () if sets.iter().any(|set| set.len() > 1) => Verdict::Set,
+            () => one_name(Some(selection.p_leftover)),
+        };
+        if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
+            let forms = self.other_forms(model);
+            let profiles = profiles(self.group, model);
+            found.effects = self.findings(selection, &sets, &profiles, &forms);
+            let is_strength = |profile: &StrengthProfile| {
+                let about = effect(&profile.effect).map(|effect| effect.about());
+                about.is_some_and(|about| about.parameters[0].key == profile.key)
+            };
+            found.profiles = profiles.into_iter().filter(is_strength).collect();
+            found.remarks.extend(in_words(&found.effects, &forms));
+            let mut members: Vec<String> = Vec::new();
+            for id in sets.iter().flatten() {
+                if !members.iter().any(|other| other == id) {
+                    members.push((*id).to_owned());
+                }
+            }
+            found.set = members;
+            found.shifts = self.shifts(model);
+            found.next_run = self.next_run(selection, &sets);
+        }
+        found.gain = selection
+            .held_out
+            .as_ref()
+            .map(|held_out| gain(self.group, self.base, model, held_out));
+        if !taken.is_empty() {
+            found.residuals = paired(std::mem::take(&mut found.residuals), &self.drawn(model));
+        }
+        if let Some(held_out) = &selection.held_out {
+            let of = |parts: &[Part]| {
+                parts
+                    .iter()
+                    .flat_map(|part| part.curves.clone())
+                    .collect::<Vec<_>>()
+            };
+            found.held_out_residuals = paired(of(&held_out.before), &of(&held_out.after));
+        }
+        found.sentence = self.sentence(&found, &taken, passed);
+        found
+    }
+
+    /// Whether the readings tell the strength of the effect from none. Of several effects none is there whose leaving
+    /// out would not cost much more than chance: a strength that is drawn towards none only by the uncertain shape of
+    /// another is no doubt of it.
+    fn determines(&self, model: &Fitted) -> bool {
+        let [sought] = model.problem.effects.as_slice() else {
+            return true;
+        };
+        let parameters = model.effect_parameters(self.group);
+        let strength = parameters[0].first().map(|parameter| &parameter.estimate);
+        let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
+        // A logarithm never reaches none, and where a shape is sought beside the strength it can make up for any strength
+        // but none: there the gain alone decides.
+        let limits = sought.limits[0];
+        limits.held
+            || limits.logarithmic
+            || sought.free() > 1
+            || interval.is_some_and(|(low, high)| low * high > 0.0)
+    }
+
+    /// Everything that does not depend on a cause.
+    fn frame(&self) -> GroupDiagnosis {
+        let given: Vec<RunInput> = self.group.runs.iter().map(|run| run.given).collect();
+        let mut remarks = Vec::new();
+        for run in &self.group.runs {
+            for (channel, &spikes) in run.spikes.iter().enumerate() {
+                if spikes > 0 {
+                    remarks.push(format!(
+                        "{}: {spikes} single readings of the {} stand far off their neighbours and are left out",
+                        run.given.name,
+                        channel_name(channel)
+                    ));
+                }
+            }
+        }
+        remarks.extend(crate::readings::louder::remarks(self.group));
+        // Where the model is right its time constants do not depend on the record.
+        if self.p_misfit < WRONG {
+            remarks.extend(crate::readings::record_length::remark(
+                self.group,
+                self.options.model,
+            ));
+            remarks.extend(not_asked(self.group));
+        }
+        GroupDiagnosis {
+            p_misfit: Some(self.p_misfit),
+            whereabouts: Some(whereabouts(self.group, self.null, self.stretches, self.residuals)),
+            gain_at_5_percent: Some(self.null.gain_at_5_percent()),
+            noise: self.noise(),
+            residuals: self.drawn(self.base),
+            misfit_percent: misfit_percent(self.group, self.base),
+            remarks,
+            ..nothing(self.name, &given, self.options)
+        }
+    }
+
+    fn noise(&self) -> Vec<DiagnosisNoise> {
+        let of = |block: &crate::readings::group::Block| {
+            let channel = self.group.channel(block)?;
+            let character = channel.character();
+            let rows = &self.residuals[block.first..block.end];
+            let mean = channel.standard_deviation().iter().sum::<f64>() / channel.len() as f64;
+            Some(DiagnosisNoise {
+                run: self.group.runs[block.run].given.name.to_owned(),
+                channel: channel_name(block.channel).to_owned(),
+                standard_deviation: mean,
+                autoregression: character.autoregression,
+                correlation_time_s: character.correlation_time_s,
+                proportional: character.proportional,
+                readings: channel.len(),
+                independent_readings: channel.len() as f64 / channel.readings_per_independent(),
+                residual_rms_sigma: (dot(rows, rows) / rows.len() as f64).sqrt(),
+            })
+        };
+        self.group.blocks.iter().filter_map(of).collect()
+    }
+
+    fn is_spiked(&self) -> bool {
+        let (mut spikes, mut readings) = (0, 0);
+        for run in &self.group.runs {
+            spikes += run.spikes.iter().sum::<usize>();
+            readings += run
+                .channels
+                .iter()
+                .flatten()
+                .map(|channel| channel.len())
+                .sum::<usize>();
+        }
+        spikes as f64 > SPIKED * readings.max(1) as f64
+    }
+
+    fn expected_together(&self) -> f64 {
+        self.null.independent_stretches() as f64
+    }
+
+    fn shifts(&self, model: &Fitted) -> Vec<ParameterShift> {
+        let after = model.base_parameters();
+        let of = |(key, before, _): (String, f64, f64)| {
+            let (_, after, standard_error) = after.iter().find(|(other, _, _)| *other == key)?;
+            Some(ParameterShift {
+                key,
+                before,
+                after: *after,
+                standard_error: *standard_error,
+            })
+        };
+        self.base.base_parameters().into_iter().filter_map(of).collect()
+    }
+
+    fn next_run(
+        &self,
+        selection: &Selection<'g>,
+        sets: &[Vec<&'static str>],
+    ) -> Option<ieap_domain::NextRun> {
+        let set = sets.iter().find(|set| set.len() > 1)?;
+        let step = selection.steps.first()?;
+        let fitted = step.looked.iter().filter(|looked| set.contains(&looked.effect));
+        let members: Vec<(&'static str, &Fitted)> = fitted
+            .filter_map(|looked| Some((looked.effect, looked.fitted.as_ref()?)))
+            .take(5)
+            .collect();
+        next_run(self.group, &members)
+    }
+
+    fn drawn(&self, model: &Fitted) -> Vec<ResidualCurve> {
+        let found = model.problem.model(&model.at);
+        let of_block = |block: &crate::readings::group::Block| {
+            let run = &self.group.runs[block.run];
+            let context = run.context(block.run, None);
+            let responses = found.responses(&context, run.times(0), run.times(1));
+            let fitted = [&responses.current_a, &responses.curvature_per_cm][block.channel];
+            drawn(self.group, block, fitted, &|_| true)
+        };
+        self.group.blocks.iter().filter_map(of_block).collect()
+    }
+}
+
+/// A cause is the one name where nothing else may be left; none where that was not asked.
+pub(crate) fn one_name(p_leftover: Option<f64>) -> Verdict {
+    match p_leftover {
+        Some(p) if p < RIGHT => Verdict::Partial,
+        _ => Verdict::Named,
+    }
+}
+
+/// What is said of forms of the first effect that explain the readings as well.
+fn in_words(effects: &[EffectFinding], forms: &[(&'static str, Vec<Parameter>)]) -> Option<String> {
+    let first = effects.first()?;
+    let others: Vec<&str> = forms.iter().map(|(name, _)| *name).collect();
+    (!others.is_empty()).then(|| {
+        format!(
+            "{}: as \"{}\" it explains the readings as well as \"{}\"; the interval of its strength holds them all",
+            first.effect,
+            others.join("\", \""),
+            first.variant.as_deref().unwrap_or_default()
+        )
+    })
+}

@@ -1,0 +1,91 @@
+//! What the extended model gains, in the fit and on held-out readings.
+
+use ieap_domain::{Gain, HeldOutGain, Prediction};
+
+use crate::cause::proof::held_out::{self, Deviations, Part};
+use crate::cause::proof::later::later_parts;
+use crate::cause::select::HeldOut;
+use crate::fitting::fitted::Fitted;
+use crate::readings::group::Group;
+use crate::readings::quantities::{self, NAMES, Predicted};
+
+/// The gain of `extended` over `base`.
+pub(crate) fn gain(group: &Group, base: &Fitted, extended: &Fitted, held_out: &HeldOut) -> Gain {
+    let rms = |square: f64| (square / group.rows().max(1) as f64).sqrt();
+    let later = [later_parts(base, group), later_parts(extended, group)];
+    let [later_before, later_after] = &later;
+    Gain {
+        held_out: held_out::kind(group).to_owned(),
+        proof: of_parts(group, &held_out.before, &held_out.after),
+        nameless_deviance: held_out.nameless.iter().sum(),
+        predictions: predictions(&predicted(&held_out.before), &predicted(&held_out.after)),
+        residual_rms_sigma_before: rms(base.square),
+        residual_rms_sigma_after: rms(extended.square),
+        later: (!later_after.is_empty()).then(|| of_parts(group, later_before, later_after)),
+    }
+}
+
+/// The gain on parts that were held out of both models.
+fn of_parts(group: &Group, before: &[Part], after: &[Part]) -> HeldOutGain {
+    let pairs = before.iter().zip(after);
+    let falls: Vec<f64> = pairs.map(|(b, a)| b.deviance - a.deviance).collect();
+    let n = falls.len() as f64;
+    let deviance: f64 = falls.iter().sum();
+    let mean = deviance / n.max(1.0);
+    let variance = falls.iter().map(|fall| (fall - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    HeldOutGain {
+        deviance,
+        standard_error: (variance * n).sqrt(),
+        parts: after.iter().map(|part| part.name.clone()).zip(falls).collect(),
+        nrmse_current_before: nrmse(group, before, 0),
+        nrmse_current_after: nrmse(group, after, 0),
+        nrmse_curvature_before: nrmse(group, before, 1),
+        nrmse_curvature_after: nrmse(group, after, 1),
+        coverage_before: coverage(before),
+        coverage_after: coverage(after),
+    }
+}
+
+fn predicted(parts: &[Part]) -> Vec<Predicted> {
+    parts.iter().flat_map(|part| part.predicted.clone()).collect()
+}
+
+fn predictions(before: &[Predicted], after: &[Predicted]) -> Vec<Prediction> {
+    let of = |(place, name): (usize, &&str)| {
+        Some(Prediction {
+            quantity: (*name).to_owned(),
+            before_percent: quantities::percent(before, place)?,
+            after_percent: quantities::percent(after, place)?,
+        })
+    };
+    NAMES.iter().enumerate().filter_map(of).collect()
+}
+
+/// Share of all held-out readings within their 95 % interval.
+fn coverage(parts: &[Part]) -> Option<f64> {
+    let all = sum(parts.iter().flat_map(|part| part.deviations));
+    (all.readings > 0).then(|| all.covered as f64 / all.readings as f64)
+}
+
+/// Root mean square deviation of a channel's held-out readings over its range.
+fn nrmse(group: &Group, parts: &[Part], channel: usize) -> Option<f64> {
+    let all = sum(parts.iter().map(|part| part.deviations[channel]));
+    let range = range(group, channel)?;
+    (all.readings > 0).then(|| (all.square / all.readings as f64).sqrt() / range)
+}
+
+fn sum(deviations: impl Iterator<Item = Deviations>) -> Deviations {
+    let mut all = Deviations::default();
+    deviations.for_each(|part| all.add(part));
+    all
+}
+
+/// Range of all readings of a channel.
+fn range(group: &Group, channel: usize) -> Option<f64> {
+    let readings = group.runs.iter().filter_map(|run| run.channels[channel].as_ref());
+    let (low, high) = readings.flat_map(|readings| readings.values().to_vec()).fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(low, high): (f64, f64), v| (low.min(v), high.max(v)),
+    );
+    (high > low).then_some(high - low)
+}

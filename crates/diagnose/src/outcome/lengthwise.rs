@@ -1,0 +1,287 @@
+//! Electrodes that resist along the strip, told by readings at several places.
+//!
+//! In current and mean curvature the resistance looks like other causes. Places along the strip tell: they differ, and
+//! some follow later, as no cause of the strip as a whole makes them.
+
+use crate::extended::leftover::p_leftover;
+use crate::outcome::finding::{WRONG, one_name};
+use crate::{DiagnoseOptions, RunInput};
+use ieap_domain::{EffectFinding, GroupDiagnosis, Parameter, Verdict};
+use ieap_fit::distributed::{Decision, LumpedOrDistributed};
+use ieap_model::effects::effect;
+
+/// Id of the effect in the library.
+const ID: &str = "lengthwise-resistance";
+/// Chance below which places prove it, as for any cause.
+const PROVED: f64 = 0.01;
+/// Chances are stated down to here: below it they tell of a far tail of the noise that nothing has checked.
+const LEAST: f64 = 1e-6;
+
+/// What a run of the group says of it: its name and the decision.
+pub type PlacesOfRun<'a> = (&'a str, Decision);
+
+/// The finding about a group with what places along the strip of its runs say. Runs without readings at two places say
+/// nothing.
+pub fn with_places(
+    found: GroupDiagnosis,
+    runs: &[PlacesOfRun],
+    inputs: &[RunInput],
+    options: &DiagnoseOptions,
+) -> GroupDiagnosis {
+    joined(found, runs, |resistance_ohm_per_sq| {
+        p_leftover(inputs, options, ID, &[resistance_ohm_per_sq])
+    })
+}
+
+/// `leftover` gives the chance of what is left beside electrodes of that resistance, Ohm per square.
+fn joined(
+    mut found: GroupDiagnosis,
+    runs: &[PlacesOfRun],
+    leftover: impl FnOnce(f64) -> Option<f64>,
+) -> GroupDiagnosis {
+    let asked: Vec<(&PlacesOfRun, f64)> = runs
+        .iter()
+        .filter_map(|run| {
+            let uneven = run.1.unevenness?;
+            Some((run, uneven.p.max(uneven.p_later)))
+        })
+        .collect();
+    let Some((clearest, p)) = asked.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied() else {
+        return found;
+    };
+    let p = (p * asked.len() as f64).clamp(LEAST, 1.0);
+    found
+        .remarks
+        .push(format!("{}: {}", clearest.0, clearest.1.issue().message));
+    if found.verdict == Verdict::DataProblem {
+        return found;
+    }
+    // Two questions were asked of the group: its course in time, and its places.
+    found.p_misfit = found.p_misfit.map(|of_time| (2.0 * of_time.min(p)).min(1.0));
+    match p < PROVED {
+        true => proved(found, clearest, p, leftover),
+        false => unseen(found, &asked),
+    }
+}
+
+fn proved(
+    mut found: GroupDiagnosis,
+    clearest: &PlacesOfRun,
+    p: f64,
+    leftover: impl FnOnce(f64) -> Option<f64>,
+) -> GroupDiagnosis {
+    let resistance = &clearest.1.electrode_resistance_ohm_per_sq;
+    let twins = effect(ID).map_or(&[][..], |effect| effect.about().twins);
+    let is_it = |id: &str| id == ID || twins.contains(&id);
+    let others = found.set.iter().any(|id| !is_it(id)) && found.verdict == Verdict::Named;
+    if others {
+        found.remarks.push(format!(
+            "besides, places along the strip show {ID}, {}",
+            chance(p)
+        ));
+        return found;
+    }
+    let fitted = found.effects.len() == 1 && found.effects[0].effect == ID;
+    if fitted {
+        found.effects[0].twins.clear();
+        found.effects[0].p = p;
+    } else {
+        // What was said of another cause's gain and parameters is not said of this one.
+        found.effects = vec![EffectFinding {
+            effect: ID.to_owned(),
+            variant: None,
+            parameters: vec![Parameter {
+                key: "electrode_resistance_ohm_per_sq".to_owned(),
+                estimate: resistance.clone(),
+            }],
+            p,
+            q: None,
+            twins: Vec::new(),
+        }];
+        found.gain = None;
+        found.shifts.clear();
+        found.profiles.clear();
+        found.p_leftover = None;
+    }
+    found.next_run = None;
+    found.set = vec![ID.to_owned()];
+    // A misfit in time that no cause of the library was named for may be that of the resistance.
+    let was_left = matches!(found.verdict, Verdict::Unknown | Verdict::Partial);
+    if was_left && !fitted {
+        found.p_leftover = resistance.value.and_then(leftover);
+    }
+    found.verdict = match found.p_leftover {
+        None if was_left => Verdict::Partial,
+        left => one_name(left),
+    };
+    let summary = effect(ID).map_or("", |effect| effect.about().summary);
+    found.sentence = format!(
+        "The simulation misses {ID} ({summary}): places along the strip tell it from every cause of the strip as a whole, {}.",
+        chance(p)
+    );
+    if found.verdict == Verdict::Partial {
+        found.sentence += match found.p_leftover {
+            Some(p) if p < WRONG => " A misfit of another kind is left.",
+            Some(_) => " A misfit of another kind may be left.",
+            None => " Whether a misfit of another kind is left could not be asked.",
+        };
+    }
+    found
+}
+
+fn chance(p: f64) -> String {
+    match p > LEAST {
+        true => format!("p = {p:.1e}"),
+        false => format!("p below {LEAST:.0e}"),
+    }
+}
+
+/// Where places do not differ, a resistance beyond what they allow is no cause.
+fn unseen(mut found: GroupDiagnosis, asked: &[(&PlacesOfRun, f64)]) -> GroupDiagnosis {
+    let even = |(run, _): &(&PlacesOfRun, f64)| run.1.verdict() == LumpedOrDistributed::Even;
+    let most = asked
+        .iter()
+        .filter_map(|(run, _)| run.1.electrode_resistance_ohm_per_sq.high_95)
+        .fold(f64::INFINITY, f64::min);
+    let of_it = found.effects.iter().find(|finding| finding.effect == ID);
+    let needed = of_it
+        .and_then(|finding| finding.parameters.first())
+        .and_then(|parameter| parameter.estimate.low_95);
+    let excluded = asked.iter().all(even) && needed.is_none_or(|needed| needed > most);
+    if !excluded || found.set.len() < 2 || of_it.is_some() {
+        return found;
+    }
+    found.set.retain(|id| id != ID);
+    for finding in &mut found.effects {
+        finding.twins.retain(|id| id != ID);
+    }
+    found.sentence += &match found.set.as_slice() {
+        [only] => format!(" Places along the strip do not differ: it is {only}, not {ID}."),
+        _ => format!(" Places along the strip do not differ: it is not {ID}."),
+    };
+    if found.verdict == Verdict::Set && found.set.len() == 1 {
+        found.verdict = one_name(found.p_leftover);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_domain::Estimate;
+    use ieap_fit::distributed::Unevenness;
+
+    fn group(verdict: Verdict, set: &[&str]) -> GroupDiagnosis {
+        let mut found = GroupDiagnosis::data_problem("g", vec!["a".to_owned()], "lumped-2", String::new());
+        found.verdict = verdict;
+        found.p_misfit = Some(0.001);
+        found.set = set.iter().map(|id| (*id).to_owned()).collect();
+        found
+    }
+
+    fn places(p: f64, p_later: f64) -> Decision {
+        Decision {
+            unevenness: Some(Unevenness {
+                places: 8,
+                gain: 1000.0,
+                uneven: 1100.0,
+                independent_readings: 900.0,
+                p,
+                p_later,
+            }),
+            lumped_error: None,
+            electrode_resistance_ohm_per_sq: Estimate::determined(2.5, 0.1, 2.3, 2.7),
+        }
+    }
+
+    fn unasked(_: f64) -> Option<f64> {
+        panic!("what is left need not be asked")
+    }
+
+    #[test]
+    fn a_misfit_without_a_name_is_asked_whether_the_resistance_leaves_it() {
+        for (verdict, left, expected, said) in [
+            (Verdict::Unknown, Some(0.4), Verdict::Named, "tell it"),
+            (
+                Verdict::Partial,
+                Some(1e-4),
+                Verdict::Partial,
+                "of another kind is left.",
+            ),
+            (
+                Verdict::Partial,
+                Some(0.03),
+                Verdict::Partial,
+                "of another kind may be left.",
+            ),
+            (Verdict::Unknown, None, Verdict::Partial, "could not be asked"),
+        ] {
+            let found = joined(group(verdict, &[]), &[("a", places(1e-9, 1e-8))], |resistance| {
+                assert_eq!(resistance, 2.5);
+                left
+            });
+            assert_eq!((found.verdict, found.p_leftover), (expected, left));
+            assert!(found.sentence.contains(said), "{}", found.sentence);
+        }
+    }
+
+    #[test]
+    fn places_make_a_name_of_a_set() {
+        let set = ["dispersion", ID, "mechanical-lag"];
+        let found = joined(group(Verdict::Set, &set), &[("a", places(1e-9, 1e-8))], unasked);
+        assert_eq!(
+            (found.verdict, &found.set[..]),
+            (Verdict::Named, &[ID.to_owned()][..])
+        );
+        assert_eq!(found.effects[0].parameters[0].estimate.value, Some(2.5));
+        assert!(found.sentence.contains(ID), "{}", found.sentence);
+    }
+
+    #[test]
+    fn even_places_and_a_fixed_pattern_name_nothing() {
+        for (p, p_later) in [(0.4, 0.5), (1e-9, 0.3)] {
+            let found = joined(
+                group(Verdict::Consistent, &[]),
+                &[("a", places(p, p_later))],
+                unasked,
+            );
+            assert_eq!((found.verdict, found.set.len()), (Verdict::Consistent, 0));
+            assert_eq!(found.remarks.len(), 1);
+        }
+    }
+
+    #[test]
+    fn even_places_take_it_out_of_a_set_and_another_name_stands() {
+        let found = joined(
+            group(Verdict::Set, &["dispersion", ID]),
+            &[("a", places(0.4, 0.5))],
+            unasked,
+        );
+        assert_eq!(
+            (found.verdict, &found.set[..]),
+            (Verdict::Named, &["dispersion".to_owned()][..])
+        );
+        assert!(
+            found
+                .sentence
+                .ends_with("it is dispersion, not lengthwise-resistance."),
+            "{}",
+            found.sentence
+        );
+        let other = joined(
+            group(Verdict::Named, &["faradaic-leak"]),
+            &[("a", places(1e-9, 1e-9))],
+            unasked,
+        );
+        assert_eq!(other.set, ["faradaic-leak"]);
+        assert!(other.remarks.iter().any(|remark| remark.contains(ID)));
+    }
+
+    #[test]
+    fn runs_without_places_change_nothing() {
+        let mut none = places(1e-9, 1e-9);
+        none.unevenness = None;
+        let found = joined(group(Verdict::Set, &["dispersion", ID]), &[("a", none)], unasked);
+        assert_eq!((found.set.len(), found.p_misfit), (2, Some(0.001)));
+    }
+}

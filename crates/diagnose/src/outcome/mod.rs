@@ -1,0 +1,12 @@
+//! Outcome: what is told.
+//!
+//! In: misfit, selection and evidence of a group.
+//! Out: an [`ieap_domain::GroupDiagnosis`]: verdict, sentence, effects with intervals, set, gain, next run; and what the
+//! runs say each by itself ([`per_run`]), or where they differ ([`varying`]), or along the strip ([`lengthwise`]).
+
+pub(crate) mod finding;
+pub(crate) mod gain;
+pub(crate) mod lengthwise;
+pub(crate) mod next_run;
+pub(crate) mod per_run;
+pub(crate) mod varying;

@@ -1,0 +1,250 @@
+//! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
+
+use ieap_domain::diagnosis::follows_a_tag;
+use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue, Verdict};
+
+use crate::cause::evidence::{by_evidence, set_of};
+use crate::outcome::finding::WRONG;
+
+/// Whether parameters that differ are what is behind the misfit. A cause that explains it all and clearly predicts runs
+/// which it has not seen stands: what differs freely predicts none. One that leaves a misfit yields to what leaves none.
+/// That a parameter follows a tag is said in those words already.
+pub(crate) fn leads(found: &GroupDiagnosis) -> bool {
+    let explains = found.verdict.names_a_cause() && found.verdict != Verdict::Partial;
+    let is_proved = explains && found.gains_clearly();
+    let is_told = found.effects.iter().any(|own| follows_a_tag(&own.effect));
+    by_evidence(&found.posterior) == Verdict::Varies && !found.differs.is_empty() && !is_proved && !is_told
+}
+
+/// Below this chance, of all runs together, a run by itself is not described either. It is ten times rarer than what a group
+/// is called wrong by: a campaign has tens of groups, and that runs differ is plain where it is told.
+const NOT_DESCRIBED: f64 = 1e-3;
+
+/// Whether each run by itself is described: the smallest p of all runs is no smaller than chance makes the smallest of so
+/// many.
+pub(crate) fn are_described(alone: &[RunAlone]) -> bool {
+    let smallest = alone.iter().filter_map(|run| run.p_misfit).fold(1.0, f64::min);
+    alone.iter().all(|run| run.p_misfit.is_some()) && smallest * alone.len() as f64 >= NOT_DESCRIBED
+}
+
+/// Runs that by themselves leave more than a single one is called right by, with their p.
+fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
+    let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG);
+    alone
+        .iter()
+        .filter_map(move |run| Some((run.run.as_str(), low(run)?)))
+}
+
+fn doubts(alone: &[RunAlone]) -> Vec<String> {
+    doubted(alone)
+        .map(|(run, p)| format!("{run} leaves more than noise by itself, or chance did (p = {p:.3})"))
+        .collect()
+}
+
+/// Makes it the finding, in the place of what the group as one set would have been said to lack.
+pub(crate) fn say(found: &mut GroupDiagnosis, alone: &[RunAlone]) {
+    found.verdict = Verdict::Varies;
+    found.set = set_of(&found.posterior);
+    found.sentence = sentence(found, doubted(alone).count());
+    found.remarks.extend(doubts(alone));
+    found.effects.clear();
+    found
+        .candidates
+        .iter_mut()
+        .for_each(|candidate| candidate.accepted = false);
+    found.profiles.clear();
+    found.shifts.clear();
+    found.p_leftover = None;
+    found.gain = None;
+    found.next_run = None;
+    found.held_out_residuals.clear();
+    found
+        .residuals
+        .iter_mut()
+        .for_each(|curve| curve.after_sigma.clear());
+}
+
+/// Parameters whose courses are told; the others are named.
+const TOLD: usize = 2;
+
+fn sentence(found: &GroupDiagnosis, doubted: usize) -> String {
+    let mut differing: Vec<&VaryingParameter> = found.differs.iter().collect();
+    differing.sort_by(|a, b| fold(b).total_cmp(&fold(a)));
+    let told: Vec<String> = differing
+        .iter()
+        .take(TOLD)
+        .filter_map(|own| course(own))
+        .collect();
+    let others: Vec<String> = differing
+        .iter()
+        .skip(TOLD)
+        .map(|own| printed(&own.key).0)
+        .collect();
+    let further = match others.as_slice() {
+        [] => String::new(),
+        [_] => format!("; {} differs too", listed(&others)),
+        _ => format!("; {} differ too", listed(&others)),
+    };
+    let runs = found.runs.len();
+    let described = match doubted {
+        0 => format!("Each of the {runs} runs is described to within the noise by its own parameters"),
+        some => format!(
+            "{} of {runs} runs are described to within the noise by their own parameters, and what is left of {} may be chance",
+            runs - some.min(runs),
+            if some == 1 { "the other" } else { "the others" }
+        ),
+    };
+    format!("{described}. Together they are not: {}{further}.", listed(&told))
+}
+
+/// Largest over smallest size of a parameter; endless where one is none.
+fn fold(parameter: &VaryingParameter) -> f64 {
+    let sizes = parameter.values.iter().map(|own| own.value.abs());
+    let (low, high) = sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    if high == 0.0 { 1.0 } else { high / low }
+}
+
+/// How a parameter goes: with the voltage where it rises or falls all along it, else between which values it lies.
+fn course(parameter: &VaryingParameter) -> Option<String> {
+    let (name, factor, unit) = printed(&parameter.key);
+    let mut values: Vec<&VaryingValue> = parameter.values.iter().collect();
+    let volts = |own: &VaryingValue| own.step_v.abs();
+    values.sort_by(|a, b| volts(a).total_cmp(&volts(b)));
+    let (first, last) = (values.first()?, values.last()?);
+    let rises = values.windows(2).all(|pair| pair[1].value > pair[0].value);
+    let falls = values.windows(2).all(|pair| pair[1].value < pair[0].value);
+    let apart = values
+        .windows(2)
+        .all(|pair| volts(pair[1]) > 1.001 * volts(pair[0]));
+    let (low, high) = (
+        values.iter().min_by(|a, b| a.value.total_cmp(&b.value))?,
+        values.iter().max_by(|a, b| a.value.total_cmp(&b.value))?,
+    );
+    let times = match fold(parameter) {
+        fold if (1.5..1e3).contains(&fold) => format!(" ({}-fold)", short(fold)),
+        _ => String::new(),
+    };
+    let shown = |own: &VaryingValue| short(factor * own.value);
+    Some(match apart && (rises || falls) {
+        true => format!(
+            "{name} {} from {} to {} {unit}{times} from {} to {} V",
+            if rises { "rises" } else { "falls" },
+            shown(first),
+            shown(last),
+            volts(first),
+            volts(last),
+        ),
+        false => format!(
+            "{name} lies between {} and {} {unit}{times}",
+            shown(low),
+            shown(high)
+        ),
+    })
+}
+
+/// Three digits that count.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let decimals = 2 - value.abs().log10().floor() as i32;
+    match decimals {
+        ..=6 => format!("{value:.*}", decimals.max(0) as usize),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// Symbol, factor to the printed unit, and that unit.
+fn printed(key: &str) -> (String, f64, &'static str) {
+    match key {
+        "rss_ohm_cm2" => ("R_ss".into(), 1e-3, "kOhm cm2"),
+        "alpha_per_c_cm" => ("alpha".into(), 1.0, "1/(C cm)"),
+        "lambda_per_s" => ("lambda".into(), 1.0, "1/s"),
+        key => {
+            let (symbol, unit) = key.split_once('_').unwrap_or((key, ""));
+            match unit {
+                "ohm_cm2" => (symbol.to_uppercase(), 1e-3, "kOhm cm2"),
+                "f_per_cm2" => (symbol.to_uppercase(), 1e3, "mF/cm2"),
+                _ => (key.to_owned(), 1.0, ""),
+            }
+        }
+    }
+}
+
+fn listed(parts: &[String]) -> String {
+    match parts {
+        [] => "their parameters differ".to_owned(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(key: &str, values: &[(&str, f64)]) -> VaryingParameter {
+        VaryingParameter {
+            key: key.to_owned(),
+            values: values
+                .iter()
+                .map(|(run, value)| VaryingValue {
+                    run: (*run).to_owned(),
+                    step_v: run.parse().unwrap(),
+                    value: *value,
+                    standard_error: 1.0,
+                })
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn a_course_over_the_voltage_is_said_as_one() {
+        let falling = parameter(
+            "rss_ohm_cm2",
+            &[("2.5", 1_900.0), ("1.2", 17_900.0), ("2", 4_000.0)],
+        );
+        assert_eq!(
+            course(&falling).unwrap(),
+            "R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.2 to 2.5 V"
+        );
+        let between = parameter("c1_f_per_cm2", &[("2", 0.004), ("2.5", 0.001), ("1.2", 0.002)]);
+        assert_eq!(
+            course(&between).unwrap(),
+            "C1 lies between 1.00 and 4.00 mF/cm2 (4.00-fold)"
+        );
+        let repeats = parameter("lambda_per_s", &[("2", 0.02), ("2.0", 0.01)]);
+        assert!(course(&repeats).unwrap().starts_with("lambda lies between"));
+    }
+
+    #[test]
+    fn runs_are_described_unless_one_of_them_is_worse_than_chance_makes_one() {
+        let run = |p: f64| RunAlone {
+            run: "a".into(),
+            verdict: Verdict::Consistent,
+            gains_clearly: true,
+            p_misfit: Some(p),
+            set: Vec::new(),
+        };
+        assert!(are_described(&[run(0.02), run(0.6), run(0.9)]));
+        assert!(!are_described(&[run(0.0003), run(0.6), run(0.9)]));
+        assert_eq!(doubts(&[run(0.003), run(0.6)]).len(), 1);
+        let mut found =
+            GroupDiagnosis::data_problem("g", vec!["a".into(), "b".into()], "lumped-2", String::new());
+        say(&mut found, &[run(0.003), run(0.6)]);
+        assert!(
+            found.sentence.starts_with("1 of 2 runs are described"),
+            "{}",
+            found.sentence
+        );
+        assert_eq!(found.remarks.len(), 1);
+        say(&mut found, &[run(0.3), run(0.6)]);
+        assert!(
+            found.sentence.starts_with("Each of the 2 runs is described"),
+            "{}",
+            found.sentence
+        );
+    }
+}

@@ -1,0 +1,332 @@
+//! The runs that are diagnosed together, with their noise.
+
+use std::sync::Arc;
+
+use ieap_domain::{Channel, Quantity};
+use ieap_fit::{FitInput, WhitenedChannel};
+use ieap_model::effects::TagAt;
+use ieap_model::extended::{ExtendedModel, RunContext};
+use ieap_numerics::robust::median_step;
+
+use crate::readings::spikes::without_spikes;
+
+/// Readings after the step that a channel needs to take part.
+pub(crate) const NEEDED: usize = 12;
+/// Readings of a channel beyond which neighbours are averaged: the diagnosis asks about shapes, not about sampling.
+const MOST: usize = 1500;
+/// A channel with a memory so many times as long as the middle one's kind is not believed.
+const BEYOND: f64 = 5.0;
+
+/// Steps of time within this factor are the same: a correlation of neighbouring readings is one of their distance.
+const ALIKE: f64 = 1.1;
+
+/// Readings that carry as much as one independent one, at most: what remembers longer is drift, which a model owes an
+/// answer to, and no noise.
+const LONGEST_MEMORY: f64 = 50.0;
+/// Growths of the noise that are tried: its part that goes with the signal, at the largest signal of the group, in units
+/// of its even part.
+const GROWTHS: [f64; 12] = [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 16.0, 64.0];
+/// Twice the log likelihood ratio that growth must bring. Growth taken in vain costs little; growth missed makes every
+/// edge of the drive look wrong.
+const EVIDENCE: f64 = 6.0;
+
+/// A run as it is given to a diagnosis.
+#[derive(Debug, Clone, Copy)]
+pub struct RunInput<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Channels, drive and area.
+    pub input: FitInput<'a>,
+    /// Free length of the sample, cm, where it is known.
+    pub length_cm: Option<f64>,
+    /// Whether a person looked at its readings and said that they are right.
+    pub is_right: bool,
+    /// Where it lies among the values of tags that differ in its group; of every run of a group the same tags.
+    pub tags: &'a [TagAt],
+}
+
+/// A run with its readings and noise.
+#[derive(Debug, Clone)]
+pub(crate) struct GroupRun<'a> {
+    pub(crate) given: RunInput<'a>,
+    pub(crate) duration_s: f64,
+    /// Current and curvature.
+    pub(crate) channels: [Option<WhitenedChannel>; 2],
+    /// Readings taken for spikes, of current and curvature.
+    pub(crate) spikes: [usize; 2],
+}
+
+/// Consecutive rows of the whitened residuals that belong to one channel of one run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Block {
+    pub(crate) run: usize,
+    /// 0 for current, 1 for curvature.
+    pub(crate) channel: usize,
+    pub(crate) first: usize,
+    pub(crate) end: usize,
+}
+
+/// Runs of one sample in one condition, described by one parameter set.
+#[derive(Debug, Clone)]
+pub(crate) struct Group<'a> {
+    pub(crate) runs: Vec<GroupRun<'a>>,
+    pub(crate) blocks: Vec<Block>,
+}
+
+pub(crate) const QUANTITIES: [Quantity; 2] = [Quantity::Current, Quantity::Curvature];
+
+impl<'a> Group<'a> {
+    /// Runs with at least one usable channel, in the order given.
+    pub(crate) fn new(given: &[RunInput<'a>]) -> Group<'a> {
+        let runs: Vec<GroupRun> = given.iter().filter_map(GroupRun::new).collect();
+        let blocks = Group::blocks(&runs);
+        Group { runs, blocks }
+    }
+
+    /// The rows of those runs, one channel after the other.
+    pub(crate) fn blocks(runs: &[GroupRun]) -> Vec<Block> {
+        let mut blocks = Vec::new();
+        let mut row = 0;
+        for (run, group_run) in runs.iter().enumerate() {
+            for (channel, whitened) in group_run.channels.iter().enumerate() {
+                let Some(whitened) = whitened else { continue };
+                let (first, end) = (row, row + whitened.len());
+                row = end;
+                blocks.push(Block {
+                    run,
+                    channel,
+                    first,
+                    end,
+                });
+            }
+        }
+        blocks
+    }
+
+    /// The same readings with the noise that `model` leaves. A channel whose memory cannot be told from its misfit
+    /// (short stretches, and a correlation beyond all others of its kind) takes that of the middle run.
+    pub(crate) fn renoised(&self, model: &ExtendedModel) -> Group<'a> {
+        let mut group = self.clone();
+        let fitted: Vec<[Vec<f64>; 2]> = (self.runs.iter().enumerate())
+            .map(|(index, run)| {
+                let found = model.responses(&run.context(index, None), run.times(0), run.times(1));
+                [found.current_a, found.curvature_per_cm]
+            })
+            .collect();
+        for kind in 0..2 {
+            let per_signal = self.growth(kind, &fitted);
+            for (run, fitted) in group.runs.iter_mut().zip(&fitted) {
+                run.channels[kind] = run.channels[kind]
+                    .as_ref()
+                    .map(|c| c.renoised(&fitted[kind], per_signal, None));
+            }
+            let middle = group.middle(kind);
+            for (run, fitted) in group.runs.iter_mut().zip(&fitted) {
+                let Some(channel) = &run.channels[kind] else {
+                    continue;
+                };
+                let likened = middle.as_ref().filter(|middle| {
+                    let usual = middle.readings_per_independent().max(2.0);
+                    channel.readings_per_independent() > BEYOND * usual
+                });
+                run.channels[kind] = Some(match likened {
+                    Some(_) => channel.renoised(&fitted[kind], per_signal, likened),
+                    None => channel.forgetting(&fitted[kind], per_signal, LONGEST_MEMORY),
+                });
+            }
+            group.share_correlation(kind, per_signal, &fitted);
+        }
+        group
+    }
+
+    /// Gives the channels of that kind one correlation where all of their noises have it that have one at all: one
+    /// instrument wrote them, and of slow noise each run alone knows little.
+    fn share_correlation(&mut self, kind: usize, per_signal: f64, fitted: &[[Vec<f64>; 2]]) {
+        let channels: Vec<&WhitenedChannel> = self
+            .runs
+            .iter()
+            .filter_map(|run| run.channels[kind].as_ref())
+            .filter(|channel| channel.tells_correlation())
+            .collect();
+        let steps: Vec<f64> = channels.iter().map(|channel| usual_step_s(channel)).collect();
+        let shortest_s = steps.iter().copied().fold(f64::INFINITY, f64::min);
+        if steps.iter().any(|step_s| *step_s > ALIKE * shortest_s) {
+            return;
+        }
+        let Some(correlation) = WhitenedChannel::shared_correlation(&channels) else {
+            return;
+        };
+        let among = channels.len();
+        for (run, fitted) in self.runs.iter_mut().zip(fitted) {
+            if let Some(channel) = run.channels[kind].as_mut().filter(|c| c.tells_correlation()) {
+                *channel = channel.sharing(&fitted[kind], per_signal, correlation, among);
+            }
+        }
+    }
+
+    /// The same readings with even noise that remembers nothing, as large as `model` leaves it.
+    pub(crate) fn memoryless(&self, model: &ExtendedModel) -> Group<'a> {
+        let mut group = self.clone();
+        for (index, run) in group.runs.iter_mut().enumerate() {
+            let context = run.context(index, None);
+            let found = model.responses(&context, run.times(0), run.times(1));
+            for (kind, fitted) in [found.current_a, found.curvature_per_cm].iter().enumerate() {
+                run.channels[kind] = run.channels[kind]
+                    .as_ref()
+                    .map(|channel| channel.forgetting(fitted, 0.0, 1.0));
+            }
+        }
+        group
+    }
+
+    /// How the noise of that kind of channel grows with the signal, per signal; 0 where the readings do not ask for it.
+    /// All runs are asked together: one instrument wrote them, and in one run the signal is large in few readings.
+    fn growth(&self, kind: usize, fitted: &[[Vec<f64>; 2]]) -> f64 {
+        let peak = fitted
+            .iter()
+            .flat_map(|fitted| &fitted[kind])
+            .fold(0.0_f64, |most, v| most.max(v.abs()));
+        if peak <= 0.0 {
+            return 0.0;
+        }
+        let tried: Vec<f64> = GROWTHS.iter().map(|growth| growth / peak).collect();
+        let mut against = vec![0.0; tried.len()];
+        let (mut slowness, mut channels) = (0.0, 0.0_f64);
+        for (run, fitted) in self.runs.iter().zip(fitted) {
+            let Some(channel) = &run.channels[kind] else {
+                continue;
+            };
+            for (sum, own) in against
+                .iter_mut()
+                .zip(channel.against_growth(&fitted[kind], &tried))
+            {
+                *sum += own;
+            }
+            let readings = channel.readings_per_independent().max(1.0);
+            slowness += (readings * readings + 1.0) / (2.0 * readings);
+            channels += 1.0;
+        }
+        // Squares of correlated noise wander together: their evidence counts for less.
+        let needed = EVIDENCE * slowness / channels.max(1.0);
+        let best = (0..tried.len()).min_by(|&a, &b| against[a].total_cmp(&against[b]));
+        best.filter(|&k| against[k] < -needed).map_or(0.0, |k| tried[k])
+    }
+
+    /// The channel of that kind with the middle memory.
+    fn middle(&self, kind: usize) -> Option<WhitenedChannel> {
+        let mut channels: Vec<&WhitenedChannel> = self
+            .runs
+            .iter()
+            .filter_map(|run| run.channels[kind].as_ref())
+            .collect();
+        channels.sort_by(|a, b| {
+            a.readings_per_independent()
+                .total_cmp(&b.readings_per_independent())
+        });
+        // Of an even number the shorter: a misfit makes memories longer, nothing makes them shorter.
+        channels
+            .get(channels.len().saturating_sub(1) / 2)
+            .filter(|_| channels.len() > 1)
+            .map(|channel| (*channel).clone())
+    }
+
+    /// Number of rows of whitened residuals.
+    pub(crate) fn rows(&self) -> usize {
+        self.blocks.last().map_or(0, |block| block.end)
+    }
+
+    pub(crate) fn channel(&self, block: &Block) -> Option<&WhitenedChannel> {
+        self.runs[block.run].channels[block.channel].as_ref()
+    }
+
+    /// Whether any run measures curvature.
+    pub(crate) fn bends(&self) -> bool {
+        self.blocks.iter().any(|block| block.channel == 1)
+    }
+
+    /// Independent readings that all channels together carry.
+    pub(crate) fn effective_readings(&self) -> f64 {
+        let of_block = |block: &Block| {
+            let channel = self.channel(block);
+            channel.map_or(0.0, |c| c.len() as f64 / c.readings_per_independent())
+        };
+        self.blocks.iter().map(of_block).sum()
+    }
+}
+
+/// The middle one of the steps of time between readings, s.
+fn usual_step_s(channel: &WhitenedChannel) -> f64 {
+    median_step(channel.time_s()).unwrap_or(0.0)
+}
+
+impl<'a> GroupRun<'a> {
+    fn new(given: &RunInput<'a>) -> Option<GroupRun<'a>> {
+        let mut spikes = [0, 0];
+        let channels = std::array::from_fn(|k| {
+            let wanted = |channel: &&Channel| channel.is_whole(QUANTITIES[k]);
+            let channel = given.input.channels.iter().find(wanted)?;
+            let (channel, left_out) = without_spikes(channel, given.input.drive);
+            spikes[k] = left_out;
+            WhitenedChannel::new(&averaged(&channel, given), given.input.drive, NEEDED)
+        });
+        let last_s = |channel: &WhitenedChannel| channel.time_s().last().copied().unwrap_or(0.0);
+        let duration_s = channels.iter().flatten().map(last_s).fold(0.0, f64::max);
+        channels.iter().any(Option::is_some).then_some(GroupRun {
+            given: *given,
+            duration_s,
+            channels,
+            spikes,
+        })
+    }
+
+    pub(crate) fn context(&self, index: usize, resolved_s: Option<f64>) -> RunContext<'a> {
+        RunContext {
+            index,
+            drive: self.given.input.drive,
+            area_cm2: self.given.input.area_cm2,
+            length_cm: self.given.length_cm,
+            duration_s: self.duration_s,
+            resolved_s,
+            tags: self.given.tags,
+        }
+    }
+
+    pub(crate) fn times(&self, channel: usize) -> &[f64] {
+        self.channels[channel].as_ref().map_or(&[], |c| c.time_s())
+    }
+}
+
+/// The channel with neighbours averaged where it is long; a mean never reaches across an edge of the drive.
+fn averaged(channel: &Channel, given: &RunInput) -> Channel {
+    let (time_s, values) = channel.included();
+    let together = values.len().div_ceil(MOST);
+    if together <= 1 {
+        return channel.clone();
+    }
+    let mut edges = given
+        .input
+        .drive
+        .segments
+        .iter()
+        .map(|segment| segment.start_s)
+        .peekable();
+    let (mut times, mut means) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    while first < values.len() {
+        while edges.next_if(|&edge_s| edge_s <= time_s[first]).is_some() {}
+        let edge_s = edges.peek().copied().unwrap_or(f64::INFINITY);
+        let end = (first + together).min(values.len());
+        let end = first + time_s[first..end].partition_point(|&t| t < edge_s);
+        let mean = |series: &[f64]| series[first..end].iter().sum::<f64>() / (end - first) as f64;
+        if end - first == together {
+            times.push(mean(&time_s));
+            means.push(mean(&values));
+        }
+        first = end;
+    }
+    let mut averaged = channel.clone();
+    averaged.excluded = Arc::from([]);
+    averaged.time_s = times.into();
+    averaged.values = means.into();
+    averaged
+}

@@ -1,0 +1,361 @@
+//! Readings off what the base model leaves of their neighbours: spikes that the readings alone do not show, because they
+//! stand beside an edge of the drive, at an end of the record, or beside one another.
+
+use std::sync::Arc;
+
+use ieap_domain::Channel;
+use ieap_fit::WhitenedChannel;
+use ieap_model::extended::ExtendedModel;
+use ieap_numerics::robust::sd_about_zero;
+use statrs::distribution::{DiscreteCDF, Poisson};
+
+use crate::readings::group::{Group, NEEDED, QUANTITIES};
+use crate::readings::spikes::{AFTER_EDGE, BEFORE_EDGE, spreads};
+
+/// A stray stands this many robust standard deviations off: under Gaussian noise one reading in two million does, and what a
+/// model misses smoothly is not seen in differences of neighbours.
+const FAR: f64 = 5.0;
+/// Readings of a channel from which the spread of its neighbours' differences is known.
+const ENOUGH: usize = 30;
+/// Other edges of the drive that show what the model misses so many readings behind an edge.
+const OTHER_EDGES: usize = 3;
+/// A stray near an edge is so many times as far off as nine tenths of the readings at that place of other edges.
+const BEYOND_USUAL: f64 = 2.0;
+/// Looks at a channel, each with the strays of the one before left out: of neighbours only the farthest one goes.
+const LOOKS: usize = 6;
+/// Part of a channel's readings that are strays at most: where more stand off, as under the bubbles of an electrolysis, the
+/// noise is of that kind.
+const MOST: f64 = 0.03;
+/// Pairs of neighbours that tell what a reading should be. A stray beside another one is off two pairs at least, a good
+/// reading between two strays off one.
+const PAIRS: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 1), (2, 2)];
+
+/// Chance below which strays beside edges are no wild values. A wild value stands anywhere; what stands off beside edges more
+/// often than elsewhere is how the strip or the source answers them, and is asked for its cause.
+const NO_CHANCE: f64 = 1e-3;
+
+/// The group without its strays; none where there are none.
+pub(crate) fn without<'a>(group: &Group<'a>, model: &ExtendedModel) -> Option<Group<'a>> {
+    let (mut cleaned, told) = cleaned(group, model, true);
+    if told.is_with_edges() {
+        cleaned = self::cleaned(group, model, false).0;
+    }
+    cleaned.give_back(group);
+    let left_out = |group: &Group| group.runs.iter().flat_map(|run| run.spikes).sum::<usize>();
+    (left_out(&cleaned) > left_out(group)).then_some(cleaned)
+}
+
+/// The group without strays, of those beside edges only where they are asked for, and where they stood.
+fn cleaned<'a>(group: &Group<'a>, model: &ExtendedModel, beside_edges: bool) -> (Group<'a>, Places) {
+    let mut cleaned = group.clone();
+    let mut places = Places::default();
+    for look in 0..LOOKS {
+        let (found, seen) = strays(&cleaned, model, beside_edges);
+        if look == 0 {
+            places.readings = seen.readings;
+        }
+        places.strays = [0, 1].map(|k| places.strays[k] + seen.strays[k]);
+        if found.iter().all(|(_, _, strays)| strays.is_empty()) {
+            break;
+        }
+        for (run, kind, strays) in found {
+            cleaned.leave_out(run, kind, &strays);
+        }
+    }
+    (cleaned, places)
+}
+
+/// Strays and readings beside edges of the drive, and elsewhere.
+#[derive(Debug, Clone, Copy, Default)]
+struct Places {
+    strays: [usize; 2],
+    readings: [usize; 2],
+}
+
+impl Places {
+    /// Whether more of them stand beside edges than by chance, from how many stand elsewhere (one more than were found).
+    fn is_with_edges(&self) -> bool {
+        let each = (self.strays[1] + 1) as f64 / self.readings[1].max(1) as f64;
+        let expected = each * self.readings[0] as f64;
+        let chance = Poisson::new(expected.max(f64::MIN_POSITIVE));
+        let at_least = |count: usize| match count {
+            0 => 1.0,
+            count => chance.as_ref().map_or(1.0, |chance| chance.sf(count as u64 - 1)),
+        };
+        at_least(self.strays[0]) < NO_CHANCE
+    }
+}
+
+/// Run, kind of channel, and its strays in rising order.
+type Found = (usize, usize, Vec<usize>);
+
+/// One channel as far as strays are concerned.
+struct Looked {
+    run: usize,
+    /// How far each reading is off its neighbours, in spreads.
+    off: Vec<f64>,
+    /// Index of the first reading behind each edge of the drive.
+    edges: Vec<usize>,
+}
+
+/// The farthest of each run of readings that are off.
+fn strays(group: &Group, model: &ExtendedModel, beside_edges: bool) -> (Vec<Found>, Places) {
+    let mut found = Vec::new();
+    let mut places = Places::default();
+    for kind in 0..QUANTITIES.len() {
+        let looked: Vec<Looked> = (0..group.runs.len())
+            .filter_map(|run| look(group, model, run, kind))
+            .collect();
+        for own in &looked {
+            let is_stray = |&k: &usize| {
+                let is_asked = beside_edges || own.beside_edge(k).is_none();
+                is_asked && own.is_farthest(k) && !is_at_every_edge(own, k, &looked)
+            };
+            let strays: Vec<usize> = (0..own.off.len()).filter(is_stray).collect();
+            let beside = |k: &usize| own.beside_edge(*k).is_some();
+            let near = strays.iter().copied().filter(|k| beside(k)).count();
+            let near_all = (0..own.off.len()).filter(beside).count();
+            places.strays[0] += near;
+            places.strays[1] += strays.len() - near;
+            places.readings[0] += near_all;
+            places.readings[1] += own.off.len() - near_all;
+            found.push((own.run, kind, strays));
+        }
+    }
+    (found, places)
+}
+
+fn look(group: &Group, model: &ExtendedModel, run: usize, kind: usize) -> Option<Looked> {
+    let own = &group.runs[run];
+    let channel = own.channels[kind].as_ref().filter(|c| c.len() >= ENOUGH)?;
+    if is_held(channel.values()) {
+        return None;
+    }
+    let responses = model.responses(&own.context(run, None), own.times(0), own.times(1));
+    let fitted = [responses.current_a, responses.curvature_per_cm];
+    let pairs = channel.values().iter().zip(&fitted[kind]);
+    let rest: Vec<f64> = pairs.map(|(reading, fitted)| reading - fitted).collect();
+    let time_s = channel.time_s();
+    let edges = own.given.input.drive.edges_s();
+    Some(Looked {
+        run,
+        off: off_neighbours(&rest)?,
+        edges: edges
+            .iter()
+            .map(|edge_s| time_s.partition_point(|t| t < edge_s))
+            .collect(),
+    })
+}
+
+/// Whether at least half of the readings repeat the one before: an instrument that holds its readings, or whose steps are
+/// coarser than the noise. What differs from its neighbours is then the next step, and no stray.
+fn is_held(values: &[f64]) -> bool {
+    let repeated = values.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    2 * repeated >= values.len()
+}
+
+/// How far each value is off the means of pairs of its neighbours, in robust spreads of the same differences; of the four
+/// pairs the second farthest counts. Values at an end have neighbours on one side only. None where the values do not
+/// scatter.
+fn off_neighbours(values: &[f64]) -> Option<Vec<f64>> {
+    let last = values.len().checked_sub(1)?;
+    let at = |k: usize, by: isize| values[(k.saturating_add_signed(by)).min(last)];
+    let of_pair = |(before, after): (usize, usize)| -> Option<Vec<f64>> {
+        let differences: Vec<f64> = (0..=last)
+            .map(|k| {
+                let (before, after) = match (k < before, k + after > last) {
+                    // The same distance on the other side.
+                    (true, _) => (before as isize, after as isize),
+                    (_, true) => (-(before as isize), -(after as isize)),
+                    _ => (-(before as isize), after as isize),
+                };
+                values[k] - 0.5 * (at(k, before) + at(k, after))
+            })
+            .collect();
+        let is_scattered = sd_about_zero(&differences) > 0.0;
+        let spreads = is_scattered.then(|| spreads(&differences))?;
+        let pairs = differences.iter().zip(spreads);
+        Some(pairs.map(|(own, spread)| own.abs() / spread).collect())
+    };
+    let pairs: Vec<Vec<f64>> = PAIRS.into_iter().map(of_pair).collect::<Option<_>>()?;
+    let second = |k: usize| {
+        let mut own: Vec<f64> = pairs.iter().map(|pair| pair[k]).collect();
+        own.sort_unstable_by(|a, b| b.total_cmp(a));
+        own[1]
+    };
+    Some((0..=last).map(second).collect())
+}
+
+impl Looked {
+    /// Whether that reading is off, and more so than the two on either side.
+    fn is_farthest(&self, k: usize) -> bool {
+        let own = self.off[k];
+        let around = k.saturating_sub(2)..(k + 3).min(self.off.len());
+        own > FAR && around.into_iter().all(|other| self.off[other] <= own)
+    }
+
+    /// How far that reading is before (negative) or behind an edge of the drive that it is near to.
+    fn beside_edge(&self, k: usize) -> Option<isize> {
+        let offsets = self.edges.iter().map(|&edge| k as isize - edge as isize);
+        offsets
+            .filter(|offset| (-(BEFORE_EDGE as isize)..AFTER_EDGE as isize).contains(offset))
+            .min_by_key(|offset| offset.abs())
+    }
+}
+
+/// Whether reading `k` is near an edge and the model may miss what comes with edges: where it is not far beyond nearly all
+/// others at such a place, or too few others tell. Edges of its own run are asked first: those of other runs may be larger
+/// or smaller.
+fn is_at_every_edge(own: &Looked, k: usize, all: &[Looked]) -> bool {
+    let Some(offset) = own.beside_edge(k) else {
+        return false;
+    };
+    let at_edges = |looked: &Looked| -> Vec<f64> {
+        let places = looked
+            .edges
+            .iter()
+            .filter_map(|edge| edge.checked_add_signed(offset));
+        places
+            .filter(|&place| !(looked.run == own.run && place == k))
+            .filter_map(|place| looked.off.get(place).copied())
+            .collect()
+    };
+    let mut others = at_edges(own);
+    if others.len() < OTHER_EDGES {
+        others = all.iter().flat_map(at_edges).collect();
+    }
+    others.sort_unstable_by(f64::total_cmp);
+    let usual = others
+        .get(others.len() * 9 / 10)
+        .copied()
+        .unwrap_or(f64::INFINITY);
+    others.len() < OTHER_EDGES || own.off[k] < BEYOND_USUAL * usual
+}
+
+impl<'a> Group<'a> {
+    /// Takes channels back from before, of which more was left out than outliers are.
+    fn give_back(&mut self, before: &Group<'a>) {
+        for (own, before) in self.runs.iter_mut().zip(&before.runs) {
+            for kind in 0..QUANTITIES.len() {
+                let left = own.channels[kind].as_ref().map_or(0, WhitenedChannel::len);
+                if own.spikes[kind] as f64 > MOST * (left + own.spikes[kind]) as f64 {
+                    own.channels[kind].clone_from(&before.channels[kind]);
+                    own.spikes[kind] = before.spikes[kind];
+                }
+            }
+        }
+        self.blocks = Group::blocks(&self.runs);
+    }
+
+    /// Leaves those readings out of a channel, where enough others remain.
+    fn leave_out(&mut self, run: usize, kind: usize, strays: &[usize]) {
+        let own = &mut self.runs[run];
+        let Some(channel) = &own.channels[kind] else {
+            return;
+        };
+        let keep = |values: &[f64]| -> Arc<[f64]> {
+            let kept = (0..values.len()).filter(|k| strays.binary_search(k).is_err());
+            kept.map(|k| values[k]).collect()
+        };
+        let kept = Channel::new(QUANTITIES[kind], keep(channel.time_s()), keep(channel.values()));
+        if let Some(kept) = WhitenedChannel::new(&kept, own.given.input.drive, NEEDED) {
+            own.channels[kind] = Some(kept);
+            own.spikes[kind] += strays.len();
+        }
+        self.blocks = Group::blocks(&self.runs);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::Runs;
+
+    fn scatter(n: usize) -> Vec<f64> {
+        (0..n)
+            .map(|k| (k as f64 * 1.7).sin() * (k as f64 * 0.37).cos())
+            .collect()
+    }
+
+    #[test]
+    fn a_channel_of_which_more_would_go_than_outliers_are_is_kept_whole() {
+        let runs = Runs::with(None, &[&[(0.0, 2.0)]], 3);
+        let inputs = runs.inputs();
+        let whole = Group::new(&inputs);
+        let without = |count: usize| {
+            let mut cleaned = whole.clone();
+            cleaned.leave_out(0, 0, &(100..100 + count).collect::<Vec<_>>());
+            cleaned.give_back(&whole);
+            let left = cleaned.runs[0].channels[0]
+                .as_ref()
+                .map_or(0, WhitenedChannel::len);
+            (left, cleaned.runs[0].spikes[0])
+        };
+        let (all, _) = without(0);
+        assert_eq!(without(10), (all - 10, 10));
+        assert_eq!(without(30), (all, 0));
+    }
+
+    #[test]
+    fn readings_in_steps_are_held_and_a_scatter_is_not() {
+        let stairs: Vec<f64> = (0..300).map(|k| (-f64::from(k / 3) / 40.0).exp()).collect();
+        assert!(is_held(&stairs) && !is_held(&scatter(300)));
+        let rounded: Vec<f64> = scatter(300).iter().map(|v| (v / 0.5).round()).collect();
+        assert!(!is_held(&rounded));
+    }
+
+    fn looked(values: &[f64], edges: &[usize]) -> Looked {
+        Looked {
+            run: 0,
+            off: off_neighbours(values).unwrap(),
+            edges: edges.to_vec(),
+        }
+    }
+
+    fn farthest(values: &[f64]) -> Vec<usize> {
+        let looked = looked(values, &[]);
+        (0..values.len()).filter(|&k| looked.is_farthest(k)).collect()
+    }
+
+    #[test]
+    fn strays_beside_one_another_and_at_the_ends_are_found_and_good_readings_between_them_are_not() {
+        for strays in [vec![50], vec![50, 51], vec![50, 52], vec![0], vec![119]] {
+            let mut values = scatter(120);
+            for &k in &strays {
+                values[k] += 15.0;
+            }
+            let found = farthest(&values);
+            assert!(
+                !found.is_empty() && found.iter().all(|k| strays.contains(k)),
+                "{strays:?}: {found:?}"
+            );
+        }
+        assert!(farthest(&scatter(120)).is_empty());
+    }
+
+    #[test]
+    fn strays_that_crowd_beside_edges_are_no_wild_values() {
+        let places = |near: usize, elsewhere: usize| Places {
+            strays: [near, elsewhere],
+            readings: [60, 6000],
+        };
+        assert!(!places(0, 0).is_with_edges() && !places(1, 0).is_with_edges());
+        assert!(!places(2, 60).is_with_edges());
+        assert!(places(3, 0).is_with_edges() && places(9, 60).is_with_edges());
+    }
+
+    #[test]
+    fn what_comes_with_most_edges_is_no_stray() {
+        let edges = [20, 40, 60, 80, 100];
+        let mut values = scatter(120);
+        values[60] += 15.0;
+        let one = looked(&values, &edges);
+        assert!(one.is_farthest(60) && !is_at_every_edge(&one, 60, std::slice::from_ref(&one)));
+        edges.iter().for_each(|&edge| values[edge] = 12.0);
+        let all = looked(&values, &edges);
+        assert!(is_at_every_edge(&all, 60, std::slice::from_ref(&all)));
+        // One edge alone tells nothing.
+        let single = looked(&values, &[60]);
+        assert!(is_at_every_edge(&single, 60, std::slice::from_ref(&single)));
+    }
+}
