@@ -9,6 +9,7 @@ pub mod dma;
 pub mod export;
 pub mod false_discovery;
 pub mod findings;
+pub mod forecast;
 pub mod groups;
 pub mod json_rows;
 pub mod laws;

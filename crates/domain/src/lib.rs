@@ -30,6 +30,7 @@ pub mod seconds;
 pub mod standing;
 pub mod tag;
 pub mod thinning;
+pub mod typed_value;
 pub mod unit;
 mod unit_spelling;
 

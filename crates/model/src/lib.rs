@@ -5,6 +5,7 @@ pub mod choice;
 pub mod circuit;
 pub mod classical;
 pub mod coupling;
+pub mod course;
 pub mod distributed;
 pub mod effects;
 pub mod extended;

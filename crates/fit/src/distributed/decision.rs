@@ -1,6 +1,7 @@
 //! Lumped or distributed: what a run says, in numbers and in a sentence.
 
 use ieap_domain::{Estimate, Issue, LUMPED_OR_DISTRIBUTED};
+pub(super) use ieap_model::distributed::criterion::LUMPED_TOLERANCE;
 use ieap_model::distributed::{DistributedModel, LumpedError};
 use ieap_numerics::student::quantile_95;
 
@@ -9,8 +10,6 @@ use super::described::electrical_parameters;
 use super::estimates::electrode_resistance;
 use super::unevenness::{Unevenness, unevenness};
 
-/// The lumped model is called enough where it is wrong by less than this share at the tip.
-pub(super) const LUMPED_TOLERANCE: f64 = 0.05;
 /// Chance below which differences between places are claimed.
 pub const CLAIMED: f64 = 0.05;
 

@@ -2,6 +2,10 @@
 
 use super::DistributedModel;
 
+/// The lumped model is called enough where it is wrong by no more than this share at the tip: what a camera and the
+/// dimensions of a strip leave open.
+pub const LUMPED_TOLERANCE: f64 = 0.05;
+
 /// Error of a lumped model with the strip's own R_c, C and R_ss, as shares of what it says (0 none, 1 all), and
 /// the delay that it does not know.
 ///

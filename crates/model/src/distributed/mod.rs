@@ -3,8 +3,10 @@
 //!
 //! Per unit length an R-C chain beside R_ss lies between electrodes of resistance R_e (both together). A step V0
 //! at the clamp of the discharged strip is solved in closed form (`series`), any piecewise-constant drive by a
-//! chain of cells (`ladder`), a strip whose electrodes resist more beyond a place by modes (`broken`); `criterion` says when the lumped model is enough.
+//! chain of cells (`ladder`), any number of branches under
+//! held drives in modes that are lumped circuits (`branched`), a strip whose electrodes resist more beyond a place by modes (`broken`); `criterion` says when the lumped model is enough.
 
+pub mod branched;
 pub mod broken;
 pub mod criterion;
 pub mod field;

@@ -5,8 +5,9 @@
 //! The dimensions' own errors enter where a number depends on them, and only there.
 
 pub mod prediction;
+pub mod propagation;
 
-pub use prediction::{Identified, Prediction, predict};
+pub use prediction::{CarriedBy, Identified, Prediction, Series, predict};
 
 use thiserror::Error;
 
@@ -25,6 +26,14 @@ pub struct Dimension {
 }
 
 impl Dimension {
+    /// A length without an error.
+    pub const fn exact(value_mm: f64) -> Dimension {
+        Dimension {
+            value_mm,
+            standard_error_mm: 0.0,
+        }
+    }
+
     fn relative(&self) -> f64 {
         self.standard_error_mm / self.value_mm
     }
@@ -40,6 +49,13 @@ pub struct StripSize {
     /// Thickness of the laminate, where it is known.
     pub thickness: Option<Dimension>,
 }
+
+/// A strip of 1 cm2, where only what belongs to the laminate counts.
+pub(crate) const UNIT_SIZE: StripSize = StripSize {
+    length: Dimension::exact(10.0),
+    width: Dimension::exact(10.0),
+    thickness: None,
+};
 
 impl StripSize {
     /// Length and width in cm.
@@ -91,6 +107,11 @@ pub enum ScalingError {
         /// The parameter's key.
         key: String,
     },
+    /// The distributed model is needed, and has no answer to an open circuit.
+    #[error(
+        "the strip charges unevenly along its length, and an open circuit cannot be predicted there: hold a voltage in its place"
+    )]
+    OpenCircuitAlong,
     /// The covariance belongs to other parameters.
     #[error("the covariance has {found} entries; {parameters} parameters need {needed}")]
     CovarianceSize {

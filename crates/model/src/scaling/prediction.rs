@@ -1,11 +1,17 @@
 //! What a strip of another size will do, with the uncertainty of the identified parameters and of both sizes.
 
+use super::propagation::{derivatives, deviations, values};
 use super::{ScalingError, StripSize, lumped_model};
 use crate::coupling::CurvaturePerArealCharge;
+use crate::distributed::branched::{BranchedStrip, voltage_time_integral};
+use crate::distributed::criterion::LUMPED_TOLERANCE;
 use crate::distributed::{Laminate, LumpedError};
 use crate::geometry::Shape;
 use crate::lumped::{Branch, LumpedModel};
 use ieap_domain::Drive;
+
+/// Links of the chain that a strip's shape is drawn with.
+pub const LINKS: usize = 40;
 
 /// What was identified, on which strip, how well.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,23 +28,44 @@ pub struct Identified<'a> {
     pub electrode_resistance_ohm_per_sq: Option<f64>,
 }
 
+/// Which model says what the strip does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CarriedBy {
+    /// The lumped one: it is enough, or nothing is known of the electrodes.
+    Lumped,
+    /// The distributed one with the same branches.
+    Distributed,
+}
+
+/// A response at the times asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Series {
+    /// Values.
+    pub value: Vec<f64>,
+    /// Their standard errors.
+    pub standard_error: Vec<f64>,
+}
+
 /// Responses of a strip with their standard errors. Noise of a measurement is not contained.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// The model of the new strip.
     pub model: LumpedModel,
+    /// By which model.
+    pub carried_by: CarriedBy,
     /// Current, A.
-    pub current_a: Vec<f64>,
-    /// Its standard error, A.
-    pub current_standard_error_a: Vec<f64>,
-    /// Curvature, 1/cm; the same as that of the identified strip, for it follows the areal charge.
-    pub curvature_per_cm: Vec<f64>,
-    /// Its standard error, 1/cm.
-    pub curvature_standard_error_per_cm: Vec<f64>,
+    pub current_a: Series,
+    /// Charge on the capacitors, C.
+    pub charge_c: Series,
+    /// Charge that has flowed through R_ss since the drive began, C.
+    pub leaked_charge_c: Series,
+    /// Curvature, 1/cm, the mean over the length; for the lumped model the same as that of the identified strip, for
+    /// it follows the areal charge.
+    pub curvature_per_cm: Series,
     /// Sideways displacement of the tip of the initially straight strip, mm.
-    pub tip_displacement_mm: Vec<f64>,
-    /// Its standard error, mm.
-    pub tip_displacement_standard_error_mm: Vec<f64>,
+    pub tip_displacement_mm: Series,
+    /// Curvature of each of [`LINKS`] links of equal length, from the clamp on, 1/cm.
+    pub local_curvature_per_cm: Vec<Series>,
     /// What the lumped model gets wrong on the new strip; none where the electrodes' resistance is not known, so
     /// that a longer strip may well charge unevenly and nobody can say.
     pub lumped_error: Option<LumpedError>,
@@ -46,8 +73,12 @@ pub struct Prediction {
 
 /// Predicts a strip of the size `to` and of the same laminate in the given drive, to first order in the errors.
 ///
+/// Where the electrodes' resistance is known and the lumped model would be wrong by more than
+/// [`LUMPED_TOLERANCE`] on the new strip, the distributed one is taken.
+///
 /// # Errors
-/// The strips have no area or another thickness, or the covariance does not belong to the model's parameters.
+/// The strips have no area or another thickness, the covariance does not belong to the model's parameters, or the
+/// distributed model is needed for a drive with an open circuit.
 pub fn predict(
     identified: &Identified,
     to: &StripSize,
@@ -55,8 +86,7 @@ pub fn predict(
     time_s: &[f64],
 ) -> Result<Prediction, ScalingError> {
     let model = lumped_model(identified.model, identified.size, to)?;
-    let parameters = values(identified.model);
-    let n = parameters.len();
+    let n = values(identified.model).len();
     if identified.covariance.len() != n * n {
         return Err(ScalingError::CovarianceSize {
             found: identified.covariance.len(),
@@ -64,136 +94,166 @@ pub fn predict(
             needed: n * n,
         });
     }
-    let area_cm2 = to.area_cm2();
-    let current_a = model.current_a(drive, area_cm2, time_s);
-    let curvature_per_cm = model.curvature_per_cm(drive, area_cm2, time_s);
-    let slopes = slopes(identified, &parameters, |changed| {
-        // Alpha is that of the identified strip here, and so is the area it belongs to.
-        let bent = changed.curvature_per_cm(drive, identified.size.area_cm2(), time_s);
-        (changed.current_a(drive, area_cm2, time_s), bent)
-    });
+    let lumped_error = identified
+        .electrode_resistance_ohm_per_sq
+        .map(|resistance| lumped_error(identified.model, resistance, to));
+    let needed = |error: LumpedError| !error.lumped_is_enough(LUMPED_TOLERANCE);
+    let electrodes = identified
+        .electrode_resistance_ohm_per_sq
+        .filter(|_| lumped_error.is_some_and(needed));
+    let asked = Asked {
+        electrodes,
+        drive,
+        time_s,
+    };
+    let found = asked.respond(&model, to)?;
+    let changed = |model: &LumpedModel| {
+        let carried = lumped_model(model, identified.size, to).ok()?;
+        asked.respond(&carried, to).ok().map(|r| r.series)
+    };
+    let slopes = derivatives(identified, &found.series, changed);
+    let by_length = asked.length_slopes(&model, to, &found.series)?;
     let areas = identified
         .size
         .relative_area_error()
         .hypot(to.relative_area_error());
-    let (current_slopes, curvature_slopes): (Vec<Vec<f64>>, Vec<Vec<f64>>) = slopes.into_iter().unzip();
-    let of_parameters = deviations(identified.covariance, &current_slopes, time_s.len());
-    let current_errors = of_parameters.iter().zip(&current_a);
-    let curvature_standard_error_per_cm = deviations(identified.covariance, &curvature_slopes, time_s.len());
-    let tips: Vec<(f64, f64)> = curvature_per_cm
-        .iter()
-        .zip(&curvature_standard_error_per_cm)
-        .map(|(curvature, error)| tip_mm(*curvature, *error, to))
+    let series: Vec<Series> = (0..found.series.len())
+        .map(|which| {
+            let of: Vec<&[f64]> = slopes.iter().map(|slope| slope[which].as_slice()).collect();
+            let value = found.series[which].clone();
+            let of_parameters = deviations(identified.covariance, &of, time_s.len());
+            let of_size = |k: usize| match which < PER_AREA {
+                true => value[k] * areas,
+                false => by_length[which][k] * to.length.standard_error_mm,
+            };
+            let error = |k: usize| of_parameters[k].hypot(of_size(k));
+            Series {
+                standard_error: (0..time_s.len()).map(error).collect(),
+                value,
+            }
+        })
         .collect();
+    let mut series = series.into_iter();
+    let mut next = || series.next().unwrap_or_default();
     Ok(Prediction {
-        current_standard_error_a: current_errors
-            .map(|(error, current)| error.hypot(current * areas))
-            .collect(),
-        lumped_error: identified
-            .electrode_resistance_ohm_per_sq
-            .map(|resistance| lumped_error(identified.model, resistance, to)),
         model,
-        current_a,
-        curvature_per_cm,
-        curvature_standard_error_per_cm,
-        tip_displacement_mm: tips.iter().map(|tip| tip.0).collect(),
-        tip_displacement_standard_error_mm: tips.iter().map(|tip| tip.1).collect(),
+        carried_by: match electrodes {
+            Some(_) => CarriedBy::Distributed,
+            None => CarriedBy::Lumped,
+        },
+        current_a: next(),
+        charge_c: next(),
+        leaked_charge_c: next(),
+        curvature_per_cm: next(),
+        tip_displacement_mm: next(),
+        local_curvature_per_cm: (0..LINKS).map(|_| next()).collect(),
+        lumped_error,
     })
 }
 
-/// Standard deviation at each time of what has these derivatives by the parameters (one row of times each).
-fn deviations(covariance: &[f64], slopes: &[Vec<f64>], times: usize) -> Vec<f64> {
-    let n = slopes.len();
-    let variance = |time: usize| -> f64 {
-        let entry = |k: usize| slopes[k / n][time] * covariance[k] * slopes[k % n][time];
-        (0..n * n).map(entry).sum()
-    };
-    (0..times).map(|time| variance(time).max(0.0).sqrt()).collect()
+/// Number of the first responses, which follow the area.
+const PER_AREA: usize = 3;
+
+/// Responses in the order of [`Prediction`]: current, charge, leaked charge, curvature, tip, then the links.
+struct Found {
+    series: Vec<Vec<f64>>,
 }
 
-/// The parameters in the covariance's order.
-fn values(model: &LumpedModel) -> Vec<f64> {
-    let branches = model.branches.iter();
-    let mut values: Vec<f64> = branches
-        .flat_map(|b| [b.resistance_ohm_cm2, b.capacitance_f_per_cm2])
-        .collect();
-    values.extend([
-        model.steady_state_resistance_ohm_cm2,
-        model.charge_to_curvature_per_c_cm,
-        model.relaxation_rate_per_s,
-    ]);
-    values
+struct Asked<'a> {
+    /// Ohm per square; none for the lumped model.
+    electrodes: Option<f64>,
+    drive: &'a Drive,
+    time_s: &'a [f64],
 }
 
-fn with_values(values: &[f64]) -> LumpedModel {
-    let (branches, rest) = values.split_at(values.len() - 3);
-    let branch = |pair: &[f64]| Branch {
-        resistance_ohm_cm2: pair[0],
-        capacitance_f_per_cm2: pair[1],
-    };
-    LumpedModel {
-        branches: branches.chunks_exact(2).map(branch).collect(),
-        steady_state_resistance_ohm_cm2: rest[0],
-        charge_to_curvature_per_c_cm: rest[1],
-        relaxation_rate_per_s: rest[2],
+impl Asked<'_> {
+    /// What a strip of that size and model does.
+    fn respond(&self, model: &LumpedModel, of: &StripSize) -> Result<Found, ScalingError> {
+        let area = of.active_area();
+        let (drive, time_s) = (self.drive, self.time_s);
+        let link_cm = area.length_cm / LINKS as f64;
+        let Some(electrode_resistance_ohm_per_sq) = self.electrodes else {
+            let curvature = model.curvature_per_cm(drive, area.area_cm2(), time_s);
+            let tip =
+                |curvature: &f64| 10.0 * Shape::from_curvature(&[*curvature], area.length_cm).tip_cm().1;
+            let leak = area.area_cm2() / model.steady_state_resistance_ohm_cm2;
+            let mut series = vec![
+                model.current_a(drive, area.area_cm2(), time_s),
+                model.charge_c(drive, area.area_cm2(), time_s),
+                time_s
+                    .iter()
+                    .map(|t| leak * voltage_time_integral(drive, *t))
+                    .collect(),
+                curvature.clone(),
+                curvature.iter().map(tip).collect(),
+            ];
+            series.extend(std::iter::repeat_n(curvature, LINKS));
+            return Ok(Found { series });
+        };
+        let strip = BranchedStrip {
+            model,
+            electrode_resistance_ohm_per_sq,
+            length_cm: area.length_cm,
+            width_cm: area.width_cm,
+        };
+        let middles: Vec<f64> = (0..LINKS).map(|k| (k as f64 + 0.5) * link_cm).collect();
+        let found = strip
+            .respond(drive, &middles, time_s)
+            .ok_or(ScalingError::OpenCircuitAlong)?;
+        let tip = |k: usize| {
+            let shape = Shape::from_curvature(found.curvature_per_cm.profile(k), link_cm);
+            10.0 * shape.tip_cm().1
+        };
+        let tips = (0..time_s.len()).map(tip).collect();
+        let local = |place: usize| {
+            (0..time_s.len())
+                .map(|k| found.curvature_per_cm.at(k, place))
+                .collect()
+        };
+        let places: Vec<Vec<f64>> = (0..LINKS).map(local).collect();
+        let mut series = vec![
+            found.current_a,
+            found.charge_c,
+            found.leaked_charge_c,
+            found.mean_curvature_per_cm,
+            tips,
+        ];
+        series.extend(places);
+        Ok(Found { series })
+    }
+
+    /// Derivatives by the length, per mm, with the charge per area held; zeros where it is exact.
+    fn length_slopes(
+        &self,
+        model: &LumpedModel,
+        to: &StripSize,
+        at: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, ScalingError> {
+        if to.length.standard_error_mm == 0.0 {
+            return Ok(at.iter().map(|series| vec![0.0; series.len()]).collect());
+        }
+        let step_mm = 1e-4 * to.length.value_mm;
+        let with = |change_mm: f64| {
+            let mut changed = *to;
+            changed.length.value_mm += change_mm;
+            self.respond(&lumped_model(model, to, &changed)?, &changed)
+        };
+        let (longer, shorter) = (with(step_mm)?, with(-step_mm)?);
+        let pairs = longer.series.iter().zip(&shorter.series);
+        let slope = |(up, down): (&Vec<f64>, &Vec<f64>)| {
+            let each = up.iter().zip(down);
+            each.map(|(up, down)| (up - down) / (2.0 * step_mm)).collect()
+        };
+        Ok(pairs.map(slope).collect())
     }
 }
 
-/// Derivatives of current and curvature by every parameter, by central differences; zero where the parameter has
-/// no variance. At a value of zero, which a rate may have, the difference is taken upwards.
-fn slopes(
-    identified: &Identified,
-    parameters: &[f64],
-    respond: impl Fn(&LumpedModel) -> (Vec<f64>, Vec<f64>),
-) -> Vec<(Vec<f64>, Vec<f64>)> {
-    let n = parameters.len();
-    let slope = |k: usize| {
-        let variance = identified.covariance[k * n + k];
-        if variance <= 0.0 || !parameters[k].is_finite() {
-            let (current, bent) = respond(identified.model);
-            return (vec![0.0; current.len()], vec![0.0; bent.len()]);
-        }
-        let above = if parameters[k] == 0.0 {
-            1e-3 * variance.sqrt()
-        } else {
-            1e-4 * parameters[k].abs()
-        };
-        let below = if parameters[k] == 0.0 { 0.0 } else { above };
-        let at = |change: f64| {
-            let mut changed = parameters.to_vec();
-            changed[k] += change;
-            respond(&with_values(&changed))
-        };
-        let (high, low) = (at(above), at(-below));
-        let difference = |high: &[f64], low: &[f64]| -> Vec<f64> {
-            let pairs = high.iter().zip(low);
-            pairs.map(|(high, low)| (high - low) / (above + below)).collect()
-        };
-        (difference(&high.0, &low.0), difference(&high.1, &low.1))
-    };
-    (0..n).map(slope).collect()
-}
-
-/// Displacement of the tip of an arc, mm, and its standard error: `d = (1 - cos u)/kappa` with `u = kappa L`, so
-/// `dd/dL = sin u` and `dd/dkappa = L^2 (u sin u - 1 + cos u)/u^2`.
-fn tip_mm(curvature_per_cm: f64, curvature_error_per_cm: f64, of: &StripSize) -> (f64, f64) {
-    let length_cm = of.active_area().length_cm;
-    let turn = curvature_per_cm * length_cm;
-    let displacement_mm = 10.0 * Shape::from_curvature(&[curvature_per_cm], length_cm).tip_cm().1;
-    let lever = if turn.abs() < 1e-3 {
-        0.5 - turn * turn / 8.0
-    } else {
-        (turn * turn.sin() - 1.0 + turn.cos()) / (turn * turn)
-    };
-    let by_curvature = 10.0 * length_cm * length_cm * lever * curvature_error_per_cm;
-    (
-        displacement_mm,
-        by_curvature.hypot(turn.sin() * of.length.standard_error_mm),
-    )
-}
-
 /// The criterion for the new strip, the branches seen as one that conducts at first as all of them.
-fn lumped_error(model: &LumpedModel, electrode_resistance_ohm_per_sq: f64, to: &StripSize) -> LumpedError {
+pub fn lumped_error(
+    model: &LumpedModel,
+    electrode_resistance_ohm_per_sq: f64,
+    to: &StripSize,
+) -> LumpedError {
     let conductance: f64 = model.branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum();
     let laminate = Laminate {
         electrode_resistance_ohm_per_sq,
@@ -208,9 +268,28 @@ fn lumped_error(model: &LumpedModel, electrode_resistance_ohm_per_sq: f64, to: &
     laminate.strip(&to.active_area()).lumped_error()
 }
 
+/// Largest resistance of the electrodes, Ohm per square, with which the lumped model is wrong on that strip by no
+/// more than the share `tolerance`.
+pub fn largest_electrode_resistance(model: &LumpedModel, to: &StripSize, tolerance: f64) -> f64 {
+    let is_enough = |resistance: f64| lumped_error(model, resistance, to).lumped_is_enough(tolerance);
+    let (mut enough, mut too_much) = (0.0, 1.0);
+    while is_enough(too_much) && too_much < 1e12 {
+        (enough, too_much) = (too_much, 2.0 * too_much);
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (enough + too_much);
+        match is_enough(middle) {
+            true => enough = middle,
+            false => too_much = middle,
+        }
+    }
+    enough
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Dimension;
+    use super::super::propagation::with_values;
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -316,9 +395,9 @@ mod tests {
         let found = predicted(&from, &to, None);
         let [current, curvature, tip] = scattered(&from, &to, 6000);
         let pairs = [
-            (&found.current_standard_error_a, current),
-            (&found.curvature_standard_error_per_cm, curvature),
-            (&found.tip_displacement_standard_error_mm, tip),
+            (&found.current_a.standard_error, current),
+            (&found.curvature_per_cm.standard_error, curvature),
+            (&found.tip_displacement_mm.standard_error, tip),
         ];
         for (which, (stated, drawn)) in pairs.iter().enumerate() {
             for k in 0..TIME_S.len() {
@@ -338,26 +417,6 @@ mod tests {
     }
 
     #[test]
-    fn the_tips_error_holds_for_a_strip_that_bends_over() {
-        // Bent by 2 rad, where the sideways displacement grows slower than the length and the curvature.
-        let of = size(12.0, 3.0, 0.02);
-        for curvature in [1.7, -1.7, 5e-4] {
-            let tip = |curvature: f64, length_cm: f64| {
-                10.0 * Shape::from_curvature(&[curvature], length_cm).tip_cm().1
-            };
-            let by_curvature = (tip(curvature + 1e-4, 1.2) - tip(curvature - 1e-4, 1.2)) / 2e-4;
-            let by_length = (tip(curvature, 1.2001) - tip(curvature, 1.1999)) / 2e-4;
-            let expected = (0.05 * by_curvature).hypot(0.024 * by_length);
-            let (displacement, error) = tip_mm(curvature, 0.05, &of);
-            assert!(
-                (error / expected - 1.0).abs() < 1e-6,
-                "{curvature}: {error} {expected}"
-            );
-            assert_eq!(displacement, tip(curvature, 1.2));
-        }
-    }
-
-    #[test]
     fn a_larger_strip_draws_more_current_and_bends_to_the_same_curvature() {
         let (from, to) = (size(5.0, 2.0, 0.0), size(10.0, 4.0, 0.0));
         let found = predicted(&from, &to, Some(2.5));
@@ -365,15 +424,40 @@ mod tests {
         let small = cnaf().current_a(&drive, 0.1, &TIME_S);
         let bent = cnaf().curvature_per_cm(&drive, 0.1, &TIME_S);
         for k in 0..TIME_S.len() {
-            assert!((found.current_a[k] / small[k] - 4.0).abs() < 1e-12);
-            assert!((found.curvature_per_cm[k] - bent[k]).abs() <= 1e-14 * bent[2]);
+            assert!((found.current_a.value[k] / small[k] - 4.0).abs() < 1e-12);
+            assert!((found.curvature_per_cm.value[k] - bent[k]).abs() <= 1e-14 * bent[2]);
         }
-        assert_eq!(found.tip_displacement_mm[0], 0.0);
+        assert_eq!(found.tip_displacement_mm.value[0], 0.0);
         let error = found.lumped_error.unwrap();
         assert!(error.lumped_is_enough(0.01), "{error:?}");
         let long = predicted(&from, &size(100.0, 4.0, 0.0), Some(2.5));
         assert!(!long.lumped_error.unwrap().lumped_is_enough(0.01));
         assert_eq!(predicted(&from, &to, None).lumped_error, None);
+    }
+
+    #[test]
+    fn the_distributed_model_is_taken_where_the_lumped_one_is_not_enough() {
+        let (from, long) = (size(5.0, 2.0, 0.0), size(100.0, 4.0, 0.01));
+        let found = predicted(&from, &long, Some(2.5));
+        assert_eq!(found.carried_by, CarriedBy::Distributed);
+        let lumped = predicted(&from, &long, None);
+        assert_eq!(lumped.carried_by, CarriedBy::Lumped);
+        // Early the far end lags, late the strip has charged as a whole.
+        let share = |k: usize| found.curvature_per_cm.value[k] / lumped.curvature_per_cm.value[k];
+        assert!(share(1) < 0.9 && share(4) > share(1), "{} {}", share(1), share(4));
+        let links = |k: usize| found.local_curvature_per_cm[k].value[1];
+        assert!(links(0) > 1.2 * links(LINKS - 1));
+        assert!(found.tip_displacement_mm.standard_error[4] > 0.0);
+        let mut open = Drive::step(2.0);
+        open.segments[0].level = ieap_domain::Level::OpenCircuit;
+        let identified = Identified {
+            model: &cnaf(),
+            covariance: &covariance(),
+            size: &from,
+            electrode_resistance_ohm_per_sq: Some(2.5),
+        };
+        let refused = predict(&identified, &long, &open, &TIME_S).unwrap_err();
+        assert_eq!(refused, ScalingError::OpenCircuitAlong);
     }
 
     #[test]

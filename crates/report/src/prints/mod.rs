@@ -10,6 +10,7 @@ mod outlines;
 mod parameters;
 mod pdf;
 mod png;
+pub mod predicted;
 mod responses;
 mod svg;
 
@@ -55,11 +56,10 @@ impl NamedFigure {
     /// # Errors
     /// What the campaign lacks, or the message of the drawing library.
     pub fn print(&self, input: &FigureInput, width_mm: f64) -> Result<Print, String> {
-        let pixels = (width_mm * POINTS_PER_MM / POINTS_PER_PIXEL).round() as u32;
         Ok(Print {
             title: self.about.to_owned(),
             notice: input.site.input.campaign.notice.clone(),
-            drawing: (self.draw)(input, pixels)?,
+            drawing: (self.draw)(input, Print::pixels(width_mm))?,
             width_mm,
         })
     }
@@ -161,6 +161,11 @@ pub struct Print {
 }
 
 impl Print {
+    /// Width of a drawing that is printed `width_mm` wide, px.
+    pub fn pixels(width_mm: f64) -> u32 {
+        (width_mm * POINTS_PER_MM / POINTS_PER_PIXEL).round() as u32
+    }
+
     /// Width and height, mm; the height follows from the drawing.
     pub fn size_mm(&self) -> (f64, f64) {
         let (width, height) = self.drawing.size;

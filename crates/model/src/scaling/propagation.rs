@@ -1,0 +1,153 @@
+//! Errors of identified parameters carried into what they predict, to first order.
+
+use ieap_domain::Drive;
+use ieap_numerics::dense::Dense;
+
+use super::Identified;
+use crate::lumped::{Branch, LumpedModel};
+
+/// Information that every parameter has of itself beside the readings, in units of its standard error: it keeps those
+/// that no reading sees from hanging on others.
+const OWN_INFORMATION: f64 = 1e-8;
+
+/// The parameters in the covariance's order: R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda.
+pub fn values(model: &LumpedModel) -> Vec<f64> {
+    let branches = model.branches.iter();
+    let mut values: Vec<f64> = branches
+        .flat_map(|b| [b.resistance_ohm_cm2, b.capacitance_f_per_cm2])
+        .collect();
+    values.extend([
+        model.steady_state_resistance_ohm_cm2,
+        model.charge_to_curvature_per_c_cm,
+        model.relaxation_rate_per_s,
+    ]);
+    values
+}
+
+/// The model of parameters in that order, at least three.
+pub fn with_values(values: &[f64]) -> LumpedModel {
+    let (branches, rest) = values.split_at(values.len() - 3);
+    let branch = |pair: &[f64]| Branch {
+        resistance_ohm_cm2: pair[0],
+        capacitance_f_per_cm2: pair[1],
+    };
+    LumpedModel {
+        branches: branches.chunks_exact(2).map(branch).collect(),
+        steady_state_resistance_ohm_cm2: rest[0],
+        charge_to_curvature_per_c_cm: rest[1],
+        relaxation_rate_per_s: rest[2],
+    }
+}
+
+/// Derivatives of several responses by every parameter: one row of responses a parameter.
+///
+/// By central differences; zero where the parameter has no variance or no response is found beside it. At a value of
+/// zero, which a rate may have, the difference is taken upwards.
+pub(super) fn derivatives(
+    identified: &Identified,
+    at: &[Vec<f64>],
+    respond: impl Fn(&LumpedModel) -> Option<Vec<Vec<f64>>>,
+) -> Vec<Vec<Vec<f64>>> {
+    let parameters = values(identified.model);
+    let n = parameters.len();
+    let none = || at.iter().map(|series| vec![0.0; series.len()]).collect();
+    let of_parameter = |k: usize| -> Vec<Vec<f64>> {
+        let variance = identified.covariance[k * n + k];
+        if variance <= 0.0 || !parameters[k].is_finite() {
+            return none();
+        }
+        let above = match parameters[k] == 0.0 {
+            true => 1e-3 * variance.sqrt(),
+            false => 1e-4 * parameters[k].abs(),
+        };
+        let below = if parameters[k] == 0.0 { 0.0 } else { above };
+        let with = |change: f64| {
+            let mut changed = parameters.clone();
+            changed[k] += change;
+            respond(&with_values(&changed))
+        };
+        let Some((high, low)) = with(above).zip(with(-below)) else {
+            return none();
+        };
+        let slope = |(high, low): (&Vec<f64>, &Vec<f64>)| {
+            let pairs = high.iter().zip(low);
+            pairs.map(|(high, low)| (high - low) / (above + below)).collect()
+        };
+        high.iter().zip(&low).map(slope).collect()
+    };
+    (0..n).map(of_parameter).collect()
+}
+
+/// Standard deviation at each time of what has these derivatives by the parameters (one row of times each).
+pub(super) fn deviations(covariance: &[f64], slopes: &[&[f64]], times: usize) -> Vec<f64> {
+    let n = slopes.len();
+    let variance = |time: usize| -> f64 {
+        let entry = |k: usize| slopes[k / n][time] * covariance[k] * slopes[k % n][time];
+        (0..n * n).map(entry).sum()
+    };
+    (0..times).map(|time| variance(time).max(0.0).sqrt()).collect()
+}
+
+/// What a run was read at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReadAt<'a> {
+    /// The drive.
+    pub drive: &'a Drive,
+    /// Active area, cm2.
+    pub area_cm2: f64,
+    /// Times of readings of the current, s, and their standard deviation, A.
+    pub current: (&'a [f64], f64),
+    /// Times of readings of the curvature, s, and their standard deviation, 1/cm.
+    pub curvature: (&'a [f64], f64),
+}
+
+/// Covariance of parameters whose standard errors are known and whose correlations are those that readings at these
+/// times leave: those of the inverse of the information, the noise taken as white. A fit stores the errors alone.
+pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -> Vec<f64> {
+    let n = standard_errors.len();
+    let diagonal: Vec<f64> = (0..n * n)
+        .map(|k| match k / n == k % n {
+            true => standard_errors[k / n].powi(2),
+            false => 0.0,
+        })
+        .collect();
+    let respond = |model: &LumpedModel| {
+        Some(vec![
+            model.current_a(read.drive, read.area_cm2, read.current.0),
+            model.curvature_per_cm(read.drive, read.area_cm2, read.curvature.0),
+        ])
+    };
+    let identified = Identified {
+        model,
+        covariance: &diagonal,
+        size: &super::UNIT_SIZE,
+        electrode_resistance_ohm_per_sq: None,
+    };
+    let at = respond(model).unwrap_or_default();
+    let slopes = derivatives(&identified, &at, respond);
+    let weights = [read.current.1, read.curvature.1].map(|deviation| match deviation > 0.0 {
+        true => deviation.powi(-2),
+        false => 0.0,
+    });
+    let mut information = Dense::zero(n);
+    for j in 0..n {
+        for k in 0..n {
+            let of_channel = |which: usize| -> f64 {
+                let pairs = slopes[j][which].iter().zip(&slopes[k][which]);
+                weights[which] * pairs.map(|(a, b)| a * b).sum::<f64>()
+            };
+            let scaled = (of_channel(0) + of_channel(1)) * standard_errors[j] * standard_errors[k];
+            information.add(j, k, scaled + if j == k { OWN_INFORMATION } else { 0.0 });
+        }
+    }
+    let inverse = information.inverse(1e-14);
+    let entry = |j: usize, k: usize| {
+        let scale = (inverse.get(j, j) * inverse.get(k, k)).sqrt();
+        let correlation = match scale > 0.0 && j != k {
+            true => (inverse.get(j, k) / scale).clamp(-1.0, 1.0),
+            false => f64::from(u8::from(j == k)),
+        };
+        correlation * standard_errors[j] * standard_errors[k]
+    };
+    (0..n * n).map(|at| entry(at / n, at % n)).collect()
+}
