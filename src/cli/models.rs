@@ -11,12 +11,27 @@ use crate::{model, pipeline};
 #[derive(Debug, Args)]
 pub struct ModelsArgs {}
 
+fn law_text(about: &model::bending::LawText) -> serde_json::Value {
+    json!({
+        "equation": about.equation,
+        "driven_by": about.driven_by,
+        "source": about.source,
+        "limits": about.limits,
+    })
+}
+
 pub fn run(_args: &ModelsArgs, output: &Output) -> Result<u8, CliError> {
     for model in model::fit_models() {
         output.result(&format!(
             "{}  (version {})  {}",
             model.id, model.version, model.description
         ));
+        if let Some(law) = model::rival_law(model.id) {
+            let about = law.about();
+            output.result(&format!("    {}", about.equation));
+            output.result(&format!("    driven by {}", about.driven_by));
+            output.result(&format!("    limits: {}", about.limits));
+        }
         for parameter in model.parameters {
             let derived = if parameter.derived { " (derived)" } else { "" };
             output.result(&format!(
@@ -39,7 +54,7 @@ pub fn run(_args: &ModelsArgs, output: &Output) -> Result<u8, CliError> {
                 .iter()
                 .map(|p| json!({ "key": p.key, "symbol": p.symbol, "unit": p.unit, "meaning": p.meaning, "derived": p.derived }))
                 .collect();
-            json!({ "id": model.id, "version": model.version, "description": model.description, "parameters": parameters })
+            json!({ "id": model.id, "version": model.version, "description": model.description, "parameters": parameters, "law": model::rival_law(model.id).map(|law| law_text(&law.about())) })
         })
         .collect();
     let methods: Vec<_> = pipeline::methods()

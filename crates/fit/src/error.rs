@@ -42,6 +42,17 @@ pub enum FitError {
         /// Readings needed.
         needed: usize,
     },
+    /// A model of the strip along its length where one of the strip as a whole is asked for.
+    #[error(
+        "{found} is a model of the strip along its length: models are compared as the strip as a whole shows them"
+    )]
+    WholeStrip {
+        /// Model id.
+        found: &'static str,
+    },
+    /// No current, so that the charge that bends the strip is not known.
+    #[error("the run has no current to fit, so that the charge that bends the strip is not known")]
+    NoCharge,
     /// The electrode resistance given is none.
     #[error(
         "the electrode resistance is {found_ohm_per_sq} Ohm/sq, it must be positive: correct electrode_resistance_ohm_per_sq of the sample"

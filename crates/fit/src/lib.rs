@@ -8,6 +8,7 @@ mod bending;
 mod bending_alone;
 mod circuit;
 mod coupled;
+mod described;
 pub mod distributed;
 mod electrical;
 mod error;
@@ -16,6 +17,7 @@ mod given;
 mod group;
 mod joint;
 mod joint_estimates;
+mod law;
 mod noise_again;
 mod outcome;
 mod parabola;
@@ -26,9 +28,10 @@ mod uncertainty;
 mod whitened;
 
 use ieap_domain::{Channel, Drive, Fit, Level, Quantity};
-use ieap_model::{FitModel, fit_model, fit_models};
+use ieap_model::{FitModel, fit_model, fit_models, rival_law};
 use ieap_numerics::global::{Method, method, methods};
 
+pub use described::{Described, Left, Noise, describe};
 pub use error::FitError;
 pub use given::{BaseKnowledge, Predict, fit_of_run};
 pub use group::{
@@ -176,6 +179,9 @@ struct Identified {
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
+    if let Some(law) = rival_law(options.model.id) {
+        return Ok(law::fit(input, options, law, readings));
+    }
     let mut identified = identify(input, options, readings);
     if options.steps == Steps::Simultaneous && identified.current.is_ok() {
         let group = fit_group(&[*input], &GroupOptions::sharing_all(options.model))?;

@@ -247,11 +247,16 @@ pub(super) fn joint_fit(
     }
 }
 
-fn why_stopped(identified: &Identified, judged: Option<&Judged>) -> String {
-    let current = match &identified.current {
+/// Why the search of the electrical parameters stopped.
+pub(super) fn current_words(identified: &Identified) -> String {
+    match &identified.current {
         Ok((_, electrical)) => format!("current: {}", electrical.stop.words()),
         Err(reason) => format!("current: not fitted, {reason}"),
-    };
+    }
+}
+
+fn why_stopped(identified: &Identified, judged: Option<&Judged>) -> String {
+    let current = current_words(identified);
     let curvature = match &identified.curvature {
         Ok((_, bending)) => format!("curvature: {}", bending.stop.words()),
         Err(reason) => format!("curvature: not fitted, {reason}"),

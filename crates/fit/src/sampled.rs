@@ -336,6 +336,16 @@ impl Sampled {
         }
     }
 
+    /// Multiplies values at all readings by the square roots of the weights.
+    pub(super) fn weigh_all(&self, values: &mut [f64]) {
+        if let Some(root_weights) = &self.root_weights {
+            values
+                .iter_mut()
+                .zip(root_weights)
+                .for_each(|(value, weight)| *value *= weight);
+        }
+    }
+
     /// 1 at every reading of the block.
     pub(super) fn ones(block: &Block) -> Column {
         std::array::from_fn(|k| if k < block.len { 1.0 } else { 0.0 })

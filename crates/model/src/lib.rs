@@ -1,6 +1,7 @@
 //! Models of an actuator: geometry, circuits, back-relaxation, the lumped and the distributed electromechanical
 //! model, and the classical and rival models that they are compared with.
 
+pub mod bending;
 pub mod choice;
 pub mod circuit;
 pub mod classical;
@@ -20,6 +21,7 @@ pub mod rivals;
 pub mod scaling;
 pub mod truth;
 
+pub use bending::{BendingLaw, bending_law, rival_law};
 pub use choice::{ChoiceError, ModelChoice};
 pub use circuit::EquivalentCircuit;
 pub use distributed::{DistributedModel, Laminate};

@@ -154,7 +154,74 @@ const TAU4: ParameterDescription = derived(fitted(
     "time constant R4 C4 of the fourth branch",
 ));
 
-static MODELS: [FitModel; 5] = [
+const K1: ParameterDescription = fitted(
+    "k1_per_c_cm",
+    "K1",
+    "1/(C cm)",
+    "curvature per charge of the forward bending",
+);
+const K2: ParameterDescription = fitted(
+    "k2_per_c_cm",
+    "K2",
+    "1/(C cm)",
+    "curvature per charge in equilibrium",
+);
+const TRANSPORT: ParameterDescription = fitted(
+    "transport_s",
+    "tau_back",
+    "s",
+    "time constant of what flows back (tau_2 of equation 2)",
+);
+const KEPT: ParameterDescription = derived(fitted(
+    "kept_part",
+    "K2/K1",
+    "",
+    "part of the forward bending that stays in the end",
+));
+const ALPHA_FIRST: ParameterDescription = fitted(
+    "alpha_first_per_c_cm",
+    "alpha_0",
+    "1/(C cm)",
+    "curvature per charge at once",
+);
+const ALPHA_FINAL: ParameterDescription = fitted(
+    "alpha_final_per_c_cm",
+    "alpha_inf",
+    "1/(C cm)",
+    "curvature per charge in the end",
+);
+const RETARDATION: ParameterDescription = fitted(
+    "retardation_s",
+    "tau_ret",
+    "s",
+    "time constant with which the strip creeps to its final bending",
+);
+const FLOW: ParameterDescription = fitted(
+    "flow_rate_per_s",
+    "E/eta",
+    "1/s",
+    "rate at which the strip flows on, per bending at once",
+);
+const E1_PER_E0: ParameterDescription = fitted(
+    "e1_per_e0_per_s",
+    "E1/E0",
+    "1/s",
+    "growth of the modulus after the step, per final modulus",
+);
+const E2_PER_E0: ParameterDescription = fitted(
+    "e2_per_e0",
+    "E2/E0",
+    "",
+    "what the modulus has beyond the final one at the step, per final modulus",
+);
+const STIFFENING: ParameterDescription = fitted(
+    "stiffening_rate_per_s",
+    "lambda_E",
+    "1/s",
+    "rate at which the change of the modulus dies away (lambda of equation 1)",
+);
+
+static MODELS: [FitModel; 10] = [
     FitModel {
         id: "lumped-1",
         version: 4,
@@ -205,6 +272,94 @@ static MODELS: [FitModel; 5] = [
             TAU_ALONG,
             RE_PER_RC,
             RE_PER_RSS,
+        ],
+    },
+    FitModel {
+        id: "yagasaki-tamagawa",
+        version: 1,
+        branches: 2,
+        description: "the circuit of lumped-2, and a strip whose modulus changes with the time since the step",
+        parameters: &[
+            R1,
+            C1,
+            R2,
+            C2,
+            RSS,
+            ALPHA_FINAL,
+            E1_PER_E0,
+            E2_PER_E0,
+            STIFFENING,
+            C_TOTAL,
+            R_PARALLEL,
+            TAU1,
+            TAU2,
+        ],
+    },
+    FitModel {
+        id: "bao-two-way",
+        version: 1,
+        branches: 2,
+        description: "the circuit of lumped-2, and bending of which a part flows back and a part stays",
+        parameters: &[
+            R1, C1, R2, C2, RSS, K1, K2, TRANSPORT, C_TOTAL, R_PARALLEL, TAU1, TAU2, KEPT,
+        ],
+    },
+    FitModel {
+        id: "kelvin-voigt",
+        version: 1,
+        branches: 2,
+        description: "the circuit of lumped-2, and a strip that follows its charge late (spring beside dashpot)",
+        parameters: &[
+            R1,
+            C1,
+            R2,
+            C2,
+            RSS,
+            ALPHA_FINAL,
+            RETARDATION,
+            C_TOTAL,
+            R_PARALLEL,
+            TAU1,
+            TAU2,
+        ],
+    },
+    FitModel {
+        id: "maxwell",
+        version: 1,
+        branches: 2,
+        description: "the circuit of lumped-2, and a strip that flows on under its charge (spring and dashpot in a row)",
+        parameters: &[
+            R1,
+            C1,
+            R2,
+            C2,
+            RSS,
+            ALPHA_FIRST,
+            FLOW,
+            C_TOTAL,
+            R_PARALLEL,
+            TAU1,
+            TAU2,
+        ],
+    },
+    FitModel {
+        id: "standard-linear-solid",
+        version: 1,
+        branches: 2,
+        description: "the circuit of lumped-2, and a strip that creeps on under its charge (spring beside a Maxwell arm)",
+        parameters: &[
+            R1,
+            C1,
+            R2,
+            C2,
+            RSS,
+            ALPHA_FIRST,
+            ALPHA_FINAL,
+            RETARDATION,
+            C_TOTAL,
+            R_PARALLEL,
+            TAU1,
+            TAU2,
         ],
     },
 ];

@@ -16,7 +16,7 @@ use super::{Context, Observer, PipelineError, fit_along};
 use crate::diagnose::{DiagnoseOptions, RunInput, diagnose_group, with_places};
 use crate::domain::fault::caught;
 use crate::domain::{Campaign, Channel, GroupDiagnosis};
-use crate::fit::{FitError, FitInput, distributed};
+use crate::fit::{FitError, FitInput};
 use crate::ingest::derived;
 use crate::model::ModelChoice;
 use crate::numerics::interrupt;
@@ -42,17 +42,17 @@ pub struct DiagnoseChoice {
 }
 
 impl DiagnoseChoice {
-    /// As options of a diagnosis. A model of the strip along its length has no extended form: the default model
-    /// of the strip as a whole stands in for it.
+    /// As options of a diagnosis. Only lumped models have an extended form: for a model of the strip along its length,
+    /// and for a rival, the default model stands in.
     pub(super) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
         let default = DiagnoseOptions::default();
         // What extends the campaign's model was found against its base, and is asked about against it again.
         let stated = ModelChoice::parse(self.model.as_deref().unwrap_or(&campaign.model))?.base;
         Ok(DiagnoseOptions {
-            model: if stated.id == distributed::MODEL_ID {
-                default.model
-            } else {
+            model: if stated.id.starts_with("lumped") {
                 stated
+            } else {
+                default.model
             },
             draws: self.draws.unwrap_or(default.draws),
             seed: self.seed.unwrap_or(default.seed),

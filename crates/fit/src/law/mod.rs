@@ -1,0 +1,137 @@
+//! Fits of rival models: the circuit of two branches from the current, as for lumped-2; then, with that fixed, the
+//! rival's law of bending from the curvature. So all models answer the same question with the same charge.
+
+mod identified;
+mod landscape;
+mod stated;
+#[cfg(test)]
+mod tests;
+
+use ieap_domain::{Fit, Issue, Parameter, Quantity};
+use ieap_model::BendingLaw;
+
+use super::electrical::Electrical;
+use super::outcome::{self, current_words, judged_response, not_converged, parameter_issues};
+use super::sampled::Sampled;
+use super::{FitInput, FitOptions, Identified, Readings, Steps, identify, judge, needed};
+pub(super) use identified::{Bent, identify_law};
+use stated::{not_known, stated};
+
+/// The law with the readings that it was fitted to, or why there is none with the readings to draw.
+type Outcome = Result<(Sampled, Bent), (Option<Sampled>, String)>;
+
+/// Fits a run with the rival model of `options`.
+pub(super) fn fit(
+    input: &FitInput,
+    options: &FitOptions,
+    law: &'static dyn BendingLaw,
+    readings: Readings,
+) -> Fit {
+    let Readings { current, curvature } = readings;
+    let of_current = Readings {
+        current,
+        curvature: None,
+    };
+    let mut identified = identify(input, options, of_current);
+    let outcome = bend(input, options, law, &identified.current, curvature);
+    if let Err((sampled, why)) = &outcome {
+        identified.unfitted_curvature.clone_from(sampled);
+        identified.curvature = Err(why.clone());
+    }
+    let judged = judge(input, options, &mut identified);
+    let mut fit = outcome::fit(input, options, &identified, judged.as_ref());
+    add_law(&mut fit, input, law, &identified, &outcome);
+    fit.parameters = in_order(fit.parameters, options);
+    if options.steps == Steps::Simultaneous {
+        let words = format!(
+            "{} is fitted in two steps only: the current first, then the curvature",
+            options.model.id
+        );
+        fit.issues.push(Issue::note("two-steps-only", words));
+    }
+    fit
+}
+
+/// Fits the law to the curvature, given the circuit.
+fn bend(
+    input: &FitInput,
+    options: &FitOptions,
+    law: &'static dyn BendingLaw,
+    current: &Result<(Sampled, Electrical), String>,
+    curvature: Option<Sampled>,
+) -> Outcome {
+    let Some(sampled) = curvature else {
+        return Err((None, "the run has no curvature channel".to_owned()));
+    };
+    let refused = match (current, law.refuses(input.drive)) {
+        (_, Some(why)) => Some(format!("{} does not describe this run: {why}", options.model.id)),
+        (Err(why), _) => Some(format!("the charge that bends the strip is not known: {why}")),
+        (Ok((_, electrical)), _) if electrical.conductances_a_per_v.is_empty() => {
+            Some("the current shows no charge that could bend the strip".to_owned())
+        }
+        _ if sampled.after_step() < needed(options.model) => Some(format!(
+            "the curvature has {} usable readings after the step, {} are needed",
+            sampled.after_step(),
+            needed(options.model)
+        )),
+        _ => None,
+    };
+    match (refused, current) {
+        (None, Ok((_, electrical))) => {
+            let bent = identify_law(law, input.drive, electrical, &sampled, options.search());
+            Ok((sampled, bent))
+        }
+        (why, _) => Err((Some(sampled), why.unwrap_or_default())),
+    }
+}
+
+/// Adds what the law says to a fit of the current.
+fn add_law(
+    fit: &mut Fit,
+    input: &FitInput,
+    law: &'static dyn BendingLaw,
+    identified: &Identified,
+    outcome: &Outcome,
+) {
+    let (sampled, bent) = match outcome {
+        Ok(found) => found,
+        Err((_, why)) => {
+            let missing: Vec<Parameter> = law.reported().iter().map(|own| not_known(own, why)).collect();
+            fit.issues.extend(parameter_issues(&missing));
+            fit.parameters.extend(missing);
+            return;
+        }
+    };
+    let parameters = stated(law, bent);
+    fit.issues.extend(parameter_issues(&parameters));
+    fit.parameters.extend(parameters);
+    if let Some(offset_per_cm) = bent.offset_per_cm {
+        let words =
+            format!("the strip is bent by {offset_per_cm:.4e} 1/cm before the step; fitted as an offset");
+        fit.issues
+            .push(Issue::note("initial-curvature", words).at("column curvature_per_cm"));
+    }
+    if !bent.stop.converged() {
+        fit.issues.push(not_converged(bent.stop));
+    }
+    let fitted = bent.residuals.fitted.to_vec();
+    let (noise, curve) = judged_response(Quantity::Curvature, sampled, fitted, input.drive, bent.searched());
+    fit.why_stopped = format!("{}; curvature: {}", current_words(identified), bent.stop.words());
+    fit.converged &= bent.stop.converged();
+    fit.n_samples += noise.readings;
+    fit.r_squared_curvature = noise.r_squared;
+    fit.evaluations += bent.evaluations;
+    fit.noise.push(noise);
+    fit.curves.push(curve);
+}
+
+/// The parameters in the order of the registry.
+fn in_order(found: Vec<Parameter>, options: &FitOptions) -> Vec<Parameter> {
+    let of = |key: &str| found.iter().find(|own| own.key == key).cloned();
+    options
+        .model
+        .parameters
+        .iter()
+        .filter_map(|about| of(about.key))
+        .collect()
+}

@@ -1,0 +1,102 @@
+//! From couplings and shapes to estimates: values with intervals where the data determine them, bounds or reasons where
+//! they do not.
+
+use ieap_domain::{Estimate, Parameter};
+use ieap_model::BendingLaw;
+use ieap_model::bending::{Reported, Stated};
+use ieap_numerics::symmetric::CAPACITY;
+
+use super::identified::Bent;
+
+const FLAT: &str = "the curvature does not differ from its noise";
+const OPEN: &str = "the law's parameters cannot be told apart, or the charge is not known well enough: \
+                    the 95 % interval of its coupling would contain zero although the strip bends";
+const IDLE: &str = "the strip does not creep on under its charge, so that nothing is there to be shaped";
+const BEYOND: &str = "it lies at the limit of what the readings can show: faster than they follow each other";
+const FROM_ZERO: &str = "it cannot be told from zero in this record";
+const TOO_SLOW: &str = "it is too slow for this record";
+const WIDE: &str = "the curvature leaves it open";
+
+/// Step of a gradient, in standard errors or parts of a value.
+const STEP: f64 = 1e-4;
+
+/// A parameter of a law that was not fitted, for `why`.
+pub(super) fn not_known(reported: &Reported, why: &str) -> Parameter {
+    Parameter {
+        key: reported.key.to_owned(),
+        estimate: Estimate::not_determined(why),
+    }
+}
+
+/// Everything that the law reports.
+pub(super) fn stated(law: &dyn BendingLaw, bent: &Bent) -> Vec<Parameter> {
+    let open = !bent.evident || !is_coupled(law, bent);
+    let of = |reported: &Reported| Parameter {
+        key: reported.key.to_owned(),
+        estimate: match open {
+            true => Estimate::not_determined(if bent.evident { OPEN } else { FLAT }),
+            false => estimate(reported, bent),
+        },
+    };
+    law.reported().iter().map(of).collect()
+}
+
+/// Whether any coupling can be told from zero.
+fn is_coupled(law: &dyn BendingLaw, bent: &Bent) -> bool {
+    (0..law.couplings()).any(|k| {
+        let half = bent.residuals.quantile * bent.covariance.get(k, k).max(0.0).sqrt();
+        half < bent.natural[k].abs()
+    })
+}
+
+fn estimate(reported: &Reported, bent: &Bent) -> Estimate {
+    let gradient = gradient(reported, bent);
+    if (0..bent.natural.len()).any(|k| bent.held[k] && gradient[k] != 0.0) {
+        let mut estimate = Estimate::not_determined(if bent.idle { IDLE } else { BEYOND });
+        estimate.at_bound = true;
+        return estimate;
+    }
+    let value = (reported.of)(&bent.natural);
+    let error = bent.covariance.form(&gradient, &gradient).max(0.0).sqrt();
+    let half = bent.residuals.quantile * error;
+    let (low, high) = (value - half, value + half);
+    if !(value.is_finite() && half.is_finite()) {
+        return Estimate::not_determined(WIDE);
+    }
+    match reported.stated {
+        Stated::Coupling if half >= value.abs() => Estimate::not_determined(OPEN),
+        Stated::Coupling | Stated::Signed => Estimate::determined(value, error, low, high),
+        Stated::FromZero if low <= 0.0 => {
+            let mut estimate = Estimate::below(high, FROM_ZERO);
+            estimate.at_bound = value == 0.0;
+            estimate
+        }
+        Stated::FromZero => Estimate::determined(value, error, low, high),
+        Stated::Time if high <= 0.0 => Estimate::not_determined(WIDE),
+        Stated::Time if low <= 0.0 => {
+            let mut estimate = Estimate::above(high.recip(), TOO_SLOW);
+            estimate.at_bound = value == 0.0;
+            estimate
+        }
+        Stated::Time => {
+            Estimate::determined(value.recip(), error / (value * value), high.recip(), low.recip())
+        }
+    }
+}
+
+/// Derivatives of a reported number by the natural parameters.
+fn gradient(reported: &Reported, bent: &Bent) -> [f64; CAPACITY] {
+    let mut gradient = [0.0; CAPACITY];
+    for k in 0..bent.natural.len() {
+        let error = bent.covariance.get(k, k).max(0.0).sqrt();
+        let size = bent.natural[k].abs();
+        let step = STEP * if size > 0.0 { size } else { error.max(1e-12) };
+        let at = |by: f64| {
+            let mut moved = bent.natural.clone();
+            moved[k] += by;
+            (reported.of)(&moved)
+        };
+        gradient[k] = (at(step) - at(-step)) / (2.0 * step);
+    }
+    gradient
+}
