@@ -1,9 +1,12 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
+mod asked_strip;
 mod backup;
 mod completions;
+mod convert;
 mod diagnose;
 mod dma;
+mod drive;
 mod drop;
 mod effects;
 mod exit;
@@ -20,6 +23,7 @@ mod inspect;
 mod models;
 mod next;
 mod output;
+mod predict;
 mod printable;
 mod profile;
 mod rebuild;
@@ -33,6 +37,7 @@ mod table;
 mod tag;
 mod threads;
 mod trace;
+mod typed;
 mod verify;
 mod watch;
 
@@ -119,6 +124,9 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     Trace(trace::TraceArgs),
     Export(export::ExportArgs),
+    Predict(predict::PredictArgs),
+    Drive(drive::DriveArgs),
+    Convert(convert::ConvertArgs),
     Backup(backup::BackupArgs),
     Restore(backup::RestoreArgs),
     Formats(formats::FormatsArgs),
@@ -273,6 +281,9 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Simulate(args) => simulate::run(args, global, output),
         Verb::Trace(args) => trace::run(args, output),
         Verb::Export(args) => export::run(args, output),
+        Verb::Predict(args) => predict::run(args, output),
+        Verb::Drive(args) => drive::run(args, output),
+        Verb::Convert(args) => convert::run(args, output),
         Verb::Backup(args) => backup::run(args, global, output),
         Verb::Restore(args) => backup::run_restore(args, output),
         Verb::Formats(args) => formats::run(args, output),

@@ -15,6 +15,7 @@ use crate::ingest::frames::FramesError;
 use crate::ingest::profiles::ProfileError;
 use crate::ingest::scan::ScanError;
 use crate::ingest::watch::WatchError;
+use crate::model::scaling::ScalingError;
 use crate::report::ReportError;
 use crate::store::StoreError;
 
@@ -136,6 +137,29 @@ pub enum PipelineError {
     /// A table has no such row or column.
     #[error("{0}")]
     NotInTable(String),
+    /// Parameters do not carry over to the strip asked for.
+    #[error(transparent)]
+    Scaling(#[from] ScalingError),
+    /// A file that drives or steers a strip cannot be read.
+    #[error("{path}, {place}: found {found}, needed {needed}")]
+    DriveFile {
+        /// The file.
+        path: PathBuf,
+        /// Which line.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What is needed.
+        needed: &'static str,
+    },
+    /// A value with a unit cannot be read.
+    #[error("{what}: {error}")]
+    Typed {
+        /// Which value.
+        what: &'static str,
+        /// What was found and needed.
+        error: crate::domain::typed_value::TypedValueError,
+    },
     /// An argument of a verb makes no sense.
     #[error("{what}: found {found}, needed {needed}")]
     BadArgument {

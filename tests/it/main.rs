@@ -27,6 +27,7 @@ mod folder;
 mod foreign_files;
 mod formats_fixtures;
 mod formats_properties;
+mod forward;
 mod frame_folders;
 mod frames;
 mod help;

@@ -1,0 +1,129 @@
+//! `ieap drive`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+
+use super::asked_strip::{OutputFile, StripArgs};
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::predict::words;
+use super::table::write;
+use super::{CampaignArg, typed};
+use crate::domain::typed_value::Measured;
+use crate::pipeline::Context;
+use crate::pipeline::forward::drive_file::{read_course, write_drive};
+use crate::pipeline::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
+
+/// Find the voltage that brings the tip to a wanted course within limits, open loop, from the stored fits
+///
+/// The drive is written with -o FILE.csv as the source takes it: time_s, voltage_v, each row held until the next.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("wanted").required(true).args(["hold", "course"])))]
+pub struct DriveArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    #[command(flatten)]
+    strip: StripArgs,
+    /// Hold the tip at this displacement, as 1mm
+    #[arg(long, value_name = "DISPLACEMENT", value_parser = typed::length, requires = "duration", allow_hyphen_values = true)]
+    hold: Option<Measured>,
+    /// For how long, as 300s
+    #[arg(long = "for", id = "duration", value_name = "TIME", value_parser = typed::time, requires = "hold")]
+    duration: Option<f64>,
+    /// Follow a course: a table of time_s and tip_displacement_mm
+    #[arg(long, value_name = "FILE.csv")]
+    course: Option<PathBuf>,
+    /// Time between changes of the voltage, as 1s [default: a two-hundredth of the course]
+    #[arg(long, value_name = "TIME", value_parser = typed::time)]
+    every: Option<f64>,
+    /// Largest voltage of either sign, as 2.5V [default: the largest that was measured]
+    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage)]
+    max_voltage: Option<f64>,
+    /// Largest rate of change, as 0.1V/s [default: none]
+    #[arg(long, value_name = "RATE", value_parser = typed::voltage_rate)]
+    max_slope: Option<f64>,
+    /// Onset of electrolysis, which the voltage stays below, as 1.23V [default: as a diagnosis found it]
+    #[arg(long, value_name = "VOLTAGE", value_parser = typed::measured_voltage)]
+    onset: Option<Measured>,
+    #[command(flatten)]
+    file: OutputFile,
+}
+
+pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
+    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let wanted = match (&args.course, args.hold) {
+        (Some(path), _) => Wanted::Course(read_course(path)?),
+        (None, hold) => Wanted::Hold {
+            tip_mm: hold.map_or(0.0, |hold| hold.value),
+            for_s: args.duration.unwrap_or_default(),
+        },
+    };
+    let drive = DriveCourse {
+        strip: args.strip.asked(None),
+        wanted,
+        every_s: args.every,
+        max_voltage_v: args.max_voltage,
+        max_slope_v_per_s: args.max_slope,
+        onset_v: args.onset,
+    };
+    let document = drive.run(&context)?;
+    print(&document, output);
+    if let Some((path, ending, overwrite)) = args.file.asked() {
+        let bytes = match ending.as_str() {
+            "csv" => write_drive(&document.found).into_bytes(),
+            format => course_figure(&document, context.campaign.notice.as_deref(), format)?,
+        };
+        write(path, &bytes, overwrite, output)?;
+    }
+    output.document(&document)?;
+    Ok(DONE)
+}
+
+fn print(document: &DriveDocument, output: &Output) {
+    let mm = |value: f64| format!("{value:.3} mm");
+    output.result(&format!(
+        "{} in {}, {} mm by {} mm, {} model, from {} runs",
+        document.sample,
+        document.environment,
+        document.strip.length_mm,
+        document.strip.width_mm,
+        document.model,
+        document.sources.len()
+    ));
+    output.result(&match (document.reached_after_s, document.lost_after_s) {
+        (None, _) => "The wanted course is not reached within the limits.".to_owned(),
+        (Some(from), None) => format!("Reached to 5 % after {from:.1} s, and held to the end."),
+        (Some(from), Some(lost)) => {
+            format!("Reached to 5 % after {from:.1} s, and left again after {lost:.1} s.")
+        }
+    });
+    output.result(&format!(
+        "Error against the wanted course: {} root mean square, {} at most.",
+        mm(document.rms_error_mm),
+        mm(document.largest_error_mm)
+    ));
+    output.result(&format!(
+        "Lost into the leak: {} mC.",
+        words(&document.leaked_charge_c, 1e3)
+    ));
+    output.result(&format!(
+        "Voltage: at most {:.3} V either way, set by {}.",
+        document.voltage_limit_v, document.limited_by
+    ));
+    output.result("\n     time   voltage    wanted   reached, mm");
+    for row in &document.rows {
+        output.result(&format!(
+            "{:>7.1} s {:>7.3} V {:>6.3} mm   {}",
+            row.time_s,
+            row.voltage_v,
+            row.wanted_mm,
+            words(&row.reached_mm, 1.0)
+        ));
+    }
+    output.result("");
+    for entry in &document.left_out {
+        output.result(&format!("Not used: {}: {}.", entry.run, entry.reason));
+    }
+    document.remarks.iter().for_each(|remark| output.result(remark));
+}

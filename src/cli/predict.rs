@@ -1,0 +1,115 @@
+//! `ieap predict`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::asked_strip::{OutputFile, StripArgs};
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::table::write;
+use super::{CampaignArg, typed};
+use crate::domain::Drive;
+use crate::domain::typed_value::Measured;
+use crate::pipeline::Context;
+use crate::pipeline::estimate_words::in_words;
+use crate::pipeline::forward::document::Predicted;
+use crate::pipeline::forward::drive_file::read_drive;
+use crate::pipeline::forward::{Predict, PredictedRow, PredictionDocument, prediction_figure};
+
+/// Predict from the stored fits what a strip will do: another size, voltage or drive, with intervals
+///
+/// Each number has the interval in which a further run lies in 95 of 100 cases.
+#[derive(Debug, Args)]
+pub struct PredictArgs {
+    #[command(flatten)]
+    campaign: CampaignArg,
+    #[command(flatten)]
+    strip: StripArgs,
+    /// Voltage of a step at time zero, as 2V
+    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage, required_unless_present = "drive", allow_hyphen_values = true)]
+    voltage: Option<f64>,
+    /// A drive in place of a step: a table of time_s and voltage_v, each row held until the next
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage")]
+    drive: Option<PathBuf>,
+    /// Times to predict at, s [default: 1, 3, 10, ... up to the longest run]
+    #[arg(long, value_name = "S,S,...", value_delimiter = ',')]
+    at: Vec<f64>,
+    /// Modulus for the blocked moment, as 460MPa [default: from the modulus logs at that humidity]
+    #[arg(long, value_name = "MODULUS", value_parser = typed::modulus)]
+    modulus: Option<Measured>,
+    #[command(flatten)]
+    file: OutputFile,
+}
+
+pub fn run(args: &PredictArgs, output: &Output) -> Result<u8, CliError> {
+    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let drive = match (&args.drive, args.voltage) {
+        (Some(path), _) => read_drive(path)?,
+        (None, volts) => Drive::step(volts.unwrap_or_default()),
+    };
+    let predict = Predict {
+        strip: args.strip.asked(args.modulus),
+        drive,
+        at_s: args.at.clone(),
+    };
+    let document = predict.run(&context)?;
+    print(&document, output);
+    if let Some((path, ending, overwrite)) = args.file.asked() {
+        let rows = if args.at.is_empty() {
+            &document.course
+        } else {
+            &document.rows
+        };
+        let bytes = match ending.as_str() {
+            "csv" => document.csv(rows).into_bytes(),
+            format => prediction_figure(&document, context.campaign.notice.as_deref(), format)?,
+        };
+        write(path, &bytes, overwrite, output)?;
+    }
+    output.document(&document)?;
+    Ok(DONE)
+}
+
+fn print(document: &PredictionDocument, output: &Output) {
+    let strip = &document.strip;
+    output.result(&format!(
+        "{} in {}, {} mm by {} mm, {} model, from {} runs",
+        document.sample,
+        document.environment,
+        strip.length_mm,
+        strip.width_mm,
+        document.model,
+        document.sources.len()
+    ));
+    let columns: [(&str, f64, fn(&PredictedRow) -> Option<Predicted>); 5] = [
+        ("current, mA", 1e3, |row| Some(row.current_a)),
+        ("charge, mC", 1e3, |row| Some(row.charge_c)),
+        ("curvature, 1/cm", 1.0, |row| row.curvature_per_cm),
+        ("tip, mm", 1.0, |row| row.tip_displacement_mm),
+        ("blocked moment, mN mm", 1.0, |row| row.blocked_moment_mn_mm),
+    ];
+    for (name, scale, of) in columns {
+        if document.rows.iter().all(|row| of(row).is_none()) {
+            continue;
+        }
+        output.result(&format!("\n{name}"));
+        for row in &document.rows {
+            if let Some(predicted) = of(row) {
+                output.result(&format!("{:>9} s  {}", row.time_s, words(&predicted, scale)));
+            }
+        }
+    }
+    output.result("");
+    for entry in &document.left_out {
+        output.result(&format!("Not used: {}: {}.", entry.run, entry.reason));
+    }
+    document.remarks.iter().for_each(|remark| output.result(remark));
+}
+
+/// `0.123 ± 0.011  (95 %: 0.101 to 0.145)`.
+pub(super) fn words(predicted: &Predicted, scale: f64) -> String {
+    let estimate = predicted.estimate(scale);
+    let interval = crate::pipeline::estimate_words::interval_in_words(&estimate);
+    format!("{}{interval}", in_words(&estimate))
+}

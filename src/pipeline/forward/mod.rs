@@ -1,0 +1,17 @@
+//! Fits used forward: what another strip, voltage or drive will do, and which drive makes a strip do something.
+
+mod asked;
+mod course_drive;
+pub mod document;
+pub mod drive_file;
+mod figure;
+mod grounds;
+mod misfit;
+mod predict;
+mod source;
+
+pub use asked::AskedStrip;
+pub use course_drive::{DriveCourse, DriveDocument, ReachedRow, Wanted};
+pub use document::{PredictedRow, PredictionDocument, Told};
+pub use figure::{course_figure, prediction_figure};
+pub use predict::Predict;

@@ -1,0 +1,204 @@
+//! A fitted run as a source of predictions: its model, the covariance of its parameters, its strip.
+
+use crate::domain::quantiles::NORMAL_95;
+use crate::domain::{Drive, Estimate, Fit, Quantity, RunCurve, RunRecord};
+use crate::model::scaling::propagation::{ReadAt, covariance};
+use crate::model::scaling::{Identified, StripSize};
+use crate::model::{Branch, LumpedModel};
+
+/// Standard deviation of a number that lies anywhere between 0 and 1: what a bound alone says.
+const UNIFORM: f64 = 0.288_675_134_594_812_9;
+
+/// A run that tells what its strip's laminate does.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Source {
+    /// Path of the run.
+    pub run: String,
+    /// Model that it is fitted with.
+    pub fitted_with: String,
+    /// Sample by number; 0 is the one asked for.
+    pub sample: usize,
+    /// Nominal voltage of its drive, V.
+    pub step_v: f64,
+    /// The model of its strip.
+    pub model: LumpedModel,
+    /// Covariance of the model's parameters.
+    pub covariance: Vec<f64>,
+    /// Its strip.
+    pub size: StripSize,
+    /// Resistance of the electrodes that its fit found, Ohm per square.
+    pub electrode_resistance_ohm_per_sq: Option<f64>,
+    /// Whether its bending is known.
+    pub bends: bool,
+    /// Its last reading, s after the drive began.
+    pub lasted_s: f64,
+    /// Parameters of which only a bound is known.
+    pub bounded: Vec<String>,
+}
+
+impl Source {
+    /// The run as one, or why it tells nothing.
+    pub fn of(
+        run: &RunRecord,
+        curves: &[RunCurve],
+        sample: usize,
+        size: &StripSize,
+    ) -> Result<Source, String> {
+        let fit = run.fit.as_ref().ok_or("it has no fit")?;
+        let drive = run.drive.as_ref().ok_or("its drive is not known")?;
+        if fit.is_of_group() {
+            return Err(format!(
+                "it is fitted with {}, whose effects are not carried to another strip or drive",
+                fit.model
+            ));
+        }
+        let mut read = Read::new(fit);
+        let branches = read.branches()?;
+        let steady_state_resistance_ohm_cm2 = read.steady_state()?;
+        let (coupling, relaxation) = (read.coupling(), read.relaxation());
+        let bends = coupling.is_some() && relaxation.is_some();
+        read.errors
+            .extend([coupling, relaxation].map(|known| known.map_or(0.0, |(_, error)| error)));
+        let model = LumpedModel {
+            branches,
+            steady_state_resistance_ohm_cm2,
+            charge_to_curvature_per_c_cm: coupling.filter(|_| bends).map_or(0.0, |(value, _)| value),
+            relaxation_rate_per_s: relaxation.map_or(0.0, |(value, _)| value),
+        };
+        let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
+        let last = |curve: &RunCurve| curve.time_s.last().copied().unwrap_or(start_s);
+        Ok(Source {
+            run: run.path.clone(),
+            fitted_with: fit.model.clone(),
+            sample,
+            step_v: drive.nominal_step_v(),
+            covariance: correlated(fit, &model, &read.errors, drive, run.area_cm2, curves),
+            model,
+            size: *size,
+            electrode_resistance_ohm_per_sq: fit.parameter("re_ohm_per_sq").and_then(|e| e.value),
+            bends,
+            lasted_s: curves.iter().map(last).fold(0.0, f64::max) - start_s,
+            bounded: read.bounded,
+        })
+    }
+
+    /// As the model of a strip asks for it, with the electrodes' resistance where it is known.
+    pub fn identified(&self, electrode_resistance_ohm_per_sq: Option<f64>) -> Identified<'_> {
+        Identified {
+            model: &self.model,
+            covariance: &self.covariance,
+            size: &self.size,
+            electrode_resistance_ohm_per_sq,
+        }
+    }
+}
+
+fn correlated(
+    fit: &Fit,
+    model: &LumpedModel,
+    errors: &[f64],
+    drive: &Drive,
+    area_cm2: Option<f64>,
+    curves: &[RunCurve],
+) -> Vec<f64> {
+    let at = |quantity: Quantity| -> (&[f64], f64) {
+        let curve = curves.iter().find(|curve| curve.quantity == quantity);
+        let noise = fit.noise.iter().find(|noise| noise.quantity == quantity);
+        let times = curve.map_or(&[][..], |curve| &curve.time_s);
+        (times, noise.map_or(0.0, |noise| noise.standard_deviation))
+    };
+    let read = ReadAt {
+        drive,
+        area_cm2: area_cm2.unwrap_or(1.0),
+        current: at(Quantity::Current),
+        curvature: at(Quantity::Curvature),
+    };
+    covariance(model, errors, &read)
+}
+
+/// Reads the parameters of a fit, and gathers their standard errors in the order of the covariance.
+struct Read<'a> {
+    fit: &'a Fit,
+    errors: Vec<f64>,
+    bounded: Vec<String>,
+}
+
+impl<'a> Read<'a> {
+    fn new(fit: &'a Fit) -> Read<'a> {
+        Read {
+            fit,
+            errors: Vec::new(),
+            bounded: Vec::new(),
+        }
+    }
+
+    fn known(&self, key: &str) -> Option<(f64, f64)> {
+        let estimate = self.fit.parameter(key)?;
+        Some((estimate.value?, error_of(estimate)))
+    }
+
+    /// The branches, as many as the fit determines: those of a lumped model, or the one of a distributed.
+    fn branches(&mut self) -> Result<Vec<Branch>, String> {
+        let keys = |k: usize| (format!("r{k}_ohm_cm2"), format!("c{k}_f_per_cm2"));
+        let along = ("rc_ohm_cm2".to_owned(), "c_f_per_cm2".to_owned());
+        let named = std::iter::once(along).chain((1..=4).map(keys));
+        let mut branches = Vec::new();
+        for (r, c) in named {
+            let Some(((resistance, r_error), (capacitance, c_error))) = self.known(&r).zip(self.known(&c))
+            else {
+                continue;
+            };
+            self.errors.extend([r_error, c_error]);
+            branches.push(Branch {
+                resistance_ohm_cm2: resistance,
+                capacitance_f_per_cm2: capacitance,
+            });
+        }
+        match branches.is_empty() {
+            true => Err(format!(
+                "its fit with {} determines no branch of a circuit; fit it with a lumped or the distributed model",
+                self.fit.model
+            )),
+            false => Ok(branches),
+        }
+    }
+
+    /// R_ss; where only a lower bound is known, the conductance lies anywhere between none and that of the bound.
+    fn steady_state(&mut self) -> Result<f64, String> {
+        let key = "rss_ohm_cm2";
+        if let Some((value, error)) = self.known(key) {
+            self.errors.push(error);
+            return Ok(value);
+        }
+        let bound = self.fit.parameter(key).and_then(|estimate| estimate.low_95);
+        let bound = bound
+            .filter(|bound| *bound > 0.0)
+            .ok_or("its R_ss is not determined")?;
+        self.bounded.push(key.to_owned());
+        let middle = 2.0 * bound;
+        self.errors.push(middle * middle * UNIFORM / bound);
+        Ok(middle)
+    }
+
+    fn coupling(&self) -> Option<(f64, f64)> {
+        self.known("alpha_per_c_cm")
+    }
+
+    /// Lambda; where only an upper bound is known, it lies anywhere below.
+    fn relaxation(&mut self) -> Option<(f64, f64)> {
+        let key = "lambda_per_s";
+        self.known(key).or_else(|| {
+            let bound = self.fit.parameter(key)?.high_95?;
+            self.bounded.push(key.to_owned());
+            Some((0.5 * bound, UNIFORM * bound))
+        })
+    }
+}
+
+/// The standard error, or what the interval says of it.
+fn error_of(estimate: &Estimate) -> f64 {
+    let ends = estimate.low_95.zip(estimate.high_95);
+    let of_interval = ends.map(|(low, high)| (high - low) / (2.0 * NORMAL_95));
+    let error = estimate.standard_error.or(of_interval).unwrap_or(0.0);
+    if error.is_finite() { error.max(0.0) } else { 0.0 }
+}
