@@ -41,6 +41,7 @@ mod typed;
 mod verify;
 mod watch;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -220,10 +221,15 @@ fn folder(given: Option<&Path>) -> Result<PathBuf, CliError> {
 
 /// Parses the command line, runs the verb and gives its exit status.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    ExitCode::from(status_after(std::env::args_os()))
+}
+
+/// The same for a command line that is given, the name of the program first: the exit status.
+pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
-            return ExitCode::from(said_by_clap(&error));
+            return said_by_clap(&error);
         }
     };
     let output = Output::new(&cli.global);
@@ -238,7 +244,7 @@ pub fn main() -> ExitCode {
         output.error(&error.to_string());
         error.status()
     });
-    ExitCode::from(output.ended(status))
+    output.ended(status)
 }
 
 /// Prints help, or what is wrong in the command line, and gives the exit status.

@@ -330,7 +330,8 @@ fn run_entry(found: GroupDiagnosis, online: Option<Turn>, told: &[LumpedOrDistri
     }
 }
 
-fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> GroupEntry {
+/// A finding as the document states it.
+pub(super) fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntry]) -> GroupEntry {
     let of_group = |entry: &&LumpedOrDistributedEntry| found.runs.contains(&entry.run);
     GroupEntry {
         lumped_or_distributed: told.iter().filter(of_group).cloned().collect(),

@@ -145,7 +145,7 @@ fn fit_batch(
 }
 
 /// Fits one run; a panic in a kernel is that run's failure, not the program's.
-fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
+pub(super) fn fit_one(task: &FitTask, channels: &[Channel], options: &FitOptions) -> Outcome {
     let fitted = caught(|| match options.model.id {
         distributed::MODEL_ID => fit_along::fit(task, channels, options),
         _ => fit_whole(task, channels, options),
@@ -225,7 +225,7 @@ pub(super) fn save(
 }
 
 /// Hash of everything that a fit depends on.
-fn input_hash(task: &FitTask, options: &FitOptions) -> String {
+pub(super) fn input_hash(task: &FitTask, options: &FitOptions) -> String {
     let mut hash = InputHash::new();
     hash.text(&task.data_hash).drive(&task.drive);
     hash.number(task.area_cm2).number_or_none(task.length_cm);

@@ -87,6 +87,17 @@ pub(super) fn choose(
         (asked.or(stated), AskedFit::default(), ChosenBy::Campaign)
     };
     let model = ModelChoice::parse(said.model.as_deref().unwrap_or(&campaign.model))?;
+    Ok(Chosen {
+        options: options_of(&said, &model)?,
+        model,
+        asked: held,
+        said,
+        by,
+    })
+}
+
+/// What was said, as options of a fit with the base of `model`.
+pub(super) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOptions, FitError> {
     let mut options = FitOptions::for_model(model.base.id)?;
     if let Some(method) = &said.method {
         options = options.with_method(method)?;
@@ -96,13 +107,7 @@ pub(super) fn choose(
     }
     options.describes_noise = true;
     options.seed = said.seed.unwrap_or(options.seed);
-    Ok(Chosen {
-        options,
-        model,
-        asked: held,
-        said,
-        by,
-    })
+    Ok(options)
 }
 
 /// A choice with the number of runs that it holds for.

@@ -18,6 +18,7 @@ pub mod monitoring;
 pub mod one_fit;
 pub mod online;
 pub mod parameters;
+pub mod plain_columns;
 pub mod plan;
 pub mod pooling;
 pub mod run_tables;

@@ -1,6 +1,7 @@
 //! From files to runs: formats, tags, archive, scanner and watcher.
 
 pub mod archive;
+pub mod arrays;
 pub mod campaign_file;
 pub mod climate_log;
 pub mod clocks;

@@ -25,7 +25,8 @@ pub(super) use ahead::condemned_ahead;
 use input_hash::input_hash;
 pub(super) use input_hash::{library_hash, take_task};
 pub(super) use outdated::waiting;
-use subject::{Subject, subjects};
+pub(super) use subject::Subject;
+use subject::subjects;
 
 /// Subjects diagnosed between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 8;
@@ -45,9 +46,14 @@ impl DiagnoseChoice {
     /// As options of a diagnosis. Only lumped models have an extended form: for a model of the strip along its length,
     /// and for a rival, the default model stands in.
     pub(super) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
+        self.options_for(&campaign.model)
+    }
+
+    /// The same where `model` is what the campaign states.
+    pub(super) fn options_for(&self, model: &str) -> Result<DiagnoseOptions, FitError> {
         let default = DiagnoseOptions::default();
         // What extends the campaign's model was found against its base, and is asked about against it again.
-        let stated = ModelChoice::parse(self.model.as_deref().unwrap_or(&campaign.model))?.base;
+        let stated = ModelChoice::parse(self.model.as_deref().unwrap_or(model))?.base;
         Ok(DiagnoseOptions {
             model: if stated.id.starts_with("lumped") {
                 stated
@@ -299,7 +305,7 @@ fn diagnose_batch(
 }
 
 /// Diagnoses one group; a panic in a kernel is that group's failure, not the program's.
-fn diagnose_one(
+pub(super) fn diagnose_one(
     subject: &Subject,
     members: &[usize],
     tasks: &[FitTask],

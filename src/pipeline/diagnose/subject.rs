@@ -12,20 +12,20 @@ use crate::store::{DiagnosisKind, FitTask};
 
 /// A group of runs, or one run alone.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Subject {
-    pub(super) kind: DiagnosisKind,
+pub(in crate::pipeline) struct Subject {
+    pub(in crate::pipeline) kind: DiagnosisKind,
     /// Name of the group or the run.
-    pub(super) name: String,
+    pub(in crate::pipeline) name: String,
     /// Indices of its tasks; never empty.
-    pub(super) members: Vec<usize>,
+    pub(in crate::pipeline) members: Vec<usize>,
     /// Why it is set apart, where it is.
-    pub(super) set_apart: Option<Issue>,
+    pub(in crate::pipeline) set_apart: Option<Issue>,
     /// Those of its tasks of which a person said that the readings are right.
-    pub(super) right: Vec<usize>,
+    pub(in crate::pipeline) right: Vec<usize>,
     /// Whether it is a run of a group of several.
-    pub(super) of_several: bool,
+    pub(in crate::pipeline) of_several: bool,
     /// Where each task lies among the values of tags that differ, in the order of the tasks.
-    pub(super) tags: Vec<Vec<TagAt>>,
+    pub(in crate::pipeline) tags: Vec<Vec<TagAt>>,
 }
 
 impl Subject {

@@ -37,7 +37,7 @@ pub(super) use readers::Readers;
 pub(super) use batch::together;
 pub use known::files_due;
 pub use prepare::ReadFile;
-pub(super) use prepare::{Outcome, PreparedFile, With, joined, prepare_bytes, run_parts};
+pub(super) use prepare::{Outcome, PreparedFile, RunPart, With, joined, prepare_bytes, run_parts};
 pub use retag::{retag_runs, run_window};
 pub(super) use settle::{content_of, runs_of, set_aside};
 

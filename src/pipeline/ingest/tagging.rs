@@ -11,7 +11,7 @@ use super::unread::missing_responses;
 use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{
-    Channel, InputHash, Issue, Quantity, RunKind, RunOrigin, RunState, Severity, Tag, TagSource,
+    Channel, InputHash, Issue, Quantity, RunKind, RunOrigin, RunState, Sample, Severity, Tag, TagSource,
 };
 use crate::ingest::named_columns::named_columns;
 use crate::ingest::scan::parse_display_path;
@@ -113,7 +113,12 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         window,
     )?;
     let mut tagging = match input.kind {
-        RunKind::Actuation => conclude(context, input, resolved, digest),
+        RunKind::Actuation => {
+            let sample = resolved
+                .value(keys::SAMPLE)
+                .and_then(|id| context.campaign.sample(id));
+            conclude(sample, input, resolved, digest)
+        }
         RunKind::Dma => conclude_dma(input, resolved, digest),
     };
     tagging.issues.extend(open_date.flatten());
@@ -336,7 +341,14 @@ fn rounded_level(level_v: f64) -> f64 {
     (level_v * 100.0).round() / 100.0
 }
 
-fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, digest: String) -> Tagging {
+/// What follows from the tags of a run of that sample, and from its readings: its drive, its dimensions, whether it can be
+/// fitted.
+pub(in crate::pipeline) fn conclude(
+    sample: Option<&Sample>,
+    input: &TaggingInput<'_>,
+    resolved: Resolved,
+    digest: String,
+) -> Tagging {
     let mut issues = resolved.issues.clone();
     let tag_v = resolved.value(keys::VOLTAGE_V).and_then(|text| text.parse().ok());
     let open = left_out::stretches(
@@ -360,9 +372,6 @@ fn conclude(context: &Context, input: &TaggingInput<'_>, resolved: Resolved, dig
     if !has_steps {
         issues = without_waiting(issues);
     }
-    let sample = resolved
-        .value(keys::SAMPLE)
-        .and_then(|id| context.campaign.sample(id));
     let area_cm2 = sample.and_then(|sample| sample.active_area_cm2());
     if let Some(sample) = sample.filter(|_| has_steps && area_cm2.is_none()) {
         let message = format!(

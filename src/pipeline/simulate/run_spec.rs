@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use super::effect_spec::EffectSpec;
+use super::noise_spec::Noise;
 use super::spec::Wrong;
-use crate::domain::{Drive, Level, Segment};
-use crate::model::truth::{HiddenEffect, Truth};
+use crate::domain::{Drive, Issue, Level, Segment};
+use crate::model::truth::{HiddenEffect, Truth, TruthError};
 use crate::model::{Branch, LumpedModel};
 
 /// One run.
@@ -214,4 +215,23 @@ pub(super) fn drive_of(
 
 fn above_zero(size: f64) -> bool {
     size.is_finite() && size > 0.0
+}
+
+/// Refuses a run, noise or effects that make no sense, as those of a spec are refused.
+///
+/// # Errors
+/// What was found where, and what was needed.
+pub fn checked_run(run: &RunSpec, noise: &Noise, effects: &[HiddenEffect]) -> Result<(), Issue> {
+    let told = |wrong: Wrong| {
+        Issue::error("bad-value", format!("found {}", wrong.found))
+            .at(wrong.place)
+            .mend(format!("give {}", wrong.needed))
+    };
+    run.check().and_then(|()| noise.check()).map_err(told)?;
+    effects.iter().try_for_each(|effect| {
+        let refused = |error: TruthError| {
+            Issue::error("bad-effect", error.to_string()).at(format!("effect {}", effect.id))
+        };
+        effect.check().map_err(refused)
+    })
 }

@@ -18,7 +18,7 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, Tr
     let drive = run.drive();
     let effects = hidden_effects(spec, run);
     let (time_s, camera_s) = (current_times(spec), camera_times(spec));
-    let exact = responses(run, &effects, (&time_s, &camera_s), number)?;
+    let exact = exact_responses(run, &effects, (&time_s, &camera_s), number)?;
     let (seed, stream) = (spec.simulation.seed, 2 * number as u64);
     let current = spec.noise.current().with_effects(NoisyChannel::Current, &effects);
     let current_a = noise(&exact.current_a, &current, seed, stream);
@@ -59,7 +59,11 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, Tr
 }
 
 /// What the instruments would read without noise: the closed form, or the truth simulator where effects are named.
-fn responses(
+/// `number` is the run's place among others, for what happens in one of them only.
+///
+/// # Errors
+/// An effect makes no sense, or the equations have no solution.
+pub fn exact_responses(
     run: &RunSpec,
     effects: &[HiddenEffect],
     (time_s, camera_s): (&[f64], &[f64]),
