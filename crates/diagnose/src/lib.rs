@@ -69,7 +69,7 @@ pub use sigmas::{DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_
 pub use textbook::{ForwardStep, Textbook, textbook};
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 22;
+pub const VERSION: u32 = 23;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]
