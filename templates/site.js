@@ -451,6 +451,124 @@
     return found;
   };
 
+  // ---------------------------------------------------------------- what is shown, in the address
+  // `#place&zoom=figure:low:high&by=sample&only=air`: a place of the page, then what was chosen on it. Behind the sign, for a
+  // page opened from a disk may change nothing else of its address.
+  const state = (() => {
+    const [place = "", ...parts] = location.hash.slice(1).split("&");
+    const known = { place: decodeURIComponent(place) };
+    for (const part of parts) { const [key, ...value] = part.split("="); known[key] = decodeURIComponent(value.join("=")); }
+    return known;
+  })();
+  const remember = (change) => {
+    Object.assign(state, change);
+    const parts = ["zoom", "by", "only"].filter((key) => state[key]).map((key) => key + "=" + encodeURIComponent(state[key]));
+    const address = [encodeURIComponent(state.place), ...parts].join("&");
+    history.replaceState(null, "", address ? "#" + address : location.pathname.split("/").pop());
+  };
+
+  // ---------------------------------------------------------------- figures that are saved
+  const COPIED = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "opacity", "font-size", "font-family", "text-anchor", "transform", "transform-origin"];
+  // The figure as a file of its own: what the style sheet says of it stands in it.
+  const alone = (svg) => {
+    const copy = svg.cloneNode(true);
+    const [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number);
+    const markers = new Set();
+    const own = [svg, ...svg.querySelectorAll("*")], copies = [copy, ...copy.querySelectorAll("*")];
+    own.forEach((element, k) => {
+      const style = getComputedStyle(element), to = copies[k];
+      if (style.display === "none" || element.matches(".cursor, .band, .moving")) { to.dataset.gone = "1"; return; }
+      for (const name of COPIED) { const value = style.getPropertyValue(name); if (value && value !== "none" || name === "fill" || name === "stroke") to.style.setProperty(name, value); }
+      if (element.matches(".dots")) {
+        const id = /#([\w-]+)/.exec(style.markerMid)?.[1];
+        if (id) { markers.add(id); to.style.setProperty("marker", `url(#${id})`); }
+      }
+      for (const name of ["class", "tabindex", "data-f", "data-s", "data-r", "data-x", "data-y", "aria-roledescription"]) to.removeAttribute(name);
+    });
+    copy.querySelectorAll("[data-gone]").forEach((element) => element.remove());
+    const defs = document.createElementNS(SVG, "defs");
+    for (const id of markers) {
+      const from = document.getElementById(id), marker = from.cloneNode(true);
+      marker.firstElementChild.style.fill = getComputedStyle(from.firstElementChild).fill;
+      defs.append(marker);
+    }
+    const ground = document.createElementNS(SVG, "rect");
+    for (const [key, value] of Object.entries({ width, height, fill: getComputedStyle(document.body).backgroundColor })) ground.setAttribute(key, value);
+    copy.prepend(defs, ground);
+    for (const [key, value] of Object.entries({ xmlns: SVG, width: width / 10, height: height / 10, role: "img", style: "" })) copy.setAttribute(key, value);
+    copy.style.setProperty("font-family", "sans-serif");
+    copy.style.setProperty("font-size", "110px");
+    copy.style.setProperty("text-anchor", "end");
+    return new XMLSerializer().serializeToString(copy);
+  };
+  const quoted = (text) => (/[",\n]/.test(text) ? '"' + text.replaceAll('"', '""') + '"' : text);
+  // Points as they are drawn, so that they have the resolution of the drawing.
+  const points = async (chart) => {
+    const all = chart.byRun ? await runs() : [];
+    const rows = [["panel", "series", "run", "x", "y", "y_low_95", "y_high_95"]];
+    for (const panel of chart.panels) for (const series of panel.series.filter((s) => s.name && !s.hidden)) for (const point of series.points) {
+      const number = (axis, at) => (axis.scale === 3 ? "" : String(Number(valueAt(axis, at).toPrecision(5))));
+      const ends = point.bar ? point.bar.map((py) => number(panel.y, panel.yAt(py))) : ["", ""];
+      const title = panel.quantity + (panel.unit ? ` (${panel.unit})` : "") + (panel.xTitle ? ` over ${panel.xTitle}` : "");
+      rows.push([title, series.name, all[point.run]?.name ?? "", number(panel.x, panel.xAt(point.px)), number(panel.y, panel.yAt(point.py)), ...ends]);
+    }
+    // What a program of tables would take for a formula is text.
+    return rows.map((row) => row.map((cell) => quoted(/^[=+@]/.test(cell) ? "'" + cell : cell)).join(",")).join("\n") + "\n";
+  };
+  const save = (name, type, content) => {
+    const url = URL.createObjectURL(new Blob([content], { type }));
+    make("a", { href: url, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 10000);
+  };
+  const picture = (svg) => new Promise((resolve, reject) => {
+    const [, , width, height] = svg.getAttribute("viewBox").split(" ").map((side) => Number(side) / 5);
+    const image = new Image();
+    image.onload = () => {
+      const canvas = make("canvas", { width, height });
+      canvas.getContext("2d").drawImage(image, 0, 0, width, height);
+      canvas.toBlob(resolve, "image/png");
+    };
+    image.onerror = () => reject(new Error("the picture could not be drawn"));
+    image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(alone(svg));
+  });
+  // What a figure is saved as, by the ending of the file.
+  const savers = {
+    svg: async (chart) => ["image/svg+xml", alone(chart.svg)],
+    png: async (chart) => ["image/png", await picture(chart.svg)],
+    csv: async (chart) => ["text/csv", await points(chart)],
+  };
+  const addSaves = (chart) => {
+    if (chart.saves) return;
+    const button = (text, name, act) => {
+      const made = make("button", { type: "button", class: "tool", "aria-label": name }, text);
+      made.addEventListener("click", act);
+      return made;
+    };
+    const title = chart.svg.getAttribute("aria-label").split(". ")[0];
+    const tools = Object.entries(savers).map(([ending, saver]) =>
+      button(ending.toUpperCase(), `Save as ${ending.toUpperCase()}: ${title}`, async () => save(chart.svg.id + "." + ending, ...(await saver(chart)))));
+    const link = button("Link", `Link to this figure: ${title}`, () => {
+      remember({ place: chart.svg.id });
+      navigator.clipboard?.writeText(location.href).then(() => say("address copied"), () => say("the address bar has it"));
+    });
+    chart.saves = make("div", { class: "saves" }, make("div", {}, ...tools, link));
+    chart.svg.before(chart.saves);
+    const leave = (event) => {
+      const to = event.relatedTarget;
+      if (to === chart.svg || chart.saves?.contains(to) || chart.saves?.contains(document.activeElement) || document.activeElement === chart.svg) return;
+      chart.saves?.remove();
+      chart.saves = null;
+    };
+    for (const element of [chart.svg, chart.saves]) for (const kind of ["pointerleave", "focusout"]) element.addEventListener(kind, leave);
+  };
+  const nameFigure = (svg) => {
+    if (svg.id) return;
+    const words = svg.getAttribute("aria-label").split(". ")[0].toLowerCase().normalize("NFKD").replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "").slice(0, 60);
+    let id = "figure-" + words;
+    for (let k = 2; document.getElementById(id); k++) id = `figure-${words}-${k}`;
+    svg.id = id;
+  };
+
   // ---------------------------------------------------------------- charts
   const charts = [];
   const box = make("div", { class: "readout", "aria-hidden": "true", hidden: "" });
@@ -478,6 +596,8 @@
       svg.setAttribute("aria-roledescription", "chart");
       svg.classList.add("live");
       this.cursor = draw("path", { class: "cursor", d: "" }, svg);
+      nameFigure(svg);
+      for (const kind of ["pointerenter", "focus"]) svg.addEventListener(kind, () => addSaves(this));
       this.listen();
       charts.push(this);
     }
@@ -553,6 +673,7 @@
     }
     zoom(ends) {
       if (!this.link) return;
+      remember({ zoom: ends ? [this.svg.id, ...ends.map((end) => Number(end.toPrecision(6)))].join(":") : "" });
       // A readout of what stood there before would be wrong now.
       hide();
       charts.filter((chart) => chart.link === this.link).forEach((chart) => {
@@ -725,6 +846,49 @@
     }
   };
 
+  // ---------------------------------------------------------------- responses over their voltage
+  // Lines that are named by their voltage are divided by it: what is linear in the voltage then falls together.
+  const perVolt = () => {
+    const place = document.querySelector("[data-per-volt]");
+    const own = charts.filter((chart) => place?.contains(chart.svg));
+    if (!own.length) return;
+    const button = make("button", { type: "button", class: "tool", "aria-pressed": "false" }, "Divide by the voltage");
+    const voltsOf = (series) => Number(series.name.replace("−", "-").split(/\s/)[0]);
+    const upward = (panel) => panel.element.querySelector("text.up");
+    const shapesOf = (panel) => panel.series.flatMap((series) => series.shapes.map(({ shape }) => shape));
+    const keep = (panel) => ({ y: panel.y, quantity: panel.quantity, unit: panel.unit, title: upward(panel).textContent, axes: panel.axes.innerHTML, lines: shapesOf(panel).map((shape) => shape.getAttribute("d")) });
+    const first = own.map((chart) => chart.panels.map(keep));
+    // Keys hold the series, which stay what they are.
+    const take = (panel, { y, quantity, unit, title, axes, lines }) => {
+      shapesOf(panel).forEach((shape, k) => shape.setAttribute("d", lines[k]));
+      upward(panel).textContent = title;
+      Object.assign(panel, { y, quantity, unit, view: null });
+      panel.series.forEach((series) => Object.assign(series, new Series(series.element, panel), { hidden: series.hidden }));
+      if (axes) panel.axes.innerHTML = axes; else panel.drawAxes();
+      panel.drawn = panel.axes.innerHTML;
+    };
+    const divided = (panel) => {
+      const value = (series, py) => panel.yAt(py) / voltsOf(series);
+      const all = panel.series.flatMap((s) => s.points.map((point) => value(s, point.py))).filter(isFinite);
+      const [low, high] = [Math.min(...all), Math.max(...all)], room = 0.05 * (high - low);
+      const y = { scale: 0, low: low - room, high: high + room };
+      const at = (series, [px, py]) => [px, panel.bottom - ((value(series, py) - y.low) / (y.high - y.low)) * (panel.bottom - panel.top)];
+      const lines = panel.series.flatMap((series) => series.shapes.map(({ stretches }) => written(stretches.map((points) => points.map((p) => at(series, p))))));
+      const [quantity, unit] = [panel.quantity + " per volt", panel.unit + "/V"];
+      return { y, quantity, unit, title: `${quantity} (${unit})`, lines };
+    };
+    button.addEventListener("click", () => {
+      const on = button.getAttribute("aria-pressed") !== "true";
+      button.setAttribute("aria-pressed", String(on));
+      own.forEach((chart, k) => {
+        if (chart.panels.some((panel) => panel.view)) chart.zoom(null);
+        chart.panels.forEach((panel, j) => take(panel, on ? divided(panel) : first[k][j]));
+      });
+      say(on ? "divided by the voltage" : "as measured");
+    });
+    place.before(make("p", { class: "tools" }, button));
+  };
+
   // ---------------------------------------------------------------- points grouped and filtered by tags
   const FORMS = ["M0-.5a.5.5 0 1 0 .01 0z", "M-.45-.45h.9v.9h-.9z", "M0-.6l.58 1.04h-1.16z", "M0-.66l.66.66-.66.66-.66-.66z", "M0 .6l.58-1.04h-1.16z"];
   const marker = (k) => {
@@ -753,7 +917,9 @@
     const usable = [...keys].filter(([, values]) => values.size > 1 && values.size <= MOST).map(([key]) => key).sort();
     const select = make("select", { id: "group-by" }, ...usable.map((key) => make("option", { value: key }, key)));
     if (usable.includes(place.dataset.byTags)) select.value = place.dataset.byTags;
+    if (usable.includes(state.by)) select.value = state.by;
     const filter = make("input", { type: "search", id: "filter-runs", autocomplete: "off", list: "tag-values", placeholder: "air voltage_v=2.5 relative_humidity_percent>60" });
+    filter.value = state.only || "";
     const words = make("datalist", { id: "tag-values" }, ...[...keys].filter(([, values]) => values.size <= 40).flatMap(([key, values]) => [...values].map((value) => make("option", { value: `${key}=${value}` }))));
     const count = make("span", { role: "status" });
     const chips = make("div", { class: "legend", role: "group", "aria-label": "Values shown" });
@@ -796,8 +962,8 @@
       }));
       count.textContent = `${shownRuns.size} of ${drawnRuns.size} runs shown`;
     };
-    select.addEventListener("change", () => { hidden.clear(); redraw(); });
-    filter.addEventListener("input", redraw);
+    select.addEventListener("change", () => { hidden.clear(); remember({ by: select.value }); redraw(); });
+    filter.addEventListener("input", () => { remember({ only: filter.value.trim() }); redraw(); });
     place.append(
       make("label", { for: "group-by" }, "Colour by "), select,
       make("label", { for: "filter-runs" }, "Only runs with "), filter, words, count, chips);
@@ -883,7 +1049,7 @@
     use.replaceWith(own);
   });
   // A link to a run of this page's group that has gone to another page since.
-  const place = location.hash.slice(1);
+  const { place } = state;
   const moved = async () => {
     const run = (await runs()).find((run) => run.place === place);
     if (run) location.replace(run.href);
@@ -892,10 +1058,17 @@
   document.querySelectorAll("main table").forEach(sortable);
   document.querySelectorAll("main svg.figure").forEach((svg) => new Chart(svg));
   legends();
+  perVolt();
   films();
   byTags();
-  // What was added above has moved the place that the address names.
-  if (place && document.getElementById(place)) document.getElementById(place).scrollIntoView();
+  const [zoomed, ...ends] = (state.zoom || "").split(":");
+  charts.find((chart) => chart.svg.id === zoomed)?.zoom(ends.map(Number));
+  // What was added above has moved the place that the address names; a place in what is folded is opened.
+  if (place && document.getElementById(place)) {
+    const there = document.getElementById(place);
+    for (let folded = there.closest("details"); folded; folded = folded.parentElement.closest("details")) folded.open = true;
+    there.scrollIntoView();
+  }
   else if (place && document.querySelector(".of-run, h1.run-name")) moved();
   follow();
 })();

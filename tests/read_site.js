@@ -6,5 +6,5 @@ const nothing = new Proxy(function () {}, {
   apply: () => nothing,
   set: () => true,
 });
-Object.assign(globalThis, { document: nothing, addEventListener: () => {} });
+Object.assign(globalThis, { document: nothing, location: nothing, history: nothing, addEventListener: () => {} });
 module.exports = require(path.join(__dirname, "..", "templates", "site.js"));

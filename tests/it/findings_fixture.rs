@@ -59,11 +59,20 @@ fn candidate(effect: &str, forecast_gain: f64, fitted_gain: Option<f64>, accepte
 
 fn residual(run: &str) -> ResidualCurve {
     let time_s: Vec<f64> = (1..60).map(|k| f64::from(k) * 5.0).collect();
+    let decay = |slope: f64| {
+        time_s
+            .iter()
+            .map(|t| 2e-3 * (-t / 60.0).exp() + slope * t)
+            .collect()
+    };
     ResidualCurve {
         run: run.to_owned(),
         channel: "current".to_owned(),
         before_sigma: time_s.iter().map(|t| 0.02 * t - 1.0).collect(),
         after_sigma: time_s.iter().map(|t| (0.1 * t).sin()).collect(),
+        measured: decay(1e-6),
+        base: decay(0.0),
+        extended: decay(1e-6),
         time_s,
     }
 }

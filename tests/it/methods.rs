@@ -59,10 +59,12 @@ fn assert_same_minimum(one: &Fit, other: &Fit, name: &str) {
 fn differential_evolution_finds_the_minima_of_the_thesis_campaign() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("campaigns/thesis/simulation.toml");
     let spec = Spec::read(&path).unwrap();
-    assert_eq!(spec.run.len(), 18);
+    // Those of table 5; in the others something is hidden that the model does not have.
+    let of_table_5 = spec.run.iter().filter(|run| !run.file.starts_with("PtNaf"));
+    assert_eq!(of_table_5.clone().count(), 18);
     let fast = FitOptions::default();
     let evolution = fast.with_method("differential-evolution").unwrap();
-    for (number, run) in spec.run.iter().enumerate().step_by(counted(3, 1)) {
+    for (number, run) in of_table_5.enumerate().step_by(counted(3, 1)) {
         let channels = channels(&run_table(&spec, run, number).unwrap());
         let input = FitInput {
             channels: &channels,

@@ -305,6 +305,15 @@ pub struct ResidualCurve {
     /// The same for the extended model; empty where there is none.
     #[serde(deserialize_with = "number_or_null::many")]
     pub after_sigma: Vec<f64>,
+    /// Readings averaged in the same way, canonical unit of the channel; empty in diagnoses of earlier versions.
+    #[serde(default, deserialize_with = "number_or_null::many")]
+    pub measured: Vec<f64>,
+    /// What the base model says of them; empty as `measured`.
+    #[serde(default, deserialize_with = "number_or_null::many")]
+    pub base: Vec<f64>,
+    /// What the extended model says of them; empty where there is none.
+    #[serde(default, deserialize_with = "number_or_null::many")]
+    pub extended: Vec<f64>,
 }
 
 /// Noise of one channel of one run, found without the candidates.

@@ -49,6 +49,9 @@ mod tests {
             time_s: vec![1.0, 2.0],
             before_sigma: vec![0.5, f64::NAN],
             after_sigma: Vec::new(),
+            measured: vec![1e-3, f64::NAN],
+            base: vec![1e-3, 2e-3],
+            extended: Vec::new(),
         });
         found.from_others.push(FromOthers {
             effect: "contact-break".into(),

@@ -17,6 +17,7 @@ pub mod run_pages;
 mod shared_axes;
 pub mod site;
 pub mod slug;
+pub mod sparkline;
 pub mod tables;
 pub mod visible;
 pub mod zone;

@@ -2,6 +2,7 @@
 //!
 //! A page that cannot be made is replaced by a box that says why, and the others are written: only the disk ends a report.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -22,6 +23,7 @@ use super::pages::{
 use super::run_index::{self, run_index};
 use super::shared_axes::share;
 use super::site::Site;
+use super::sparkline::Sparks;
 use super::visible::{indexed, write_escaped};
 use ieap_analysis::dma::table::modulus_table;
 use ieap_analysis::{TableFormat, conditions_table, fits_wide, rounded, write_table};
@@ -104,11 +106,14 @@ pub fn render_site(
         .collect();
     bytes += sizes?.iter().sum::<u64>();
     let mut done = others.len() + groups;
+    let mut sparks = BTreeMap::new();
     if groups > 0 {
         progress(done, total);
     }
     for batch in batches(&site.run_pages) {
         let drawn: Vec<ToDraw> = batch.clone().map(|page| to_draw(&site, page, curves)).collect();
+        let runs = drawn.iter().flat_map(|(_, runs)| runs);
+        sparks.extend(runs.map(|drawn| (drawn.run, Sparks::of(&drawn.curves))));
         let sizes: Result<Vec<u64>, ReportError> = drawn.par_iter().map(|drawn| press.runs(drawn)).collect();
         bytes += sizes?.iter().sum::<u64>();
         progress(done + batch.end, total);
@@ -124,6 +129,7 @@ pub fn render_site(
     // Pages are made side by side, in no order.
     faults.sort_by(|a, b| (&a.place, &a.runs).cmp(&(&b.place, &b.runs)));
     site.faults.clone_from(&faults);
+    site.sparks = sparks;
     let press = Press {
         templates: &templates,
         site: &site,
@@ -242,7 +248,7 @@ impl Press<'_> {
         let run = |run: &usize| json!({ "slug": self.site.run_slug(*run), "path": path(run) });
         let runs: Vec<Value> = place.runs.iter().map(run).collect();
         let context = json!({ "reason": reason, "mend": REPORT_IT, "runs": runs });
-        let content = Content::new("fault.html", &context, std::collections::BTreeMap::new())?;
+        let content = Content::new("fault.html", &context, BTreeMap::new())?;
         let fault = Fault {
             place: place.file.clone(),
             runs: place.runs.iter().map(path).collect(),

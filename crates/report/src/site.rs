@@ -1,10 +1,13 @@
 //! What pages are made from: the input in the order of the site, and the addresses of its pages.
 
+use std::collections::BTreeMap;
+
 use super::aside::{Aside, aside};
 use super::input::Input;
 use super::pages::{PAGES, Page};
 use super::run_pages::{RunPage, run_pages};
 use super::slug::slugs;
+use super::sparkline::Sparks;
 use super::zone::Zone;
 use ieap_analysis::laws::facts::{RunFacts, facts};
 use ieap_analysis::{Conditions, conditions};
@@ -27,6 +30,8 @@ pub struct Site<'a> {
     pub run_pages: Vec<RunPage>,
     /// What could not be made, for the overview, which is made last.
     pub faults: Vec<Fault>,
+    /// Responses of the runs as small pictures, by run: known once the pages of the runs are drawn, as the overview is.
+    pub sparks: BTreeMap<usize, Sparks>,
     /// Of each run the index of its page.
     pages_of_runs: Vec<usize>,
     slugs: Vec<String>,
@@ -53,6 +58,7 @@ impl<'a> Site<'a> {
             run_pages,
             pages_of_runs,
             faults: input.faults.clone(),
+            sparks: BTreeMap::new(),
             aside: aside(input, &conditions, &facts),
             conditions,
             facts,

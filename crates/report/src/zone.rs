@@ -55,12 +55,29 @@ impl Zone {
         self.written(rfc_3339, "%Y-%m-%d %H:%M")
     }
 
+    /// `20 Nov 2026`; text that is no time stays as it is.
+    pub fn day(&self, rfc_3339: &str) -> String {
+        self.written(rfc_3339, "%-d %b %Y")
+    }
+
+    /// The day of a moment, s since 1970 UTC; none beyond the years that a calendar has.
+    pub fn day_of(&self, seconds: f64) -> Option<String> {
+        let time = Timestamp::from_second(seconds as i64).ok()?;
+        Some(time.to_zoned(self.zone.clone()).strftime("%-d %b %Y").to_string())
+    }
+
     fn written(&self, rfc_3339: &str, format: &str) -> String {
         rfc_3339
             .parse::<Timestamp>()
             .map(|time| time.to_zoned(self.zone.clone()).strftime(format).to_string())
             .unwrap_or_else(|_| rfc_3339.to_owned())
     }
+}
+
+/// Seconds since 1970 UTC of a time in RFC 3339.
+pub fn seconds(rfc_3339: &str) -> Option<f64> {
+    let time: Timestamp = rfc_3339.parse().ok()?;
+    Some(time.as_second() as f64)
 }
 
 #[cfg(test)]
@@ -80,5 +97,9 @@ mod tests {
         assert_eq!(zone.moment("2026-07-20T23:30:00Z"), "21 Jul 2026, 02:30 +03:00");
         assert_eq!(zone.short("2026-11-20T06:00:00Z"), "2026-11-20 08:00");
         assert_eq!(zone.moment("<b>"), "<b>");
+        assert_eq!(zone.day("2026-11-20T22:30:00Z"), "21 Nov 2026");
+        let start = seconds("2026-11-20T22:30:00Z").unwrap();
+        assert_eq!(zone.day_of(start).unwrap(), "21 Nov 2026");
+        assert_eq!((zone.day_of(1e15), seconds("soon")), (None, None));
     }
 }

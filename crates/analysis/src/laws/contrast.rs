@@ -335,6 +335,48 @@ pub fn sentence(contrast: &Contrast) -> String {
     format!("{lead}: {} ({scope}).", ratios.join("; "))
 }
 
+/// A ratio in short: the factor, its interval, and whether a difference is shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShortRatio {
+    /// `4.2`, `> 12`, `?`.
+    pub factor: String,
+    /// `3.9 to 4.5`; empty where there is none.
+    pub interval: String,
+    /// Logarithm of the factor, where a difference is shown.
+    pub log: Option<f64>,
+}
+
+/// A ratio in short.
+pub fn in_short(ratio: &Ratio) -> ShortRatio {
+    match (ratio.log, ratio.at_least) {
+        (
+            Some(Interval {
+                value,
+                low_95: Some(low),
+                high_95: Some(high),
+            }),
+            _,
+        ) => {
+            let width = 2.0 * (high.exp() - low.exp());
+            ShortRatio {
+                factor: round(value.exp(), width),
+                interval: format!("{} to {}", round(low.exp(), width), round(high.exp(), width)),
+                log: (low * high > 0.0).then_some(value),
+            }
+        }
+        (_, Some(least)) => ShortRatio {
+            factor: format!("{} {}", if least >= 0.0 { ">" } else { "<" }, short(least.exp())),
+            interval: String::new(),
+            log: Some(least),
+        },
+        _ => ShortRatio {
+            factor: "?".to_owned(),
+            interval: String::new(),
+            log: None,
+        },
+    }
+}
+
 fn said(ratio: &Ratio, over: &Over) -> String {
     let place = match over {
         Over::Environment { .. } => format!("at {} V", ratio.place),
@@ -408,6 +450,32 @@ mod tests {
             .iter()
             .map(sentence)
             .collect()
+    }
+
+    #[test]
+    fn a_ratio_in_short_shows_a_difference_only_where_there_is_one() {
+        let ratio = |value: f64, low: f64, high: f64, at_least| Ratio {
+            place: "2.00".to_owned(),
+            log: (value > 0.0).then(|| Interval {
+                value: value.ln(),
+                low_95: Some(low.ln()),
+                high_95: Some(high.ln()),
+            }),
+            at_least,
+            samples: 1,
+        };
+        let shown = in_short(&ratio(4.2, 3.9, 4.5, None));
+        assert_eq!(
+            (shown.factor.as_str(), shown.interval.as_str()),
+            ("4.2", "3.9 to 4.5")
+        );
+        assert!(shown.log.is_some_and(|log| (log - 4.2_f64.ln()).abs() < 1e-12));
+        assert_eq!(in_short(&ratio(1.1, 0.8, 1.5, None)).log, None);
+        assert_eq!(
+            in_short(&ratio(0.0, 0.0, 0.0, Some(-(12.0_f64.ln())))).factor,
+            "< 0.083"
+        );
+        assert_eq!(in_short(&ratio(0.0, 0.0, 0.0, None)).factor, "?");
     }
 
     #[test]

@@ -42,6 +42,45 @@ pub fn sentence(found: &Dependence) -> String {
     text
 }
 
+/// A claim in a few words, under the name of its parameter: `falls by a factor of 4.2 [3.1, 5.6] from 20 to 80 % RH`.
+pub fn brief(found: &Dependence) -> String {
+    if found.covariate == Covariate::Sample {
+        return "differs between samples by more than between runs".to_owned();
+    }
+    let between = match (&found.jump, found.span) {
+        (Some(jump), _) => format!("from {} to {}", jump.from, jump.to),
+        (None, Some(span)) => range(found.covariate, span.low, span.high),
+        (None, None) => String::new(),
+    };
+    match found.change() {
+        Some(change) if is_directed(change) => format!("{} {between}", moves(change, found.is_log)),
+        Some(_) => format!(
+            "changes with {}, by no law that is known here",
+            found.covariate.label()
+        ),
+        None => format!("differs with {}", found.covariate.label()),
+    }
+}
+
+/// What the readings allow where nothing is claimed: `a factor of 1.1 [0.8, 1.6]`; empty where that says nothing.
+pub fn allowed(found: &Dependence) -> String {
+    match (found.change(), found.is_log) {
+        (Some(change), true) if !matches!(found.covariate, Covariate::FirstRun | Covariate::Direction) => {
+            format!(
+                "a factor of {}{}",
+                round(change.value.exp(), change.value.exp()),
+                ends(change.low_95, change.high_95, f64::exp)
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// Whether the interval of a change says which way it goes.
+fn is_directed(change: Interval) -> bool {
+    change.low_95.is_some_and(|low| low > 0.0) || change.high_95.is_some_and(|high| high < 0.0)
+}
+
 fn claim(found: &Dependence) -> String {
     let what = format!("{} of {}", symbol(&found.parameter), found.material);
     let n = counted(found.samples.len(), "sample");
@@ -54,7 +93,7 @@ fn claim(found: &Dependence) -> String {
         (None, None) => String::new(),
     };
     // The forms that are asked about are more than the laws that are stated.
-    if change.low_95.is_none_or(|low| low <= 0.0) && change.high_95.is_none_or(|high| high >= 0.0) {
+    if !is_directed(change) {
         let ends = match found.is_log {
             true => ends(change.low_95, change.high_95, f64::exp),
             false => ends(change.low_95, change.high_95, |x| x),
@@ -247,7 +286,7 @@ fn tied_sentence(found: &Dependence) -> String {
     let mut names = vec![found.covariate];
     names.extend(&found.confounded_with);
     format!(
-        "{what} changes, but {} changed {place}: which of them it follows cannot be told. Stated by the {}:",
+        "{what} changes, but {} changed {place}: which of them it follows cannot be told. Over the {}:",
         listed(&names),
         found.covariate.label()
     )

@@ -30,25 +30,6 @@ pub fn life(watched: &Watched) -> String {
     text
 }
 
-/// When a limit is reached, where that can be told, with the place on the axis by which forecasts are put in order: what lies
-/// beyond its limit already comes first.
-pub fn forecast(watched: &Watched) -> Option<(f64, String)> {
-    let (limit, reaches) = watched.limit.as_ref()?;
-    let at = match reaches {
-        Reaches::Beyond => f64::NEG_INFINITY,
-        Reaches::At(at) => at.value,
-        Reaches::Unknown(_) => return None,
-    };
-    let said = limit_words(watched, limit, reaches);
-    Some((at, format!("{}: {}", subject(watched), lower_first(&said))))
-}
-
-fn lower_first(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|letter| letter.to_lowercase().to_string());
-    first.unwrap_or_default() + letters.as_str()
-}
-
 fn subject(watched: &Watched) -> String {
     format!("{} of {}", symbol(&watched.parameter), watched.sample)
 }
@@ -160,6 +141,54 @@ fn jumps(watched: &Watched) -> String {
         )
     };
     watched.study.steps.iter().map(told).collect()
+}
+
+/// A step as a table tells it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepText {
+    /// Where on the axis.
+    pub at: f64,
+    /// `down by a factor of 1.4`.
+    pub size: String,
+    /// What it is.
+    pub what: String,
+}
+
+/// Every step of a parameter: jumps that are left out, a step beside a trend, a course that is one step.
+pub fn steps(watched: &Watched) -> Vec<StepText> {
+    let (study, is_log) = (&watched.study, watched.series.is_log);
+    let jumps = study.steps.iter().map(|step| StepText {
+        at: watched.series.x[step.at],
+        size: by(step.size, is_log),
+        what: match step.is_stated {
+            true => "the instrument or its calibration changed; left out of the trend and of the charts",
+            false => "jump from one run to the next; left out of the trend and of the charts",
+        }
+        .to_owned(),
+    });
+    let beside = study.change.iter().map(|change| StepText {
+        at: change.at.value,
+        size: by(change.size, is_log),
+        what: format!("step beside the trend (p = {})", short(change.p)),
+    });
+    let course = study
+        .trends
+        .first()
+        .filter(|law| study.is_shown() && law.law == Law::Step);
+    let course = course.and_then(|law| {
+        Some(StepText {
+            at: law.bend_at?.value,
+            size: by(law.size.value, is_log),
+            what: format!("one step, no trend (p = {})", short(study.p_trend?)),
+        })
+    });
+    jumps.chain(beside).chain(course).collect()
+}
+
+/// A place on the axis with its unit: `age 530 h`.
+pub fn place(watched: &Watched, at: f64) -> String {
+    let axis = watched.axis;
+    format!("{} {}{}", axis.label(), short_axis(watched, at), unit(axis))
 }
 
 fn by(size: f64, is_log: bool) -> String {
@@ -371,7 +400,7 @@ fn split_of(laws: &CampaignLaws, material: &str, parameter: &str) -> String {
         (Some(age), other) if claimed(Some(age)) => {
             match asked_about(other, age, |one| one == Covariate::RelativeHumidity) {
                 true => format!(
-                    "{what}: {}; a part that follows humidity is not shown.",
+                    "{what}: {}; that any of it follows humidity is not shown.",
                     stays(age)
                 ),
                 false => format!(
@@ -383,7 +412,7 @@ fn split_of(laws: &CampaignLaws, material: &str, parameter: &str) -> String {
         (other, Some(humidity)) => {
             match asked_about(other, humidity, |one| Covariate::OF_AGE.contains(&one)) {
                 true => format!(
-                    "{what}: {}; a part that stays with age is not shown.",
+                    "{what}: {}; that any of it stays with age is not shown.",
                     returns(humidity)
                 ),
                 false => format!(

@@ -109,9 +109,8 @@ fn of_step(plan: &Untying, step: &Step, runs: &[RunRecord], campaign: &Campaign,
             inflation: Some((step.inflation_before, step.inflation_after)),
         },
         why: vec![format!(
-            "{told} (variance inflation {} → {})",
-            words::inflation(step.inflation_before),
-            words::inflation(step.inflation_after)
+            "{told} (variance inflation {})",
+            words::from_to(step.inflation_before, step.inflation_after)
         )],
         closes,
     }

@@ -124,7 +124,7 @@ fn every_run_of_a_plan_loosens_and_is_said_by_how_much() {
     );
     let sentence = words::reached(&found).remove(0);
     assert!(
-        sentence.contains("Variance inflation") && sentence.contains(" → "),
+        sentence.contains("Variance inflation") && sentence.contains(" goes from "),
         "{sentence}"
     );
 }

@@ -8,12 +8,20 @@ use crate::laws::words::{counted, listed, short};
 use ieap_domain::seconds::seconds;
 use ieap_domain::{Drive, Level};
 
-/// `38`, `3.1`, or `no bound`.
+/// `38`, `3.1`, or `infinity`.
 pub fn inflation(value: f64) -> String {
     match value.is_finite() && value < super::ties::MOST {
         true if value >= 100.0 => format!("{value:.0}"),
         true => short(value),
-        false => "no bound".to_owned(),
+        false => "infinity".to_owned(),
+    }
+}
+
+/// `38 → 3.1`, or that it stays.
+pub fn from_to(before: f64, after: f64) -> String {
+    match (inflation(before), inflation(after)) {
+        (before, after) if before == after => format!("stays at {after}"),
+        (before, after) => format!("{before} → {after}"),
     }
 }
 
@@ -37,8 +45,12 @@ pub fn reached(plan: &Untying) -> Vec<String> {
             true => String::new(),
             false => " of what runs in the conditions of the design can tell apart".to_owned(),
         };
+        let gain = match before == after {
+            true => format!("{what} stays at {after} after {runs}"),
+            false => format!("{what} goes from {before} to {after} after {runs}"),
+        };
         sentences.push(format!(
-            "{}: {names}. Variance inflation{what} {before} → {after} after {runs}{end}.",
+            "{}: {names}. Variance inflation{gain}{end}.",
             plan.material
         ));
     } else if plan.would.is_empty() {

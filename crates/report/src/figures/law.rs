@@ -195,7 +195,11 @@ fn draw_marks(
     })
 }
 
-fn line(chart: &mut Chart, points: Vec<(f64, f64)>, ink: Ink, width: u32) -> Result<(), String> {
+/// A line through `points`.
+///
+/// # Errors
+/// The message of the drawing library.
+pub fn line(chart: &mut Chart, points: Vec<(f64, f64)>, ink: Ink, width: u32) -> Result<(), String> {
     let path = PathElement::new(points, ink.color().stroke_width(width));
     chart
         .draw_series([path])

@@ -11,6 +11,7 @@ use super::axis::Axis;
 use super::canvas::{Ink, svg};
 use super::group::series;
 use super::panel::{Margins, panel};
+use crate::number::{decimal_exponent, superscript};
 
 const WIDTH: u32 = 420;
 const HEIGHT: u32 = 210;
@@ -44,13 +45,14 @@ pub fn profile(
     if points.len() < 3 || ends.0 >= ends.1 {
         return Ok(None);
     }
+    let (points, ends, quantity) = in_short_numbers(points, ends, quantity, unit);
     let most = points.iter().fold(2.0 * BOUND, |most, (_, y)| most.max(*y));
     let most = most.min(HIGHEST * BOUND);
     let x = match ends.0 > 0.0 && ends.1 > DECADES * ends.0 {
-        true => Axis::log(ends.0, ends.1, quantity, unit),
+        true => Axis::log(ends.0, ends.1, &quantity, ""),
         false => {
             let margin = 0.04 * (ends.1 - ends.0);
-            Axis::linear(ends.0 - margin, ends.1 + margin, quantity, unit, 4)
+            Axis::linear(ends.0 - margin, ends.1 + margin, &quantity, "", 4)
         }
     };
     let y = Axis::linear(-0.03 * most, 1.05 * most, "Rise of the sum of squares", "", 5);
@@ -88,6 +90,31 @@ pub fn profile(
         })
     })?;
     Ok(Some(drawn))
+}
+
+/// Points and ends over a power of ten, where numbers would have many digits, and the title that says so.
+fn in_short_numbers(
+    points: Vec<(f64, f64)>,
+    ends: (f64, f64),
+    quantity: &str,
+    unit: &str,
+) -> (Vec<(f64, f64)>, (f64, f64), String) {
+    let exponent = decimal_exponent(ends.0.abs().max(ends.1.abs()));
+    let (factor, power) = match exponent {
+        -2..=3 => (1.0, String::new()),
+        far => (10f64.powi(-far), format!("10{}", superscript(far))),
+    };
+    let unit = match (power.is_empty(), unit.is_empty()) {
+        (true, _) => unit.to_owned(),
+        (false, true) => power,
+        (false, false) => format!("{power} {unit}"),
+    };
+    let title = match unit.is_empty() {
+        true => quantity.to_owned(),
+        false => format!("{quantity} ({unit})"),
+    };
+    let points = points.into_iter().map(|(x, y)| (factor * x, y)).collect();
+    (points, (factor * ends.0, factor * ends.1), title)
 }
 
 /// The points up to `most`, with those where the line between neighbours passes it.

@@ -1,85 +1,169 @@
-//! Residuals of one channel of one run in units of the noise: what the base model leaves and what the extended
-//! one leaves, over time and over the logarithm of time, with the band that noise alone fills.
+//! One channel of one run of a diagnosis: what the base model leaves and what the extended one leaves, in units of the
+//! noise, with the band that noise alone fills; and, above it, the readings with what both models say.
 
 use plotters::element::{Circle, PathElement, Polygon};
 use plotters::series::LineSeries;
 use plotters::style::Color;
 
-use super::axis::Axis;
+use super::axis::{Axis, finite_range};
 use super::canvas::{Area, Ink, TENTHS, svg};
 use super::group::series;
 use super::panel::{Chart, Margins, panel, pixels};
 use super::thin;
-use ieap_domain::ResidualCurve;
+use ieap_domain::{Quantity, ResidualCurve};
 
-/// Width of each half, px.
-const HALF_WIDTH: u32 = 440;
+/// Width of a figure, px.
+const WIDTH: u32 = 530;
+/// Height of a figure of residuals alone, px.
 const HEIGHT: u32 = 190;
+/// Heights of the two panels of an overlay, px.
+const READINGS_HEIGHT: u32 = 210;
+const RESIDUALS_HEIGHT: u32 = 170;
 /// Half width of the band: single readings stay within it in 95 of 100 cases.
 const BAND_SIGMA: f64 = 2.0;
-/// Shortest time on the logarithmic axis, as a fraction of the longest.
+/// Shortest time that the axis tells apart, as a fraction of the longest.
 const SHORTEST: f64 = 1e-5;
 
-/// Draws `curve`, its line called `extension`; over the logarithm of time alone where `whole` is false. None where there
-/// is too little to draw.
+/// Draws the residuals of `curve`, the line called `extension`. None where there is too little to draw.
 ///
 /// # Errors
 /// The message of the drawing library, or of a curve of uneven lengths.
 pub fn residual(
     curve: &ResidualCurve,
     extension: &str,
-    whole: bool,
     title: &str,
     desc: &str,
 ) -> Result<Option<String>, String> {
-    let n = curve.time_s.len();
-    let even = curve.before_sigma.len() == n && [0, n].contains(&curve.after_sigma.len());
-    if !even {
-        return Err(format!(
-            "a residual of {n} times has {} and {} values",
-            curve.before_sigma.len(),
-            curve.after_sigma.len()
-        ));
-    }
-    let last_s = curve.time_s.last().copied().unwrap_or(0.0);
-    let since: Vec<usize> = (0..n).filter(|&k| curve.time_s[k] > SHORTEST * last_s).collect();
-    if since.len() < 2 {
+    let Some(drawing) = Drawing::of(curve, extension)? else {
         return Ok(None);
-    }
-    let y = vertical(curve);
-    let first_s = curve.time_s[since[0]];
-    let logarithmic = Axis::log(0.9 * first_s, 1.1 * last_s, "Time since the step", "s");
-    let width = if whole { 2 * HALF_WIDTH } else { HALF_WIDTH };
-    let drawn = svg((width, HEIGHT), title, desc, |area| {
-        if !whole {
-            return Half {
-                curve,
-                extension,
-                x: &logarithmic,
-                y: &y,
-            }
-            .draw(area, &since);
-        }
-        let (left, right) = area.split_horizontally(HALF_WIDTH as i32 * TENTHS);
-        let margin = 0.015 * (last_s - curve.time_s[0]);
-        let linear = Axis::linear(curve.time_s[0] - margin, last_s + margin, "Time", "s", 6);
-        let all: Vec<usize> = (0..n).collect();
-        Half {
-            curve,
-            extension,
-            x: &logarithmic,
-            y: &y,
-        }
-        .draw(&left, &since)?;
-        Half {
-            curve,
-            extension,
-            x: &linear,
-            y: &y,
-        }
-        .draw(&right, &all)
+    };
+    let drawn = svg((WIDTH, HEIGHT), title, desc, |area| drawing.residuals(area))?;
+    Ok(Some(drawn))
+}
+
+/// Draws the readings of `curve` with both models, and the residuals under them. None where there is too little to draw,
+/// or the diagnosis is of a version that did not keep the readings.
+///
+/// # Errors
+/// The message of the drawing library, or of a curve of uneven lengths.
+pub fn overlay(
+    curve: &ResidualCurve,
+    extension: &str,
+    title: &str,
+    desc: &str,
+) -> Result<Option<String>, String> {
+    let drawing = match Drawing::of(curve, extension)? {
+        Some(drawing) if !curve.measured.is_empty() => drawing,
+        _ => return Ok(None),
+    };
+    let height = READINGS_HEIGHT + RESIDUALS_HEIGHT;
+    let drawn = svg((WIDTH, height), title, desc, |area| {
+        let (above, below) = area.split_vertically(READINGS_HEIGHT as i32 * TENTHS);
+        drawing.readings(&above)?;
+        drawing.residuals(&below)
     })?;
     Ok(Some(drawn))
+}
+
+/// What both panels share.
+struct Drawing<'a> {
+    curve: &'a ResidualCurve,
+    extension: &'a str,
+    x: Axis,
+}
+
+impl Drawing<'_> {
+    fn of<'a>(curve: &'a ResidualCurve, extension: &'a str) -> Result<Option<Drawing<'a>>, String> {
+        check_lengths(curve)?;
+        let last_s = curve.time_s.last().copied().unwrap_or(0.0);
+        let after: Vec<f64> = curve
+            .time_s
+            .iter()
+            .copied()
+            .filter(|t| *t > SHORTEST * last_s)
+            .collect();
+        if after.len() < 2 {
+            return Ok(None);
+        }
+        let (first_s, _) = finite_range(curve.time_s.iter().copied());
+        let x = Axis::about_step(first_s.min(0.0), after[0], last_s, "Time since the step");
+        Ok(Some(Drawing { curve, extension, x }))
+    }
+
+    /// The readings as dots, the models as lines.
+    fn readings(&self, area: &Area) -> Result<(), String> {
+        let curve = self.curve;
+        let all = [&curve.measured, &curve.base, &curve.extended];
+        let (low, high) = finite_range(all.into_iter().flatten().copied());
+        let margin = 0.05 * (high - low);
+        let (label, unit) = match curve.channel.as_str() {
+            "current" => (Quantity::Current.label(), Quantity::Current.unit()),
+            "curvature" => (Quantity::Curvature.label(), Quantity::Curvature.unit()),
+            other => (other, ""),
+        };
+        let y = Axis::linear(low - margin, high + margin, label, unit, 4);
+        let mut chart = panel(area, margins(false), &self.x, &y, false)?;
+        series(&mut chart, "Measured", |chart| {
+            dots(chart, &self.points(&curve.measured), Ink::Muted)
+        })?;
+        series(&mut chart, "Base model", |chart| {
+            line(chart, &self.points(&curve.base), Ink::Vermillion)
+        })?;
+        if curve.extended.is_empty() {
+            return Ok(());
+        }
+        series(&mut chart, self.extension, |chart| {
+            line(chart, &self.points(&curve.extended), Ink::Blue)
+        })
+    }
+
+    fn residuals(&self, area: &Area) -> Result<(), String> {
+        let (x, y) = (&self.x, &vertical(self.curve));
+        let mut chart = panel(area, margins(true), x, y, true)?;
+        series(&mut chart, "", |chart| band(chart, x))?;
+        series(&mut chart, "Base model", |chart| {
+            dots(chart, &self.points(&self.curve.before_sigma), Ink::Vermillion)
+        })?;
+        if self.curve.after_sigma.is_empty() {
+            return Ok(());
+        }
+        let after = thin::dots(&self.points(&self.curve.after_sigma), pixels(&chart));
+        series(&mut chart, self.extension, |chart| {
+            draw_line(chart, after, Ink::Blue)
+        })
+    }
+
+    fn points(&self, values: &[f64]) -> Vec<(f64, f64)> {
+        let at = self.curve.time_s.iter().map(|time_s| self.x.position(*time_s));
+        at.zip(values.iter().copied())
+            .filter(|(x, y)| x.is_finite() && y.is_finite())
+            .collect()
+    }
+}
+
+/// The source of the curves is outside this module: a series of another length must not end the program.
+fn check_lengths(curve: &ResidualCurve) -> Result<(), String> {
+    let n = curve.time_s.len();
+    let even = |values: &Vec<f64>| [0, n].contains(&values.len());
+    let rest = [&curve.after_sigma, &curve.measured, &curve.base, &curve.extended];
+    match curve.before_sigma.len() == n && rest.into_iter().all(even) {
+        true => Ok(()),
+        false => Err(format!(
+            "a residual of {n} times has {} and {} values, and {} readings",
+            curve.before_sigma.len(),
+            curve.after_sigma.len(),
+            curve.measured.len()
+        )),
+    }
+}
+
+fn margins(x_labels: bool) -> Margins {
+    Margins {
+        left: 62,
+        right: 16,
+        top: 8,
+        bottom: if x_labels { 42 } else { 6 },
+    }
 }
 
 /// Symmetric, and wide enough for the band.
@@ -91,69 +175,43 @@ fn vertical(curve: &ResidualCurve) -> Axis {
     Axis::linear(-1.05 * most, 1.05 * most, "Residual / σ", "", 5)
 }
 
-struct Half<'a> {
-    curve: &'a ResidualCurve,
-    extension: &'a str,
-    x: &'a Axis,
-    y: &'a Axis,
+/// The band that noise fills, and its middle.
+fn band(chart: &mut Chart, x: &Axis) -> Result<(), String> {
+    let corners = vec![
+        (x.low, -BAND_SIGMA),
+        (x.high, -BAND_SIGMA),
+        (x.high, BAND_SIGMA),
+        (x.low, BAND_SIGMA),
+    ];
+    chart
+        .draw_series([Polygon::new(corners, Ink::Muted.color().mix(0.16))])
+        .map_err(|error| error.to_string())?;
+    let zero = [(x.low, 0.0), (x.high, 0.0)];
+    chart
+        .draw_series([PathElement::new(zero, Ink::Muted.color().stroke_width(10))])
+        .map(|_| ())
+        .map_err(|error| error.to_string())
 }
 
-impl Half<'_> {
-    fn draw(&self, area: &Area, shown: &[usize]) -> Result<(), String> {
-        let margins = Margins {
-            left: 58,
-            right: 14,
-            top: 8,
-            bottom: 42,
-        };
-        let mut chart = panel(area, margins, self.x, self.y, true)?;
-        series(&mut chart, "", |chart| self.band(chart))?;
-        let before = thin::dots(&self.points(&self.curve.before_sigma, shown), pixels(&chart));
-        series(&mut chart, "Base model", |chart| {
-            let style = Ink::Vermillion.color().filled();
-            chart
-                .draw_series(before.into_iter().map(|point| Circle::new(point, 15, style)))
-                .map(|_| ())
-                .map_err(|error| error.to_string())
-        })?;
-        if self.curve.after_sigma.is_empty() {
-            return Ok(());
-        }
-        let after = thin::dots(&self.points(&self.curve.after_sigma, shown), pixels(&chart));
-        series(&mut chart, self.extension, |chart| {
-            chart
-                .draw_series(LineSeries::new(after, Ink::Blue.color().stroke_width(16)))
-                .map(|_| ())
-                .map_err(|error| error.to_string())
-        })
-    }
+fn dots(chart: &mut Chart, points: &[(f64, f64)], ink: Ink) -> Result<(), String> {
+    let points = thin::dots(points, pixels(chart));
+    let style = ink.color().filled();
+    chart
+        .draw_series(points.into_iter().map(|point| Circle::new(point, 15, style)))
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}
 
-    /// The band that noise fills, and its middle.
-    fn band(&self, chart: &mut Chart) -> Result<(), String> {
-        let (low, high) = (self.x.low, self.x.high);
-        let corners = vec![
-            (low, -BAND_SIGMA),
-            (high, -BAND_SIGMA),
-            (high, BAND_SIGMA),
-            (low, BAND_SIGMA),
-        ];
-        chart
-            .draw_series([Polygon::new(corners, Ink::Muted.color().mix(0.16))])
-            .map_err(|error| error.to_string())?;
-        let zero = [(low, 0.0), (high, 0.0)];
-        chart
-            .draw_series([PathElement::new(zero, Ink::Muted.color().stroke_width(10))])
-            .map(|_| ())
-            .map_err(|error| error.to_string())
-    }
+fn line(chart: &mut Chart, points: &[(f64, f64)], ink: Ink) -> Result<(), String> {
+    let points = thin::line(points, pixels(chart));
+    draw_line(chart, points, ink)
+}
 
-    fn points(&self, sigma: &[f64], shown: &[usize]) -> Vec<(f64, f64)> {
-        shown
-            .iter()
-            .map(|&k| (self.x.position(self.curve.time_s[k]), sigma[k]))
-            .filter(|(x, y)| x.is_finite() && y.is_finite())
-            .collect()
-    }
+fn draw_line(chart: &mut Chart, points: Vec<(f64, f64)>, ink: Ink) -> Result<(), String> {
+    chart
+        .draw_series(LineSeries::new(points, ink.color().stroke_width(16)))
+        .map(|_| ())
+        .map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
@@ -167,24 +225,40 @@ mod tests {
             channel: "current".into(),
             before_sigma: time_s.iter().map(|t| 3.0 * (0.01 * t).sin()).collect(),
             after_sigma: vec![0.1; n],
+            measured: time_s.iter().map(|t| 2e-3 * (-t / 20.0).exp()).collect(),
+            base: time_s.iter().map(|t| 2.1e-3 * (-t / 20.0).exp()).collect(),
+            extended: time_s.iter().map(|t| 2e-3 * (-t / 20.0).exp()).collect(),
             time_s,
         }
     }
 
     #[test]
     fn a_figure_of_160_points_stays_small() {
-        let drawn = residual(&curve(160), "after", true, "t", "d").unwrap().unwrap();
-        assert!(drawn.len() < 16_000, "{} bytes", drawn.len());
-        let half = residual(&curve(160), "after", false, "t", "d").unwrap().unwrap();
-        assert!(half.len() < drawn.len());
+        let drawn = residual(&curve(160), "after", "t", "d").unwrap().unwrap();
+        assert!(drawn.len() < 8_000, "{} bytes", drawn.len());
     }
 
     #[test]
     fn too_little_and_uneven_are_said() {
-        assert_eq!(residual(&curve(1), "after", true, "t", "d").unwrap(), None);
+        assert_eq!(residual(&curve(1), "after", "t", "d").unwrap(), None);
         let mut uneven = curve(20);
         uneven.before_sigma.pop();
-        assert!(residual(&uneven, "after", true, "t", "d").is_err_and(|reason| reason.contains("19")));
+        assert!(residual(&uneven, "after", "t", "d").is_err_and(|reason| reason.contains("19")));
+        let mut earlier = curve(20);
+        earlier.measured.clear();
+        assert_eq!(overlay(&earlier, "after", "t", "d").unwrap(), None);
+    }
+
+    #[test]
+    fn an_overlay_has_readings_two_models_and_what_they_leave() {
+        let drawn = overlay(&curve(160), "after", "t", "d").unwrap().unwrap();
+        assert!(
+            drawn.contains("Current (mA)") && drawn.contains("Residual"),
+            "{drawn}"
+        );
+        let of = |name: &str| drawn.matches(&format!("data-s=\"{name}\"")).count();
+        assert_eq!([of("Measured"), of("Base model"), of("after")], [1, 2, 2]);
+        assert!(drawn.len() < 12_000, "{} bytes", drawn.len());
     }
 
     #[test]
@@ -192,6 +266,6 @@ mod tests {
         let mut curve = curve(20);
         curve.before_sigma[3] = f64::NAN;
         curve.after_sigma[4] = f64::INFINITY;
-        assert!(residual(&curve, "after", true, "t", "d").unwrap().is_some());
+        assert!(residual(&curve, "after", "t", "d").unwrap().is_some());
     }
 }

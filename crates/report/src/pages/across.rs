@@ -216,7 +216,7 @@ fn map_table(map: &ConfoundingMap) -> MapTable {
 
 fn inflation_sign(value: f64) -> String {
     match words::inflation(value).as_str() {
-        "no bound" => "∞".to_owned(),
+        "infinity" => "∞".to_owned(),
         number => number.to_owned(),
     }
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::Content;
 use super::comparison::caution;
-use super::humidity::{SampleKey, sample_keys};
+use super::law_cards::{SampleKey, sample_keys};
 use super::wording::counted;
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;

@@ -1,20 +1,17 @@
 //! Cards of the overview: what needs a person, and what the campaign answers, each with a number and the way to its page.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
-use super::finding_words::{campaign_lead, verdict_of};
-use super::wording::{counted, group_title, listed};
-use super::{across, monitoring};
+use super::cards_wrong::wrong;
+use super::wording::{counted, listed};
+use super::{across, forecasts, monitoring};
 use crate::input::Input;
 use crate::site::Site;
 use ieap_analysis::laws::covariate::Covariate;
 use ieap_analysis::laws::matrix::{MatrixCell, matrices};
 use ieap_analysis::laws::words;
-use ieap_analysis::monitoring::words::forecast;
 use ieap_analysis::plan::PlannedRun;
-use ieap_domain::{FileState, RunRecord, RunState, Standing, Verdict};
+use ieap_domain::{FileState, RunRecord, RunState, Standing};
 
 /// Lines of a card that are not folded.
 const OPEN: usize = 5;
@@ -39,10 +36,13 @@ pub struct Card {
     link: Option<(String, &'static str)>,
 }
 
+/// A line of a card.
 #[derive(Debug, Serialize)]
-struct Line {
+pub(super) struct Line {
     text: String,
     href: String,
+    /// Length of the bar above it, percent of the longest; 0 for none.
+    bar: f64,
 }
 
 /// A stretch of a bar, in percent of its whole.
@@ -68,7 +68,7 @@ pub fn cards(site: &Site) -> Vec<Card> {
 }
 
 impl Card {
-    fn new(key: &'static str, title: &'static str, number: String, mut lines: Vec<Line>) -> Card {
+    pub(super) fn new(key: &'static str, title: &'static str, number: String, mut lines: Vec<Line>) -> Card {
         let more = lines.split_off(OPEN.min(lines.len()));
         Card {
             key,
@@ -82,7 +82,7 @@ impl Card {
         }
     }
 
-    fn with_bar(mut self, counts: &[(&'static str, &'static str, usize)]) -> Card {
+    pub(super) fn with_bar(mut self, counts: &[(&'static str, &'static str, usize)]) -> Card {
         let all: usize = counts.iter().map(|(.., count)| count).sum();
         let mut from = 0.0;
         for (class, _, count) in counts.iter().filter(|(.., count)| *count > 0) {
@@ -96,16 +96,17 @@ impl Card {
         self
     }
 
-    fn leading_to(mut self, href: &str, words: &'static str) -> Card {
+    pub(super) fn leading_to(mut self, href: &str, words: &'static str) -> Card {
         self.link = Some((href.to_owned(), words));
         self
     }
 }
 
-fn line(text: impl Into<String>, href: &str) -> Line {
+pub(super) fn line(text: impl Into<String>, href: &str) -> Line {
     Line {
         text: text.into(),
         href: href.to_owned(),
+        bar: 0.0,
     }
 }
 
@@ -187,11 +188,12 @@ fn depends(site: &Site) -> Option<Card> {
         }
     }
     told.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let lines: Vec<Line> = told
-        .into_iter()
-        .take(LAWS)
-        .map(|(_, text)| line(text, ""))
-        .collect();
+    let most = told.first().map_or(1.0, |(size, _)| size.max(1e-9));
+    let barred = |(size, text): (f64, String)| Line {
+        bar: (1e3 * size / most).round() / 10.0,
+        ..line(text, "")
+    };
+    let lines: Vec<Line> = told.into_iter().take(LAWS).map(barred).collect();
     (claimed > 0).then(|| {
         Card::new("laws", "What depends on what", claimed.to_string(), lines)
             .leading_to("humidity.html", "all laws")
@@ -240,68 +242,16 @@ fn size_of(cell: &MatrixCell) -> f64 {
     factor.map_or(f64::from(cell.strength) * 1e-3, |change| fold(change.value).ln())
 }
 
-/// What the simulation gets wrong.
-fn wrong(site: &Site) -> Option<Card> {
-    let groups = &site.input.findings.groups;
-    if groups.is_empty() {
-        return None;
-    }
-    let count = |is: &dyn Fn(Verdict) -> bool| groups.iter().filter(|found| is(found.verdict)).count();
-    let parts = [
-        (
-            "named",
-            "with a cause",
-            count(&|v| v.names_a_cause() || v == Verdict::Resembles),
-        ),
-        ("varies", "whose runs differ", count(&|v| v == Verdict::Varies)),
-        ("unknown", "unknown", count(&|v| v == Verdict::Unknown)),
-        (
-            "right",
-            "not shown to be wrong",
-            count(&|v| matches!(v, Verdict::Consistent | Verdict::Undecided)),
-        ),
-        (
-            "data",
-            "with data at fault",
-            count(&|v| v == Verdict::DataProblem),
-        ),
-    ];
-    let mis = groups.iter().filter(|found| found.verdict.is_misfit()).count();
-    let mut lines = vec![line(campaign_lead(groups), "findings.html")];
-    let mut by_verdict: BTreeMap<&'static str, Vec<usize>> = BTreeMap::new();
-    for (place, found) in groups.iter().enumerate() {
-        if found.verdict.is_misfit() {
-            by_verdict.entry(verdict_of(found)).or_default().push(place);
-        }
-    }
-    // The first of each verdict is what that verdict looks like here.
-    for (verdict, places) in by_verdict {
-        let found = &groups[places[0]];
-        lines.push(line(
-            format!("{}: {verdict}", group_title(&found.group)),
-            &site.finding_href(places[0]),
-        ));
-    }
-    Some(
-        Card::new(
-            "wrong",
-            "What the simulation gets wrong",
-            format!("{mis} of {}", groups.len()),
-            lines,
-        )
-        .with_bar(&parts)
-        .leading_to("findings.html", "all findings"),
-    )
-}
-
 /// When limits are reached, the soonest first; without limits, what moves.
 fn fails(site: &Site) -> Option<Card> {
     if !monitoring::is_shown(site.input) {
         return None;
     }
     let watched = &site.input.monitoring.watched;
-    let mut forecasts: Vec<(f64, String)> = watched.iter().filter_map(forecast).collect();
-    forecasts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let forecasts: Vec<_> = forecasts::forecasts(site)
+        .into_iter()
+        .filter(|one| one.is_told)
+        .collect();
     let moving = watched.iter().filter(|own| own.study.is_shown()).count();
     let (number, lines) = match (forecasts.len(), moving) {
         (0, 0) => (
@@ -313,7 +263,10 @@ fn fails(site: &Site) -> Option<Card> {
             (format!("{some} of {}", watched.len()), vec![line(said, "")])
         }
         (some, _) => {
-            let lines = forecasts.into_iter().map(|(_, said)| line(said, "")).collect();
+            let lines = forecasts
+                .into_iter()
+                .map(|one| line(one.sentence(), ""))
+                .collect();
             (some.to_string(), lines)
         }
     };

@@ -1,10 +1,12 @@
-//! The coverage map: how often each condition was measured, what cannot be told apart, what to measure next.
+//! The coverage map: how often each condition was measured, what cannot be told apart, what to measure next: the plan
+//! of the campaign, as the overview and "Across runs" have it, and apart from it the conditions that could be filled.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::Content;
+use super::across;
 use super::comparison::caution;
 use super::ratios::reference_words;
 use super::wording::{counted, humidity_label, surroundings_label, voltage_label, voltage_labels};
@@ -14,9 +16,12 @@ use crate::site::Site;
 use ieap_analysis::comparison::coverage::{Next, Place, Why, cell, next};
 use ieap_analysis::comparison::ratios::reference;
 use ieap_analysis::laws::words;
+use ieap_analysis::plan::PlannedRun;
 
 /// Suggestions shown; the rest is counted.
 const SHOWN: usize = 12;
+/// Runs of the plan that are told here; "Across runs" has all.
+const PLANNED: usize = 3;
 /// Shades of the map: at least so many runs.
 const SHADES: [usize; 4] = [1, 2, 4, 8];
 
@@ -26,6 +31,8 @@ struct CoveragePage {
     alarms: Vec<String>,
     voltages: Vec<String>,
     rows: Vec<Row>,
+    /// The first runs of the plan.
+    planned: Vec<String>,
     next: Vec<String>,
     more: String,
 }
@@ -77,6 +84,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         alarms,
         voltages: voltage_labels(&conditions.voltages_v),
         rows: rows(site, &all),
+        planned: input.next_runs.iter().take(PLANNED).map(planned_words).collect(),
         next: all.iter().map(|one| sentence(site, one)).collect(),
         more: match more {
             0 => String::new(),
@@ -84,6 +92,10 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         },
     };
     Content::new("coverage.html", &page, BTreeMap::new())
+}
+
+fn planned_words(planned: &PlannedRun) -> String {
+    format!("{}: {}", across::place_words(planned), planned.run.drive)
 }
 
 fn summary(site: &Site) -> Vec<String> {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
+use super::dma_humidity::{HumidityPanel, WholeSpan, humidity_panel, whole_span};
 use super::wording::{EstimateText, IssueText, counted, listed};
 use crate::error::ReportError;
 use crate::figures::Ink;
@@ -12,6 +13,7 @@ use crate::figures::modulus::{NormalisedLog, log_panels, normalised};
 use crate::number::{fixed, measured, plain};
 use crate::site::Site;
 use ieap_domain::modulus::step_keys;
+use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, Issue, ModulusAnalysis, ModulusLog, ModulusStep, Quantity, RunCurve};
 
@@ -28,6 +30,8 @@ struct Dma {
     footnotes: Vec<String>,
     figure: Option<String>,
     figure_note: String,
+    /// |E*| over the humidity, a panel a log.
+    over_humidity: Vec<HumidityPanel>,
     logs: Vec<LogSection>,
     more: String,
     not_analysed: Vec<NotAnalysed>,
@@ -104,6 +108,11 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let logs: Result<Vec<LogSection>, ReportError> = sections
         .map(|(at, (log, found))| section(site, log, found, at, &mut figures))
         .collect();
+    let logs = logs?;
+    let mut over_humidity = Vec::new();
+    for (at, (log, found)) in analysed.iter().take(MOST_SECTIONS).enumerate() {
+        over_humidity.extend(humidity_panel(name(log), found, at, &mut figures)?);
+    }
     let left_out = analysed.len().saturating_sub(MOST_SECTIONS);
     let logs_without = site
         .input
@@ -116,7 +125,8 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         footnotes: reasons,
         figure,
         figure_note,
-        logs: logs?,
+        over_humidity,
+        logs,
         more: match left_out {
             0 => String::new(),
             _ => format!(
@@ -145,30 +155,61 @@ pub fn findings(site: &Site) -> Vec<String> {
     let analysed = analysed(site);
     let mut changes: Vec<(f64, String)> = analysed
         .iter()
-        .filter_map(|(log, found)| {
-            let step = found.steps.first()?;
-            let change = step.estimate(step_keys::RELATIVE_CHANGE)?;
-            let value = change.value?;
-            let interval = (change.low_95?, change.high_95?);
-            let text = match interval {
-                (low, high) if low <= 0.0 && high >= 0.0 => format!(
-                    "|E*| of {} does not change beyond its uncertainty from {}.",
-                    name(log),
-                    humidity(step)
-                ),
-                _ => format!(
-                    "|E*| of {} {} by {}\u{a0}% from {}.",
-                    name(log),
-                    if value < 0.0 { "falls" } else { "rises" },
-                    measured(value.abs(), change.standard_error.unwrap_or(0.0)),
-                    humidity(step)
-                ),
-            };
-            Some((value.abs(), text))
-        })
+        .filter_map(|(log, found)| change_words(name(log), found))
         .collect();
     changes.sort_by(|a, b| b.0.total_cmp(&a.0));
     changes.into_iter().map(|(_, text)| text).collect()
+}
+
+/// What the whole span of humidity does to a log's modulus, with its size.
+fn change_words(name: &str, found: &ModulusAnalysis) -> Option<(f64, String)> {
+    let step = found.steps.first()?;
+    let (value, error, interval, span) = match whole_span(found) {
+        Some(WholeSpan {
+            from_to_percent: (from, to),
+            change_percent,
+            standard_error_percent,
+        }) => {
+            let reach = NORMAL_95_ROUNDED * standard_error_percent;
+            let interval = (change_percent - reach, change_percent + reach);
+            (
+                change_percent,
+                standard_error_percent,
+                interval,
+                span_words(from, to),
+            )
+        }
+        None => {
+            let change = step.estimate(step_keys::RELATIVE_CHANGE)?;
+            let interval = (change.low_95?, change.high_95?);
+            (
+                change.value?,
+                change.standard_error.unwrap_or(0.0),
+                interval,
+                humidity(step),
+            )
+        }
+    };
+    let text = match interval {
+        (low, high) if low <= 0.0 && high >= 0.0 => {
+            format!("|E*| of {name} does not change beyond its uncertainty from {span}.")
+        }
+        _ => format!(
+            "|E*| of {name} {} by {}\u{a0}% from {span}.",
+            if value < 0.0 { "falls" } else { "rises" },
+            measured(value.abs(), error),
+        ),
+    };
+    Some((value.abs(), text))
+}
+
+/// `0 to 40 % RH`
+fn span_words(from_percent: f64, to_percent: f64) -> String {
+    format!(
+        "{} to {}\u{a0}%\u{a0}RH",
+        fixed(from_percent, 0),
+        fixed(to_percent, 0)
+    )
 }
 
 /// The sample, or the file where it is not known.

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::Content;
 use super::finding_alone::{AloneRow, alone_rows};
+use super::finding_answer::{Answer, answer, size, symbol_and_unit};
 use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, extension, gain_section, in_legend};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
@@ -34,7 +35,10 @@ struct FindingPage {
     name: String,
     verdict: &'static str,
     key: &'static str,
-    /// Plain sentence first.
+    /// The answer in a sentence.
+    lead: String,
+    answer: Answer,
+    /// The same at length, and what stands behind it.
     summary: Vec<String>,
     runs: Vec<NamedRun>,
     /// Parameters that differ, where that is the finding.
@@ -161,9 +165,10 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     let findings = &site.input.findings;
     let found = &findings.groups[place];
     let mut figures = BTreeMap::new();
+    let answer = answer(site, found, &mut figures)?;
     let residuals = residuals(found, &mut figures)?;
     let held_out = held_out(found, &mut figures)?;
-    let profiles = profiles(found, &mut figures)?;
+    let profiles = profiles(found, findings, &mut figures)?;
     let bars = bars(found, &mut figures)?;
     let differs = match found.verdict {
         Verdict::Varies => differs_blocks(found, &mut figures)?,
@@ -175,6 +180,8 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
         name: group_title(&found.group),
         verdict: verdict_of(found),
         key: found.verdict.key(),
+        lead: lead(found, findings),
+        answer,
         summary: summary(found, findings),
         runs: found.runs.iter().map(|path| named_run(site, path)).collect(),
         differs,
@@ -226,29 +233,11 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
 }
 
 fn summary(found: &GroupDiagnosis, findings: &Findings) -> Vec<String> {
-    let mut sentences = vec![lead(found, findings), found.sentence.clone()];
-    sentences.dedup();
-    sentences.extend(size_words(found));
+    let said = lead(found, findings);
+    let mut sentences = vec![found.sentence.clone()];
+    sentences.retain(|sentence| *sentence != said);
     sentences.extend(test_words(found));
     sentences
-}
-
-/// How large the misfit is, where there is one.
-fn size_words(found: &GroupDiagnosis) -> Option<String> {
-    if !found.verdict.is_misfit() {
-        return None;
-    }
-    let size = found.misfit_percent;
-    let of = |percent: Option<f64>, what: &str| Some(format!("{} % of {what}", significant(percent?, 2)));
-    let sizes: Vec<String> = [
-        of(size.current, "the range of the current"),
-        of(size.curvature, "the range of the curvature"),
-        of(size.charge, "the charge in the worst run"),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    (!sizes.is_empty()).then(|| format!("The simulation is off by {}.", listed(&sizes)))
 }
 
 fn named_run(site: &Site, path: &str) -> NamedRun {
@@ -387,7 +376,7 @@ fn candidate_row(candidate: &Candidate, findings: &Findings) -> CandidateRow {
     }
 }
 
-/// The residuals that are drawn, the largest first; over time as well as its logarithm where something is wrong.
+/// The residuals that are drawn, the largest first.
 fn residuals(
     found: &GroupDiagnosis,
     figures: &mut BTreeMap<String, String>,
@@ -397,7 +386,6 @@ fn residuals(
         curves.sort_by(|a, b| size(b).total_cmp(&size(a)));
         curves.truncate(DRAWN);
     }
-    let wrong = found.verdict != Verdict::Consistent;
     let mut blocks = Vec::new();
     for (place, curve) in curves.iter().enumerate() {
         let id = format!("residual-{}", place + 1);
@@ -407,7 +395,7 @@ fn residuals(
             "Dots: measured minus base model; line: measured minus {}; band: two standard deviations of single readings.",
             extension(found)
         );
-        let drawn = residual(curve, in_legend(found), wrong, &title, &desc);
+        let drawn = residual(curve, in_legend(found), &title, &desc);
         blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)
@@ -430,12 +418,6 @@ fn block(
     }))
 }
 
-/// Mean square of what the base model leaves.
-fn size(curve: &ResidualCurve) -> f64 {
-    let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
-    finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
-}
-
 /// What the models leave of what took no part in their fits, the largest misfits of the base first.
 fn held_out(
     found: &GroupDiagnosis,
@@ -451,7 +433,7 @@ fn held_out(
             "Measured minus what models predict that were fitted without these readings. Dots: base model; line: {}.",
             extension(found)
         );
-        let drawn = residual(curve, in_legend(found), false, &title, &desc);
+        let drawn = residual(curve, in_legend(found), &title, &desc);
         let heading = format!("{}: {}", curve.run, curve.channel);
         blocks.extend(block(id, heading, drawn, figures)?);
     }
@@ -461,6 +443,7 @@ fn held_out(
 /// How the sum of squares rises with the strength of every accepted effect.
 fn profiles(
     found: &GroupDiagnosis,
+    findings: &Findings,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Vec<ResidualBlock>, ReportError> {
     let mut blocks = Vec::new();
@@ -468,8 +451,15 @@ fn profiles(
         let id = format!("profile-{}", place + 1);
         let title = format!("Profile of the strength of {}", of.effect);
         let desc = "Rise of the weighted sum of squares with all other parameters fitted anew; the level line bounds a 95 % interval.";
-        let drawn = profile((&of.values, &of.rises), (&of.key, ""), &title, desc);
-        let heading = format!("{}: {}", of.effect, of.key);
+        let known = findings.effect(&of.effect);
+        let known = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == of.key));
+        let axis = symbol_and_unit(&of.key, known);
+        let drawn = profile((&of.values, &of.rises), axis, &title, desc);
+        let heading = format!(
+            "{}: {}",
+            of.effect,
+            known.map_or(axis.0, |known| known.meaning.as_str())
+        );
         blocks.extend(block(id, heading, drawn, figures)?);
     }
     Ok(blocks)

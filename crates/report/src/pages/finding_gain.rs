@@ -8,6 +8,29 @@ use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, Verdict};
 /// An error that rises by more than this factor is pointed out beside a deviance that falls.
 const RISES: f64 = 1.02;
 
+/// Errors before and after, on readings that took no part in the fit.
+#[derive(Debug, Serialize)]
+pub struct ErrorTable {
+    sentence: String,
+    /// What a reader must know first; empty where the extension stands.
+    caution: &'static str,
+    /// Head of the extension's column.
+    column: &'static str,
+    rows: Vec<(String, String, String)>,
+}
+
+/// The table; none where nothing was held out, or the readings allow no finding.
+pub fn error_table(found: &GroupDiagnosis) -> Option<ErrorTable> {
+    let section = gain_section(found)?;
+    let first = section.blocks.into_iter().next()?;
+    Some(ErrorTable {
+        sentence: first.sentence,
+        caution: section.caution,
+        column: section.column,
+        rows: first.rows,
+    })
+}
+
 /// Everything about the gain of a group's extension.
 #[derive(Debug, Serialize)]
 pub struct GainSection {

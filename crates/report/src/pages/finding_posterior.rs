@@ -19,6 +19,8 @@ pub struct HypothesisRow {
     what: String,
     detail: String,
     percent: String,
+    /// Length of its bar, percent.
+    bar: f64,
 }
 
 /// The leading hypotheses.
@@ -48,6 +50,7 @@ fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
     HypothesisRow {
         what,
         detail,
+        bar: (1e3 * own.mass).round() / 10.0,
         percent: match own.mass {
             most if most > 0.995 => "> 99".to_owned(),
             least if least < 0.001 => "< 0.1".to_owned(),

@@ -1,4 +1,5 @@
-//! Monitoring: alarms first, then every parameter over the life of the samples in the reference condition.
+//! Monitoring: alarms first, when limits are reached, then every parameter over the life of the samples in the reference
+//! condition.
 
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::range_of;
@@ -7,6 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::Content;
+use super::control_charts::{ChartRow, chart_rows, draw_charts};
+use super::forecasts::{Forecast, forecasts, moment};
 use super::wording::{RunLink, counted};
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
@@ -30,6 +33,8 @@ const MOST_MARKS: usize = 300;
 struct MonitoringPage {
     summary: Vec<String>,
     alarms: Vec<AlarmRow>,
+    forecasts: Vec<Forecast>,
+    steps: Vec<StepRow>,
     split: Vec<String>,
     samples: Vec<SampleSection>,
     charts: String,
@@ -60,16 +65,20 @@ struct Panel {
     /// Runs set aside that lie beyond the axes.
     #[serde(skip_serializing_if = "String::is_empty")]
     beyond: String,
+    /// Id of the figure of the control charts.
+    control: Option<String>,
+    /// Whether a chart signals.
+    is_alarm: bool,
     charts: Vec<ChartRow>,
     axes: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
-struct ChartRow {
-    chart: &'static str,
-    now: String,
-    limit: String,
-    state: String,
+struct StepRow {
+    parameter: String,
+    when: String,
+    size: String,
+    what: String,
 }
 
 /// Whether a report of that input has the page.
@@ -97,6 +106,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             }
             None => (None, String::new()),
         };
+        let control = draw_charts(site, watched, &life_axis(watched), &mut figures)?;
         if samples.last().is_none_or(|last| last.sample != watched.sample) {
             samples.push(SampleSection {
                 sample: watched.sample.clone(),
@@ -104,7 +114,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             });
         }
         if let Some(last) = samples.last_mut() {
-            last.panels.push(panel(site, watched, (figure, beyond)));
+            last.panels.push(panel(site, watched, (figure, beyond), control));
         }
     }
     let page = MonitoringPage {
@@ -118,6 +128,12 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
                 link: site.run_of(&alarm.run).map(|run| RunLink::to(site, run)),
                 acknowledged: alarm.acknowledged,
             })
+            .collect(),
+        forecasts: forecasts(site),
+        steps: monitoring
+            .watched
+            .iter()
+            .flat_map(|watched| steps(site, watched))
             .collect(),
         split: monitoring.split.clone(),
         samples,
@@ -190,10 +206,10 @@ fn charts_text(site: &Site) -> String {
     let monitoring = &site.input.monitoring;
     let charts = 3 * monitoring.watched.len();
     format!(
-        "Each of the three charts of a parameter brings a false alarm every {} reference runs on average, counted from the \
-         third run on: with {} in all, about one every {} runs of each sample. A shift by one standard deviation is seen \
-         after {} (Shewhart), {} (EWMA) and {} runs (CUSUM) on average once mean and scatter are known well; after few \
-         runs it takes longer.",
+        "Control charts: centre at 0 and limits in standard deviations; what lies beyond a limit is marked, the first \
+         such run with its date. A chart gives a false alarm every {} reference runs on average (from the third run on); \
+         all {} together about one every {} runs of each sample. A shift by one standard deviation is seen after {} \
+         (Shewhart), {} (EWMA) or {} runs (CUSUM) on average, later while few runs are known.",
         significant(monitoring.false_alarm_runs, 3),
         counted(charts, "chart"),
         significant(monitoring.false_alarm_runs / charts.max(1) as f64, 2),
@@ -219,25 +235,24 @@ fn aside(site: &Site, watched: &Watched) -> Vec<AsideMark> {
     })
 }
 
-fn panel(site: &Site, watched: &Watched, (figure, beyond): (Option<String>, String)) -> Panel {
+fn steps(site: &Site, watched: &Watched) -> Vec<StepRow> {
+    let row = |step: words::StepText| StepRow {
+        parameter: format!("{} of {}", symbol(&watched.parameter), watched.sample),
+        when: moment(site, watched, step.at),
+        size: step.size,
+        what: step.what,
+    };
+    words::steps(watched).into_iter().map(row).collect()
+}
+
+fn panel(
+    site: &Site,
+    watched: &Watched,
+    (figure, beyond): (Option<String>, String),
+    control: Option<String>,
+) -> Panel {
     let info = ParameterInfo::of(&watched.parameter);
     let name = info.map_or_else(String::new, |info| format!(" {}", info.name));
-    let charts = watched.study.charts.iter().map(|charted| ChartRow {
-        chart: match charted.chart.key() {
-            "shewhart" => "Shewhart",
-            "ewma" => "EWMA",
-            _ => "CUSUM",
-        },
-        now: charted
-            .statistic
-            .last()
-            .map_or_else(|| "–".to_owned(), |(_, x)| significant(*x, 2)),
-        limit: significant(charted.limit, 3),
-        state: match charted.first_alarm {
-            Some(at) => format!("alarm since {}", site.run_name(watched.runs[at])),
-            None => "in control".to_owned(),
-        },
-    });
     let axes = watched.other_axes.iter().map(|(axis, law)| {
         let unit = match axis.unit() {
             "" => String::new(),
@@ -255,7 +270,13 @@ fn panel(site: &Site, watched: &Watched, (figure, beyond): (Option<String>, Stri
         sentence: words::life(watched),
         figure,
         beyond,
-        charts: charts.collect(),
+        control,
+        is_alarm: watched
+            .study
+            .charts
+            .iter()
+            .any(|charted| charted.first_alarm.is_some()),
+        charts: chart_rows(site, watched),
         axes: axes.collect(),
     }
 }
@@ -265,6 +286,22 @@ struct Drawn {
     id: String,
     svg: String,
     beyond: String,
+}
+
+/// The axis of a life, with a little room at its ends.
+fn life_axis(watched: &Watched) -> Axis {
+    let span = watched.study.span;
+    let mut label = watched.axis.label().to_owned();
+    label[..1].make_ascii_uppercase();
+    let margin = 0.04 * span.length();
+    let x = Axis::linear(span.low - margin, span.high + margin, &label, "", 5);
+    Axis {
+        title: match watched.axis.unit() {
+            "" => label,
+            unit => format!("{label} ({unit})"),
+        },
+        ..x
+    }
 }
 
 fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<Drawn>, ReportError> {
@@ -326,21 +363,11 @@ fn draw(watched: &Watched, aside: &[AsideMark], number: usize) -> Result<Option<
         true => Axis::log(low / 1.2, high * 1.2, name, unit),
         false => Axis::linear_rounded(low, high, name, unit, 5),
     };
-    let mut label = watched.axis.label().to_owned();
-    label[..1].make_ascii_uppercase();
-    let margin = 0.04 * study.span.length();
-    let x = Axis::linear(study.span.low - margin, study.span.high + margin, &label, "", 5);
-    let x = Axis {
-        title: match watched.axis.unit() {
-            "" => label,
-            unit => format!("{label} ({unit})"),
-        },
-        ..x
-    };
+    let x = life_axis(watched);
     let beside = Beside {
         law: curve,
         limits,
-        changes: study.steps.iter().map(|step| series.x[step.at]).collect(),
+        changes: words::steps(watched).iter().map(|step| step.at).collect(),
         aside: aside.to_vec(),
         ..Beside::default()
     };

@@ -10,7 +10,7 @@ use super::comparison::{caution, doubts, groups_of};
 use super::wording::{counted, surroundings_label, voltage_label};
 use crate::error::ReportError;
 use crate::figures::axis::Axis;
-use crate::figures::comparison::{Group, comparison};
+use crate::figures::comparison::{Group, ratio_comparison};
 use crate::input::Input;
 use crate::number::{fixed, interval, rounded};
 use crate::site::Site;
@@ -144,7 +144,7 @@ fn panels(
         let id = format!("ratio-{}-{material}", info.key.replace('_', "-"));
         let desc = "Ratio to the reference condition in each environment and at each voltage, with 95 % intervals; the numbers stand in the table below.";
         let title = format!("{} of {name} over the reference condition", info.name);
-        let drawn = comparison(&groups(site, &own), &y, &title, desc);
+        let drawn = ratio_comparison(&groups(site, &own), &y, &title, desc);
         let svg = drawn.map_err(|reason| ReportError::Figure {
             figure: id.clone(),
             reason,

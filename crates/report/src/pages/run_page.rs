@@ -9,6 +9,7 @@ use super::Content;
 use super::run::{DrawnRun, RunSection, own_condition, section};
 use super::run_evidence::{ChannelText, Fact, channels};
 use super::run_fit::r_squared;
+use super::run_overlay::{Overlay, overlay};
 use super::run_tables::{ParametersTable, RunsTable, parameters_table, runs_table};
 use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
 use super::wording::{IssueText, RunLink, counted};
@@ -37,6 +38,8 @@ struct Page {
     diagnosis: Option<RunLink>,
     table: Option<RunsTable>,
     parameters: Option<ParametersTable>,
+    /// All runs on one axis.
+    overlay: Option<Overlay>,
     /// What is to be known of all of them.
     issues: Vec<IssueText>,
     drawn: String,
@@ -67,8 +70,13 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         })
     };
     let sections: Result<Vec<RunSection>, ReportError> = drawn.iter().enumerate().map(&mut one).collect();
+    let sections = sections?;
     let runs: Vec<usize> = drawn.iter().map(|drawn| drawn.run).collect();
     let several = runs.len() > 1;
+    let overlay = match several {
+        true => overlay(site, drawn, &mut figures)?,
+        false => None,
+    };
     let mut page = Page {
         title: site.run_page_title(page),
         lead: lead(site, page),
@@ -79,9 +87,10 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         diagnosis: None,
         table: several.then(|| runs_table(site, &runs)),
         parameters: several.then(|| parameters_table(site, &runs)).flatten(),
+        overlay,
         issues: Vec::new(),
         drawn: String::new(),
-        runs: sections?,
+        runs: sections,
         facts: Vec::new(),
         tags: Vec::new(),
         beside: beside(site, page),

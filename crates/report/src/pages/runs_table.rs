@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::wording::{EstimateText, RunLink, estimate_of, has_warnings, why_unfitted};
 use crate::number::significant;
 use crate::site::Site;
+use crate::sparkline::Sparks;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
@@ -17,6 +18,8 @@ const MOST: usize = 500;
 pub struct RunsTable {
     columns: Vec<Column>,
     rows: Vec<Row>,
+    /// Whether responses are drawn beside them.
+    is_drawn: bool,
     /// Runs that are not listed.
     left: usize,
 }
@@ -37,6 +40,7 @@ struct Row {
     voltage: String,
     when: String,
     values: Vec<EstimateText>,
+    sparks: Sparks,
     /// `fitted`, `warned` or `unfitted`: class.
     state: &'static str,
     /// What is to be known, in words.
@@ -65,6 +69,7 @@ pub fn runs_table(site: &Site) -> RunsTable {
     RunsTable {
         columns: columns.collect(),
         rows: rows.collect(),
+        is_drawn: !site.sparks.is_empty(),
         left,
     }
 }
@@ -85,6 +90,7 @@ fn row(site: &Site, run: usize, parameters: &[&ParameterInfo]) -> Row {
         humidity: tag("relative_humidity_percent"),
         voltage: nominal_voltage_v(record).map_or_else(String::new, |volts| significant(volts, 3)),
         when: site.zone().moment(&record.ingested_at),
+        sparks: site.sparks.get(&run).cloned().unwrap_or_default(),
         values: parameters.iter().map(|info| estimate_of(record, info)).collect(),
         state,
         flag,

@@ -1,0 +1,176 @@
+//! What the page of a group says first: one picture of the worst run, the errors before and after, what it may be.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::finding_gain::{ErrorTable, error_table, extension, in_legend};
+use super::wording::{EstimateText, RunLink, listed};
+use crate::error::ReportError;
+use crate::figures::residual::overlay;
+use crate::input::{EffectParameterText, Findings};
+use crate::number::significant;
+use crate::site::Site;
+use ieap_domain::{EffectFinding, GroupDiagnosis, ResidualCurve};
+
+/// The open part of the page.
+#[derive(Debug, Serialize)]
+pub struct Answer {
+    /// The run that is drawn.
+    run: Option<DrawnLink>,
+    /// Ids of its figures, a channel each.
+    figures: Vec<String>,
+    /// What the line of the extension is called; empty where there is none.
+    extension: &'static str,
+    /// How large the misfit is over all runs; empty where there is none.
+    size: String,
+    errors: Option<ErrorTable>,
+    /// Size of every effect that was found.
+    strengths: Vec<Strengths>,
+}
+
+#[derive(Debug, Serialize)]
+struct DrawnLink {
+    link: Option<RunLink>,
+    path: String,
+    /// `of 3 runs the one with the largest residual`; empty where there is one run.
+    which: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Strengths {
+    effect: String,
+    /// `V₀ = 1.21 ± 0.02 V`.
+    values: Vec<String>,
+}
+
+/// The open part of the page of that finding; its figures go to `figures`.
+///
+/// # Errors
+/// [`ReportError::Figure`] where a figure cannot be drawn.
+pub fn answer(
+    site: &Site,
+    found: &GroupDiagnosis,
+    figures: &mut BTreeMap<String, String>,
+) -> Result<Answer, ReportError> {
+    let mut ids = Vec::new();
+    let worst = worst_run(found);
+    let shown = found
+        .residuals
+        .iter()
+        .filter(|curve| Some(curve.run.as_str()) == worst);
+    for curve in shown {
+        let id = format!("answer-{}", curve.channel);
+        let title = format!("{} of {}, measured and simulated", curve.channel, curve.run);
+        let drawn = overlay(curve, in_legend(found), &title, &seen(curve, found));
+        let drawn = drawn.map_err(|reason| ReportError::Figure {
+            figure: id.clone(),
+            reason,
+        })?;
+        if let Some(svg) = drawn {
+            figures.insert(id.clone(), svg);
+            ids.push(id);
+        }
+    }
+    let is_extended = found.residuals.iter().any(|curve| !curve.extended.is_empty());
+    Ok(Answer {
+        run: worst
+            .filter(|_| !ids.is_empty())
+            .map(|path| drawn_link(site, found, path)),
+        figures: ids,
+        extension: if is_extended { extension(found) } else { "" },
+        size: size_words(found),
+        errors: error_table(found),
+        strengths: found
+            .effects
+            .iter()
+            .map(|effect| strengths(effect, &site.input.findings))
+            .collect(),
+    })
+}
+
+/// The run with the largest residual of any channel.
+fn worst_run(found: &GroupDiagnosis) -> Option<&str> {
+    let worst = found.residuals.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+    worst.map(|curve| curve.run.as_str())
+}
+
+/// Mean square of what the base model leaves.
+pub fn size(curve: &ResidualCurve) -> f64 {
+    let finite = curve.before_sigma.iter().filter(|sigma| sigma.is_finite());
+    finite.map(|sigma| sigma * sigma).sum::<f64>() / curve.before_sigma.len().max(1) as f64
+}
+
+/// What is seen in the figure: how far the models are off at most.
+fn seen(curve: &ResidualCurve, found: &GroupDiagnosis) -> String {
+    let most = |sigma: &[f64]| {
+        sigma
+            .iter()
+            .filter(|s| s.is_finite())
+            .fold(0.0, |most: f64, s| most.max(s.abs()))
+    };
+    let before = significant(most(&curve.before_sigma), 2);
+    match curve.after_sigma.is_empty() {
+        true => format!("The base model is off by up to {before} standard deviations of the noise."),
+        false => format!(
+            "The base model is off by up to {before} standard deviations of the noise, the {} by up to {}.",
+            extension(found),
+            significant(most(&curve.after_sigma), 2)
+        ),
+    }
+}
+
+fn drawn_link(site: &Site, found: &GroupDiagnosis, path: &str) -> DrawnLink {
+    DrawnLink {
+        link: site.run_of(path).map(|run| RunLink::to(site, run)),
+        path: path.to_owned(),
+        which: match found.runs.len() {
+            0 | 1 => String::new(),
+            runs => format!("of {runs} runs the one with the largest residual"),
+        },
+    }
+}
+
+/// How large the misfit is, where there is one.
+fn size_words(found: &GroupDiagnosis) -> String {
+    if !found.verdict.is_misfit() {
+        return String::new();
+    }
+    let size = found.misfit_percent;
+    let of = |percent: Option<f64>, what: &str| Some(format!("{} % of {what}", significant(percent?, 2)));
+    let sizes: Vec<String> = [
+        of(size.current, "the range of the current"),
+        of(size.curvature, "the range of the curvature"),
+        of(size.charge, "the charge in the worst run"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    match sizes.is_empty() {
+        true => String::new(),
+        false => format!("The simulation is off by {}.", listed(&sizes)),
+    }
+}
+
+fn strengths(finding: &EffectFinding, findings: &Findings) -> Strengths {
+    let known = findings.effect(&finding.effect);
+    let value = |parameter: &ieap_domain::Parameter| {
+        let text = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == parameter.key));
+        let (symbol, unit) = symbol_and_unit(&parameter.key, text);
+        let shown = EstimateText::of(&parameter.estimate, 1.0);
+        match shown.kind {
+            "missing" => format!("{symbol} is not determined"),
+            "bound" => format!("{symbol} {} {unit}", shown.text).trim_end().to_owned(),
+            _ => format!("{symbol} = {} {unit}", shown.text).trim_end().to_owned(),
+        }
+    };
+    Strengths {
+        effect: finding.effect.clone(),
+        values: finding.parameters.iter().map(value).collect(),
+    }
+}
+
+/// Symbol and unit of an effect's parameter; its key where nothing else is known.
+pub fn symbol_and_unit<'a>(key: &'a str, known: Option<&'a EffectParameterText>) -> (&'a str, &'a str) {
+    known.map_or((key, ""), |known| (known.symbol.as_str(), known.unit.as_str()))
+}

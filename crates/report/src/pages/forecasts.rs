@@ -1,0 +1,103 @@
+//! When a limit is reached, with the date where the life of a sample is told in time.
+
+use serde::Serialize;
+
+use crate::number::significant;
+use crate::site::Site;
+use crate::zone::seconds;
+use ieap_analysis::laws::Covariate;
+use ieap_analysis::laws::fitted::Interval;
+use ieap_analysis::laws::words::symbol;
+use ieap_analysis::monitoring::series::Reaches;
+use ieap_analysis::monitoring::{Watched, words};
+use ieap_domain::tag::keys;
+
+/// A limit of a watched parameter.
+#[derive(Debug, Serialize)]
+pub struct Forecast {
+    /// `α of CNaf-1`.
+    pub what: String,
+    /// `below 0.8`.
+    pub limit: String,
+    /// `12 Mar 2027`, `age 530 h`, `already beyond it`, `cannot be told`.
+    pub when: String,
+    /// 95 % interval of that, or why it cannot be told.
+    pub interval: String,
+    /// Whether it is beyond or a date is known.
+    pub is_told: bool,
+    /// By which forecasts are put in order.
+    #[serde(skip)]
+    order: f64,
+}
+
+impl Forecast {
+    /// `α of CNaf-1, limit below 0.8: 12 Mar 2027 (3 Feb 2027 to 8 Jun 2027)`.
+    pub fn sentence(&self) -> String {
+        let within = match self.interval.is_empty() {
+            true => String::new(),
+            false => format!(" ({})", self.interval),
+        };
+        format!("{}, limit {}: {}{within}", self.what, self.limit, self.when)
+    }
+}
+
+/// Every limit, those that lie behind first, then those reached soonest.
+pub fn forecasts(site: &Site) -> Vec<Forecast> {
+    let watched = site.input.monitoring.watched.iter();
+    let mut all: Vec<Forecast> = watched.filter_map(|watched| forecast(site, watched)).collect();
+    all.sort_by(|a, b| a.order.total_cmp(&b.order));
+    all
+}
+
+fn forecast(site: &Site, watched: &Watched) -> Option<Forecast> {
+    let (limit, reaches) = watched.limit.as_ref()?;
+    let number = limit.below.or(limit.above)?;
+    let side = if limit.below.is_some() { "below" } else { "above" };
+    let (when, interval, is_told, order) = match reaches {
+        Reaches::Beyond => (
+            "already beyond it".to_owned(),
+            String::new(),
+            true,
+            f64::NEG_INFINITY,
+        ),
+        Reaches::At(at) => (
+            moment(site, watched, at.value),
+            interval(site, watched, *at),
+            true,
+            at.value,
+        ),
+        Reaches::Unknown(why) => ("cannot be told".to_owned(), why.clone(), false, f64::INFINITY),
+    };
+    Some(Forecast {
+        what: format!("{} of {}", symbol(&watched.parameter), watched.sample),
+        limit: format!("{side} {}", significant(number, 3)),
+        when,
+        interval,
+        is_told,
+        order,
+    })
+}
+
+fn interval(site: &Site, watched: &Watched, at: Interval) -> String {
+    let said = |end: f64| moment(site, watched, end);
+    match (at.low_95, at.high_95) {
+        (Some(low), Some(high)) => format!("{} to {}", said(low), said(high)),
+        (Some(low), None) => format!("{} or later", said(low)),
+        (None, Some(high)) => format!("{} or earlier", said(high)),
+        (None, None) => "not known".to_owned(),
+    }
+}
+
+/// A place on the axis as a date, where the axis is time and the runs state when they started.
+pub fn moment(site: &Site, watched: &Watched, at: f64) -> String {
+    date(site, watched, at).unwrap_or_else(|| words::place(watched, at))
+}
+
+fn date(site: &Site, watched: &Watched, at: f64) -> Option<String> {
+    let (first, x) = (watched.runs.first()?, watched.series.x.first()?);
+    if watched.axis != Covariate::Age {
+        return None;
+    }
+    let start_s = seconds(site.input.runs[*first].tag(keys::STARTED_AT)?)?;
+    site.zone().day_of(start_s + 3600.0 * (at - x))
+}

@@ -1,0 +1,109 @@
+//! The responses of a run as words-sized pictures, for the table of all runs.
+
+use std::fmt::Write as _;
+
+use ieap_domain::{Quantity, RunCurve};
+use serde::Serialize;
+
+use crate::figures::thin::{self, Pixels};
+
+/// Room of a picture, px; the template states the same.
+pub const SIZE: (f64, f64) = (60.0, 16.0);
+/// Time after the step from which on the picture is logarithmic, as a part of the longest.
+const UNIT: f64 = 1e-3;
+/// Readings are on whole pixels: of a column one point is enough.
+const COLUMNS: usize = 60;
+
+/// Path data of both responses; empty where there is none.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Sparks {
+    /// Of the current.
+    pub current: String,
+    /// Of the curvature, or what is measured in its place.
+    pub motion: String,
+}
+
+impl Sparks {
+    /// Of these curves.
+    pub fn of(curves: &[RunCurve]) -> Sparks {
+        let path = |is_wanted: &dyn Fn(Quantity) -> bool| {
+            let curve = curves.iter().find(|curve| is_wanted(curve.quantity));
+            curve.map_or_else(String::new, path)
+        };
+        let is_current = |quantity| matches!(quantity, Quantity::Current | Quantity::CurrentDensity);
+        Sparks {
+            current: path(&is_current),
+            motion: path(&|quantity| !is_current(quantity) && quantity != Quantity::Voltage),
+        }
+    }
+}
+
+/// The readings after the step over a time that is linear at first and then logarithmic; empty where there are too few.
+fn path(curve: &RunCurve) -> String {
+    let readings = curve.time_s.iter().copied().zip(curve.measured.iter().copied());
+    let after: Vec<(f64, f64)> = readings.filter(|(t, y)| *t >= 0.0 && y.is_finite()).collect();
+    let last_s = after.last().map_or(0.0, |(t, _)| *t);
+    let (low, high) = ieap_domain::range_of(after.iter().map(|(_, y)| *y));
+    if after.len() < 3 || last_s <= 0.0 || high <= low {
+        return String::new();
+    }
+    let unit_s = UNIT * last_s;
+    let longest = (last_s / unit_s).ln_1p();
+    let x = |t: f64| SIZE.0 * (t / unit_s).ln_1p() / longest;
+    let y = |value: f64| (SIZE.1 - 1.0) * (1.0 - (value - low) / (high - low)) + 0.5;
+    let mut points: Vec<(f64, f64)> = after.iter().map(|(t, value)| (x(*t), y(*value))).collect();
+    points.dedup_by_key(|(x, _)| (*x * COLUMNS as f64 / SIZE.0) as usize);
+    let pixels = Pixels { across: 1.0, up: 1.0 };
+    let corners = thin::line(&points, pixels);
+    let mut data = String::new();
+    let mut at = (0, 0);
+    for (k, (x, y)) in corners.into_iter().enumerate() {
+        let to = (x.round() as i32, y.round() as i32);
+        let (dx, dy) = (to.0 - at.0, to.1 - at.1);
+        // Writing to a String cannot fail.
+        let _ = match k {
+            0 => write!(data, "M{} {}", to.0, to.1),
+            _ if (dx, dy) == (0, 0) => Ok(()),
+            _ => write!(data, "l{dx}{}{dy}", if dy < 0 { "" } else { " " }),
+        };
+        at = to;
+    }
+    data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(quantity: Quantity, n: usize) -> RunCurve {
+        let time_s: Vec<f64> = (0..n).map(|k| k as f64 - 3.0).collect();
+        RunCurve {
+            quantity,
+            measured: time_s.iter().map(|t| (-t / 20.0).exp()).collect(),
+            time_s,
+            fitted: Vec::new(),
+            residual_sigma: Vec::new(),
+            readings: n,
+        }
+    }
+
+    #[test]
+    fn a_decay_falls_from_the_upper_left_to_the_lower_right_in_few_bytes() {
+        let sparks = Sparks::of(&[curve(Quantity::Curvature, 400), curve(Quantity::Current, 400)]);
+        assert!(sparks.current.starts_with("M0 "), "{}", sparks.current);
+        assert!(sparks.current.len() < 120, "{}", sparks.current);
+        assert_eq!(sparks.current, sparks.motion);
+        let upward = sparks
+            .current
+            .split('l')
+            .skip(1)
+            .filter(|step| step.contains('-'));
+        assert_eq!(upward.count(), 0, "{}", sparks.current);
+    }
+
+    #[test]
+    fn too_little_draws_nothing() {
+        assert_eq!(Sparks::of(&[curve(Quantity::Current, 4)]), Sparks::default());
+        assert_eq!(Sparks::of(&[]), Sparks::default());
+    }
+}
