@@ -33,8 +33,8 @@ pub struct PredictArgs {
     #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage")]
     drive: Option<PathBuf>,
     /// Times to predict at, s [default: 1, 3, 10, ... up to the longest run]
-    #[arg(long, value_name = "S,S,...", value_delimiter = ',')]
-    at: Vec<f64>,
+    #[arg(long = "at", id = "times", value_name = "S,S,...", value_delimiter = ',')]
+    times: Vec<f64>,
     /// Modulus for the blocked moment, as 460MPa [default: from the modulus logs at that humidity]
     #[arg(long, value_name = "MODULUS", value_parser = typed::modulus)]
     modulus: Option<Measured>,
@@ -51,12 +51,12 @@ pub fn run(args: &PredictArgs, output: &Output) -> Result<u8, CliError> {
     let predict = Predict {
         strip: args.strip.asked(args.modulus),
         drive,
-        at_s: args.at.clone(),
+        at_s: args.times.clone(),
     };
     let document = predict.run(&context)?;
     print(&document, output);
     if let Some((path, ending, overwrite)) = args.file.asked() {
-        let rows = if args.at.is_empty() {
+        let rows = if args.times.is_empty() {
             &document.course
         } else {
             &document.rows

@@ -16,7 +16,9 @@ use crate::model::geometry::conversion::{curvature_from_tip, tip_displacement_mm
 const SAMPLES: f64 = 200.0;
 const MOST_SAMPLES: f64 = 600.0;
 /// Rounds in which the curvature asked for is mended by what the tip misses.
-const MENDS: usize = 6;
+const MENDS: usize = 8;
+/// Part of the largest voltage by which two nominal voltages differ that the same runs speak of.
+const SAME_VOLTAGE: f64 = 0.01;
 /// Nearness at which a wanted displacement counts as reached, as a share of the largest wanted one.
 const REACHED: f64 = 0.05;
 /// Rows of the text and the document at most.
@@ -318,45 +320,45 @@ fn search(
             .zip(before)
             .map(|(now, before)| (now - before) / reference_v)
             .collect();
-        let drive = drive_of(&course(&pulse, &asked, limits), every_s);
+        let course_v = course(&pulse, &asked, limits);
+        let drive = drive_of(&course_v, every_s);
         let (curvature, tip) = grounds.centre(&drive, times)?;
         let miss: f64 = tip
             .iter()
             .zip(wanted)
             .map(|(tip, wanted)| (tip - wanted).powi(2))
             .sum();
-        let improved = best.as_ref().is_none_or(|(least, _)| miss < 0.999 * least);
-        // Runs at another voltage tell of a drive with another nominal step.
         let nominal_v = drive.nominal_step_v();
-        let is_same = (nominal_v - reference_v).abs() <= 0.01 * limits.highest_v;
-        if improved || best.is_none() {
+        let improved = best.as_ref().is_none_or(|(least, _)| miss < 0.999 * least);
+        if improved {
             best = Some((miss, drive));
-        } else if is_same {
+        }
+        // Runs at other voltages tell of a drive with another nominal step: only then is there something to mend.
+        if (nominal_v - reference_v).abs() > SAME_VOLTAGE * limits.highest_v && nominal_v != 0.0 {
+            reference_v = nominal_v;
+            continue;
+        }
+        if !improved {
             break;
         }
         for k in 0..asked.len() {
-            // By how much the tip goes with the curvature at what is reached.
-            let small = 1e-3 / length_mm;
-            let at = curvature[k];
-            let slope = (tip_displacement_mm(at + small, length_mm)
-                - tip_displacement_mm(at - small, length_mm))
-                / (2.0 * small);
-            if slope > 0.0 {
-                asked[k] += (wanted[k] - tip[k]) / slope * f64::from(u8::from(!is_limited(&best, k, limits)));
+            // Where the voltage is at its limit, asking for more brings nothing.
+            if course_v[k].abs() < limits.highest_v * (1.0 - 1e-9) {
+                asked[k] += (wanted[k] - tip[k]) / tip_slope(curvature[k], length_mm);
             }
-        }
-        if nominal_v != 0.0 {
-            reference_v = nominal_v;
         }
     }
     best.map(|(_, drive)| drive)
         .ok_or_else(|| bad("--for", "0 s".to_owned(), "a longer course"))
 }
 
-/// Whether the voltage of a sample is at its limit: asking for more there brings nothing.
-fn is_limited(best: &Option<(f64, Drive)>, sample: usize, limits: &VoltageLimits) -> bool {
-    let level = best.as_ref().map(|(_, drive)| volts(drive, sample).abs());
-    level.is_some_and(|volts| volts >= limits.highest_v * (1.0 - 1e-9))
+/// By how much the tip of a strip goes with its curvature, mm cm; at least a tenth of that of a straight one, so that
+/// one step never asks for more than there is.
+fn tip_slope(curvature_per_cm: f64, length_mm: f64) -> f64 {
+    let small = 1e-3 / length_mm;
+    let (up, down) = (curvature_per_cm + small, curvature_per_cm - small);
+    let slope = (tip_displacement_mm(up, length_mm) - tip_displacement_mm(down, length_mm)) / (2.0 * small);
+    slope.max(0.1 * length_mm * length_mm / 20.0)
 }
 
 #[cfg(test)]
