@@ -59,6 +59,7 @@ mod samples;
 mod serve;
 mod shared_effects;
 mod sidecars;
+mod sql;
 mod standing;
 #[cfg(unix)]
 mod stops;

@@ -32,6 +32,7 @@ pub mod tag;
 pub mod thinning;
 pub mod typed_value;
 pub mod unit;
+mod unit_of_key;
 mod unit_spelling;
 
 pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
@@ -65,3 +66,4 @@ pub use range::range_of;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
 pub use standing::{RunWord, SameReadings, Standing};
 pub use tag::{Tag, TagSource};
+pub use unit_of_key::{UNITS, unit_of_key};

@@ -25,11 +25,14 @@ mod new_run;
 mod origin;
 mod run_climate;
 mod runs;
+#[cfg(test)]
+mod schema_page;
 mod seal;
 mod standing;
 mod tags;
 mod transaction;
 mod unreadable_tags;
+mod views;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -96,6 +99,7 @@ impl Store {
         .map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
+        views::put(&mut connection).map_err(|e| StoreError::from_sql(&path, "making the views", e))?;
         let seals = Seals::made(&mut connection)
             .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
         Ok(Store {
@@ -171,6 +175,7 @@ impl Store {
             Connection::open_in_memory().map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
+        views::put(&mut connection).map_err(|e| StoreError::from_sql(&path, "making the views", e))?;
         let seals = Seals::made(&mut connection)
             .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
         Ok(Store {

@@ -8,9 +8,10 @@ use rusqlite_migration::{M, Migrations};
 use super::StoreError;
 use super::error::plain;
 use super::in_place::has_no_tables;
+use super::views;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 13] = [
+pub(super) const HISTORY: [&str; 13] = [
     include_str!("../../../migrations/0001_initial.sql"),
     include_str!("../../../migrations/0002_climate.sql"),
     include_str!("../../../migrations/0003_modulus_logs.sql"),
@@ -53,6 +54,8 @@ pub(super) fn migrate(connection: &mut Connection, path: &Path) -> Result<(), St
     if found > 0 {
         back_up(connection, path, found)?;
     }
+    // SQLite refuses to change a table under a view; they are made again when the database is opened.
+    views::drop_all(connection).map_err(|e| StoreError::from_sql(path, "taking the views out", e))?;
     let steps = HISTORY.iter().map(|sql| M::up(sql)).collect::<Vec<_>>();
     Migrations::new(steps)
         .to_latest(connection)

@@ -1,0 +1,146 @@
+//! The page of the book that tells what every column of the database is: made from the schema that the migrations give, so
+//! that it cannot tell of another.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use rusqlite::Connection;
+
+use super::Store;
+use ieap_domain::unit_of_key;
+
+/// Meanings that stand in no migration.
+const MEANINGS: &str = include_str!("../../../migrations/meanings.txt");
+/// What stands above this line on the page is written by hand.
+const BEGIN: &str = "<!-- From here on made by a test: cargo unit -p ieap-store schema_page -->";
+/// Sets the page anew in place of holding it.
+const UPDATE: &str = "IEAP_UPDATE_EXPECTED";
+
+/// Meanings by column, or by table and column.
+fn meanings() -> BTreeMap<&'static str, &'static str> {
+    let lines = MEANINGS
+        .lines()
+        .filter(|line| !line.starts_with('#') && !line.is_empty());
+    lines
+        .map(|line| {
+            line.split_once(": ")
+                .unwrap_or_else(|| panic!("meanings.txt: {line}"))
+        })
+        .collect()
+}
+
+/// The comment behind a column in the text of its table.
+fn comment<'a>(sql: &'a str, column: &str) -> Option<&'a str> {
+    let is_of = |line: &&str| {
+        line.trim_start()
+            .strip_prefix(column)
+            .is_some_and(|rest| rest.starts_with(' '))
+    };
+    let line = sql.lines().find(is_of)?;
+    line.split_once("-- ").map(|(_, comment)| comment.trim())
+}
+
+/// The comment above a view, and above a table in the migrations.
+fn about(name: &str, kind: &str) -> String {
+    let history = super::migration::HISTORY.iter().copied();
+    let texts = history.chain([super::views::VIEWS]);
+    let head = format!("CREATE {} {name} ", kind.to_uppercase());
+    let renamed = format!("CREATE {} {name}_2 ", kind.to_uppercase());
+    let found = texts.filter_map(|text| {
+        let at = text.find(&head).or_else(|| text.find(&renamed))?;
+        let above: Vec<&str> = text[..at]
+            .lines()
+            .rev()
+            .take_while(|line| line.starts_with("--"))
+            .collect();
+        let words = above
+            .iter()
+            .rev()
+            .map(|line| line.trim_start_matches("--").trim());
+        Some(words.collect::<Vec<_>>().join(" "))
+    });
+    // Made anew for another CHECK, a table is still what it was first said to be.
+    found.filter(|words| !words.is_empty()).next().unwrap_or_default()
+}
+
+fn section(connection: &Connection, kind: &str, name: &str, sql: &str, page: &mut String) -> Vec<String> {
+    let meanings = meanings();
+    let mut lacking = Vec::new();
+    let _ = writeln!(
+        page,
+        "\n### {name}\n{}\n\n| column | type | unit | meaning |\n|---|---|---|---|",
+        about(name, kind)
+    );
+    let mut statement = connection.prepare(&format!("PRAGMA table_info({name})")).unwrap();
+    let columns = statement.query_map([], |row| Ok((row.get::<_, String>(1)?, row.get::<_, String>(2)?)));
+    for column in columns.unwrap() {
+        let (column, kind) = column.unwrap();
+        let own = format!("{name}.{column}");
+        let known = meanings.get(own.as_str()).copied();
+        let said = known
+            .or_else(|| comment(sql, &column))
+            .or_else(|| meanings.get(column.as_str()).copied());
+        let Some(said) = said else {
+            lacking.push(own);
+            continue;
+        };
+        let unit = unit_of_key(&column).unwrap_or("");
+        let said = said.replace('|', "\\|");
+        let _ = writeln!(page, "| `{column}` | {} | {unit} | {said} |", kind.to_lowercase());
+    }
+    lacking
+}
+
+/// The part of the page that is made.
+fn made() -> String {
+    let store = Store::in_memory().unwrap();
+    let sql = "SELECT type, name, sql FROM sqlite_schema
+               WHERE type IN ('table', 'view') AND name NOT LIKE 'sqlite_%' ORDER BY type DESC, name";
+    let mut statement = store.connection.prepare(sql).unwrap();
+    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)));
+    let rows: Vec<(String, String, String)> = rows.unwrap().map(Result::unwrap).collect();
+    let mut page = format!("{BEGIN}\n");
+    let (mut lacking, mut heading) = (Vec::new(), String::new());
+    for (kind, name, sql) in &rows {
+        if *kind != heading {
+            heading.clone_from(kind);
+            let title = if kind == "view" { "Views" } else { "Tables" };
+            let _ = writeln!(page, "\n## {title}");
+        }
+        lacking.extend(section(&store.connection, kind, name, sql, &mut page));
+    }
+    assert!(
+        lacking.is_empty(),
+        "columns without a meaning; write one into migrations/meanings.txt: {lacking:?}"
+    );
+    page
+}
+
+fn path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema.md")
+}
+
+#[test]
+fn schema_page_tells_of_every_column() {
+    let page = std::fs::read_to_string(path()).unwrap();
+    let by_hand = page.split(BEGIN).next().unwrap_or_default();
+    let whole = format!("{by_hand}{}", made());
+    if std::env::var_os(UPDATE).is_some() {
+        std::fs::write(path(), whole).unwrap();
+    } else {
+        assert!(
+            page == whole,
+            "docs/schema.md tells of another schema: {UPDATE}=1 cargo unit -p ieap-store schema_page"
+        );
+    }
+}
+
+#[test]
+fn no_meaning_is_of_a_column_that_is_gone() {
+    let page = made();
+    for name in meanings().keys() {
+        let column = name.rsplit('.').next().unwrap();
+        assert!(page.contains(&format!("| `{column}` |")), "{name}");
+    }
+}

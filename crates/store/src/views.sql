@@ -1,0 +1,169 @@
+-- Views for people who ask the database in SQL. They hold no data and the program reads none of them: they are made anew
+-- whenever their text changes, so that no migration has to keep them.
+-- Words are those of GLOSSARY.md; a column's name ends in its unit. Only current runs, fits and findings are shown.
+
+-- One row a run: what was measured, under which tags, and whether anybody or anything speaks against it.
+CREATE VIEW runs_view AS
+WITH chosen AS (SELECT run_id, key, value FROM tag WHERE chosen = 1)
+SELECT
+    run.id AS run_id,
+    run.path AS run,
+    run.kind,
+    CASE WHEN fit.id IS NOT NULL THEN 'fitted' WHEN run.no_steps THEN 'no_steps' ELSE run.state END AS state,
+    (SELECT value FROM chosen WHERE run_id = run.id AND key = 'sample') AS sample,
+    (SELECT value FROM chosen WHERE run_id = run.id AND key = 'environment') AS environment,
+    (SELECT CAST(value AS REAL) FROM chosen WHERE run_id = run.id AND key = 'voltage_v') AS voltage_v,
+    (SELECT CAST(value AS REAL) FROM chosen WHERE run_id = run.id AND key = 'relative_humidity_percent')
+        AS relative_humidity_percent,
+    (SELECT CAST(value AS REAL) FROM chosen WHERE run_id = run.id AND key = 'temperature_c') AS temperature_c,
+    (SELECT CAST(value AS INTEGER) FROM chosen WHERE run_id = run.id AND key = 'cycle') AS cycle,
+    (SELECT value FROM chosen WHERE run_id = run.id AND key = 'started_at') AS started_at,
+    run.area_cm2,
+    run.length_cm,
+    run.format,
+    run.technique,
+    run.status,
+    run.revision,
+    run.ingested_at,
+    run.data_hash,
+    fit.model,
+    fit.converged,
+    fit.r_squared_current,
+    fit.r_squared_curvature,
+    (SELECT group_concat(path, ' ') FROM (SELECT path FROM run_file WHERE run_id = run.id ORDER BY ordinal)) AS files,
+    (SELECT CASE WHEN drops THEN coalesce(why, '') END FROM run_word WHERE run_path = run.path ORDER BY id DESC LIMIT 1)
+        AS dropped_why,
+    (SELECT reason FROM diagnosis_condemned AS condemned JOIN diagnosis ON diagnosis.id = condemned.diagnosis_id
+     WHERE condemned.run_id = run.id AND diagnosis.superseded_at IS NULL LIMIT 1) AS condemned_why,
+    (SELECT group_concat(other.path, ' ') FROM same_readings
+     JOIN run AS other ON other.id = in_run_id AND other.superseded_at IS NULL
+     WHERE same_readings.run_id = run.id) AS same_readings_in
+FROM run
+LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
+WHERE run.superseded_at IS NULL;
+
+-- One row a run and parameter of its current fit.
+CREATE VIEW fits_view AS
+SELECT
+    runs.run_id,
+    runs.run,
+    runs.sample,
+    runs.environment,
+    runs.voltage_v,
+    runs.relative_humidity_percent,
+    fit.model,
+    fit.model_version,
+    fit_parameter.key AS parameter,
+    CASE
+        WHEN key LIKE '%\_a\_sqrt\_s\_per\_v\_cm2' ESCAPE '\' THEN 'A sqrt(s)/(V cm2)'
+        WHEN key LIKE '%\_a\_per\_v\_cm2' ESCAPE '\' THEN 'A/(V cm2)'
+        WHEN key LIKE '%\_f\_per\_cm2' ESCAPE '\' THEN 'F/cm2'
+        WHEN key LIKE '%\_a\_per\_cm2' ESCAPE '\' THEN 'A/cm2'
+        WHEN key LIKE '%\_c\_per\_cm2' ESCAPE '\' THEN 'C/cm2'
+        WHEN key LIKE '%\_s\_per\_cm2' ESCAPE '\' THEN 'S/cm2'
+        WHEN key LIKE '%\_cm2\_per\_c' ESCAPE '\' THEN 'cm2/C'
+        WHEN key LIKE '%\_cm2\_per\_j' ESCAPE '\' THEN 'cm2/J'
+        WHEN key LIKE '%\_cm\_per\_c2' ESCAPE '\' THEN '1/(C2 cm)'
+        WHEN key LIKE '%\_ohm\_per\_sq' ESCAPE '\' THEN 'Ohm/sq'
+        WHEN key LIKE '%\_ohm\_cm2' ESCAPE '\' THEN 'Ohm cm2'
+        WHEN key LIKE '%\_per\_c\_cm' ESCAPE '\' THEN '1/(C cm)'
+        WHEN key LIKE '%\_per\_v2\_cm' ESCAPE '\' THEN '1/(V2 cm)'
+        WHEN key LIKE '%\_per\_v\_cm' ESCAPE '\' THEN '1/(V cm)'
+        WHEN key LIKE '%\_per\_cm\_v' ESCAPE '\' THEN '1/(cm V)'
+        WHEN key LIKE '%\_per\_v2' ESCAPE '\' THEN '1/V2'
+        WHEN key LIKE '%\_per\_cm' ESCAPE '\' THEN '1/cm'
+        WHEN key LIKE '%\_per\_c' ESCAPE '\' THEN '1/C'
+        WHEN key LIKE '%\_per\_h' ESCAPE '\' THEN '1/h'
+        WHEN key LIKE '%\_per\_s' ESCAPE '\' THEN '1/s'
+        WHEN key LIKE '%\_per\_v' ESCAPE '\' THEN '1/V'
+        WHEN key LIKE '%\_v\_s\_cm' ESCAPE '\' THEN 'V s cm'
+        WHEN key LIKE '%\_percent' ESCAPE '\' THEN '%'
+        WHEN key LIKE '%\_bytes' ESCAPE '\' THEN 'bytes'
+        WHEN key LIKE '%\_cm2' ESCAPE '\' THEN 'cm2'
+        WHEN key LIKE '%\_mpa' ESCAPE '\' THEN 'MPa'
+        WHEN key LIKE '%\_rad' ESCAPE '\' THEN 'rad'
+        WHEN key LIKE '%\_cm' ESCAPE '\' THEN 'cm'
+        WHEN key LIKE '%\_hz' ESCAPE '\' THEN 'Hz'
+        WHEN key LIKE '%\_kg' ESCAPE '\' THEN 'kg'
+        WHEN key LIKE '%\_mm' ESCAPE '\' THEN 'mm'
+        WHEN key LIKE '%\_mn' ESCAPE '\' THEN 'mN'
+        WHEN key LIKE '%\_ms' ESCAPE '\' THEN 'ms'
+        WHEN key LIKE '%\_ns' ESCAPE '\' THEN 'ns'
+        WHEN key LIKE '%\_pa' ESCAPE '\' THEN 'Pa'
+        WHEN key LIKE '%\_px' ESCAPE '\' THEN 'px'
+        WHEN key LIKE '%\_um' ESCAPE '\' THEN 'µm'
+        WHEN key LIKE '%\_us' ESCAPE '\' THEN 'µs'
+        WHEN key LIKE '%\_a' ESCAPE '\' THEN 'A'
+        WHEN key LIKE '%\_c' ESCAPE '\' THEN '°C'
+        WHEN key LIKE '%\_h' ESCAPE '\' THEN 'h'
+        WHEN key LIKE '%\_s' ESCAPE '\' THEN 's'
+        WHEN key LIKE '%\_v' ESCAPE '\' THEN 'V'
+        WHEN key LIKE '%\_w' ESCAPE '\' THEN 'W'
+    END AS unit,
+    fit_parameter.value,
+    fit_parameter.standard_error,
+    fit_parameter.low_95,
+    fit_parameter.high_95,
+    fit_parameter.at_bound,
+    fit_parameter.reason,
+    fit.converged,
+    fit.why_stopped,
+    fit.n_samples,
+    fit.made_at,
+    runs.dropped_why,
+    runs.condemned_why,
+    runs.same_readings_in
+FROM runs_view AS runs
+JOIN fit ON fit.run_id = runs.run_id AND fit.superseded_at IS NULL
+JOIN fit_parameter ON fit_parameter.fit_id = fit.id;
+
+-- One row a run and tag, from every source; chosen = 1 marks the value that holds.
+CREATE VIEW tags_view AS
+SELECT run.id AS run_id, run.path AS run, tag.key, tag.value, tag.source, tag.detail, tag.chosen
+FROM run JOIN tag ON tag.run_id = run.id
+WHERE run.superseded_at IS NULL;
+
+-- One row a finding: of a group of runs, or of one run by itself.
+CREATE VIEW findings_view AS
+SELECT
+    diagnosis.id AS diagnosis_id,
+    diagnosis.kind,
+    diagnosis.name,
+    json_extract(document, '$.verdict') AS verdict,
+    json_extract(document, '$.sentence') AS sentence,
+    json_extract(document, '$.p_misfit') AS p_misfit,
+    (SELECT group_concat(json_extract(value, '$.effect'), ' ') FROM json_each(document, '$.effects')) AS effects,
+    (SELECT group_concat(value, ' ') FROM json_each(document, '$.set')) AS as_good,
+    json_extract(document, '$.base_model') AS base_model,
+    (SELECT group_concat(path, ' ') FROM (SELECT run.path FROM diagnosis_run JOIN run ON run.id = run_id
+     WHERE diagnosis_id = diagnosis.id ORDER BY ordinal)) AS runs,
+    diagnosis.draws,
+    diagnosis.made_at
+FROM diagnosis
+WHERE diagnosis.superseded_at IS NULL;
+
+-- One row a run and channel, with its readings as blobs (docs/schema.md says how to read them). A channel that shares the
+-- times of an earlier one has them here too.
+CREATE VIEW readings_view AS
+SELECT
+    run.id AS run_id,
+    run.path AS run,
+    channel.ordinal,
+    channel.quantity,
+    CASE channel.quantity
+        WHEN 'voltage' THEN 'V' WHEN 'control_voltage' THEN 'V' WHEN 'current' THEN 'A'
+        WHEN 'current_density' THEN 'A/cm2' WHEN 'curvature' THEN '1/cm' WHEN 'tip_displacement' THEN 'mm'
+        WHEN 'blocking_force' THEN 'mN' WHEN 'temperature' THEN '°C' WHEN 'relative_humidity' THEN '%'
+        WHEN 'pressure' THEN 'Pa' WHEN 'storage_modulus' THEN 'MPa' WHEN 'loss_modulus' THEN 'MPa'
+        WHEN 'complex_modulus' THEN 'MPa' WHEN 'frequency' THEN 'Hz' WHEN 'time' THEN 's' ELSE ''
+    END AS unit,
+    channel.position_mm,
+    channel.readings,
+    channel.excluded,
+    clock.time_blob AS time_s_blob,
+    channel.value_blob,
+    channel.excluded_blob
+FROM run
+JOIN channel ON channel.run_id = run.id
+JOIN channel AS clock ON clock.run_id = run.id AND clock.ordinal = channel.time_of
+WHERE run.superseded_at IS NULL;

@@ -1,0 +1,232 @@
+//! The database as other programs read it: what docs/schema.md prints is run as it stands there.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::campaign::{CampaignFolder, run_table};
+
+/// The interpreter that tests use.
+pub fn python() -> String {
+    std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned())
+}
+
+/// Whether Python is there with these modules; says so where it is not.
+pub fn has_python(modules: &str) -> bool {
+    let tried = Command::new(python())
+        .args(["-c", &format!("import {modules}")])
+        .output();
+    let is_there = tried.is_ok_and(|output| output.status.success());
+    if !is_there {
+        println!("not tried: {} with {modules} is not there", python());
+    }
+    is_there
+}
+
+/// Runs a script in a folder; gives what it printed.
+pub fn run_python(folder: &Path, script: &str) -> String {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = Command::new(python())
+        .args(["-c", script])
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&stderr);
+    assert!(status.success(), "{script}\n{said}");
+    String::from_utf8(stdout).unwrap()
+}
+
+/// The blocks of code of a page that hold `word`.
+pub fn blocks_with(page: &str, word: &str) -> Vec<String> {
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page)).unwrap();
+    let mut blocks = vec![String::new()];
+    for line in text.lines() {
+        match line.strip_prefix("    ") {
+            Some(code) => *blocks.last_mut().unwrap() += &format!("{code}\n"),
+            None => blocks.push(String::new()),
+        }
+    }
+    blocks.retain(|block| block.contains(word));
+    blocks
+}
+
+/// A folder with `my-campaign` in it, which has a fitted run and one that was dropped.
+fn world() -> (tempfile::TempDir, CampaignFolder) {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.write("runs/b.csv", run_table(2));
+    folder.run_json();
+    folder
+        .ieap(&["drop", "runs/b.csv", "--why", "clip slipped"])
+        .expect(0);
+    let above = tempfile::tempdir().unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(folder.path(), above.path().join("my-campaign")).unwrap();
+    (above, folder)
+}
+
+fn query(folder: &CampaignFolder, sql: &str) -> Vec<Vec<rusqlite::types::Value>> {
+    let flags = rusqlite::OpenFlags::SQLITE_OPEN_READ_ONLY;
+    let connection = rusqlite::Connection::open_with_flags(folder.join("campaign.db"), flags).unwrap();
+    let mut statement = connection.prepare(sql).unwrap();
+    let width = statement.column_count();
+    let row = |row: &rusqlite::Row<'_>| (0..width).map(|column| row.get(column)).collect();
+    let rows = statement.query_map([], row).unwrap();
+    rows.map(Result::unwrap).collect()
+}
+
+#[test]
+fn views_say_what_the_program_says() {
+    let (_above, folder) = world();
+    let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
+    let parameters = fits["fits"][0]["parameters"].as_object().unwrap();
+    let rows = query(
+        &folder,
+        "SELECT parameter, value, unit FROM fits_view WHERE dropped_why IS NULL ORDER BY parameter",
+    );
+    assert_eq!(rows.len(), parameters.len());
+    for row in rows {
+        let [rusqlite::types::Value::Text(parameter), value, unit] = row.as_slice() else {
+            panic!("{row:?}");
+        };
+        match value {
+            rusqlite::types::Value::Real(value) => assert_eq!(parameters[parameter]["value"], *value),
+            _ => assert!(parameters[parameter]["value"].is_null(), "{parameter}"),
+        }
+        assert_eq!(
+            ieap::domain::unit_of_key(parameter).map(str::to_owned),
+            match unit {
+                rusqlite::types::Value::Text(unit) => Some(unit.clone()),
+                _ => None,
+            }
+        );
+    }
+    let runs = query(
+        &folder,
+        "SELECT run, state, sample, voltage_v, dropped_why FROM runs_view ORDER BY run",
+    );
+    let text = |text: &str| rusqlite::types::Value::Text(text.to_owned());
+    assert_eq!(runs[0][..3], [text("runs/a.csv"), text("fitted"), text("S1")]);
+    assert_eq!(runs[0][3], rusqlite::types::Value::Real(2.0));
+    assert_eq!(runs[1][4], text("clip slipped"));
+    let tags = query(
+        &folder,
+        "SELECT count(*) FROM tags_view WHERE chosen = 1 AND key = 'sample'",
+    );
+    assert_eq!(tags, [[rusqlite::types::Value::Integer(2)]]);
+    let id = query(&folder, "SELECT application_id FROM pragma_application_id");
+    assert_eq!(id, [[rusqlite::types::Value::Integer(0x6965_6170)]]);
+}
+
+/// Every unit of a parameter that the program prints is the one that its key ends in, which views and exports go by.
+#[test]
+fn keys_of_parameters_end_in_the_units_that_are_printed() {
+    let folder = CampaignFolder::new();
+    let (models, effects) = (
+        folder.ieap(&["models", "--json"]).json(),
+        folder.ieap(&["effects", "--json"]).json(),
+    );
+    let lists = [
+        models["models"].as_array().unwrap(),
+        effects["effects"].as_array().unwrap(),
+    ];
+    let mut counted = 0;
+    for parameter in lists
+        .into_iter()
+        .flatten()
+        .flat_map(|owner| owner["parameters"].as_array().unwrap())
+    {
+        let (key, unit) = (
+            parameter["key"].as_str().unwrap(),
+            parameter["unit"].as_str().unwrap(),
+        );
+        assert_eq!(ieap::domain::unit_of_key(key).unwrap_or(""), unit, "{key}");
+        counted += 1;
+    }
+    assert!(counted > 100, "{counted}");
+}
+
+#[cfg(unix)]
+#[test]
+fn python_reads_the_views_as_the_page_says() {
+    if !has_python("sqlite3") {
+        return;
+    }
+    let (above, folder) = world();
+    let script = blocks_with("schema.md", "FROM fits_view").remove(0);
+    let said = run_python(above.path(), &script);
+    assert_eq!(said.lines().count(), 1, "{said}");
+    let fits = folder.ieap(&["fit", "--json"]).json();
+    let value = fits["fits"][0]["parameters"]["lambda_per_s"]["value"]
+        .as_f64()
+        .unwrap();
+    assert!(
+        said.starts_with("('runs/a.csv', ") && said.contains("'1/s'"),
+        "{said}"
+    );
+    let read: f64 = said.split(", ").nth(1).unwrap().parse().unwrap();
+    assert_eq!(read, value);
+}
+
+#[cfg(unix)]
+#[test]
+fn ten_lines_of_python_read_the_readings() {
+    if !has_python("sqlite3, zstandard") {
+        return;
+    }
+    let (above, _folder) = world();
+    let script = blocks_with("schema.md", "readings_view").pop().unwrap();
+    assert_eq!(
+        script
+            .lines()
+            .take_while(|line| !line.starts_with("for "))
+            .count(),
+        8,
+        "short enough to be read"
+    );
+    let said = run_python(above.path(), &script);
+    // The first row of run_table, of three channels and two runs.
+    assert_eq!(said.lines().count(), 6, "{said}");
+    assert!(
+        said.lines()
+            .any(|line| line.starts_with("runs/a.csv voltage V -20.0 0.0")),
+        "{said}"
+    );
+    // Times that a channel shares with another one, and indices, which are of 32 bits.
+    let whole = format!(
+        "{script}\nprint(numbers(times)[1:3], numbers(db.execute(\"SELECT excluded_blob FROM readings_view\").fetchone()[0], 'I'))"
+    );
+    let said = run_python(above.path(), &whole);
+    assert!(said.ends_with("(-19.0, -18.0) ()\n"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn duckdb_reads_the_views_and_the_parquet() {
+    if !has_python("duckdb") {
+        return;
+    }
+    let (above, folder) = world();
+    folder
+        .ieap(&["export", "--what", "all", "-o", "export"])
+        .expect(0);
+    let counted = "print(duckdb.sql(\"SELECT count(*) FROM 'my-campaign/export/runs.parquet'\").fetchall())";
+    let said = run_python(above.path(), &format!("import duckdb\n{counted}"));
+    assert_eq!(said, "[(2,)]\n");
+    let block = blocks_with("schema.md", "ATTACH").remove(0);
+    let mut statements = block.split(";\n");
+    let (attach, select) = (statements.next().unwrap(), statements.next().unwrap());
+    // The extension is fetched from the network where it is not there.
+    let script = format!(
+        "import duckdb\ndb = duckdb.connect()\ntry:\n    db.execute(\"LOAD sqlite\")\nexcept duckdb.Error as error:\n    \
+         print('no extension')\nelse:\n    db.execute(\"{attach}\")\n    print(db.execute(\"{select}\").fetchall())\n"
+    );
+    let said = run_python(above.path(), &script);
+    match said.trim() {
+        "no extension" => println!("not tried: DuckDB has no extension for SQLite"),
+        rows => assert_eq!(rows, "[('air', 2)]"),
+    }
+}
