@@ -230,3 +230,18 @@ fn results_are_made_from_runs_that_speak() {
         assert!(!reads || may, "{} reads runs that may not speak", file.display());
     }
 }
+
+/// Its folder is a workspace of its own, and profiles hold for one workspace.
+#[test]
+fn the_python_package_is_built_as_the_program_is() {
+    let manifest = |path: &str| std::fs::read_to_string(house().join(path)).unwrap();
+    let profiles = |text: &str| text[text.find("# The weight of the build").unwrap()..].to_owned();
+    let (own, python) = (manifest("Cargo.toml"), manifest("python/Cargo.toml"));
+    assert_eq!(
+        profiles(&python),
+        profiles(&own),
+        "copy the profiles of Cargo.toml"
+    );
+    let version = concat!("version = \"", env!("CARGO_PKG_VERSION"), "\"");
+    assert!(python.contains(version), "python/Cargo.toml has another version");
+}

@@ -1,0 +1,346 @@
+"""ieap: measurements on ionic electroactive polymer actuators, with the engine of the program `ieap`.
+
+    import ieap
+    table = ieap.read("run.DTA")
+    fit = ieap.fit(table, length_mm=5, width_mm=2)
+    finding = ieap.diagnose({"a": table, "b": ieap.read("other.DTA")}, length_mm=5, width_mm=2)
+
+Tables go in and out as Arrow (the PyCapsule interface): pyarrow, polars, pandas and DuckDB take them as they are.
+The same readings give the same numbers as the program, to the last bit.
+"""
+
+from __future__ import annotations
+
+import json
+from os import PathLike
+from typing import Any, Mapping, Sequence
+
+from . import _native
+from ._errors import CampaignError, EngineFault, IeapError, InputError
+from ._inputs import Drive, effects_of, stated as _stated, table_of, times_of
+from ._native import ArrowTable, Table
+from ._results import Estimate, Finding, Fit
+
+__version__: str = _native.version
+__all__ = [
+    "ArrowTable",
+    "Campaign",
+    "CampaignError",
+    "EngineFault",
+    "Estimate",
+    "Finding",
+    "Fit",
+    "IeapError",
+    "InputError",
+    "Table",
+    "diagnose",
+    "diagnose_rows",
+    "fit",
+    "fit_many",
+    "read",
+    "read_all",
+    "simulate",
+]
+
+
+def read_all(path: str | PathLike[str]) -> list[Table]:
+    """Reads every table of a file of any format that `ieap formats` lists.
+
+    Raises:
+        InputError: no reader can read the file; ``place`` has line and column, ``remedy`` says what helps.
+        CampaignError: the system cannot give the file.
+    """
+    return _native.read(path)
+
+
+def read(path: str | PathLike[str], table: str | None = None) -> Table:
+    """Reads a run from a file of any format that `ieap formats` lists.
+
+    Args:
+        path: the file. Saved profiles of the campaign that it lies in are obeyed.
+        table: the name of the table, where the file holds several.
+
+    Returns:
+        A table with ``time_s`` (s) and a column for each channel, in canonical units that the names carry
+        (``current_a``, ``curvature_per_cm``). A row without a reading of a slower channel is empty there.
+        ``repr`` shows what the reader saw.
+
+    Raises:
+        InputError: no reader can read the file, or it holds several tables and `table` names none of them.
+    """
+    found = read_all(path)
+    named = {own.source.rsplit("#", 1)[-1]: own for own in found} if len(found) > 1 else {}
+    if table is None and len(found) == 1:
+        return found[0]
+    if table in named:
+        return named[table]
+    remedy = f"name one of them: table= {', '.join(named) or 'nothing, there is one only'}"
+    raise InputError(f"the file holds {len(found)} tables, and {table!r} is none of them", str(path), remedy)
+
+
+def fit(
+    readings: Any,
+    *,
+    area_cm2: float | None = None,
+    length_mm: float | None = None,
+    width_mm: float | None = None,
+    model: str | None = None,
+    voltage_v: float | None = None,
+    drive: Drive | None = None,
+    baseline_v: float = 0.0,
+    tags: Mapping[str, Any] | None = None,
+    electrode_resistance_ohm_per_sq: float | None = None,
+    method: str | None = None,
+    simultaneous: bool = False,
+    seed: int | None = None,
+    run: str | None = None,
+) -> Fit:
+    """Fits one run.
+
+    Args:
+        readings: a `Table`; a table of any library that speaks Arrow; or a mapping of names to one-dimensional arrays of
+            one length. Names are as in a plain run table, with units: ``time_s``, ``current_a`` (or ``I/mA``, ...),
+            ``curvature_per_cm``, ``tip_displacement_mm``, ``voltage_v``. NaN or None is an empty cell. Time zero is the
+            voltage step.
+        area_cm2: active area of the strip, cm2; or length and width.
+        length_mm: free length, mm. A tip displacement gives a curvature only with it.
+        width_mm: width, mm.
+        model: ``lumped-1`` to ``lumped-4`` or ``distributed``; None: ``lumped-2``.
+        voltage_v: the step at time zero, V, where no voltage was recorded.
+        drive: start (s) and voltage (V; None: open circuit) of each segment, in place of what was recorded.
+        baseline_v: voltage held before `drive`, V.
+        tags: what a sidecar may state: ``{"leave_out": "600-1200", "open_circuit": "300-400", ...}``.
+        electrode_resistance_ohm_per_sq: of both electrodes along the strip, Ohm per square.
+        method: how minima are searched; None: variable projection.
+        simultaneous: current and curvature together in place of one after the other.
+        seed: of a random method.
+        run: a name for the run.
+
+    Raises:
+        InputError: the readings cannot be fitted; ``reason`` and ``remedy`` say why and what helps.
+    """
+    table = table_of(readings)
+    said = _stated(
+        area_cm2=area_cm2,
+        length_mm=length_mm,
+        width_mm=width_mm,
+        electrode_resistance_ohm_per_sq=electrode_resistance_ohm_per_sq,
+        voltage_v=voltage_v,
+        drive=drive,
+        baseline_v=baseline_v,
+        tags=tags,
+    )
+    return Fit(_native.fit(run or table.source, table, said, model, method, simultaneous, seed))
+
+
+def diagnose(
+    runs: Mapping[str, Any] | Sequence[Any],
+    *,
+    area_cm2: float | None = None,
+    length_mm: float | None = None,
+    width_mm: float | None = None,
+    tags: Mapping[str, Mapping[str, Any]] | None = None,
+    drives: Mapping[str, Drive] | None = None,
+    group: str = "group",
+    model: str | None = None,
+    draws: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+) -> Finding:
+    """Asks what the model gets wrong in runs of one sample in one condition, and why.
+
+    This takes minutes: what chance does is simulated. Ctrl-C ends it.
+
+    Args:
+        runs: readings by name, in any form that `fit` takes; or a list of them.
+        area_cm2: active area of the strip, cm2; or `length_mm` and `width_mm`, mm.
+        tags: tags by the name of the run, such as ``{"a": {"voltage_v": 1.5}}``.
+        drives: drives by the name of the run, as `fit` takes them.
+        group: a name for the group.
+        model: the base model; None: ``lumped-2``.
+        draws: draws of what chance does; None: 999.
+        seed: of the draws.
+        threads: None: all cores.
+
+    Raises:
+        InputError: a run cannot be used, or two runs hold the same readings.
+    """
+    if not isinstance(runs, Mapping):
+        tables = [table_of(own) for own in runs]
+        named = {f"{index + 1}: {table.source}": table for index, table in enumerate(tables)}
+    else:
+        named = {name: table_of(own) for name, own in runs.items()}
+
+    def said(name: str) -> _native.Stated:
+        return _stated(
+            area_cm2=area_cm2,
+            length_mm=length_mm,
+            width_mm=width_mm,
+            tags=(tags or {}).get(name),
+            drive=(drives or {}).get(name),
+        )
+
+    parts = [(name, table, said(name)) for name, table in named.items()]
+    return Finding(json.loads(_native.diagnose(group, parts, model, draws, seed, threads)))
+
+
+def simulate(
+    parameters: Fit | Mapping[str, float],
+    *,
+    drive: Drive | None = None,
+    effects: Mapping[str, Mapping[str, Any]] | None = None,
+    area_cm2: float | None = None,
+    length_mm: float | None = None,
+    width_mm: float | None = None,
+    baseline_v: float = 0.0,
+    time_s: Any = None,
+    until_s: float | None = None,
+    every_s: float | None = None,
+    noise: Mapping[str, float] | None = None,
+    seed: int = 1,
+) -> Table:
+    """Simulates a run of a lumped model.
+
+    Args:
+        parameters: a `Fit`, which gives area, length and drive too; or values by key (``r1_ohm_cm2``, ``c1_f_per_cm2``,
+            ..., ``rss_ohm_cm2``, ``alpha_per_c_cm``, ``lambda_per_s``). Those left out are 0, or absent branches.
+        drive: start (s) and voltage (V; None: open circuit) of each segment.
+        effects: effects that act in the run, ``{"faradaic-leak": {"onset_v": 1.2, ...}}``; docs/hidden-effects.md lists
+            them; the key ``variant`` names a variant.
+        area_cm2: active area, cm2; or `length_mm` and `width_mm`, mm.
+        baseline_v: voltage held before the drive, V.
+        time_s: times of the readings, s; or `until_s` and `every_s`. None: 600 even intervals, to as long after the last
+            switching as before it, 600 s for one step.
+        noise: standard deviations ``current_a`` (A) and ``curvature_per_cm`` (1/cm), and ``autocorrelation`` of
+            neighbouring readings; None: no noise.
+        seed: of the noise.
+
+    Returns:
+        A table of n rows with ``time_s``, ``voltage_v``, ``current_a`` and ``curvature_per_cm``.
+
+    Raises:
+        InputError: something asked for makes no sense, or a parameter of the fit that is needed is not determined.
+    """
+    if isinstance(parameters, Fit):
+        given = _known(parameters)
+        drive = drive or parameters.drive
+        if area_cm2 is None and (length_mm is None or width_mm is None):
+            area_cm2 = parameters.area_cm2
+        length_mm = parameters.length_mm if length_mm is None else length_mm
+    else:
+        given = {key: float(value) for key, value in parameters.items()}
+    if not drive:
+        raise InputError("there is no drive", "drive", "give start (s) and voltage (V) of each segment: [(0, 2.0)]")
+    said = _stated(area_cm2=area_cm2, length_mm=length_mm, width_mm=width_mm, drive=drive, baseline_v=baseline_v)
+    times = times_of(drive, time_s, until_s, every_s)
+    sizes = dict(noise or {})
+    own_noise = tuple(float(sizes.pop(key, 0.0)) for key in ("current_a", "curvature_per_cm", "autocorrelation"))
+    if sizes:
+        raise InputError(f"found {', '.join(sizes)}", "noise", "one of current_a, curvature_per_cm, autocorrelation")
+    return _native.simulate(given, said, effects_of(effects), times, own_noise, seed)
+
+
+def _known(fit: Fit) -> dict[str, float]:
+    """Values of the fitted parameters; one that is not determined cannot be simulated and is never made up."""
+    fitted = {key: fit[key] for key in fit._native.fitted_keys if key in fit.parameters}
+    missing = [f"{key}: {own}" for key, own in fitted.items() if own.value is None]
+    if missing:
+        remedy = "give the parameters as a mapping, with a value for it or without it"
+        raise InputError(f"not determined: {'; '.join(missing)}", fit.run, remedy, "not-determined")
+    return {key: own.value for key, own in fitted.items() if own.value is not None}
+
+
+def fit_many(
+    rows: Any,
+    *,
+    model: str | None = None,
+    method: str | None = None,
+    simultaneous: bool = False,
+    seed: int | None = None,
+    threads: int | None = None,
+) -> ArrowTable:
+    """Fits many runs on all cores, one row a run. Ctrl-C ends it.
+
+    Args:
+        rows: a table that speaks Arrow. List columns are readings (``time_s``, ``current_a``, ``curvature_per_cm``,
+            ``voltage_v``, ...; one length a row, empty cells allowed). ``run`` names the run; ``area_cm2`` or
+            ``length_mm`` and ``width_mm`` state the strip; ``drive_start_s`` and ``drive_voltage_v`` (lists) and
+            ``baseline_v`` may state the drive; every other column is a tag, such as ``voltage_v`` as one number.
+        threads: None: all cores. The result does not depend on it.
+
+    Returns:
+        One row a run in the order given: ``run``, ``model``, ``input_hash``, ``converged``, ``n_samples``, ``parameters``
+        (a list of records ``key``, ``value``, ``standard_error``, ``low_95``, ``high_95``, ``at_bound``, ``reason``),
+        ``r_squared_current``, ``issues``, ... A run that cannot be fitted has ``refused_place``, ``refused_reason`` and
+        ``refused_remedy`` instead.
+    """
+    return _native.fit_many(rows, model, method, simultaneous, seed, threads)
+
+
+def diagnose_rows(
+    rows: Any,
+    *,
+    group: str = "group",
+    model: str | None = None,
+    draws: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+) -> ArrowTable:
+    """As `diagnose`, of runs in a table as `fit_many` takes it: all rows are one group.
+
+    Returns:
+        One row: ``group``, ``runs``, ``verdict``, ``sentence``, ``p_misfit``, ``causes``, ``most_probable``, ...,
+        ``document`` (JSON, a group of ``ieap diagnose --json``), or the reason in ``refused_reason``.
+    """
+    return _native.diagnose_rows(group, rows, model, draws, seed, threads)
+
+
+class Campaign:
+    """A campaign folder, to read from; it is never changed. Every call shows the campaign as it is then."""
+
+    def __init__(self, folder: str | PathLike[str] = ".") -> None:
+        """Finds the campaign at `folder` or above it."""
+        self._native = _native.Campaign(folder)
+
+    def runs(self) -> ArrowTable:
+        """One row a run: tags, state, files and their hashes, goodness of fit."""
+        return self._native.table("runs")
+
+    def tags(self) -> ArrowTable:
+        """One row a run and tag, with its source."""
+        return self._native.table("tags")
+
+    def fits(self, wide: bool = False) -> ArrowTable:
+        """The current fits: one row a run and parameter (``value``, ``standard_error``, ``low_95``, ``high_95``, in the unit
+        that ``parameter`` names), or one row a run where `wide`."""
+        return self._native.table("fits-wide" if wide else "fits")
+
+    def conditions(self) -> ArrowTable:
+        """One row a condition: numbers of runs, mean and spread of each parameter."""
+        return self._native.table("conditions")
+
+    def readings(self, run: str) -> Table:
+        """The readings of a run as a fit takes them, with its strip, drive and tags: ``ieap.fit(c.readings(run))``."""
+        return self._native.readings(run)
+
+    def findings(self) -> ArrowTable:
+        """The current findings, one row a group of runs."""
+        return self._native.findings()
+
+    def finding(self, group: str) -> Finding:
+        """The current finding of a group, by its name."""
+        groups = {own["group"]: own for own in self.diagnosis_document()["groups"]}
+        if group not in groups:
+            raise InputError("there is no such group", group, f"one of {', '.join(groups) or 'none: run ieap diagnose'}")
+        return Finding(groups[group])
+
+    def fits_document(self) -> dict[str, Any]:
+        """What ``ieap fit --json`` prints of the current fits."""
+        return json.loads(self._native.fits_document())
+
+    def diagnosis_document(self) -> dict[str, Any]:
+        """What ``ieap diagnose --json`` prints of the current findings."""
+        return json.loads(self._native.diagnosis_document())
+
+    def __repr__(self) -> str:
+        return repr(self._native)

@@ -1,0 +1,123 @@
+"""The compiled half of `ieap`. Its functions take everything by position; people call those of `ieap`."""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any, Mapping, Sequence
+
+version: str
+
+class ArrowTable:
+    """A table of results. pyarrow, polars, pandas and DuckDB take it as it is."""
+
+    @property
+    def num_rows(self) -> int: ...
+    @property
+    def column_names(self) -> list[str]: ...
+    def __len__(self) -> int: ...
+    def column(self, name: str) -> list[Any]:
+        """One column as a list; an empty cell is None."""
+    def to_dict(self) -> dict[str, list[Any]]:
+        """All columns by name, as lists."""
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+    def __arrow_c_schema__(self) -> object: ...
+
+class Table:
+    """A table of readings in canonical units; the names of its columns carry them."""
+
+    @property
+    def num_rows(self) -> int: ...
+    @property
+    def column_names(self) -> list[str]: ...
+    @property
+    def source(self) -> str: ...
+    def __len__(self) -> int: ...
+    def column(self, name: str) -> list[float | None]:
+        """One column as a list; a row without a reading is None."""
+    def describe(self) -> str:
+        """Everything but the readings, as JSON: format, status, start, tags, columns with their raw names, issues."""
+    def _address(self, name: str) -> int | None: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+    def __arrow_c_schema__(self) -> object: ...
+
+class Stated:
+    def __init__(
+        self,
+        area_cm2: float | None = None,
+        length_mm: float | None = None,
+        width_mm: float | None = None,
+        electrode_resistance_ohm_per_sq: float | None = None,
+        baseline_v: float = 0.0,
+        drive: Sequence[tuple[float, float | None]] = (),
+        tags: Mapping[str, str] = {},
+    ) -> None: ...
+
+class Fit:
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def area_cm2(self) -> float: ...
+    @property
+    def length_mm(self) -> float | None: ...
+    @property
+    def drive(self) -> tuple[float, list[tuple[float, float | None]]]: ...
+    @property
+    def fitted_keys(self) -> list[str]: ...
+    def document(self) -> str: ...
+    def _address(self, quantity: str) -> int | None: ...
+    def curve(self, quantity: str) -> ArrowTable | None: ...
+
+class Campaign:
+    def __init__(self, folder: str | PathLike[str]) -> None: ...
+    @property
+    def folder(self) -> Path: ...
+    def table(self, name: str) -> ArrowTable: ...
+    def readings(self, run: str) -> Table: ...
+    def findings(self) -> ArrowTable: ...
+    def fits_document(self) -> str: ...
+    def diagnosis_document(self) -> str: ...
+
+def program(arguments: Sequence[str]) -> int: ...
+def read(path: str | PathLike[str]) -> list[Table]: ...
+def arrays(columns: Sequence[tuple[str, bytes]]) -> Table: ...
+def from_arrow(table: Any) -> Table: ...
+def fit(
+    name: str,
+    table: Table,
+    stated: Stated,
+    model: str | None = None,
+    method: str | None = None,
+    simultaneous: bool = False,
+    seed: int | None = None,
+) -> Fit: ...
+def diagnose(
+    group: str,
+    runs: Sequence[tuple[str, Table, Stated]],
+    model: str | None = None,
+    draws: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+) -> str: ...
+def simulate(
+    parameters: Mapping[str, float],
+    stated: Stated,
+    effects: Sequence[tuple[str, str | None, Mapping[str, float]]],
+    time_s: Sequence[float],
+    noise: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    seed: int = 1,
+) -> Table: ...
+def fit_many(
+    table: Any,
+    model: str | None = None,
+    method: str | None = None,
+    simultaneous: bool = False,
+    seed: int | None = None,
+    threads: int | None = None,
+) -> ArrowTable: ...
+def diagnose_rows(
+    group: str,
+    table: Any,
+    model: str | None = None,
+    draws: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+) -> ArrowTable: ...

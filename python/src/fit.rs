@@ -1,0 +1,188 @@
+//! Fits and diagnoses of single calls.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_schema::{DataType, Field, Schema};
+use ieap::domain::{self, Level, Quantity};
+use ieap::model::fit_model;
+use ieap::pipeline::at_hand::{self, FitAtHand, RunAtHand};
+use ieap::pipeline::{DiagnoseChoice, FitChoice};
+use pyo3::prelude::*;
+
+use crate::arrow::ArrowTable;
+use crate::error::{bad_argument, failed, fault, refused};
+use crate::stated::{Stated, over};
+use crate::table::Table;
+use crate::work::interruptible;
+
+/// A fit of one run.
+#[pyclass(frozen, module = "ieap._native")]
+pub struct Fit {
+    pub fit: domain::Fit,
+    pub stated: FitAtHand,
+    pub run: RunAtHand,
+    seconds: f64,
+}
+
+#[pymethods]
+impl Fit {
+    /// Time that the engine took, s.
+    #[getter]
+    fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// The fit as `ieap fit --json` states it, less what only a campaign knows.
+    fn document(&self, py: Python<'_>) -> PyResult<String> {
+        serde_json::to_string(&self.stated).map_err(|error| fault(py, "a document", &error.to_string()))
+    }
+
+    /// Keys of the parameters that were fitted: the others follow from them.
+    #[getter]
+    fn fitted_keys(&self) -> Vec<&'static str> {
+        let model = fit_model(&self.stated.model);
+        let all = model.map_or(&[][..], |model| model.parameters).iter();
+        all.filter(|own| !own.derived).map(|own| own.key).collect()
+    }
+
+    /// Active area, cm2.
+    #[getter]
+    fn area_cm2(&self) -> f64 {
+        self.run.area_cm2()
+    }
+
+    /// Free length, mm.
+    #[getter]
+    fn length_mm(&self) -> Option<f64> {
+        self.run.length_cm().map(|length_cm| length_cm * 10.0)
+    }
+
+    /// Voltage held before the drive, V, and start (s) and voltage (V, None: open circuit) of each segment.
+    #[getter]
+    fn drive(&self) -> (f64, Vec<(f64, Option<f64>)>) {
+        let drive = self.run.drive();
+        let segments = drive.segments.iter().map(|segment| match segment.level {
+            Level::Voltage(voltage_v) => (segment.start_s, Some(voltage_v)),
+            Level::OpenCircuit => (segment.start_s, None),
+        });
+        (drive.baseline_v, segments.collect())
+    }
+
+    /// Where the readings of a quantity lie in memory, for tests that nothing is copied.
+    fn _address(&self, quantity: &str) -> Option<usize> {
+        let asked = Quantity::from_key(quantity)?;
+        let channel = self.run.channels().iter().find(|own| own.quantity == asked)?;
+        Some(channel.values.as_ptr() as usize)
+    }
+
+    /// The drawn readings of `current` or `curvature` with the fitted values; None where it was not measured.
+    fn curve(&self, py: Python<'_>, quantity: &str) -> PyResult<Option<ArrowTable>> {
+        let Some(asked) = Quantity::from_key(quantity) else {
+            return Err(bad_argument(
+                py,
+                "quantity",
+                &format!("found {quantity:?}"),
+                "current or curvature",
+            ));
+        };
+        let Some(curve) = self.fit.curves.iter().find(|curve| curve.quantity == asked) else {
+            return Ok(None);
+        };
+        let columns: [(&str, &Vec<f64>); 4] = [
+            ("time_s", &curve.time_s),
+            (asked.column(), &curve.measured),
+            ("fitted", &curve.fitted),
+            ("residual_sigma", &curve.residual_sigma),
+        ];
+        // What was drawn and not fitted has no fitted values.
+        let there = columns
+            .into_iter()
+            .filter(|(_, numbers)| numbers.len() == curve.time_s.len());
+        let (fields, columns): (Vec<Field>, Vec<ArrayRef>) = there
+            .map(|(name, numbers)| {
+                let column: ArrayRef = Arc::new(Float64Array::from(numbers.clone()));
+                (Field::new(name, DataType::Float64, false), column)
+            })
+            .unzip();
+        let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), columns);
+        let batch = batch.map_err(|error| fault(py, "a curve", &error.to_string()))?;
+        Ok(Some(ArrowTable::new(batch)))
+    }
+}
+
+/// How runs are fitted.
+pub fn choice(
+    model: Option<String>,
+    method: Option<String>,
+    simultaneous: bool,
+    seed: Option<u64>,
+) -> FitChoice {
+    FitChoice {
+        model,
+        method,
+        simultaneous,
+        seed,
+    }
+}
+
+fn run_of(py: Python<'_>, name: &str, table: &Table, stated: &Stated) -> PyResult<RunAtHand> {
+    let stated = over(&stated.inner, table.stated.as_deref());
+    RunAtHand::new(name, &table.read, &stated).map_err(|issue| refused(py, &issue))
+}
+
+/// Fits one run.
+#[pyfunction]
+#[pyo3(signature = (name, table, stated, model = None, method = None, simultaneous = false, seed = None))]
+#[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
+pub fn fit(
+    py: Python<'_>,
+    name: &str,
+    table: &Table,
+    stated: &Stated,
+    model: Option<String>,
+    method: Option<String>,
+    simultaneous: bool,
+    seed: Option<u64>,
+) -> PyResult<Fit> {
+    let chosen = choice(model, method, simultaneous, seed);
+    let begun = Instant::now();
+    let options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    let run = run_of(py, name, table, stated)?;
+    let (fit, stated) = py
+        .detach(|| at_hand::fit(&run, &options))
+        .map_err(|issue| refused(py, &issue))?;
+    Ok(Fit {
+        seconds: begun.elapsed().as_secs_f64(),
+        fit,
+        stated,
+        run,
+    })
+}
+
+/// Diagnoses runs as one group; the finding as `ieap diagnose --json` states it.
+#[pyfunction]
+#[pyo3(signature = (group, runs, model = None, draws = None, seed = None, threads = None))]
+pub fn diagnose(
+    py: Python<'_>,
+    group: &str,
+    runs: Vec<(String, Py<Table>, Py<Stated>)>,
+    model: Option<String>,
+    draws: Option<usize>,
+    seed: Option<u64>,
+    threads: Option<usize>,
+) -> PyResult<String> {
+    let runs = runs
+        .iter()
+        .map(|(name, table, stated)| run_of(py, name, table.get(), stated.get()))
+        .collect::<PyResult<Vec<RunAtHand>>>()?;
+    let choice = DiagnoseChoice { model, draws, seed };
+    let found = interruptible(py, threads, || {
+        at_hand::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice)
+    })?;
+    let entry = found
+        .map_err(|error| failed(py, &error))?
+        .map_err(|issue| refused(py, &issue))?;
+    serde_json::to_string(&entry).map_err(|error| fault(py, "a document", &error.to_string()))
+}

@@ -1,0 +1,47 @@
+//! The compiled half of the Python package `ieap`: it converts, and calls the doors of `ieap::pipeline::at_hand`.
+//!
+//! What a Python user sees (names, defaults, docstrings, types) stands in `ieap/*.py` beside this.
+
+mod arrow;
+mod campaign;
+mod columns;
+mod error;
+mod fit;
+mod many;
+mod results;
+mod rows;
+mod simulate;
+mod stated;
+mod table;
+mod work;
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+
+/// The program `ieap` with these arguments, its own name first; its exit status.
+#[pyfunction]
+fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| ieap::cli::status_after(arguments))
+}
+
+/// The compiled half of `ieap`.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("version", ieap::pipeline::CODE_VERSION)?;
+    module.add_class::<arrow::ArrowTable>()?;
+    module.add_class::<campaign::Campaign>()?;
+    module.add_class::<fit::Fit>()?;
+    module.add_class::<stated::Stated>()?;
+    module.add_class::<table::Table>()?;
+    module.add_function(wrap_pyfunction!(program, module)?)?;
+    module.add_function(wrap_pyfunction!(table::read, module)?)?;
+    module.add_function(wrap_pyfunction!(table::arrays, module)?)?;
+    module.add_function(wrap_pyfunction!(table::from_arrow, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::diagnose, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(many::fit_many, module)?)?;
+    module.add_function(wrap_pyfunction!(many::diagnose_rows, module)?)?;
+    Ok(())
+}

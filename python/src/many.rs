@@ -1,0 +1,90 @@
+//! Many runs at once, as tables with one run a row.
+
+use ieap::domain::Issue;
+use ieap::pipeline::at_hand::{self, FitAtHand, RunAtHand};
+use ieap::pipeline::{DiagnoseChoice, PipelineError};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::arrow::{ArrowTable, batches};
+use crate::error::{fault, refused};
+use crate::fit::choice;
+use crate::results;
+use crate::rows::{RowRun, runs};
+use crate::work::interruptible;
+
+/// Fits every row of a table, on all cores.
+#[pyfunction]
+#[pyo3(signature = (table, model = None, method = None, simultaneous = false, seed = None, threads = None))]
+#[expect(clippy::too_many_arguments, reason = "one for each thing that Python states")]
+pub fn fit_many(
+    py: Python<'_>,
+    table: &Bound<'_, PyAny>,
+    model: Option<String>,
+    method: Option<String>,
+    simultaneous: bool,
+    seed: Option<u64>,
+    threads: Option<usize>,
+) -> PyResult<ArrowTable> {
+    let chosen = choice(model, method, simultaneous, seed);
+    let options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
+    let found = all_runs(table)?;
+    let fitted: Vec<(String, Result<FitAtHand, Issue>)> = interruptible(py, threads, || {
+        let fit = |run: RunAtHand| Ok(at_hand::fit(&run, &options)?.1);
+        found
+            .into_par_iter()
+            .map(|(name, run)| (name, run.and_then(fit)))
+            .collect()
+    })?;
+    results::fits(&fitted)
+        .map(ArrowTable::new)
+        .map_err(|error| fault(py, "a table of fits", &error.to_string()))
+}
+
+/// Diagnoses all rows of a table as one group; a table of one row.
+#[pyfunction]
+#[pyo3(signature = (group, table, model = None, draws = None, seed = None, threads = None))]
+pub fn diagnose_rows(
+    py: Python<'_>,
+    group: &str,
+    table: &Bound<'_, PyAny>,
+    model: Option<String>,
+    draws: Option<usize>,
+    seed: Option<u64>,
+    threads: Option<usize>,
+) -> PyResult<ArrowTable> {
+    let found = all_runs(table)?;
+    let choice = DiagnoseChoice { model, draws, seed };
+    let entry = interruptible(py, threads, || -> Result<_, PipelineError> {
+        let whole: Result<Vec<RunAtHand>, Issue> = found.into_iter().map(of_group).collect();
+        match whole {
+            Ok(runs) => at_hand::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice),
+            Err(issue) => Ok(Err(issue)),
+        }
+    })?;
+    let entry = entry.map_err(|error| crate::error::failed(py, &error))?;
+    let table = results::findings(&[(group.to_owned(), entry)]);
+    table
+        .map(ArrowTable::new)
+        .map_err(|error| fault(py, "a table of findings", &error.to_string()))
+}
+
+/// A run of a group, or why the group lacks it: without one of its runs it would be another group.
+fn of_group((name, run): RowRun) -> Result<RunAtHand, Issue> {
+    run.map_err(|issue| {
+        let place = match issue.place.is_empty() {
+            true => name,
+            false => format!("{name}, {}", issue.place),
+        };
+        issue.at(place)
+    })
+}
+
+fn all_runs(table: &Bound<'_, PyAny>) -> PyResult<Vec<RowRun>> {
+    let mut found: Vec<RowRun> = Vec::new();
+    for batch in batches(table)? {
+        let own = table.py().detach(|| runs(&batch, found.len()));
+        found.extend(own);
+    }
+    Ok(found)
+}

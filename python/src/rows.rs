@@ -1,0 +1,121 @@
+//! Runs out of tables with one run a row: list columns are readings, other columns are what is stated of the run.
+
+use std::collections::BTreeMap;
+
+use arrow_array::{Array, RecordBatch};
+use ieap::domain::Issue;
+use ieap::pipeline::at_hand::{self, RunAtHand, Stated};
+
+use crate::columns::{is_list, is_text, list_at, numbers, text_at};
+
+/// Column with the name of the run.
+const RUN: &str = "run";
+/// Columns with lists that are a drive and no readings.
+const DRIVE_START_S: &str = "drive_start_s";
+const DRIVE_VOLTAGE_V: &str = "drive_voltage_v";
+
+/// A run of a row, or why it is none.
+pub type RowRun = (String, Result<RunAtHand, Issue>);
+
+/// The runs of a batch. `first` is the number of rows before it, for runs without a name.
+pub fn runs(batch: &RecordBatch, first: usize) -> Vec<RowRun> {
+    let run = |row: usize| {
+        let name = cell(batch, RUN, row).unwrap_or_else(|| format!("row {}", first + row));
+        let made = run_at(batch, row, &name);
+        (name, made)
+    };
+    (0..batch.num_rows()).map(run).collect()
+}
+
+fn run_at(batch: &RecordBatch, row: usize, name: &str) -> Result<RunAtHand, Issue> {
+    let (mut columns, mut tags) = (Vec::new(), BTreeMap::new());
+    for (field, column) in batch.schema_ref().fields().iter().zip(batch.columns()) {
+        let key = field.name();
+        if [RUN, DRIVE_START_S, DRIVE_VOLTAGE_V].contains(&key.as_str()) || SIZES.contains(&key.as_str()) {
+            continue;
+        }
+        match is_list(column.data_type()) {
+            true => columns.extend(readings(column, row, key)?),
+            false => tags.extend(cell(batch, key, row).map(|value| (key.clone(), value))),
+        }
+    }
+    let read = at_hand::arrays(columns)?;
+    RunAtHand::new(name, &read, &stated(batch, row, tags)?)
+}
+
+/// Columns of one number a run that are no tags.
+const SIZES: [&str; 5] = [
+    "area_cm2",
+    "length_mm",
+    "width_mm",
+    "electrode_resistance_ohm_per_sq",
+    "baseline_v",
+];
+
+fn stated(batch: &RecordBatch, row: usize, tags: BTreeMap<String, String>) -> Result<Stated, Issue> {
+    let [
+        area_cm2,
+        length_mm,
+        width_mm,
+        electrode_resistance_ohm_per_sq,
+        baseline_v,
+    ] = SIZES.map(|key| number(batch, key, row));
+    let list = |key: &str| -> Result<Vec<f64>, Issue> {
+        let column = batch.column_by_name(key);
+        let found = column.map(|column| readings(column, row, key)).transpose()?;
+        Ok(found.flatten().map(|(_, numbers)| numbers).unwrap_or_default())
+    };
+    let (starts, voltages) = (list(DRIVE_START_S)?, list(DRIVE_VOLTAGE_V)?);
+    if starts.len() != voltages.len() {
+        let message = format!("{} starts and {} voltages", starts.len(), voltages.len());
+        let issue = Issue::error("bad-drive", message).at(format!("column {DRIVE_VOLTAGE_V}"));
+        return Err(issue.mend("give a voltage for each start; an empty one is an open circuit"));
+    }
+    let voltage = |voltage_v: f64| (!voltage_v.is_nan()).then_some(voltage_v);
+    Ok(Stated {
+        strip: at_hand::Strip {
+            area_cm2,
+            length_mm,
+            width_mm,
+            electrode_resistance_ohm_per_sq,
+        },
+        baseline_v: baseline_v.unwrap_or(0.0),
+        drive: starts
+            .into_iter()
+            .zip(voltages.into_iter().map(voltage))
+            .collect(),
+        tags,
+    })
+}
+
+/// The readings of a row; none where it has none.
+fn readings(column: &dyn Array, row: usize, name: &str) -> Result<Option<(String, Vec<f64>)>, Issue> {
+    let Some(list) = list_at(column, row) else {
+        return Ok(None);
+    };
+    match numbers(&list) {
+        Some(numbers) => Ok(Some((name.to_owned(), numbers))),
+        None => {
+            let message = format!("a list of {} holds no readings", list.data_type());
+            let issue = Issue::error("column-unusable", message).at(format!("column {name}"));
+            Err(issue.mend("give lists of numbers, or leave the column out"))
+        }
+    }
+}
+
+fn number(batch: &RecordBatch, key: &str, row: usize) -> Option<f64> {
+    let column = batch.column_by_name(key)?.slice(row, 1);
+    numbers(&column)?
+        .first()
+        .copied()
+        .filter(|number| !number.is_nan())
+}
+
+/// A cell as a tag states it: a word, or a number in its shortest form.
+fn cell(batch: &RecordBatch, key: &str, row: usize) -> Option<String> {
+    let column = batch.column_by_name(key)?;
+    match is_text(column.data_type()) {
+        true => text_at(column, row).map(str::to_owned),
+        false => number(batch, key, row).map(|number| number.to_string()),
+    }
+}

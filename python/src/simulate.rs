@@ -1,0 +1,62 @@
+//! Simulated readings as a table.
+
+use std::collections::BTreeMap;
+
+use ieap::model::truth::HiddenEffect;
+use ieap::pipeline::at_hand::{self, CurvesAsked};
+use ieap::pipeline::simulate::Noise;
+use pyo3::prelude::*;
+
+use crate::error::refused;
+use crate::stated::Stated;
+use crate::table::Table;
+use crate::work::interruptible;
+
+/// Simulates readings at `time_s` (s); `noise` is that of the current (A), of the curvature (1/cm), and the correlation of
+/// neighbouring readings.
+#[pyfunction]
+#[pyo3(signature = (parameters, stated, effects, time_s, noise = (0.0, 0.0, 0.0), seed = 1))]
+pub fn simulate(
+    py: Python<'_>,
+    parameters: BTreeMap<String, f64>,
+    stated: &Stated,
+    effects: Vec<(String, Option<String>, BTreeMap<String, f64>)>,
+    time_s: Vec<f64>,
+    noise: (f64, f64, f64),
+    seed: u64,
+) -> PyResult<Table> {
+    let hidden = |(id, variant, parameters)| HiddenEffect {
+        id,
+        variant,
+        parameters,
+    };
+    let asked = CurvesAsked {
+        parameters,
+        strip: stated.inner.strip,
+        baseline_v: stated.inner.baseline_v,
+        drive: stated.inner.drive.clone(),
+        effects: effects.into_iter().map(hidden).collect(),
+        noise: Noise {
+            current_a: noise.0,
+            curvature_per_cm: noise.1,
+            autocorrelation: noise.2,
+            ..Noise::default()
+        },
+        seed,
+        time_s,
+    };
+    let curves =
+        interruptible(py, Some(1), || at_hand::simulate(&asked))?.map_err(|issue| refused(py, &issue))?;
+    let mut columns = vec![
+        ("time_s".to_owned(), curves.time_s),
+        ("voltage_v".to_owned(), curves.voltage_v),
+        ("current_a".to_owned(), curves.current_a),
+        ("curvature_per_cm".to_owned(), curves.curvature_per_cm),
+    ];
+    if curves.is_open.contains(&true) {
+        let open = curves.is_open.iter().map(|&is_open| f64::from(u8::from(is_open)));
+        columns.push(("open_circuit".to_owned(), open.collect()));
+    }
+    let read = at_hand::arrays(columns).map_err(|issue| refused(py, &issue))?;
+    Ok(Table::new(read, "simulated, not measured".to_owned()))
+}

@@ -1,0 +1,71 @@
+"""Refusals keep place, reason and remedy."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import PARAMETERS, STRIP
+
+import ieap
+
+
+def test_a_file_that_is_none(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("time_s,current_a\n0,1\n1,2\n0.5,3\n0.2,3\n0.1,2\n")
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.read(file)
+    error = raised.value
+    assert str(file) in error.place and "line" in error.place
+    assert error.reason and error.remedy and error.code == "time-order"
+    assert str(error).startswith(error.place) and error.remedy in str(error)
+    assert isinstance(error, ValueError)
+    with pytest.raises(ieap.CampaignError) as gone:
+        ieap.read(tmp_path / "no.csv")
+    assert "no.csv" in str(gone.value) and isinstance(gone.value, OSError)
+
+
+def test_what_a_fit_lacks(table):
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.fit(table)
+    assert raised.value.place == "area_cm2" and "length_mm" in raised.value.remedy
+    columns = {"time_s": [0.0, 1.0, 2.0], "current_a": [1e-3, 9e-4, 8e-4]}
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.fit(columns, **STRIP)
+    assert raised.value.code == "no-drive" and "voltage_v" in raised.value.remedy
+    with pytest.raises(ieap.InputError, match="usable readings"):
+        ieap.fit(columns, **STRIP, voltage_v=1.0)
+    with pytest.raises(ieap.InputError, match="lumped-9"):
+        ieap.fit(table, **STRIP, model="lumped-9")
+    with pytest.raises(ieap.InputError, match="group"):
+        ieap.fit(table, **STRIP, model="lumped-2 + faradaic-leak")
+
+
+def test_what_is_no_table():
+    with pytest.raises(ieap.InputError, match="Arrow"):
+        ieap.fit(42, **STRIP)
+    with pytest.raises(ieap.InputError, match="numbers"):
+        ieap.fit({"time_s": ["a"], "current_a": [1.0]}, **STRIP)
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.fit({"time_s": [0.0, 1.0], "current_a": [1.0]}, **STRIP)
+    assert raised.value.place == "column 2"
+
+
+def test_what_cannot_be_simulated(table):
+    with pytest.raises(ieap.InputError, match="no-such"):
+        ieap.simulate(PARAMETERS, drive=[(0, 1)], effects={"no-such": {}}, **STRIP)
+    with pytest.raises(ieap.InputError, match="volts"):
+        ieap.simulate({"volts": 1.0}, drive=[(0, 1)], **STRIP)
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.simulate(PARAMETERS, drive=[(0, 1)], **STRIP, time_s=[1.0, 1.0])
+    assert raised.value.place == "time_s"
+    with pytest.raises(ieap.InputError, match="colour"):
+        ieap.simulate(PARAMETERS, drive=[(0, 1)], **STRIP, noise={"colour": 1.0})
+
+
+def test_what_is_no_campaign_or_group(tmp_path, table):
+    with pytest.raises(ieap.InputError, match="campaign.toml"):
+        ieap.Campaign(tmp_path)
+    with pytest.raises(ieap.InputError) as raised:
+        ieap.diagnose({"a": table, "b": table}, **STRIP)
+    assert raised.value.code == "same-readings" and "b" in raised.value.place
+    with pytest.raises(ieap.InputError, match="no run"):
+        ieap.diagnose([], **STRIP)

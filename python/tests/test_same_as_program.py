@@ -1,0 +1,83 @@
+"""The package gives what the program gives, to the last bit."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from conftest import NOISE, PARAMETERS, STRIP
+
+import ieap
+
+# What `FitAtHand` has in common with a fit of a campaign.
+SAME = ("model", "model_version", "code_version", "data_hash", "converged", "why_stopped", "method", "n_samples",
+        "parameters", "r_squared_current", "r_squared_curvature", "noise")
+
+
+def of_program(fits: dict, run: str) -> dict:
+    (found,) = [fit for fit in fits["fits"] if fit["run"] == run]
+    return found
+
+
+def test_a_fit_of_a_file(campaign, fits):
+    fit = ieap.fit(ieap.read(campaign / "runs/a.csv"), **STRIP)
+    stored = of_program(fits, "runs/a.csv")
+    assert {key: fit.to_dict()[key] for key in SAME} == {key: stored[key] for key in SAME}
+    assert all(issue in stored["issues"] for issue in fit.issues)
+
+
+def test_a_fit_of_lists_of_numbers(campaign, fits):
+    table = ieap.read(campaign / "runs/b.csv")
+    columns = {name: table.column(name) for name in table.column_names}
+    assert set(columns) == {"time_s", "voltage_v", "current_a", "curvature_per_cm"}
+    fit = ieap.fit(columns, area_cm2=0.1, length_mm=5)
+    stored = of_program(fits, "runs/b.csv")
+    assert fit.to_dict()["parameters"] == stored["parameters"]
+    assert fit.to_dict()["data_hash"] == stored["data_hash"]
+
+
+def test_a_fit_with_other_models_and_methods(campaign):
+    run = campaign / "runs/a.csv"
+    from conftest import program
+
+    stored = json.loads(program("fit", "--json", "--model", "lumped-1", "--simultaneous", str(campaign)))
+    fit = ieap.fit(ieap.read(run), **STRIP, model="lumped-1", simultaneous=True)
+    assert fit.to_dict()["parameters"] == of_program(stored, "runs/a.csv")["parameters"]
+    program("fit", "--model", "lumped-2", str(campaign))
+
+
+def test_a_campaign_is_read_as_the_program_prints_it(campaign, fits):
+    own = ieap.Campaign(campaign)
+    fit = ieap.fit(own.readings("runs/a.csv"))
+    assert fit.to_dict()["parameters"] == of_program(fits, "runs/a.csv")["parameters"]
+    again = json.loads(__import__("conftest").program("fit", "--json", str(campaign)))
+    assert own.fits_document() == again
+    long = own.fits().to_dict()
+    first = {(run, key): value for run, key, value in zip(long["run"], long["parameter"], long["value"])}
+    assert first["runs/a.csv", "r1_ohm_cm2"] == of_program(again, "runs/a.csv")["parameters"]["r1_ohm_cm2"]["value"]
+    assert sorted(own.runs().column("run")) == ["runs/a.csv", "runs/b.csv"]
+    assert own.conditions().num_rows == 2 and own.fits(wide=True).num_rows == 2
+    assert "sample" in own.tags().column("key")
+    assert "campaign" in repr(own).lower()
+
+
+def test_a_diagnosis(campaign, findings):
+    (group,) = findings["groups"]
+    runs = {name: ieap.read(campaign / name) for name in group["runs"]}
+    finding = ieap.diagnose(runs, **STRIP, group=group["group"], draws=99)
+    assert finding.to_dict() == group
+    assert finding.verdict == group["verdict"] and finding.sentence in repr(finding)
+    own = ieap.Campaign(campaign)
+    assert own.finding(group["group"]).to_dict() == group
+    assert own.findings().column("verdict") == [group["verdict"]]
+
+
+def test_simulated_readings(campaign):
+    times = [float(t) for t in range(-10, 301)]
+    table = ieap.simulate(PARAMETERS, drive=[(0, 1.5)], **STRIP, time_s=times, noise=NOISE, seed=7)
+    rows = [line.split(",") for line in (campaign / "runs/a.csv").read_text().splitlines()[2:]]
+    assert len(rows) == table.num_rows
+    # The program prints six and five digits.
+    for row, current, curvature in zip(rows, table.column("current_a"), table.column("curvature_per_cm")):
+        assert float(row[2]) == pytest.approx(current, rel=1e-5, abs=1e-12)
+        assert float(row[3]) == pytest.approx(curvature, abs=5.001e-6)

@@ -1,0 +1,53 @@
+"""What Python costs over the engine. `IEAP_MEASURE=1 pytest -s tests/test_speed.py` prints the numbers of docs/python.md."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import pytest
+from conftest import PARAMETERS, STRIP
+
+import ieap
+
+MOST_OVERHEAD_S = 50e-6
+"""Time that a call may take beside the engine's own."""
+
+
+CALLS = 60
+
+
+def overhead_s(readings: object, calls: int = CALLS) -> float:
+    """The least over calls: what else the machine does only adds."""
+
+    def once() -> float:
+        begun = time.perf_counter()
+        fit = ieap.fit(readings, **STRIP, model="lumped-1")
+        return time.perf_counter() - begun - fit.seconds
+
+    return min(once() for _ in range(calls))
+
+
+def run_of(rows: int) -> ieap.Table:
+    """A short run, and empty cells up to so many rows: what a fit takes is the same."""
+    times = [float(n) for n in range(40)]
+    table = ieap.simulate(PARAMETERS, drive=[(0, 1.5)], **STRIP, time_s=times)
+    columns = {name: table.column(name) + [None] * (rows - 40) for name in table.column_names}
+    columns["time_s"] = [float(n) for n in range(rows)]
+    columns["temperature_c"] = [20.0] * rows
+    return ieap._inputs.table_of(columns)
+
+
+def test_a_call_costs_little_over_the_engine():
+    short, long = run_of(40), run_of(36_000)
+    short_s, long_s = overhead_s(short), overhead_s(long)
+    if os.environ.get("IEAP_MEASURE"):
+        print(f"\noverhead: {short_s * 1e6:.0f} us of 40 rows, {long_s * 1e6:.0f} us of 36,000 rows")
+        whole = ieap.simulate(PARAMETERS, drive=[(0, 1.5)], **STRIP, until_s=3599.9, every_s=0.1)
+        arrow = pytest.importorskip("pyarrow").table(whole)
+        begun = time.perf_counter()
+        ieap._inputs.table_of(arrow)
+        print(f"an Arrow table of {arrow.num_rows} rows from elsewhere: {(time.perf_counter() - begun) * 1e3:.2f} ms")
+    assert short_s < MOST_OVERHEAD_S
+    # A table is not copied: its length costs nothing.
+    assert long_s < MOST_OVERHEAD_S
