@@ -1,6 +1,7 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
 mod backup;
+mod compare;
 mod completions;
 mod diagnose;
 mod dma;
@@ -103,6 +104,7 @@ enum Verb {
     Fit(fit::FitArgs),
     Dma(dma::DmaArgs),
     Diagnose(diagnose::DiagnoseArgs),
+    Compare(compare::CompareArgs),
     Next(next::NextArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
@@ -257,6 +259,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Fit(args) => fit::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
+        Verb::Compare(args) => compare::run(args, global, output),
         Verb::Next(args) => next::run(args, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),

@@ -11,6 +11,7 @@ pub mod field;
 mod heads;
 mod kernel;
 pub mod ladder;
+mod partial;
 pub mod series;
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,9 @@
 mod along;
 mod bending;
 mod currents;
+pub mod family;
 mod grid;
+pub(crate) mod models;
 mod modulus;
 mod outlines;
 mod parameters;
@@ -55,18 +57,17 @@ impl NamedFigure {
     /// # Errors
     /// What the campaign lacks, or the message of the drawing library.
     pub fn print(&self, input: &FigureInput, width_mm: f64) -> Result<Print, String> {
-        let pixels = (width_mm * POINTS_PER_MM / POINTS_PER_PIXEL).round() as u32;
         Ok(Print {
             title: self.about.to_owned(),
             notice: input.site.input.campaign.notice.clone(),
-            drawing: (self.draw)(input, pixels)?,
+            drawing: (self.draw)(input, pixels(width_mm))?,
             width_mm,
         })
     }
 }
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 9] = [
+pub const FIGURES: [NamedFigure; 10] = [
     NamedFigure {
         name: "figure4",
         alias: "shapes",
@@ -139,7 +140,33 @@ pub const FIGURES: [NamedFigure; 9] = [
         of_strips: false,
         draw: parameters::draw,
     },
+    NamedFigure {
+        name: "models",
+        alias: "models-compared",
+        about: "What was measured with the curve of every model compared, and what each leaves",
+        width_mm: 170.0,
+        of_strips: false,
+        draw: models::draw,
+    },
 ];
+
+/// A print of a family of lines that no campaign is needed for.
+///
+/// # Errors
+/// There is no panel, or the message of the drawing library.
+pub fn family_print(family: &family::Family, title: &str, width_mm: f64) -> Result<Print, String> {
+    Ok(Print {
+        title: title.to_owned(),
+        notice: None,
+        drawing: family.draw(pixels(width_mm))?,
+        width_mm,
+    })
+}
+
+/// Pixels of a drawing that is so wide in print.
+fn pixels(width_mm: f64) -> u32 {
+    (width_mm * POINTS_PER_MM / POINTS_PER_PIXEL).round() as u32
+}
 
 /// The figure of that name or alias.
 pub fn figure_named(name: &str) -> Option<&'static NamedFigure> {
