@@ -10,11 +10,11 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::table::write;
 use crate::pipeline::Context;
-use crate::pipeline::figures::{MakeFigure, formats, listed};
+use crate::pipeline::figures::{MakeFigure, formats, listed, needs_no_campaign};
 
 /// Draw a figure of the thesis, or of the campaign, for print: SVG, PNG or PDF at the width it will have
 ///
-/// Without a name it lists the figures.
+/// Without a name it lists the figures. Simulated ones (figures 13, 16, 18, answers of models to a step) need no campaign.
 #[derive(Debug, Args)]
 pub struct FigureArgs {
     /// Which figure; none: list them
@@ -33,7 +33,7 @@ pub struct FigureArgs {
     /// Resolution of a PNG, dots per inch
     #[arg(long, value_name = "DPI", default_value_t = 600.0)]
     dpi: f64,
-    /// Show this run only, of a figure of strips: its path in the campaign
+    /// Show this run only, of a figure of strips or of models: its path in the campaign
     #[arg(long, value_name = "RUN")]
     run: Option<String>,
     /// File to write [default: NAME.FORMAT; - is stdout]
@@ -50,7 +50,6 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
     let Some(name) = name.as_deref().filter(|_| !args.list) else {
         return list(output);
     };
-    let context = Context::open_read_only(&super::folder(folder.as_deref())?)?;
     let format = format_of(args);
     let figure = MakeFigure {
         name: name.to_owned(),
@@ -59,7 +58,10 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
         dots_per_inch: args.dpi,
         run: args.run.clone(),
     };
-    let bytes = figure.run(&context)?;
+    let bytes = match needs_no_campaign(name) {
+        true => figure.simulated()?,
+        false => figure.run(&Context::open_read_only(&super::folder(folder.as_deref())?)?)?,
+    };
     let path = args
         .output
         .clone()
@@ -87,7 +89,7 @@ fn format_of(args: &FigureArgs) -> String {
 
 fn list(output: &Output) -> Result<u8, CliError> {
     for (name, alias, width_mm, about) in listed() {
-        output.result(&format!("{name:<10} {alias:<14} {width_mm:>4} mm  {about}"));
+        output.result(&format!("{name:<26} {alias:<22} {width_mm:>4} mm  {about}"));
     }
     let figures = listed().map(|(name, alias, width_mm, about)| {
         json!({ "name": name, "alias": alias, "width_mm": width_mm, "about": about })

@@ -2,6 +2,7 @@
 
 mod asked_strip;
 mod backup;
+mod compare;
 mod completions;
 mod convert;
 mod diagnose;
@@ -109,6 +110,7 @@ enum Verb {
     Fit(fit::FitArgs),
     Dma(dma::DmaArgs),
     Diagnose(diagnose::DiagnoseArgs),
+    Compare(compare::CompareArgs),
     Next(next::NextArgs),
     Report(report::ReportArgs),
     Tag(tag::TagArgs),
@@ -271,6 +273,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Fit(args) => fit::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
+        Verb::Compare(args) => compare::run(args, global, output),
         Verb::Next(args) => next::run(args, output),
         Verb::Report(args) => report::run(args, global, output),
         Verb::Tag(args) => tag::run(args, global, output),

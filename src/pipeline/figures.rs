@@ -2,9 +2,12 @@
 
 use super::along::PageCurves;
 use super::report::input;
+use super::simulated_figures::{SIMULATED, simulated_named};
 use super::{Context, PipelineError};
 use crate::report::Site;
-use crate::report::prints::{FIGURE_FORMATS, FIGURES, FigureInput, figure_format_named, figure_named};
+use crate::report::prints::{
+    FIGURE_FORMATS, FIGURES, FigureFormat, FigureInput, figure_format_named, figure_named,
+};
 
 /// Narrowest and widest figure, mm: a column's quarter, and a poster.
 const WIDTHS_MM: std::ops::RangeInclusive<f64> = 20.0..=1000.0;
@@ -28,9 +31,19 @@ pub struct MakeFigure {
 
 /// Name, alias, width in mm and description of every figure.
 pub fn listed() -> impl Iterator<Item = (&'static str, &'static str, f64, &'static str)> {
-    FIGURES
+    let of_campaigns = FIGURES
         .iter()
-        .map(|figure| (figure.name, figure.alias, figure.width_mm, figure.about))
+        .map(|own| (own.name, own.alias, own.width_mm, own.about));
+    of_campaigns.chain(
+        SIMULATED
+            .iter()
+            .map(|own| (own.name, own.alias, own.width_mm, own.about)),
+    )
+}
+
+/// Whether the figure of that name is simulated and needs no campaign.
+pub fn needs_no_campaign(name: &str) -> bool {
+    simulated_named(name).is_some()
 }
 
 /// Names of the formats.
@@ -39,6 +52,44 @@ pub fn formats() -> Vec<&'static str> {
 }
 
 impl MakeFigure {
+    /// The bytes of a simulated figure, which needs no campaign.
+    ///
+    /// # Errors
+    /// There is no such simulated figure or format, or the drawing library fails.
+    pub fn simulated(&self) -> Result<Vec<u8>, PipelineError> {
+        let figure = simulated_named(&self.name).ok_or_else(|| PipelineError::BadArgument {
+            what: "figure",
+            found: format!("{:?}", self.name),
+            needed: "the name of a simulated figure".to_owned(),
+        })?;
+        let format = self.checked_format()?;
+        if let Some(run) = &self.run {
+            return Err(PipelineError::BadArgument {
+                what: "--run",
+                found: run.clone(),
+                needed: "no run: this figure is simulated".to_owned(),
+            });
+        }
+        let print = figure.print(self.width_mm.unwrap_or(figure.width_mm))?;
+        (format.write)(&print, self.dots_per_inch).map_err(|reason| PipelineError::Figure {
+            figure: figure.name,
+            reason,
+        })
+    }
+
+    /// The format, where width and resolution are within what is drawn.
+    fn checked_format(&self) -> Result<&'static FigureFormat, PipelineError> {
+        if let Some(width_mm) = self.width_mm {
+            within("--width-mm", width_mm, &WIDTHS_MM)?;
+        }
+        within("--dpi", self.dots_per_inch, &RESOLUTIONS)?;
+        figure_format_named(&self.format).ok_or_else(|| PipelineError::BadArgument {
+            what: "--format",
+            found: format!("{:?}", self.format),
+            needed: format!("one of {}", formats().join(", ")),
+        })
+    }
+
     /// The bytes of the file.
     ///
     /// # Errors
@@ -49,13 +100,7 @@ impl MakeFigure {
             found,
             needed,
         };
-        let names = || {
-            FIGURES
-                .iter()
-                .map(|figure| figure.name)
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
+        let names = || listed().map(|(name, ..)| name).collect::<Vec<_>>().join(", ");
         let figure = figure_named(&self.name).ok_or_else(|| {
             bad(
                 "figure",
@@ -63,20 +108,12 @@ impl MakeFigure {
                 format!("one of {}", names()),
             )
         })?;
-        let format = figure_format_named(&self.format).ok_or_else(|| {
-            bad(
-                "--format",
-                format!("{:?}", self.format),
-                format!("one of {}", formats().join(", ")),
-            )
-        })?;
+        let format = self.checked_format()?;
         let width_mm = self.width_mm.unwrap_or(figure.width_mm);
-        within("--width-mm", width_mm, &WIDTHS_MM)?;
-        within("--dpi", self.dots_per_inch, &RESOLUTIONS)?;
         let (changes, changed_at) = context.store.changes()?;
         let input = input(context, changes, &changed_at)?;
         let site = Site::new(&input);
-        if self.run.is_some() && !figure.of_strips {
+        if self.run.is_some() && !figure.of_strips && figure.name != "models" {
             let needed = "no run: this figure shows them all".to_owned();
             return Err(bad("--run", self.run.clone().unwrap_or_default(), needed));
         }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::across_runs::campaign_laws;
 use super::along::PageCurves;
+use super::compare::current_comparisons;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::fault::{or_nothing, step};
@@ -277,6 +278,8 @@ pub(super) fn input(
     };
     let contrasts = or_nothing(step("environments and voltages compared", contrasts), &mut faults)?;
     let findings = or_nothing(step("findings", || findings(context, &runs)), &mut faults)?;
+    let compared = step("models compared", || current_comparisons(context, &runs));
+    let (comparisons, outdated_comparisons) = or_nothing(compared, &mut faults)?;
     let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
     let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
@@ -311,6 +314,8 @@ pub(super) fn input(
             .collect(),
         findings,
         runs,
+        comparisons,
+        outdated_comparisons,
     })
 }
 

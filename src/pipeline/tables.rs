@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
+use super::compare::current_comparisons;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::standing::Runs;
 use super::{Context, PipelineError, standing};
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named};
-use crate::domain::{GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+use crate::domain::{GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 use crate::store::Earlier;
 
@@ -19,6 +20,7 @@ pub(super) struct TableData {
     modulus_logs: Vec<ModulusLog>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
+    comparisons: Vec<RunComparison>,
     origin: String,
 }
 
@@ -46,7 +48,9 @@ impl TableData {
         modulus_logs: Vec<ModulusLog>,
     ) -> Result<TableData, PipelineError> {
         let (changes, changed_at) = context.store.changes()?;
+        let (comparisons, _) = current_comparisons(context, &runs)?;
         Ok(TableData {
+            comparisons,
             runs,
             set_aside,
             modulus_logs,
@@ -72,6 +76,7 @@ impl TableData {
             modulus_logs: &self.modulus_logs,
             files: &self.files,
             groups: &self.groups,
+            comparisons: &self.comparisons,
             origin: &self.origin,
         })
     }

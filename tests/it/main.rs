@@ -13,6 +13,7 @@ mod book;
 mod campaign;
 mod climate;
 mod climate_fixture;
+mod compare;
 mod derived_curvature;
 mod distributed;
 mod dma;

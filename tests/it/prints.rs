@@ -33,7 +33,7 @@ fn text_and_lines_are_right_for_paper_at_any_width() {
     };
     for figure in FIGURES
         .iter()
-        .filter(|figure| figure.name != "figure24" && !figure.of_strips)
+        .filter(|figure| !["figure24", "models"].contains(&figure.name) && !figure.of_strips)
     {
         for width_mm in [85.0, 120.0, 170.0] {
             let print = figure.print(&figure_input, width_mm).expect("drawn");

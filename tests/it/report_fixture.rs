@@ -276,6 +276,8 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         monitoring: Default::default(),
         faults: vec![],
         run_spans_s: vec![],
+        comparisons: vec![],
+        outdated_comparisons: 0,
         runs,
         set_aside: vec![],
         modulus_logs: vec![],

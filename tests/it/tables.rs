@@ -18,6 +18,7 @@ fn table(input: &Input, name: &str) -> Table {
         modulus_logs: &input.modulus_logs,
         files: &input.files,
         groups: &input.findings.groups,
+        comparisons: &input.comparisons,
         origin: "ieap 0.1.0, change 412",
     };
     named(name).expect("a known table").table(&input)

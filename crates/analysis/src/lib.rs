@@ -14,6 +14,7 @@ pub mod groups;
 pub mod json_rows;
 pub mod laws;
 pub mod misread;
+pub mod models_compared;
 pub mod monitoring;
 pub mod one_fit;
 pub mod online;

@@ -17,6 +17,7 @@ pub mod gain;
 pub mod input_hash;
 pub mod issue;
 pub mod left_out;
+pub mod model_comparison;
 pub mod modulus;
 pub mod monitoring;
 mod number_or_null;
@@ -56,6 +57,7 @@ pub use fit::{ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Paramete
 pub use gain::{Gain, HeldOutGain, Prediction};
 pub use input_hash::InputHash;
 pub use issue::{Issue, Severity};
+pub use model_comparison::{ComparedCurve, ModelScore, ResponseScore, RunComparison};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};
 pub use monitoring::{Alarm, AlarmSign, Limit, MonitoringRules};
 pub use origin::{

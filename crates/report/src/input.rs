@@ -10,7 +10,9 @@ use ieap_analysis::monitoring::Monitoring;
 use ieap_analysis::online::Turn;
 use ieap_analysis::plan::{PlannedRun, Untying};
 use ieap_analysis::shared_effects::SharedEffect;
-use ieap_domain::{Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+use ieap_domain::{
+    Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile,
+};
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +51,10 @@ pub struct Input {
     pub faults: Vec<Fault>,
     /// Start and end of the runs whose start is known, s since 1970 UTC.
     pub run_spans_s: Vec<(f64, f64)>,
+    /// Models held against each other, by the runs' names; empty where none were.
+    pub comparisons: Vec<RunComparison>,
+    /// Comparisons that what they were made from does not bear out any more.
+    pub outdated_comparisons: usize,
 }
 
 impl Input {
@@ -61,6 +67,7 @@ impl Input {
             modulus_logs: &self.modulus_logs,
             files: &self.files,
             groups: &self.findings.groups,
+            comparisons: &self.comparisons,
             origin: &self.origin.database,
         }
     }

@@ -8,6 +8,7 @@ mod alarms;
 mod along;
 mod blob;
 mod climate;
+mod comparisons;
 mod content;
 mod copy;
 mod diagnoses;
@@ -42,6 +43,7 @@ use ieap_system::fs;
 use rusqlite::{Connection, OpenFlags};
 
 pub use climate::{LogRecord, NewLog, NewSeries};
+pub use comparisons::StoredComparison;
 pub use content::Content;
 pub use diagnoses::{DiagnosisKind, DiagnosisStamp, StoredDiagnosis};
 pub use error::StoreError;

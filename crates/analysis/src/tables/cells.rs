@@ -76,6 +76,9 @@ impl<'a> Shown<'a> {
         let signed = [
             "alpha",
             "mu_",
+            "k1_",
+            "k2_",
+            "kept_",
             "curvature",
             "relative_change",
             "relative_humidity",

@@ -106,6 +106,7 @@ mod tests {
             set_aside: &[],
             modulus_logs: &[],
             files: &[],
+            comparisons: &[],
             groups: &[],
             origin: "",
         };

@@ -5,6 +5,7 @@ mod conditions_table;
 mod extended;
 mod findings;
 mod fits;
+mod models;
 pub mod moved;
 mod refused;
 mod runs;
@@ -19,7 +20,7 @@ mod table6;
 pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use table6::rules;
 
-use ieap_domain::{Campaign, GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+use ieap_domain::{Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile};
 
 /// What tables are made from.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +37,8 @@ pub struct TableInput<'a> {
     pub files: &'a [SourceFile],
     /// Diagnoses of groups.
     pub groups: &'a [GroupDiagnosis],
+    /// Comparisons of models on single runs.
+    pub comparisons: &'a [RunComparison],
     /// Program and state of the database, for the table's foot.
     pub origin: &'a str,
 }
@@ -63,7 +66,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 11] = [
+pub const TABLES: [NamedTable; 12] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -108,6 +111,11 @@ pub const TABLES: [NamedTable; 11] = [
         name: "fits",
         about: "Every run's current fit, all parameters",
         make: fits::make,
+    },
+    NamedTable {
+        name: "models",
+        about: "Which model describes which material in which environment, as `ieap compare` found it",
+        make: models::make,
     },
     NamedTable {
         name: "findings",

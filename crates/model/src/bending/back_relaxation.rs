@@ -1,5 +1,4 @@
-//! The thesis's law (14): the charge strains a spring in series with nothing and beside a dashpot, and the strain
-//! relaxes.
+//! The thesis's law (14): the charge strains the spring of the network, and a dashpot lets the strain relax.
 
 use super::{BendingLaw, ChargeCourse, LawText, Reported, Shape, Stated};
 

@@ -13,6 +13,7 @@ pub mod field;
 mod heads;
 mod kernel;
 pub mod ladder;
+mod partial;
 pub mod series;
 #[cfg(test)]
 mod tests;

@@ -24,6 +24,7 @@ mod forecasts;
 pub mod humidity;
 pub mod index;
 mod law_cards;
+pub mod models;
 pub mod monitoring;
 mod parameter_section;
 pub mod ratios;
@@ -111,7 +112,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 17] = [
+pub const PAGES: [Page; 18] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -215,6 +216,14 @@ pub const PAGES: [Page; 17] = [
         template: include_str!("../../../../templates/pages/dma.html"),
         is_shown: |input| !input.modulus_logs.is_empty(),
         content: dma::content,
+    },
+    Page {
+        file: "models.html",
+        title: "Models compared",
+        under: None,
+        template: include_str!("../../../../templates/pages/models.html"),
+        is_shown: models::is_shown,
+        content: models::content,
     },
     Page {
         file: "findings.html",

@@ -99,6 +99,21 @@ fn wrapped(note: &str, width: u32) -> Vec<String> {
     lines
 }
 
+/// Draws a legend at the top of `area`, `width` px wide, and gives what lies below it.
+pub(super) fn draw_entries<'a>(
+    area: &Area<'a>,
+    width: i32,
+    legend: &[(String, usize)],
+) -> Result<Area<'a>, String> {
+    let places = legend_places(width, legend);
+    let height = places.last().map_or(0, |&(_, y)| y + LEGEND_ROW);
+    let (top, below) = area.split_vertically(height * TENTHS);
+    for ((name, style), place) in legend.iter().zip(&places) {
+        draw_entry(&top, name, *style, *place)?;
+    }
+    Ok(below)
+}
+
 fn draw_notes(area: &Area, lines: &[String]) -> Result<(), String> {
     for (at, line) in lines.iter().enumerate() {
         let middle = (at as i32 * NOTE_LINE + NOTE_LINE / 2) * TENTHS;

@@ -4,7 +4,9 @@
 mod along;
 mod bending;
 mod currents;
+pub mod family;
 mod grid;
+pub(crate) mod models;
 mod modulus;
 mod outlines;
 mod parameters;
@@ -66,7 +68,7 @@ impl NamedFigure {
 }
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 9] = [
+pub const FIGURES: [NamedFigure; 10] = [
     NamedFigure {
         name: "figure4",
         alias: "shapes",
@@ -139,7 +141,28 @@ pub const FIGURES: [NamedFigure; 9] = [
         of_strips: false,
         draw: parameters::draw,
     },
+    NamedFigure {
+        name: "models",
+        alias: "models-compared",
+        about: "What was measured with the curve of every model compared, and what each leaves",
+        width_mm: 170.0,
+        of_strips: false,
+        draw: models::draw,
+    },
 ];
+
+/// A print of a family of lines that no campaign is needed for.
+///
+/// # Errors
+/// There is no panel, or the message of the drawing library.
+pub fn family_print(family: &family::Family, title: &str, width_mm: f64) -> Result<Print, String> {
+    Ok(Print {
+        title: title.to_owned(),
+        notice: None,
+        drawing: family.draw(Print::pixels(width_mm))?,
+        width_mm,
+    })
+}
 
 /// The figure of that name or alias.
 pub fn figure_named(name: &str) -> Option<&'static NamedFigure> {

@@ -22,6 +22,8 @@ pub(crate) enum Subject {
     FitCurves(i64),
     /// An analysis of a modulus log.
     Analysis(i64),
+    /// Runs that models were compared on.
+    Comparisons,
     /// Which diagnoses are current.
     Diagnoses,
     /// A diagnosis.
@@ -105,6 +107,7 @@ impl Subject {
             Subject::Fit(_) => "fit",
             Subject::FitCurves(_) => "fit curves",
             Subject::Analysis(_) => "analysis",
+            Subject::Comparisons => "comparisons",
             Subject::Diagnoses => "diagnoses",
             Subject::Diagnosis(_) => "diagnosis",
             Subject::Condemned => "condemned",
@@ -127,6 +130,7 @@ impl Subject {
         use Subject as S;
         match self {
             S::Runs
+            | S::Comparisons
             | S::Diagnoses
             | S::Condemned
             | S::RunWords
@@ -173,6 +177,7 @@ impl Subject {
             Subject::Fit(_) => &FIT,
             Subject::FitCurves(_) => &FIT_CURVES,
             Subject::Analysis(_) => &ANALYSIS,
+            Subject::Comparisons => &["SELECT * FROM run_comparison ORDER BY run_id"],
             Subject::Diagnoses => {
                 &["SELECT id FROM diagnosis WHERE superseded_at IS NULL ORDER BY kind, name"]
             }
@@ -202,6 +207,7 @@ impl Subject {
         use Subject as S;
         let mut all = vec![
             S::Runs,
+            S::Comparisons,
             S::Diagnoses,
             S::Condemned,
             S::RunWords,
@@ -248,6 +254,7 @@ impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Subject::Runs => write!(f, "the list of runs"),
+            Subject::Comparisons => write!(f, "the comparisons of models"),
             Subject::Diagnoses => write!(f, "the list of diagnoses"),
             Subject::Condemned => write!(f, "the list of runs that diagnoses condemned"),
             Subject::RunWords => write!(f, "what was said of runs"),

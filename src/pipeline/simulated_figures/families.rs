@@ -1,0 +1,273 @@
+//! The curves of simulated figures.
+
+use std::f64::consts::SQRT_2;
+
+use crate::domain::Drive;
+use crate::model::bending::{ChargeCourse, bending_law, curvature_per_cm};
+use crate::model::coupling::CurvaturePerLineCharge;
+use crate::model::distributed::DistributedModel;
+use crate::model::{Branch, EquivalentCircuit, LumpedModel};
+use crate::report::prints::family::{Family, FamilyLine, FamilyPanel};
+
+/// Points of a line.
+const POINTS: usize = 400;
+/// Height of a panel, px.
+const HEIGHT: u32 = 230;
+/// Coupling, 1/(C cm), and rate, 1/s, of the strips that answer a step.
+pub(super) const ALPHA: f64 = 13.88;
+pub(super) const LAMBDA: f64 = 3.8e-4;
+
+fn panel(title: &str, y: (&str, &str), lines: Vec<FamilyLine>) -> FamilyPanel {
+    FamilyPanel {
+        title: title.to_owned(),
+        x: ("Time".to_owned(), "s".to_owned()),
+        y: (y.0.to_owned(), y.1.to_owned()),
+        lines,
+        ..FamilyPanel::default()
+    }
+}
+
+fn family(panels: Vec<FamilyPanel>, notes: &[&str]) -> Family {
+    Family {
+        columns: panels.len(),
+        panels,
+        panel_height: HEIGHT,
+        legend: vec![],
+        notes: notes.iter().map(|note| (*note).to_owned()).collect(),
+    }
+}
+
+fn line(name: &str, style: usize, x: &[f64], y: &[f64]) -> FamilyLine {
+    FamilyLine {
+        name: name.to_owned(),
+        style,
+        points: x.iter().copied().zip(y.iter().copied()).collect(),
+    }
+}
+
+/// Times up to `last_s`, closer together after the step.
+fn times(last_s: f64) -> Vec<f64> {
+    (0..=POINTS)
+        .map(|k| last_s * (k as f64 / POINTS as f64).powi(2))
+        .collect()
+}
+
+fn circuit(branches: &[(f64, f64)], steady_state_resistance_ohm_cm2: f64) -> EquivalentCircuit {
+    let branch = |&(resistance_ohm_cm2, capacitance_f_per_cm2): &(f64, f64)| Branch {
+        resistance_ohm_cm2,
+        capacitance_f_per_cm2,
+    };
+    EquivalentCircuit {
+        branches: branches.iter().map(branch).collect(),
+        steady_state_resistance_ohm_cm2,
+    }
+}
+
+/// Resistances in Ohm and capacitances in F of figure 13B, for a sample of 1 cm2.
+const FIGURE_13: [(f64, f64); 2] = [(200.0, 0.05), (1000.0, 0.1)];
+
+/// One and two R-C circuits, and several rates of relaxation (18), (20).
+pub(super) fn figure13() -> Family {
+    let time_s = times(3600.0);
+    let bent = |branches: &[(f64, f64)], rate: f64| {
+        let model = circuit(branches, f64::INFINITY).with_relaxation(10.0, rate);
+        model.curvature_per_cm(&Drive::step(1.0), 1.0, &time_s)
+    };
+    let curvature = ("Curvature", "1/cm");
+    let circuits = [
+        ("R1 C1 alone", &FIGURE_13[..1]),
+        ("R2 C2 alone", &FIGURE_13[1..]),
+        ("both", &FIGURE_13[..]),
+    ];
+    let of_circuits = circuits.iter().enumerate();
+    let of_circuits = of_circuits.map(|(k, (name, own))| line(name, k, &time_s, &bent(own, 1e-4)));
+    let rates = [0.0, 1e-4, 3e-4, 1e-3, 3e-3].iter().enumerate();
+    let of_rates =
+        rates.map(|(k, &rate)| line(&format!("λ = {rate} 1/s"), k, &time_s, &bent(&FIGURE_13, rate)));
+    family(
+        vec![
+            panel(
+                "one and two circuits, λ = 0.0001 1/s",
+                curvature,
+                of_circuits.collect(),
+            ),
+            panel("rates of relaxation", curvature, of_rates.collect()),
+        ],
+        &[
+            "α = 10 1/(C cm), 1 V, R1 = 0.2 kΩ, C1 = 0.05 F, R2 = 1 kΩ, C2 = 0.1 F. \
+           The thesis does not print the circuits of A and the rates of B: these are ours.",
+        ],
+    )
+}
+
+/// A strip of 4 cm, the length of the one whose voltages the thesis measures: those of figures 16 and 18 it does not print.
+fn strip(along: f64, capacitance: f64, relaxation_rate_per_s: f64) -> DistributedModel {
+    DistributedModel {
+        electrode_resistance_ohm_per_cm: along,
+        branch_resistance_ohm_cm: 100.0,
+        capacitance_f_per_cm: capacitance,
+        steady_state_resistance_ohm_cm: 10_000.0,
+        length_cm: 4.0,
+        coupling: CurvaturePerLineCharge(10.0),
+        relaxation_rate_per_s,
+    }
+}
+
+/// Sums of terms of (23), and the voltage along the strip at several times.
+pub(super) fn figure16() -> Family {
+    let strip = strip(50.0, 0.1, 0.0);
+    let places: Vec<f64> = (0..=POINTS)
+        .map(|k| strip.length_cm * k as f64 / POINTS as f64)
+        .collect();
+    let of_terms = [1, 2, 5, 20, 200].iter().enumerate().map(|(k, &terms)| {
+        let voltage = strip.voltage_of_terms_v(1.5, &places, 2.0, terms);
+        line(&format!("{terms} terms"), k, &places, &voltage)
+    });
+    let of_times = [0.0, 2.0, 10.0, 30.0, 100.0, 300.0]
+        .iter()
+        .enumerate()
+        .map(|(k, &time_s)| {
+            let voltage = strip.voltage_v(1.5, &places, &[time_s]);
+            line(&format!("{time_s} s"), k, &places, voltage.profile(0))
+        });
+    let along = |title: &str, lines: Vec<FamilyLine>| FamilyPanel {
+        x: ("Place from the clamp".to_owned(), "cm".to_owned()),
+        ..panel(title, ("Voltage", "V"), lines)
+    };
+    family(
+        vec![
+            along("2 s after the step, sums of terms", of_terms.collect()),
+            along("times after the step, all terms", of_times.collect()),
+        ],
+        &[
+            "1.5 V, Re = 50 Ω/cm, C = 0.1 F/cm, Rc = 100 Ω cm, Rss = 10 kΩ cm, length 4 cm, with the corrected \
+           coefficients of (24). The thesis does not print the length.",
+        ],
+    )
+}
+
+/// Curvature along the strip over time (26), for two rates.
+pub(super) fn figure18() -> Family {
+    let panels = [("λ = 0.002 1/s", 2e-3), ("λ = 0.0003 1/s", 3e-4)].map(|(title, rate)| {
+        let lines = along_places(&strip(200.0, 0.2, rate), 1.5, 5000.0);
+        panel(title, ("Curvature", "1/cm"), lines)
+    });
+    family(
+        panels.to_vec(),
+        &[
+            "1.5 V, Re = 200 Ω/cm, C = 0.2 F/cm, Rc = 100 Ω cm, Rss = 10 kΩ cm, α = 10, length 4 cm, with the corrected \
+           coefficients of (24). The thesis does not print the length.",
+        ],
+    )
+}
+
+/// Curvature over time at the clamp, at the tip and between.
+fn along_places(strip: &DistributedModel, step_v: f64, last_s: f64) -> Vec<FamilyLine> {
+    let time_s = times(last_s);
+    let places: Vec<f64> = (0..=4).map(|k| strip.length_cm * f64::from(k) / 4.0).collect();
+    let field = strip.curvature_per_cm(step_v, &places, &time_s);
+    places
+        .iter()
+        .enumerate()
+        .map(|(k, place)| {
+            let at: Vec<f64> = (0..time_s.len()).map(|time| field.at(time, k)).collect();
+            let name = match k {
+                0 => "at the clamp".to_owned(),
+                4 => "at the tip".to_owned(),
+                _ => format!("{place} cm"),
+            };
+            line(&name, k, &time_s, &at)
+        })
+        .collect()
+}
+
+/// The circuit of table 5 of the thesis, CNaf in air at 2 V.
+const AIR: [(f64, f64); 2] = [(521.4, 0.098), (2629.9, 0.13)];
+const AIR_STEADY_OHM_CM2: f64 = 5660.0;
+const AREA_CM2: f64 = 0.1;
+const AIR_WORDS: &str = "2 V on a strip of 0.1 cm²; circuit of CNaf in air at 2 V (table 5 of the thesis).";
+
+fn air(branches: usize) -> LumpedModel {
+    circuit(&AIR[..branches], AIR_STEADY_OHM_CM2).with_relaxation(ALPHA, LAMBDA)
+}
+
+/// Current and bending of a lumped model after a step.
+pub(super) fn lumped(branches: usize) -> Family {
+    let time_s = times(3600.0);
+    let drive = Drive::step(2.0);
+    let model = air(branches);
+    let current: Vec<f64> = model
+        .current_a(&drive, AREA_CM2, &time_s)
+        .iter()
+        .map(|ampere| ampere * 1e3 / AREA_CM2)
+        .collect();
+    let rates = [LAMBDA / SQRT_2.powi(6), LAMBDA, LAMBDA * SQRT_2.powi(6)];
+    let bent = rates.iter().enumerate().map(|(k, &rate)| {
+        let model = LumpedModel {
+            relaxation_rate_per_s: rate,
+            ..model.clone()
+        };
+        let bent = model.curvature_per_cm(&drive, AREA_CM2, &time_s);
+        line(&format!("λ = {:.1}·10⁻⁴ 1/s", 1e4 * rate), k, &time_s, &bent)
+    });
+    family(
+        vec![
+            panel(
+                "current",
+                ("Current", "mA cm⁻²"),
+                vec![line("", 0, &time_s, &current)],
+            ),
+            panel("curvature", ("Curvature", "1/cm"), bent.collect()),
+        ],
+        &[AIR_WORDS],
+    )
+}
+
+/// Current at the clamp and bending along the strip after a step.
+pub(super) fn distributed() -> Family {
+    let strip = strip(50.0, 0.1, 1e-3);
+    let time_s = times(3600.0);
+    let current: Vec<f64> = strip
+        .clamp_current_a(2.0, &time_s)
+        .iter()
+        .map(|ampere| ampere * 1e3)
+        .collect();
+    family(
+        vec![
+            panel(
+                "current at the clamp",
+                ("Current", "mA"),
+                vec![line("", 0, &time_s, &current)],
+            ),
+            panel(
+                "curvature",
+                ("Curvature", "1/cm"),
+                along_places(&strip, 2.0, 3600.0),
+            ),
+        ],
+        &[
+            "2 V on a strip of 4 cm: Re = 50 Ω/cm, Rc = 100 Ω cm, C = 0.1 F/cm, Rss = 10 kΩ cm, μ = 10 1/C, λ = 0.001 1/s.",
+        ],
+    )
+}
+
+/// A member of a rival's family: name, couplings and shapes.
+pub(super) type Member = (&'static str, &'static [f64], &'static [f64]);
+
+/// Members of a rival's family beside the thesis's law.
+pub(super) fn rival(model: &str, members: &[Member]) -> Family {
+    let time_s = times(3600.0);
+    let charge = ChargeCourse::new(&air(2), &Drive::step(2.0), AREA_CM2, &time_s);
+    let lines = bending_law(model).map_or_else(Vec::new, |law| {
+        let member = |(k, (name, couplings, shapes)): (usize, &Member)| {
+            line(
+                name,
+                k,
+                &time_s,
+                &curvature_per_cm(law, &charge, couplings, shapes),
+            )
+        };
+        members.iter().enumerate().map(member).collect()
+    });
+    family(vec![panel(model, ("Curvature", "1/cm"), lines)], &[AIR_WORDS])
+}
