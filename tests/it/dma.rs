@@ -145,7 +145,8 @@ fn the_page_of_the_thesis_logs() {
     assert!((page.is_shown)(&input) && !(page.is_shown)(&current_only_input()));
     let content = (page.content)(&Site::new(&input)).unwrap();
     insta::assert_json_snapshot!(content.context);
-    assert_eq!(content.figures.len(), 4);
+    // All together, and of each log its course and |E*| over the humidity.
+    assert_eq!(content.figures.len(), 7);
     assert!(content.figures["normalised"].contains("Nafion-117-EMImTFS"));
 }
 

@@ -174,7 +174,7 @@ fn the_runs_of_the_sheet_untie_what_was_confounded() {
     assert!(
         folder
             .report("humidity.html")
-            .contains("what is confounded with what")
+            .contains("What is confounded with what")
     );
 }
 

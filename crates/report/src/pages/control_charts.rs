@@ -48,20 +48,20 @@ fn name(charted: &Charted) -> &'static str {
     }
 }
 
-/// Draws the charts of a parameter over its life, and gives the id under which they went to `figures`.
+/// Draws the charts of watched parameter number `number` over its life, and gives the id under which they went to `figures`.
 ///
 /// # Errors
 /// [`ReportError::Figure`] where they cannot be drawn.
 pub fn draw_charts(
     site: &Site,
-    watched: &Watched,
+    (number, watched): (usize, &Watched),
     x: &Axis,
     figures: &mut BTreeMap<String, String>,
 ) -> Result<Option<String>, ReportError> {
     if watched.study.span.length() <= 0.0 {
         return Ok(None);
     }
-    let id = format!("control-{}", figures.len());
+    let id = format!("control-{number}");
     let charts: Vec<ControlChart> = watched
         .study
         .charts

@@ -93,9 +93,9 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut figures = BTreeMap::new();
     let mut samples: Vec<SampleSection> = Vec::new();
     let mut shown = Shown::default();
-    for watched in &monitoring.watched {
+    for (number, watched) in monitoring.watched.iter().enumerate() {
         let aside = aside(site, watched);
-        let drawn = draw(watched, &aside, figures.len())?;
+        let drawn = draw(watched, &aside, number)?;
         if drawn.is_some() {
             shown.note(&aside);
         }
@@ -106,7 +106,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             }
             None => (None, String::new()),
         };
-        let control = draw_charts(site, watched, &life_axis(watched), &mut figures)?;
+        let control = draw_charts(site, (number, watched), &life_axis(watched), &mut figures)?;
         if samples.last().is_none_or(|last| last.sample != watched.sample) {
             samples.push(SampleSection {
                 sample: watched.sample.clone(),
