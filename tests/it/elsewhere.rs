@@ -129,10 +129,10 @@ fn a_row_that_cannot_be_used_stops_no_other_and_is_told() {
 #[test]
 fn a_run_that_cannot_be_fitted_gives_a_row_with_the_reason() {
     let folder = taken_in(1);
-    // Too short for any model.
+    // Too few readings for any model.
     folder.write(
         "runs/short.csv",
-        "time_s,voltage_v,current_a\n-1,0,0\n0,2,0.001\n1,2,0.0009\n",
+        "time_s,voltage_v,current_a\n-2,0,0\n-1,0,0\n0,2,0.001\n1,2,0.0009\n2,2,0.0008\n",
     );
     folder.ieap(&["ingest"]).expect(0);
     let ended = folder.ieap(&["fit", "--shard", "1/1", "--json"]).expect(0);
