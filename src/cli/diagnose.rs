@@ -152,7 +152,7 @@ fn print(group: &GroupEntry, output: &Output) {
         false => "",
     };
     let verdict = group.verdict.key();
-    output.result(&format!("{} ({count}): {verdict}{doubt}", group.group));
+    output.heading(&format!("{} ({count}): {verdict}{doubt}", group.group));
     output.result(&format!("    {}", group.sentence));
     for condemned in &group.condemned {
         output.result(&format!(

@@ -47,6 +47,15 @@ impl CliError {
         }
     }
 
+    /// A refusal of the disk.
+    pub fn storage(message: &str) -> CliError {
+        CliError {
+            status: STORAGE,
+            message: message.to_owned(),
+            is_second_instance: false,
+        }
+    }
+
     /// A fault of the program.
     pub fn internal(message: &str) -> CliError {
         CliError {

@@ -1,15 +1,18 @@
 //! `ieap export`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::CampaignArg;
 use super::exit::{CliError, DONE};
-use super::output::Output;
+use super::output::{Output, counted};
+use crate::analysis::TableFormat;
 use crate::pipeline::export::{Export, Table};
 use crate::pipeline::fits_document::fits_document;
+use crate::pipeline::partitioned::ExportPartitioned;
+use crate::pipeline::research_crate::ExportCrate;
 use crate::pipeline::{Context, PipelineError};
 
 /// Write runs, tags, fits, conditions, traces or modulus logs as CSV, Parquet or JSON, units in the column names
@@ -20,12 +23,20 @@ pub struct ExportArgs {
     /// What to write
     #[arg(long, value_enum, default_value = "fits")]
     what: What,
-    /// File to write; its ending (.csv, .parquet, .json) tells the format; with `--what all` a folder [default: WHAT.csv]
+    /// File to write; its ending (.csv, .parquet, .json) tells the format; - is stdout; with `--what all` a folder [default:
+    /// WHAT.csv]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Format of the files of `--what all`
-    #[arg(long, value_enum, default_value = "parquet")]
-    format: FileFormat,
+    /// Format where no ending tells it: of the files of `--what all` [default: parquet], and of `-o -` [default: csv]
+    #[arg(long, value_enum)]
+    format: Option<FileFormat>,
+    /// Decimal commas, and semicolons between fields: for CSV that a spreadsheet of such a language opens
+    #[arg(long)]
+    decimal_comma: bool,
+    /// With `--what traces`: a folder of Parquet files in partitions by material and environment, one row a run with lists of
+    /// readings, as clusters read them [default: traces]
+    #[arg(long)]
+    partitioned: bool,
     /// Write over a file that is there
     #[arg(long)]
     overwrite: bool,
@@ -49,6 +60,8 @@ enum What {
     Dma,
     /// All of these, one file each, into a folder
     All,
+    /// Everything to publish: raw files, tables, figures, campaign.toml and what they are, as one ZIP (RO-Crate)
+    Crate,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -69,7 +82,7 @@ impl What {
             What::Conditions => vec![Table::Conditions],
             What::Traces => vec![Table::Traces],
             What::Dma => vec![Table::Dma],
-            What::All => Table::ALL.to_vec(),
+            What::All | What::Crate => Table::ALL.to_vec(),
         }
     }
 }
@@ -80,13 +93,22 @@ pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
         output.document(&fits_document(&context)?)?;
         return Ok(DONE);
     }
+    if matches!(args.what, What::Crate) {
+        return research_crate(args, &context, output);
+    }
+    if args.partitioned {
+        return partitioned(args, &context, output);
+    }
+    if args.output.as_deref() == Some(Path::new("-")) {
+        return to_stdout(args, &context, output);
+    }
     let mut files = Vec::new();
     for (table, path) in targets(args)? {
-        let overwrite = args.overwrite;
         let rows = Export {
             table,
             path: path.clone(),
-            overwrite,
+            format: with_comma(args, path.extension().is_some_and(|ending| ending == "csv"))?,
+            overwrite: args.overwrite,
         }
         .run(&context)?;
         output.result(&format!("{}: {rows} rows", path.display()));
@@ -97,6 +119,82 @@ pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
         &json!({ "schema": "ieap/export/1", "file": first["file"], "rows": first["rows"], "files": files }),
     )?;
     Ok(DONE)
+}
+
+/// A campaign to publish.
+fn research_crate(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8, CliError> {
+    let path = args.output.clone().unwrap_or_else(|| PathBuf::from("crate.zip"));
+    let export = ExportCrate {
+        path: path.clone(),
+        overwrite: args.overwrite,
+    };
+    let summary = export.run(context)?;
+    output.result(&format!("{}: {}", path.display(), counted(summary.files, "file")));
+    for (name, reason) in &summary.left_out {
+        output.message(&format!("  not in it: {name}: {reason}"));
+    }
+    let file = json!({ "file": path.display().to_string(), "rows": summary.files });
+    output.document(
+        &json!({ "schema": "ieap/export/1", "file": file["file"], "rows": summary.files, "files": [file] }),
+    )?;
+    Ok(DONE)
+}
+
+/// Runs for a cluster.
+fn partitioned(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8, CliError> {
+    if !matches!(args.what, What::Traces) {
+        return Err(CliError::usage(
+            "--partitioned is for readings: add `--what traces`, or leave it out",
+        ));
+    }
+    let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("traces"));
+    let export = ExportPartitioned {
+        folder: folder.clone(),
+        overwrite: args.overwrite,
+    };
+    let rows = export.run(context)?;
+    output.result(&format!("{}: {rows} rows", folder.display()));
+    let file = json!({ "file": folder.display().to_string(), "rows": rows });
+    output.document(
+        &json!({ "schema": "ieap/export/1", "file": file["file"], "rows": rows, "files": [file] }),
+    )?;
+    Ok(DONE)
+}
+
+/// The table's bytes for the next program.
+fn to_stdout(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8, CliError> {
+    if output.json {
+        return Err(CliError::usage(
+            "`-o -` writes the table to stdout, `--json` a document: ask for one of them",
+        ));
+    }
+    let &[table] = args.what.tables().as_slice() else {
+        return Err(CliError::usage("`-o -` writes one table: name it with --what"));
+    };
+    let is_csv = !matches!(args.format, Some(FileFormat::Parquet));
+    if !is_csv && output.is_terminal() {
+        return Err(CliError::usage("stdout is a terminal: name a file with --output"));
+    }
+    let plain = match is_csv {
+        true => TableFormat::Csv,
+        false => TableFormat::Parquet,
+    };
+    let format = with_comma(args, is_csv)?.unwrap_or(plain);
+    let (bytes, rows) = Export::bytes(context, table, format)?;
+    output.write(&bytes);
+    output.message(&format!("{}: {rows} rows", table.name()));
+    Ok(DONE)
+}
+
+/// CSV with decimal commas where that is asked for; none leaves the format to the file's ending.
+fn with_comma(args: &ExportArgs, is_csv: bool) -> Result<Option<TableFormat>, CliError> {
+    match (args.decimal_comma, is_csv) {
+        (true, false) => Err(CliError::usage(
+            "--decimal-comma is for CSV. Add `--format csv` or name a file that ends in .csv, or leave it out",
+        )),
+        (true, true) => Ok(Some(TableFormat::CsvWithDecimalComma)),
+        (false, _) => Ok(None),
+    }
 }
 
 /// Which table goes where.
@@ -117,8 +215,8 @@ fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
         source,
     })?;
     let ending = match args.format {
-        FileFormat::Parquet => "parquet",
-        FileFormat::Csv => "csv",
+        Some(FileFormat::Parquet) | None => "parquet",
+        Some(FileFormat::Csv) => "csv",
     };
     let path = |table: &Table| folder.join(format!("{}.{ending}", table.name()));
     Ok(tables.iter().map(|table| (*table, path(table))).collect())

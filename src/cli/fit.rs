@@ -1,6 +1,9 @@
 //! `ieap fit`.
 
+use std::path::PathBuf;
+
 use clap::Args;
+use serde_json::json;
 
 use super::exit::{self, CliError};
 use super::fit_choice::FitChoiceArgs;
@@ -9,8 +12,9 @@ use super::output::{Output, counted};
 use super::{CampaignArg, Global, ingest};
 use crate::domain::FileState;
 use crate::pipeline::estimate_words::in_words;
+use crate::pipeline::fit_shard::{FitShard, Part};
 use crate::pipeline::fits_document::{FitEntry, fits_document};
-use crate::pipeline::{Context, FitRuns, FitSummary, Ingest, PipelineError, files_due};
+use crate::pipeline::{Context, FAULT, FitRuns, FitSummary, Ingest, PipelineError, files_due};
 
 /// Fit every run that has no fit yet or whose data, tags or model changed, after taking in new files
 #[derive(Debug, Args)]
@@ -24,6 +28,16 @@ pub struct FitArgs {
     again: bool,
     #[command(flatten)]
     group: GroupArgs,
+    /// Fit only the K-th of N parts of the runs, without writing into the campaign: for batch jobs on many computers.
+    /// `ieap import-fits` joins what they write
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Part>,
+    /// File for the results of --shard [default: fits-K-of-N.jsonl]
+    #[arg(long, short, value_name = "FILE", requires = "shard")]
+    output: Option<PathBuf>,
+    /// Write over a file that is there
+    #[arg(long, requires = "shard")]
+    overwrite: bool,
 }
 
 pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
@@ -31,6 +45,9 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         choice: args.fit.choice(global),
         again: args.again,
     };
+    if let Some(part) = args.shard {
+        return shard(args, part, fits, output);
+    }
     let mut context = match args.campaign.open(global, output) {
         Err(error) if error.is_second_instance() => return beside(args, &fits, global, output, error),
         opened => opened?,
@@ -41,6 +58,44 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     say(&summary, output);
     tell(args, global, &context, output)?;
     Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
+}
+
+/// One part of the runs, into a file.
+fn shard(args: &FitArgs, part: Part, fits: FitRuns, output: &Output) -> Result<u8, CliError> {
+    if args.group.groups(fits.choice.clone())?.is_some() {
+        return Err(CliError::usage(
+            "--shard fits runs one by one; leave --group, --profile and --bootstrap out",
+        ));
+    }
+    let context = args.campaign.open_read_only(output)?;
+    let named = || PathBuf::from(format!("fits-{}-of-{}.jsonl", part.number, part.of));
+    let shard = FitShard {
+        fits,
+        part,
+        path: args.output.clone().unwrap_or_else(named),
+        overwrite: args.overwrite,
+    };
+    let summary = shard.run(&context, output)?;
+    output.result(&format!(
+        "{}: part {part}, {} fitted, {} up to date, {} could not be fitted",
+        summary.file.display(),
+        summary.fitted,
+        summary.up_to_date,
+        summary.failed.len()
+    ));
+    summary
+        .failed
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
+    if summary.fitted_together > 0 {
+        output.message(&format!(
+            "{} fitted together with others and in no part: `ieap fit` in the campaign does them",
+            counted(summary.fitted_together, "run")
+        ));
+    }
+    output.document(&json!({ "schema": "ieap/fit-shard/1", "shard": summary }))?;
+    let has_fault = summary.failed.iter().any(|(_, issue)| issue.code == FAULT);
+    Ok(exit::after(has_fault, true))
 }
 
 /// Beside a program that works on the campaign: what is fitted is told where nothing is to be done, since that only reads.
@@ -123,7 +178,7 @@ pub(super) fn say_unknown_groups(summary: &FitSummary, output: &Output) {
 }
 
 fn print(fit: &FitEntry, output: &Output) {
-    output.result(&format!("{}  {}  {}", fit.run, fit.model, fit.why_stopped));
+    output.heading(&format!("{}  {}  {}", fit.run, fit.model, fit.why_stopped));
     for (key, parameter) in &fit.parameters {
         output.result(&format!("    {key:<22} {}", in_words(parameter)));
     }

@@ -2,6 +2,7 @@
 
 mod asked_strip;
 mod backup;
+mod colour;
 mod compare;
 mod completions;
 mod convert;
@@ -18,9 +19,11 @@ mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
+mod import_fits;
 mod ingest;
 mod init;
 mod inspect;
+mod man;
 mod models;
 mod next;
 mod output;
@@ -30,6 +33,7 @@ mod profile;
 mod rebuild;
 mod report;
 mod run;
+mod schema;
 mod serve;
 mod signals;
 mod simulate;
@@ -39,6 +43,7 @@ mod tag;
 mod threads;
 mod trace;
 mod typed;
+mod user_folders;
 mod verify;
 mod watch;
 
@@ -47,7 +52,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::domain::fault::caught;
 use crate::ingest::campaign_file;
@@ -68,6 +73,9 @@ use output::Output;
     disable_help_subcommand = true
 )]
 struct Cli {
+    /// Work as if started in that folder; stands before the verb, as with git and make
+    #[arg(short = 'C', value_name = "DIR")]
+    folder: Option<PathBuf>,
     #[command(flatten)]
     global: Global,
     #[command(subcommand)]
@@ -89,6 +97,16 @@ struct Global {
     /// Show no progress bars
     #[arg(long, global = true)]
     no_progress: bool,
+    /// Colour what people read: auto (on a terminal, unless NO_COLOR is set), always or never
+    #[arg(
+        long,
+        global = true,
+        value_name = "WHEN",
+        value_enum,
+        hide_possible_values = true,
+        default_value = "auto"
+    )]
+    color: ColorChoice,
     /// Work on N threads; results do not depend on it [default: all cores]
     #[arg(long, global = true, value_name = "N")]
     threads: Option<usize>,
@@ -108,6 +126,7 @@ enum Verb {
     Serve(serve::ServeArgs),
     Ingest(ingest::IngestArgs),
     Fit(fit::FitArgs),
+    ImportFits(import_fits::ImportFitsArgs),
     Dma(dma::DmaArgs),
     Diagnose(diagnose::DiagnoseArgs),
     Compare(compare::CompareArgs),
@@ -135,6 +154,8 @@ enum Verb {
     Formats(formats::FormatsArgs),
     Models(models::ModelsArgs),
     Effects(effects::EffectsArgs),
+    Schema(schema::SchemaArgs),
+    Man(man::ManArgs),
     Completions(completions::CompletionsArgs),
 }
 
@@ -228,14 +249,23 @@ pub fn main() -> ExitCode {
 
 /// The same for a command line that is given, the name of the program first: the exit status.
 pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let command = Cli::command().color(colour::asked(arguments.iter().cloned()));
+    let parsed = command
+        .try_get_matches_from(arguments)
+        .and_then(|found| Cli::from_arg_matches(&found));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             return said_by_clap(&error);
         }
     };
     let output = Output::new(&cli.global);
-    let work = || threads::set(cli.global.threads, &output).and_then(|()| dispatch(&cli, &output));
+    let work = || {
+        go_to(cli.folder.as_deref())?;
+        threads::set(cli.global.threads, &output)?;
+        dispatch(&cli, &output)
+    };
     let outcome = caught(work).unwrap_or_else(|reason| {
         let what = "a fault of the program stopped it";
         Err(CliError::internal(&format!(
@@ -247,6 +277,17 @@ pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         error.status()
     });
     output.ended(status)
+}
+
+/// Works in that folder from now on.
+fn go_to(folder: Option<&Path>) -> Result<(), CliError> {
+    let Some(folder) = folder else { return Ok(()) };
+    std::env::set_current_dir(folder).map_err(|error| {
+        CliError::usage(&format!(
+            "-C {}: {error}; needed a folder that is there",
+            folder.display()
+        ))
+    })
 }
 
 /// Prints help, or what is wrong in the command line, and gives the exit status.
@@ -271,6 +312,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Serve(args) => serve::run(args, global, output),
         Verb::Ingest(args) => ingest::run(args, global, output),
         Verb::Fit(args) => fit::run(args, global, output),
+        Verb::ImportFits(args) => import_fits::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
         Verb::Compare(args) => compare::run(args, global, output),
@@ -298,6 +340,8 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Formats(args) => formats::run(args, output),
         Verb::Models(args) => models::run(args, output),
         Verb::Effects(args) => effects::run(args, output),
+        Verb::Schema(args) => schema::run(args, output),
+        Verb::Man(args) => man::run(args, Cli::command(), output),
         Verb::Completions(args) => completions::run(args, &mut Cli::command(), output),
     }
 }

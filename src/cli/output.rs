@@ -1,12 +1,16 @@
 //! Where everything printed goes through: results to stdout, messages and progress to stderr.
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
 use serde::Serialize;
 
 use super::Global;
+use super::colour::{self, Ink};
 use super::exit::{self, CliError};
 use super::printable::printable;
 use crate::domain::Issue;
@@ -19,6 +23,9 @@ pub fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{plural}")
 }
 
+/// How the time of a line is written: RFC 3339 but for a space, with the offset from UTC.
+const LOG_TIME: &str = "%Y-%m-%d %H:%M:%S%:z";
+
 /// Prints; also hears the progress of long work.
 #[derive(Debug)]
 pub struct Output {
@@ -27,6 +34,10 @@ pub struct Output {
     quiet: bool,
     verbose: bool,
     progress: bool,
+    colours_stdout: bool,
+    colours_stderr: bool,
+    /// Where set, each line begins with the time by this clock.
+    clock: OnceLock<TimeZone>,
     bar: Mutex<Option<ProgressBar>>,
     stdout: Mutex<Stdout>,
 }
@@ -50,6 +61,9 @@ impl Output {
             quiet: global.quiet,
             verbose: global.verbose,
             progress: !global.no_progress && !global.quiet && io::stderr().is_terminal(),
+            colours_stdout: colour::is_wanted(global.color, io::stdout().is_terminal()),
+            colours_stderr: colour::is_wanted(global.color, io::stderr().is_terminal()),
+            clock: OnceLock::new(),
             bar: Mutex::new(None),
             stdout: Mutex::new(Stdout::Open),
         }
@@ -58,7 +72,36 @@ impl Output {
     /// A result for people; nothing where JSON is asked for.
     pub fn result(&self, text: &str) {
         if !self.json {
-            self.write(format!("{}\n", printable(text)).as_bytes());
+            self.write(format!("{}\n", self.timed(&printable(text))).as_bytes());
+        }
+    }
+
+    /// A result that heads those after it: bold where colours are wanted.
+    pub fn heading(&self, text: &str) {
+        if !self.json {
+            let text = printable(text);
+            let text = colour::painted(&text, Ink::Heading, self.colours_stdout);
+            self.write(format!("{}\n", self.timed(&text)).as_bytes());
+        }
+    }
+
+    /// From now on every line begins with the time by that clock: for what runs for days and is read as a log.
+    pub fn time_lines(&self, clock: TimeZone) {
+        let _ = self.clock.set(clock);
+    }
+
+    /// `text` with the time before it, where lines have one.
+    fn timed<'a>(&self, text: &'a str) -> Cow<'a, str> {
+        let now = || Timestamp::try_from(crate::system::now()).ok();
+        match (self.clock.get(), text) {
+            (None, _) | (_, "") => text.into(),
+            (Some(clock), _) => match now() {
+                Some(now) => {
+                    let shown = now.to_zoned(clock.clone()).strftime(LOG_TIME).to_string();
+                    format!("{shown} {text}").into()
+                }
+                None => text.into(),
+            },
         }
     }
 
@@ -148,6 +191,8 @@ impl Output {
 
     fn line(&self, text: &str) {
         let text = printable(text);
+        let text = colour::first_word(&text, self.colours_stderr);
+        let text = self.timed(&text);
         let bar = self.bar.lock().ok().and_then(|bar| bar.clone());
         match bar {
             Some(bar) => bar.suspend(|| to_stderr(&text)),

@@ -9,9 +9,12 @@ use super::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::printable::printable;
-use crate::pipeline::tables::{MovedDocument, find_format, find_table, listed, moment, moved_since, table};
+use crate::pipeline::tables::{
+    MovedDocument, chosen_columns, find_format, find_table, listed, moment, moved_since, table,
+};
 use crate::pipeline::whole_file::put_bytes;
 use crate::pipeline::{Context, Earlier};
+use crate::report::tables::{write_with_decimal_comma, write_within};
 
 /// Print a table of the thesis, or of the campaign, with uncertainties: as text, CSV, Markdown, LaTeX, Typst, HTML
 /// or JSON
@@ -29,7 +32,16 @@ pub struct TableArgs {
     /// text, csv, markdown, latex, typst, html or json [default: by the ending of --output, else text]
     #[arg(long, short, value_name = "FORMAT")]
     format: Option<String>,
-    /// Write to a file in place of stdout
+    /// Only these columns, in this order: number, key, symbol, or a part of one, with commas between
+    #[arg(long, value_name = "COLUMN,...", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Characters to a line of text: columns without room stand below [default: the terminal's; 0: as wide as it gets]
+    #[arg(long, value_name = "N")]
+    width: Option<usize>,
+    /// Decimal commas, and semicolons between fields: for CSV that a spreadsheet of such a language opens
+    #[arg(long)]
+    decimal_comma: bool,
+    /// Write to a file in place of stdout; - is stdout
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write over a file that is there
@@ -61,9 +73,8 @@ pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
         output.document(&document)?;
         return Ok(DONE);
     }
-    let format = format_of(args, output)?;
-    let text = (find_format(&format)?.write)(&table(&context, name)?);
-    match &args.output {
+    let text = text_of(args, &context, name, output)?;
+    match args.output.as_deref().filter(|path| *path != Path::new("-")) {
         None => {
             // Of what stands in files only text reaches the terminal unescaped.
             output.write(printable(&text).as_bytes());
@@ -71,6 +82,38 @@ pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
         Some(path) => write(path, text.as_bytes(), args.overwrite, output)?,
     }
     Ok(DONE)
+}
+
+/// The table as it is asked for.
+fn text_of(args: &TableArgs, context: &Context, name: &str, output: &Output) -> Result<String, CliError> {
+    let format = find_format(&format_of(args, output)?)?;
+    if args.decimal_comma && format.name != "csv" {
+        return Err(CliError::usage(&format!(
+            "--decimal-comma is for CSV; the format is {}. Add `--format csv`, or leave it out",
+            format.name
+        )));
+    }
+    let mut table = table(context, name)?;
+    if !args.columns.is_empty() {
+        table = chosen_columns(&table, &args.columns)?;
+    }
+    Ok(match format.name {
+        "csv" if args.decimal_comma => write_with_decimal_comma(&table),
+        "text" => write_within(&table, width(args)),
+        _ => (format.write)(&table),
+    })
+}
+
+/// Characters to a line: as asked for, else the terminal's, else without end.
+fn width(args: &TableArgs) -> usize {
+    let terminal =
+        || terminal_size::terminal_size_of(std::io::stdout()).map(|(width, _)| usize::from(width.0));
+    let is_file = args.output.is_some();
+    match (args.width, is_file) {
+        (Some(0), _) | (None, true) => usize::MAX,
+        (Some(width), _) => width,
+        (None, false) => terminal().unwrap_or(usize::MAX),
+    }
 }
 
 /// `--format`, else `--json`, else the ending of the file, else text.
@@ -82,6 +125,9 @@ fn format_of(args: &TableArgs, output: &Output) -> Result<String, CliError> {
         return Ok("json".to_owned());
     }
     let ending = args.output.as_deref().and_then(Path::extension);
+    if ending.is_none() && args.decimal_comma {
+        return Ok("csv".to_owned());
+    }
     Ok(ending.map_or("text".to_owned(), |ending| ending.to_string_lossy().into_owned()))
 }
 

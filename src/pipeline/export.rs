@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::context::CODE_VERSION;
 use super::whole_file::put_file;
 use super::{Context, PipelineError, standing};
-use crate::analysis::{self, ExportError, TableFormat};
+use crate::analysis::{self, About, ExportError, TableFormat};
 use crate::domain::RunRecord;
 
 /// What can be written.
@@ -59,6 +60,8 @@ pub struct Export {
     pub table: Table,
     /// Where to; the ending tells the format.
     pub path: PathBuf,
+    /// How; by the ending of the file where nothing is said.
+    pub format: Option<TableFormat>,
     /// Whether a file that is there may be written over.
     pub overwrite: bool,
 }
@@ -69,7 +72,7 @@ impl Export {
     /// # Errors
     /// The ending is not known, a file is there already, or the disk refuses.
     pub fn run(&self, context: &Context) -> Result<usize, PipelineError> {
-        let format = format_of(&self.path)?;
+        let format = self.format.map_or_else(|| format_of(&self.path), Ok)?;
         if self.path.exists() && !self.overwrite {
             return Err(PipelineError::FileExists {
                 path: self.path.clone(),
@@ -100,12 +103,38 @@ impl Export {
         }
     }
 
+    /// The table as bytes, for who hands it on.
+    ///
+    /// # Errors
+    /// As of [`Export::run`].
+    pub fn bytes(
+        context: &Context,
+        table: Table,
+        format: TableFormat,
+    ) -> Result<(Vec<u8>, usize), PipelineError> {
+        let failed = |source: std::io::Error| PipelineError::File {
+            path: std::env::temp_dir(),
+            doing: "writing what goes to stdout",
+            source,
+        };
+        let folder = tempfile::tempdir().map_err(failed)?;
+        let export = Export {
+            table,
+            path: folder.path().join(table.name()),
+            format: Some(format),
+            overwrite: false,
+        };
+        let rows = export.run(context)?;
+        Ok((std::fs::read(&export.path).map_err(failed)?, rows))
+    }
+
     fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {
         // The list of runs and their tags hold every run, results only those that speak.
         let all = standing::all(context)?;
         let runs: Vec<RunRecord> = (all.iter().filter(|run| run.standing.speaks()).cloned()).collect();
         let campaign = &context.campaign;
-        let mut table = match self.table {
+        let about = about(context, self.table.name());
+        let table = match self.table {
             Table::Runs => analysis::run_tables::runs_table(&all, campaign)?,
             Table::Tags => analysis::run_tables::tags_table(&all)?,
             Table::Fits => analysis::fits_long(&runs, campaign)?,
@@ -113,16 +142,30 @@ impl Export {
             Table::Conditions => analysis::conditions_table(&runs, campaign)?,
             Table::Dma => analysis::dma::table::modulus_table(&standing::modulus_logs(context)?.0, campaign)?,
             Table::Traces => {
-                let mut writer = analysis::TraceWriter::create(path, format)?;
+                let mut writer = analysis::TraceWriter::create(path, format, &about)?;
                 for run in &runs {
                     writer.write(&run.path, &context.store.channels(run.id)?)?;
                 }
                 return Ok(writer.finish()?);
             }
         };
-        analysis::write_table(&mut table, format, path)?;
+        analysis::write_table(&table, format, &about, path)?;
         Ok(table.height())
     }
+}
+
+/// What a Parquet file says of itself.
+pub(super) fn about(context: &Context, table: &str) -> About {
+    let campaign = &context.campaign;
+    let mut about = About::from([
+        ("ieap.table".to_owned(), table.to_owned()),
+        ("ieap.campaign".to_owned(), campaign.id.clone()),
+        ("ieap.title".to_owned(), campaign.title.clone()),
+        ("ieap.program".to_owned(), format!("ieap {CODE_VERSION}")),
+    ]);
+    let notice = campaign.notice.iter().cloned();
+    about.extend(notice.map(|notice| ("ieap.notice".to_owned(), notice)));
+    about
 }
 
 fn format_of(path: &Path) -> Result<TableFormat, PipelineError> {

@@ -110,21 +110,26 @@ impl FitRuns {
     }
 
     /// The runs of a plan whose fit is up to date, and the others.
-    fn sorted(&self, single: Vec<Planned>) -> (Vec<Due>, Vec<Due>) {
+    pub(super) fn sorted(&self, single: Vec<Planned>) -> (Vec<Due>, Vec<Due>) {
         let hashed = single
             .into_iter()
             .map(|run| (input_hash(&run.task, &run.chosen.options), run));
-        hashed.partition(|(hash, run)| !self.again && run.task.done_input_hash.as_ref() == Some(hash))
+        hashed.partition(|due| self.is_done(due))
+    }
+
+    /// Whether a run's fit is up to date.
+    pub(super) fn is_done(&self, (hash, run): &Due) -> bool {
+        !self.again && run.task.done_input_hash.as_ref() == Some(hash)
     }
 }
 
 /// A run to fit with the hash of all that its fit depends on.
-type Due = (String, Planned);
+pub(super) type Due = (String, Planned);
 
 pub(super) type Outcome = Result<Fit, Issue>;
 
 /// The fits of a batch in its order; none for those that an interruption met.
-fn fit_batch(
+pub(super) fn fit_batch(
     context: &Context,
     batch: &[Due],
     observer: &dyn Observer,
@@ -173,9 +178,10 @@ fn fit_whole(task: &FitTask, measured: &[Channel], options: &FitOptions) -> Outc
     Ok(fit)
 }
 
-/// Codes of what is said of a run whose fit failed: by its readings, and by a fault of the program.
-const NOT_FITTED: &str = "not-fitted";
-pub(super) const FAULT: &str = "fit-fault";
+/// Code of what is said of a run whose fit failed by its readings.
+pub(super) const NOT_FITTED: &str = "not-fitted";
+/// Code of what is said of a run whose fit a fault of the program stopped.
+pub const FAULT: &str = "fit-fault";
 
 pub(super) fn not_fitted(error: FitError) -> Issue {
     Issue::warning(NOT_FITTED, error.to_string())

@@ -8,7 +8,7 @@ use super::diagnosis_document::current_findings;
 use super::standing::Runs;
 use super::{Context, PipelineError, standing};
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
-use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named};
+use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
 use crate::domain::{GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 use crate::store::Earlier;
@@ -130,6 +130,24 @@ fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
 pub fn table(context: &Context, name: &str) -> Result<Table, PipelineError> {
     let named = find_table(name)?;
     Ok(TableData::current(context)?.table(context, named))
+}
+
+/// The table with the columns that are asked for, each by number, key, symbol or a part of one, in their order.
+///
+/// # Errors
+/// A column is not known, or fits several; the message lists them.
+pub fn chosen_columns(table: &Table, asked: &[String]) -> Result<Table, PipelineError> {
+    let one = |asked: &String| {
+        table
+            .column_named(asked.trim())
+            .map_err(|needed| PipelineError::BadArgument {
+                what: "--columns",
+                found: format!("{asked:?}"),
+                needed,
+            })
+    };
+    let columns: Vec<usize> = asked.iter().map(one).collect::<Result<_, _>>()?;
+    Ok(with_columns(table, &columns))
 }
 
 /// The document that `ieap table NAME --moved --json` prints.

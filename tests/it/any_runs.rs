@@ -340,6 +340,7 @@ fn told_in_every_way(context: &Context) -> Result<(), TestCaseError> {
             let path = out.path().join(format!("{}.{ending}", table.name()));
             let export = Export {
                 table,
+                format: None,
                 path,
                 overwrite: false,
             };

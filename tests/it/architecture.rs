@@ -90,6 +90,7 @@ fn crates_stay_behind_their_doors() {
         // An independent writer of what the reader is tried with.
         ("polars", "crates/ingest/src/formats/parquet/tests.rs"),
         ("parquet", "crates/ingest/src/formats/parquet"),
+        ("parquet", "crates/ingest/src/parquet_texts.rs"),
         ("tera", "crates/report"),
         ("plotters", "crates/report"),
         ("notify", "crates/ingest"),

@@ -7,6 +7,8 @@ use assert_cmd::cargo::CommandCargoExt;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::schemas;
+
 /// campaign.toml of most tests: one sample of 5 mm x 2 mm.
 pub const CAMPAIGN_TOML: &str = r#"
 [campaign]
@@ -41,9 +43,11 @@ pub struct Ended {
 }
 
 impl Ended {
-    /// The JSON document on stdout.
+    /// The JSON document on stdout, held against its schema.
     pub fn json(&self) -> Value {
-        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}\n{self:?}"))
+        let document = serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}\n{self:?}"));
+        schemas::check(&document);
+        document
     }
 
     /// Itself, after a check of the exit status.

@@ -9,7 +9,7 @@ use crate::frames::png_bytes;
 use crate::rendered::Scene;
 
 /// What is in commands that are not run to their end, with the reason; whether a long test runs them.
-const HELD_BACK: [(&str, &str, bool); 7] = [
+const HELD_BACK: [(&str, &str, bool); 9] = [
     (
         "ieap watch",
         "runs until it is stopped; tests/it/watch.rs starts it",
@@ -23,6 +23,16 @@ const HELD_BACK: [(&str, &str, bool); 7] = [
     (
         "curvature-map",
         "needs runs along a strip; tests/it/along.rs draws it",
+        false,
+    ),
+    (
+        "--what crate",
+        "needs a licence and an author; tests/it/published.rs states them",
+        false,
+    ),
+    (
+        "--install",
+        "writes into the home folder; tests/it/terminal.rs gives it another",
         false,
     ),
     ("ieap diagnose", "searches for minutes", true),

@@ -60,6 +60,7 @@ fn said(folder: &Path) -> Result<Vec<u8>, PipelineError> {
     for table in Table::ALL {
         let path = folder.join("exported.csv");
         Export {
+            format: None,
             table,
             path: path.clone(),
             overwrite: true,

@@ -270,6 +270,29 @@ fn the_notice_stands_on_every_page_and_nothing_comes_from_elsewhere() {
 }
 
 #[test]
+fn a_tag_that_is_an_address_is_a_link_and_no_other_is() {
+    let mut input = troubled_input();
+    let tag = |value: &str| ieap::domain::Tag {
+        key: "notebook".to_owned(),
+        value: value.to_owned(),
+        source: ieap::domain::TagSource::Hand,
+        detail: String::new(),
+    };
+    input.runs[0]
+        .tags
+        .push(tag("https://eln.example.org/page?id=17&v=2"));
+    input.runs[1].tags.push(tag("javascript:alert(1)"));
+    let pages = site(&input);
+    let holds = |text: &str| pages.iter().any(|(_, html)| html.contains(text));
+    assert!(
+        holds("<a href=\"https://eln.example.org/page?id=17&amp;v=2\" rel=\"noreferrer\">")
+            || holds("href=\"https:&#x2F;&#x2F;eln.example.org"),
+        "the link"
+    );
+    assert!(!holds("href=\"javascript:"), "nothing else is one");
+}
+
+#[test]
 fn progress_ends_with_everything_done() {
     let input = input(&["CNaf"], 4);
     let folder = tempfile::tempdir().expect("a folder");

@@ -87,6 +87,15 @@ fn files_that_arrive_are_taken_and_it_stops_cleanly_when_told() {
     let (status, said) = watching.stop();
     assert_eq!(status, 0, "{said}");
     assert!(said.contains("Stopped"), "{said}");
+    // A log of days: every line has its time, by the campaign's clock.
+    for line in said.lines().filter(|line| !line.starts_with("  ")) {
+        let (date, rest) = line.split_at(10);
+        let zone = rest.get(9..15).unwrap_or_default();
+        assert!(
+            date.parse::<jiff::civil::Date>().is_ok() && ["+02:00", "+03:00"].contains(&zone),
+            "{line}"
+        );
+    }
     // Nothing is left over for the next run.
     assert_eq!(folder.run_json()["ingest"]["new"], serde_json::json!([]));
 }

@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 use polars::prelude::{Column, DataFrame, IntoColumn, NamedFrom, PolarsError, Series};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
-use polars_io::parquet::write::ParquetWriter;
 
 use super::conditions::{Conditions, conditions, material, nominal_voltage_v};
 use super::disk_file::DiskFile;
 use super::one_fit::SharedEstimate;
 use super::parameters::{PARAMETERS, usable};
+use super::parquet_file::{self, About};
 use ieap_domain::safe_text::csv_text;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, Parameter, RunRecord};
@@ -24,6 +24,8 @@ use ieap_domain::{Campaign, Estimate, Parameter, RunRecord};
 pub enum TableFormat {
     /// Comma-separated, UTF-8, one header line.
     Csv,
+    /// The same with decimal commas, and semicolons between fields.
+    CsvWithDecimalComma,
     /// Apache Parquet.
     Parquet,
     /// One JSON array with an object a row.
@@ -184,21 +186,35 @@ pub fn conditions_table(runs: &[RunRecord], campaign: &Campaign) -> Result<DataF
     frame("conditions", columns)
 }
 
-/// Writes `table` to `path`. The bytes depend on the table only.
+/// Writes `table` to `path`; Parquet also holds what is said about it. The bytes depend on these only.
 ///
 /// # Errors
 /// [`ExportError::Write`] where the file cannot be written, [`ExportError::Table`] where it cannot be encoded.
-pub fn write_table(table: &mut DataFrame, format: TableFormat, path: &Path) -> Result<(), ExportError> {
+pub fn write_table(
+    table: &DataFrame,
+    format: TableFormat,
+    about: &About,
+    path: &Path,
+) -> Result<(), ExportError> {
     let (mut file, told) = DiskFile::create(path)?;
     let written = match format {
-        TableFormat::Csv => {
-            for_spreadsheets(table).and_then(|mut table| CsvWriter::new(&mut file).finish(&mut table))
+        TableFormat::Csv | TableFormat::CsvWithDecimalComma => {
+            for_spreadsheets(table).and_then(|mut table| csv_writer(&mut file, format).finish(&mut table))
         }
-        TableFormat::Parquet => ParquetWriter::new(&mut file).finish(table).map(|_| ()),
+        TableFormat::Parquet => parquet_file::write(&mut file, table, about).map(|_| ()),
         TableFormat::Json => super::json_rows::write(table, &mut file),
     };
     written.map_err(|source| told.why(source))?;
     file.flush().map_err(|source| told.failed(source))
+}
+
+/// A writer of CSV in that notation.
+pub(super) fn csv_writer<W: Write>(file: W, format: TableFormat) -> CsvWriter<W> {
+    let writer = CsvWriter::new(file);
+    match format {
+        TableFormat::CsvWithDecimalComma => writer.with_separator(b';').with_decimal_comma(true),
+        _ => writer,
+    }
 }
 
 /// The table with texts and names of columns that a spreadsheet does not calculate; numbers stay what they are.
@@ -340,10 +356,10 @@ mod tests {
         fitted
     }
 
-    fn csv(mut table: DataFrame) -> String {
+    fn csv(table: DataFrame) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.csv");
-        write_table(&mut table, TableFormat::Csv, &path).unwrap();
+        write_table(&table, TableFormat::Csv, &About::default(), &path).unwrap();
         std::fs::read_to_string(path).unwrap()
     }
 
@@ -409,15 +425,22 @@ mod tests {
 
     #[test]
     fn parquet_reads_back() {
-        use polars_io::SerReader;
-        let mut table = fits_long(&[fitted("a", known(12.0, 0.1))], &campaign()).unwrap();
+        use parquet::file::reader::{FileReader, SerializedFileReader};
+        let table = fits_long(&[fitted("a", known(12.0, 0.1))], &campaign()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("fits.parquet");
-        write_table(&mut table, TableFormat::Parquet, &path).unwrap();
-        let file = std::fs::File::open(&path).unwrap();
-        let read = polars_io::parquet::read::ParquetReader::new(file)
-            .finish()
-            .unwrap();
-        assert!(read.equals_missing(&table));
+        write_table(&table, TableFormat::Parquet, &About::default(), &path).unwrap();
+        let read = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
+        let rows: Vec<_> = read.get_row_iter(None).unwrap().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), table.height());
+        let values = table.column("value").unwrap().f64().unwrap();
+        let at = table.get_column_index("value").unwrap();
+        for (row, value) in rows.iter().zip(values.iter()) {
+            let (name, field) = row.get_column_iter().nth(at).unwrap();
+            assert_eq!(
+                (name.as_str(), Some(field)),
+                ("value", value.map(parquet::record::Field::Double).as_ref())
+            );
+        }
     }
 }

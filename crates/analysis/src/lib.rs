@@ -20,8 +20,10 @@ pub mod one_fit;
 pub mod online;
 pub mod parameters;
 pub mod plain_columns;
+mod parquet_file;
 pub mod plan;
 pub mod pooling;
+pub mod run_rows;
 pub mod run_tables;
 pub mod same_tags;
 #[doc(hidden)]
@@ -37,4 +39,5 @@ pub use design::confounding;
 pub use export::{ExportError, TableFormat, conditions_table, fits_long, fits_wide, rounded, write_table};
 pub use findings::{Contrast, contrasts};
 pub use parameters::{PARAMETERS, ParameterInfo};
+pub use parquet_file::About;
 pub use traces::TraceWriter;

@@ -16,6 +16,10 @@ pub fn runs_table(runs: &[RunRecord], campaign: &Campaign) -> Result<DataFrame, 
     let fit = |name: &str, of: fn(&ieap_domain::Fit) -> Option<f64>| {
         numbers(name, runs.iter().map(|run| run.fit.as_ref().and_then(of)))
     };
+    let count = |name: &str, of: fn(&ieap_domain::Fit) -> u32| {
+        let counts: Vec<Option<u32>> = runs.iter().map(|run| run.fit.as_ref().map(of)).collect();
+        Series::new(name.into(), counts).into_column()
+    };
     let joined = |of: fn(&ieap_domain::RunFile) -> &str| {
         move |run: &RunRecord| Some(run.files.iter().map(of).collect::<Vec<_>>().join(" "))
     };
@@ -38,9 +42,9 @@ pub fn runs_table(runs: &[RunRecord], campaign: &Campaign) -> Result<DataFrame, 
         text("data_hash", &|run| Some(run.data_hash.clone())),
         text("ingested_at", &|run| Some(run.ingested_at.clone())),
         numbers("area_cm2", runs.iter().map(|run| run.area_cm2)),
-        fit("model_version", |fit| Some(f64::from(fit.model_version))),
+        count("model_version", |fit| fit.model_version),
         Series::new("converged".into(), converged).into_column(),
-        fit("readings_fitted", |fit| Some(fit.n_samples as f64)),
+        count("readings_fitted", |fit| fit.n_samples as u32),
         fit("r_squared_current", |fit| fit.r_squared_current),
         fit("r_squared_curvature", |fit| fit.r_squared_curvature),
         Series::new("warnings".into(), warnings).into_column(),

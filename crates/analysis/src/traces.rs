@@ -3,14 +3,12 @@
 use std::io::Write;
 use std::path::Path;
 
-use polars::prelude::{
-    Column, DataFrame, DataType, Field, IntoColumn, NamedFrom, PolarsError, Schema, Series,
-};
+use polars::prelude::{Column, DataFrame, IntoColumn, NamedFrom, PolarsError, Series};
 use polars_io::SerWriter;
-use polars_io::csv::write::CsvWriter;
-use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
 
 use super::disk_file::{Buffered, DiskFile, Told};
+use super::export::csv_writer;
+use super::parquet_file::{About, Cells, ParquetFile};
 use super::{ExportError, TableFormat};
 use ieap_domain::safe_text::csv_text;
 use ieap_domain::{Channel, Quantity};
@@ -23,8 +21,8 @@ pub struct TraceWriter {
 }
 
 enum Sink {
-    Csv(Buffered),
-    Parquet(Box<BatchedWriter<Buffered>>),
+    Csv(Buffered, TableFormat),
+    Parquet(Box<ParquetFile<Buffered>>),
 }
 
 impl TraceWriter {
@@ -32,14 +30,14 @@ impl TraceWriter {
     ///
     /// # Errors
     /// [`ExportError::Write`] where it cannot be made.
-    pub fn create(path: &Path, format: TableFormat) -> Result<TraceWriter, ExportError> {
+    pub fn create(path: &Path, format: TableFormat, about: &About) -> Result<TraceWriter, ExportError> {
         let (file, told) = DiskFile::create(path)?;
         let sink = match format {
             TableFormat::Parquet => {
-                let batched = ParquetWriter::new(file).batched(&schema());
-                Sink::Parquet(Box::new(batched.map_err(|source| told.why(source))?))
+                let begun = ParquetFile::begin(file, &columns("", None), about);
+                Sink::Parquet(Box::new(begun.map_err(|source| told.why(source))?))
             }
-            _ => Sink::Csv(file),
+            _ => Sink::Csv(file, format),
         };
         Ok(TraceWriter { sink, told, rows: 0 })
     }
@@ -53,19 +51,16 @@ impl TraceWriter {
             .iter()
             .filter(|c| c.quantity != Quantity::Other && !c.is_empty())
         {
-            let name = match self.sink {
-                Sink::Csv(_) => csv_text(run),
-                Sink::Parquet(_) => run.into(),
-            };
-            let mut rows = rows(&name, channel).map_err(|source| self.told.why(source))?;
             let written = match &mut self.sink {
-                Sink::Csv(file) => CsvWriter::new(file)
-                    .include_header(self.rows == 0)
-                    .finish(&mut rows),
-                Sink::Parquet(batched) => batched.write_batch(&rows),
+                Sink::Csv(file, format) => rows(&csv_text(run), channel).and_then(|mut rows| {
+                    csv_writer(file, *format)
+                        .include_header(self.rows == 0)
+                        .finish(&mut rows)
+                }),
+                Sink::Parquet(file) => file.write(columns(run, Some(channel))),
             };
             written.map_err(|source| self.told.why(source))?;
-            self.rows += rows.height();
+            self.rows += channel.len();
         }
         Ok(())
     }
@@ -76,25 +71,35 @@ impl TraceWriter {
     /// [`ExportError`] where the file cannot be written.
     pub fn finish(self) -> Result<usize, ExportError> {
         match self.sink {
-            Sink::Csv(mut file) => file.flush().map_err(|source| self.told.failed(source))?,
-            Sink::Parquet(batched) => {
-                batched.finish().map_err(|source| self.told.why(source))?;
+            Sink::Csv(mut file, _) => file.flush().map_err(|source| self.told.failed(source))?,
+            Sink::Parquet(parquet) => {
+                let mut file = parquet.finish().map_err(|source| self.told.why(source))?;
+                file.flush().map_err(|source| self.told.failed(source))?;
             }
         }
         Ok(self.rows)
     }
 }
 
-fn schema() -> Schema {
-    let field = |name: &str, kind: DataType| Field::new(name.into(), kind);
-    Schema::from_iter([
-        field("run", DataType::String),
-        field("quantity", DataType::String),
-        field("unit", DataType::String),
-        field("time_s", DataType::Float64),
-        field("value", DataType::Float64),
-        field("excluded", DataType::Boolean),
-    ])
+/// The columns of a channel's rows; without a channel they have no rows.
+fn columns(run: &str, channel: Option<&Channel>) -> Vec<(String, Cells)> {
+    let n = channel.map_or(0, Channel::len);
+    let quantity = channel.map_or(Quantity::Other, |channel| channel.quantity);
+    let text = |text: &str| Cells::Texts(vec![Some(text.to_owned()); n]);
+    let numbers = |of: fn(&Channel) -> &[f64]| {
+        Cells::Numbers(channel.map_or(&[][..], of).iter().copied().map(Some).collect())
+    };
+    let is_excluded =
+        |index: usize| channel.map(|channel| channel.excluded.binary_search(&(index as u32)).is_ok());
+    let columns = [
+        ("run", text(run)),
+        ("quantity", text(quantity.key())),
+        ("unit", text(quantity.unit())),
+        ("time_s", numbers(|channel| &channel.time_s)),
+        ("value", numbers(|channel| &channel.values)),
+        ("excluded", Cells::Flags((0..n).map(is_excluded).collect())),
+    ];
+    columns.map(|(name, cells)| (name.to_owned(), cells)).into()
 }
 
 fn rows(run: &str, channel: &Channel) -> Result<DataFrame, PolarsError> {

@@ -1,7 +1,9 @@
 //! What is known along a strip, as it is drawn: readings of several places at common times, the simulated values
 //! beside them, and shapes that follow from curvatures.
 
-use super::{Estimate, Quantity};
+use serde::{Deserialize, Serialize};
+
+use super::{Estimate, Quantity, number_or_null};
 
 /// Frames of a drawn map at most, about: see [`drawn_frames`].
 pub const DRAWN_FRAMES: usize = 120;
@@ -24,19 +26,22 @@ pub struct PlaceSeries<'a> {
 /// A quantity at several places and common times (frames), thinned for drawing.
 ///
 /// Fits store these, so that pages draw what was computed and never compute.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AlongCurve {
     /// What is drawn.
     pub quantity: Quantity,
     /// Places, mm from the clamp, increasing.
     pub position_mm: Vec<f64>,
     /// Noise of each place, canonical unit; NaN where it is not known.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub noise: Vec<f64>,
     /// Times of the kept frames, s, increasing.
     pub time_s: Vec<f64>,
     /// Readings, place after place, each over all frames; NaN where a place has none. Empty: only a model speaks.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub measured: Vec<f64>,
     /// Simulated values in the same order; NaN where the place has no reading. Empty where nothing was fitted.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub fitted: Vec<f64>,
     /// Number of frames before thinning.
     pub frames: usize,

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::thinning::{DRAWN_BUCKETS, drawn_indices};
-use super::{AlongStrip, ClimateCurve, Quantity};
+use super::{AlongStrip, ClimateCurve, Quantity, number_or_null};
 
 /// Readings of one quantity: times and values of equal length, finite, in canonical units.
 ///
@@ -145,7 +145,7 @@ pub struct ChannelSummary {
 /// A curve as it is drawn: thinned readings with the fitted value and the residual beside each.
 ///
 /// Fits store these, so that figures draw what was computed and never compute.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunCurve {
     /// What is drawn.
     pub quantity: Quantity,
@@ -156,6 +156,7 @@ pub struct RunCurve {
     /// Fitted values at the same times; empty where nothing was fitted.
     pub fitted: Vec<f64>,
     /// (measured - fitted) / noise standard deviation at the same times; empty where nothing was fitted.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub residual_sigma: Vec<f64>,
     /// Number of readings before thinning.
     pub readings: usize,

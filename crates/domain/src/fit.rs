@@ -53,7 +53,7 @@ pub struct ChannelNoise {
 }
 
 /// Parameters of one run under one model, with everything needed to judge them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// Model id, `lumped-2`.
     pub model: String,

@@ -13,6 +13,7 @@ pub mod formats;
 pub mod frames;
 pub mod name_pattern;
 pub mod named_columns;
+pub mod parquet_texts;
 pub mod profiles;
 pub mod reading;
 pub mod run_sheet;

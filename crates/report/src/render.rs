@@ -26,7 +26,7 @@ use super::site::Site;
 use super::sparkline::Sparks;
 use super::visible::{indexed, write_escaped};
 use ieap_analysis::dma::table::modulus_table;
-use ieap_analysis::{TableFormat, conditions_table, fits_wide, rounded, write_table};
+use ieap_analysis::{About, TableFormat, conditions_table, fits_wide, rounded, write_table};
 use ieap_domain::{CurveSource, Fault};
 use ieap_system::fs;
 
@@ -392,7 +392,7 @@ fn tables(input: &Input, out_dir: &Path) -> Result<u64, ReportError> {
     let mut bytes = 0;
     for (name, table) in tables {
         let path = out_dir.join(name);
-        write_table(&mut rounded(&table)?, TableFormat::Csv, &path)?;
+        write_table(&rounded(&table)?, TableFormat::Csv, &About::default(), &path)?;
         bytes += fs::metadata(&path)
             .map_err(|source| ReportError::Write { path, source })?
             .len();

@@ -1,6 +1,7 @@
 //! The named tables. A table is one file here and one row in [`TABLES`]: a pure function from what the database holds.
 
 mod cells;
+mod chosen_columns;
 mod conditions_table;
 mod extended;
 mod findings;
@@ -17,6 +18,7 @@ mod table4;
 mod table5;
 mod table6;
 
+pub use chosen_columns::with_columns;
 pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use table6::rules;
 

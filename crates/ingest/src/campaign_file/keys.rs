@@ -8,7 +8,7 @@ use super::nearest;
 use ieap_domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 14] = [
+const KNOWN: [(&str, &[&str]); 15] = [
     (
         "campaign",
         &[
@@ -97,6 +97,19 @@ const KNOWN: [(&str, &[&str]); 14] = [
         ],
     ),
     ("compare", &["reference"]),
+    (
+        "publication",
+        &[
+            "title",
+            "description",
+            "license",
+            "doi",
+            "publisher",
+            "date",
+            "keywords",
+            "author",
+        ],
+    ),
     ("tags", &["extra"]),
     (
         "monitoring",

@@ -8,6 +8,7 @@ mod keys;
 mod lines;
 mod monitoring;
 mod nearest;
+mod publication;
 mod raw;
 mod tags;
 mod template;
@@ -19,6 +20,7 @@ use ieap_system::fs;
 
 pub use error::CampaignFileError;
 pub(crate) use nearest::nearest;
+pub use publication::{Author, Publication, publication};
 pub use template::template;
 
 /// Name of the file that makes a folder a campaign.

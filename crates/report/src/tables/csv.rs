@@ -6,9 +6,37 @@ use crate::number::{Rounded, rounded, rounded_bound};
 use ieap_analysis::tables::{Cell, Content, Table};
 use ieap_domain::safe_text::csv_text;
 
-/// Writes the table. A column with measured numbers becomes four: the value, `_standard_error`, `_low_95`,
-/// `_high_95`; a last column, `notes`, has the footnotes of the row.
+/// How numbers and fields are told apart.
+#[derive(Clone, Copy)]
+struct Notation {
+    separator: char,
+    decimal: char,
+}
+
+const POINT: Notation = Notation {
+    separator: ',',
+    decimal: '.',
+};
+
+/// As spreadsheets set to a language with a decimal comma expect it.
+const COMMA: Notation = Notation {
+    separator: ';',
+    decimal: ',',
+};
+
+/// Writes the table with decimal points and commas between fields.
 pub fn write(table: &Table) -> String {
+    written(table, POINT)
+}
+
+/// The same with decimal commas and semicolons between fields.
+pub fn write_with_decimal_comma(table: &Table) -> String {
+    written(table, COMMA)
+}
+
+/// The table in a notation. A column with measured numbers becomes four: the value, `_standard_error`, `_low_95`,
+/// `_high_95`; a last column, `notes`, has the footnotes of the row.
+fn written(table: &Table, notation: Notation) -> String {
     let is_measured = |column: usize| {
         let mut cells = table.rows.iter().filter_map(|row| row.cells.get(column));
         cells.any(|cell| matches!(cell.content, Content::Measured(_) | Content::Bound { .. }))
@@ -22,23 +50,24 @@ pub fn write(table: &Table) -> String {
         }
     }
     head.push("notes".to_owned());
-    let mut out = line(&head);
+    let mut out = line(&head, notation);
     for (row, shown) in table.rows.iter().zip(grid(table)) {
         let mut fields = Vec::new();
         for ((cell, shown), measured) in row.cells.iter().zip(shown).zip(&measured) {
             match measured {
-                true => fields.extend(numbers(cell)),
-                false => fields.push(field(&shown)),
+                true => fields.extend(numbers(cell, notation)),
+                false => fields.push(field(&shown, notation)),
             }
         }
         fields.push(notes(table, &row.cells));
-        out += &line(&fields);
+        out += &line(&fields, notation);
     }
     out
 }
 
 /// Value, standard error and the ends of the interval; what is not known is empty.
-fn numbers(cell: &Cell) -> [String; 4] {
+fn numbers(cell: &Cell, notation: Notation) -> [String; 4] {
+    let machine = |number: &Rounded| machine(number, notation);
     match &cell.content {
         Content::Measured(measured) => {
             let shown = rounded(measured.value, measured.standard_error.unwrap_or(0.0));
@@ -75,18 +104,21 @@ fn numbers(cell: &Cell) -> [String; 4] {
 }
 
 /// A cell without uncertainty; what is not there is empty.
-fn field(shown: &ShownCell) -> String {
+fn field(shown: &ShownCell, notation: Notation) -> String {
     match shown {
         ShownCell::Words(words) => csv_text(words).into_owned(),
-        ShownCell::Number(number) => machine(number),
+        ShownCell::Number(number) => machine(number, notation),
         ShownCell::NotDetermined | ShownCell::Missing => String::new(),
         other => other.text(),
     }
 }
 
-/// `9.4e-5`
-fn machine(number: &Rounded) -> String {
-    let value = number.value.replace('−', "-");
+/// `9.4e-5`, or `9,4e-5`
+fn machine(number: &Rounded, notation: Notation) -> String {
+    let value = number
+        .value
+        .replace('−', "-")
+        .replace('.', &notation.decimal.to_string());
     match number.exponent {
         Some(power) => format!("{value}e{power}"),
         None => value,
@@ -109,10 +141,72 @@ fn notes(table: &Table, cells: &[Cell]) -> String {
 }
 
 /// One record after RFC 4180, with a line feed.
-fn line(fields: &[String]) -> String {
-    let quoted = |field: &String| match field.contains(['"', ',', '\n', '\r']) {
+fn line(fields: &[String], notation: Notation) -> String {
+    let quoted = |field: &String| match field.contains(['"', notation.separator, '\n', '\r']) {
         true => format!("\"{}\"", field.replace('"', "\"\"")),
         false => field.clone(),
     };
-    fields.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n"
+    fields
+        .iter()
+        .map(quoted)
+        .collect::<Vec<_>>()
+        .join(&notation.separator.to_string())
+        + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_analysis::tables::{Column, Measured, Row};
+
+    #[test]
+    fn a_decimal_comma_leaves_no_doubt_where_a_field_ends() {
+        let measured = Measured {
+            value: 1.25e-4,
+            standard_error: Some(2e-6),
+            low_95: Some(1.21e-4),
+            high_95: Some(1.29e-4),
+            pooled: None,
+        };
+        let table = Table {
+            columns: vec![
+                Column::plain("sample", "", ""),
+                Column::plain("voltage_v", "", ""),
+                Column::plain("c", "", ""),
+            ],
+            rows: vec![Row {
+                label: "a".to_owned(),
+                cells: vec![
+                    Cell::text(Some("a,b;c"), vec![]),
+                    Cell::exact(Some(2.5), vec![]),
+                    Cell::new(Content::Measured(measured), vec![]),
+                ],
+            }],
+            ..Table::default()
+        };
+        let text = write_with_decimal_comma(&table);
+        let mut reader = csv_reader(&text);
+        let row: Vec<String> = reader.next().expect("a row");
+        assert_eq!(row[0], "a,b;c");
+        assert_eq!(row[1], "2,5");
+        let number = |text: &str| text.replace(',', ".").parse::<f64>().expect("a number");
+        assert!((number(&row[2]) - 1.25e-4).abs() < 1e-6, "{text}");
+        assert_eq!(row.len(), text.lines().next().expect("a head").split(';').count());
+    }
+
+    /// Fields of the rows after the head, as a spreadsheet parts them.
+    fn csv_reader(text: &str) -> impl Iterator<Item = Vec<String>> {
+        let part = |line: &str| {
+            let (mut fields, mut quoted) = (vec![String::new()], false);
+            for character in line.chars() {
+                match character {
+                    '"' => quoted = !quoted,
+                    ';' if !quoted => fields.push(String::new()),
+                    other => fields.last_mut().expect("a field").push(other),
+                }
+            }
+            fields
+        };
+        text.lines().skip(1).map(part).collect::<Vec<_>>().into_iter()
+    }
 }

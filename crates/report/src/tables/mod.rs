@@ -10,7 +10,9 @@ mod shown;
 mod text;
 mod typst;
 
+pub use csv::write_with_decimal_comma;
 pub use shown::{ShownCell, grid, note_letter, remarks, text_of};
+pub use text::write_within;
 
 use ieap_analysis::tables::Table;
 

@@ -8,42 +8,24 @@ use ieap_analysis::tables::Table;
 
 /// Words of a cell are cut here: the full text is in every other format.
 const WIDEST: usize = 60;
+/// Blanks between columns.
+const GAP: usize = 2;
 
-/// Writes the table.
+/// Writes the table, as wide as it is.
 pub fn write(table: &Table) -> String {
-    let cells = texts(table);
-    let (symbols, units): (Vec<String>, Vec<String>) = table.columns.iter().map(head).unzip();
-    let width = |column: usize| {
-        let heads = [&symbols[column], &units[column]]
-            .into_iter()
-            .map(|text| text.chars().count());
-        let body = cells.iter().map(|row| row[column].0.chars().count());
-        heads.chain(body).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..table.columns.len()).map(width).collect();
-    let right: Vec<bool> = (0..table.columns.len())
-        .map(|column| is_right(&cells, column))
-        .collect();
-    let line = |texts: &[String]| {
-        let padded = texts
-            .iter()
-            .enumerate()
-            .map(|(column, text)| pad(text, widths[column], right[column]));
-        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
-    };
+    write_within(table, usize::MAX)
+}
+
+/// Writes the table into lines of at most `width` characters: columns that have no room beside the others stand in blocks
+/// below, each led by the columns that say what a row is about. A column that is wider by itself stays whole.
+pub fn write_within(table: &Table, width: usize) -> String {
+    let grid = Grid::of(table);
     let mut out = format!("{}\n\n", one_line(&caption(table)));
-    out += &line(&symbols);
-    if units.iter().any(|unit| !unit.is_empty()) {
-        out += &line(&units);
-    }
-    out += &"─".repeat(widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1));
-    out.push('\n');
-    let starts = group_starts(table);
-    for (row, starts) in cells.iter().zip(starts) {
-        if starts {
+    for (at, columns) in grid.blocks(table.stub, width).iter().enumerate() {
+        if at > 0 {
             out.push('\n');
         }
-        out += &line(&row.iter().map(|(text, _)| text.clone()).collect::<Vec<_>>());
+        grid.write(columns, &mut out);
     }
     for (at, note) in table.notes.iter().enumerate() {
         let gap = if at == 0 { "\n" } else { "" };
@@ -54,6 +36,85 @@ pub fn write(table: &Table) -> String {
         out += &format!("{gap}{}\n", one_line(remark));
     }
     out
+}
+
+/// What is printed, with the width of each column.
+struct Grid {
+    symbols: Vec<String>,
+    units: Vec<String>,
+    cells: Vec<Vec<(String, bool)>>,
+    starts: Vec<bool>,
+    widths: Vec<usize>,
+    right: Vec<bool>,
+}
+
+impl Grid {
+    fn of(table: &Table) -> Grid {
+        let cells = texts(table);
+        let (symbols, units): (Vec<String>, Vec<String>) = table.columns.iter().map(head).unzip();
+        let width = |column: usize| {
+            let heads = [&symbols[column], &units[column]]
+                .into_iter()
+                .map(|text| text.chars().count());
+            let body = cells.iter().map(|row| row[column].0.chars().count());
+            heads.chain(body).max().unwrap_or(0)
+        };
+        Grid {
+            widths: (0..table.columns.len()).map(width).collect(),
+            right: (0..table.columns.len())
+                .map(|column| is_right(&cells, column))
+                .collect(),
+            starts: group_starts(table),
+            symbols,
+            units,
+            cells,
+        }
+    }
+
+    /// Characters of a line of these columns.
+    fn width(&self, columns: &[usize]) -> usize {
+        let widths = columns.iter().map(|&column| self.widths[column] + GAP);
+        widths.sum::<usize>().saturating_sub(GAP)
+    }
+
+    /// Which columns stand beside each other in lines of `width` characters, the first `stub` of them in every block.
+    fn blocks(&self, stub: usize, width: usize) -> Vec<Vec<usize>> {
+        let stub: Vec<usize> = (0..stub.min(self.widths.len())).collect();
+        let mut blocks = Vec::new();
+        let mut block = stub.clone();
+        for column in stub.len()..self.widths.len() {
+            let wider = [&block[..], &[column]].concat();
+            if self.width(&wider) > width && block.len() > stub.len() {
+                blocks.push(block);
+                block = [&stub[..], &[column]].concat();
+            } else {
+                block = wider;
+            }
+        }
+        blocks.push(block);
+        blocks
+    }
+
+    fn write(&self, columns: &[usize], out: &mut String) {
+        let line = |text: &dyn Fn(usize) -> String| {
+            let padded = columns
+                .iter()
+                .map(|&column| pad(&text(column), self.widths[column], self.right[column]));
+            padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+        };
+        *out += &line(&|column| self.symbols[column].clone());
+        if columns.iter().any(|&column| !self.units[column].is_empty()) {
+            *out += &line(&|column| self.units[column].clone());
+        }
+        *out += &"─".repeat(self.width(columns));
+        out.push('\n');
+        for (row, starts) in self.cells.iter().zip(&self.starts) {
+            if *starts {
+                out.push('\n');
+            }
+            *out += &line(&|column| row[column].0.clone());
+        }
+    }
 }
 
 /// Text of every cell, and whether it is a number.
@@ -94,5 +155,55 @@ fn pad(text: &str, width: usize, right: bool) -> String {
     match right {
         true => format!("{room}{text}"),
         false => format!("{text}{room}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ieap_analysis::tables::{Cell, Column, Row};
+
+    fn table() -> Table {
+        let cells = ["CNaf", "1.25", "3.5", "17"].map(|text| Cell::text(Some(text), vec![]));
+        Table {
+            title: "A table".to_owned(),
+            columns: ["Material", "first", "second", "third"]
+                .map(|key| Column::plain(key, key, key))
+                .to_vec(),
+            stub: 1,
+            rows: vec![Row {
+                label: "CNaf".to_owned(),
+                cells: cells.to_vec(),
+            }],
+            ..Table::default()
+        }
+    }
+
+    #[test]
+    fn columns_without_room_stand_below_led_by_what_names_the_row() {
+        let text = write_within(&table(), 24);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            lines,
+            [
+                "A table.",
+                "",
+                "Material  first  second",
+                "───────────────────────",
+                "CNaf      1.25   3.5",
+                "",
+                "Material  third",
+                "───────────────",
+                "CNaf      17",
+            ]
+        );
+        assert!(lines.iter().all(|line| line.chars().count() <= 24));
+    }
+
+    #[test]
+    fn with_room_there_is_one_block_and_without_any_each_column_stands_whole() {
+        assert_eq!(write_within(&table(), 31), write(&table()));
+        let narrow = write_within(&table(), 3);
+        assert_eq!(narrow.matches("Material").count(), 3, "{narrow}");
     }
 }

@@ -1,0 +1,66 @@
+//! `ieap import-fits`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::exit::{self, CliError};
+use super::output::{Output, counted};
+use super::{Global, folder, say_what_is_not_understood};
+use crate::pipeline::Context;
+use crate::pipeline::import_fits::{ImportFits, ImportSummary};
+
+/// Bring fits that were computed elsewhere into the campaign: by `ieap fit --shard`, or on a cluster
+///
+/// A row is taken where it is of a run as it is now and was fitted as the campaign would fit it; every other row is listed with
+/// the reason.
+#[derive(Debug, Args)]
+pub struct ImportFitsArgs {
+    /// Files with a row a run (.jsonl, .parquet), or folders of them
+    #[arg(value_name = "FILES", required = true)]
+    files: Vec<PathBuf>,
+    /// Campaign folder [default: this folder, or the nearest one above it with a campaign.toml]
+    #[arg(long, short = 'C', value_name = "CAMPAIGN")]
+    campaign: Option<PathBuf>,
+}
+
+pub fn run(args: &ImportFitsArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    let mut context = Context::open(&folder(args.campaign.as_deref())?, global.i_know)?;
+    say_what_is_not_understood(&context, output);
+    let import = ImportFits {
+        files: args.files.clone(),
+    };
+    let summary = import.run(&mut context)?;
+    print(&summary, output);
+    output.document(&json!({ "schema": "ieap/import-fits/1", "imported": summary }))?;
+    Ok(exit::after(false, summary.refused.is_empty()))
+}
+
+fn print(summary: &ImportSummary, output: &Output) {
+    output.result(&format!(
+        "{} of {}: {} imported, {} there already, {} could not be fitted, {} refused",
+        counted(summary.rows, "row"),
+        counted(summary.files, "file"),
+        summary.imported,
+        summary.up_to_date,
+        summary.failed.len(),
+        summary.refused.len()
+    ));
+    summary
+        .failed
+        .iter()
+        .for_each(|(path, issue)| output.issue(path, issue));
+    for row in &summary.refused {
+        let run = row.run.as_deref().map_or(String::new(), |run| format!(", {run}"));
+        output.message(&format!(
+            "  {}, row {}{run}: {}",
+            row.file.display(),
+            row.row,
+            row.reason
+        ));
+    }
+    if summary.imported > 0 {
+        output.message("`ieap run` diagnoses and renders from them.");
+    }
+}

@@ -1,0 +1,76 @@
+//! `ieap man`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Command};
+use clap_mangen::Man;
+
+use super::exit::{CliError, DONE};
+use super::output::Output;
+use super::user_folders;
+use crate::pipeline::CODE_VERSION;
+
+/// Print the man page of the program or of a verb, or install all of them for `man ieap` and `man ieap-run`
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// A verb [default: the program]
+    verb: Option<String>,
+    /// Write every page into the folder of your own man pages [~/.local/share/man/man1]
+    #[arg(long, conflicts_with = "verb")]
+    install: bool,
+    /// Write every page into this folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["verb", "install"])]
+    into: Option<PathBuf>,
+    /// Write over pages that are there
+    #[arg(long)]
+    overwrite: bool,
+}
+
+pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, CliError> {
+    // What the verbs take from the program (--json and the like) is known to them only then.
+    program.build();
+    let folder = match (&args.into, args.install) {
+        (Some(folder), _) => Some(folder.clone()),
+        (None, true) => Some(user_folders::data()?.join("man/man1")),
+        (None, false) => None,
+    };
+    let Some(folder) = folder else {
+        let command = match &args.verb {
+            None => &program,
+            Some(verb) => program.find_subcommand(verb).ok_or_else(|| {
+                CliError::usage(&format!(
+                    "man: found {verb:?}, needed a verb; `ieap --help` lists them"
+                ))
+            })?,
+        };
+        output.write(&page(command)?);
+        return Ok(DONE);
+    };
+    let verbs = program.get_subcommands().filter(|verb| !verb.is_hide_set());
+    for command in std::iter::once(&program).chain(verbs) {
+        let name = format!("{}.1", name(command));
+        user_folders::put(&folder, &name, &page(command)?, args.overwrite, output)?;
+    }
+    output.result(&format!(
+        "{}: `man ieap`, `man ieap-run` and so on show them",
+        folder.display()
+    ));
+    Ok(DONE)
+}
+
+/// `ieap`, `ieap-run`.
+fn name(command: &Command) -> String {
+    let whole = command.get_display_name().unwrap_or(command.get_name());
+    whole.to_owned()
+}
+
+fn page(command: &Command) -> Result<Vec<u8>, CliError> {
+    let mut page = Vec::new();
+    Man::new(command.clone())
+        .title(name(command))
+        .source(format!("ieap {}", CODE_VERSION))
+        .manual("ieap manual")
+        .render(&mut page)
+        .map_err(|error| CliError::internal(&error.to_string()))?;
+    Ok(page)
+}
