@@ -38,10 +38,10 @@ impl VoltageLimits {
 }
 
 /// Rounds of the search, and how near to the wanted course it stops, as a share of what the largest voltage does.
-const ROUNDS: usize = 1500;
+const ROUNDS: usize = 3000;
 const NEAR: f64 = 1e-9;
 /// Weight of the limits against the squares, both made comparable by the largest diagonal entry.
-const PENALTY: f64 = 0.02;
+const PENALTY: f64 = 0.5;
 /// Weight of changes of the voltage against the squares: between courses that do equally well, the calmer one.
 const CALM: f64 = 1e-9;
 
@@ -130,11 +130,14 @@ fn search(pulse: &[f64], wanted: &[f64], limits: &VoltageLimits, start: &[f64]) 
             })
             .collect();
         v = solve(&factor, side);
-        let mut apart = 0.0_f64;
+        // Settled where the voltages are within their limits and the limited ones have ceased to move.
+        let (mut apart, before) = (0.0_f64, level.clone());
         for k in 0..n {
             level[k] = (v[k] + level_dual[k]).clamp(limits.lowest_v, limits.highest_v);
             level_dual[k] += v[k] - level[k];
-            apart = apart.max((v[k] - level[k]).abs());
+            apart = apart
+                .max((v[k] - level[k]).abs())
+                .max((level[k] - before[k]).abs());
             if steered {
                 let now = difference(&v, k);
                 let from = if k == 0 { limits.from_v } else { 0.0 };

@@ -11,13 +11,15 @@ use crate::figures::panel::{Margins, panel};
 use ieap_domain::range_of;
 
 /// Height of a panel, px.
-const HEIGHT: u32 = 150;
+const HEIGHT: u32 = 165;
 const MARGINS: Margins = Margins {
     left: 58,
-    right: 12,
+    right: 26,
     top: 4,
     bottom: 44,
 };
+/// Part of the height that an axis does not go below zero for.
+const LITTLE: f64 = 0.02;
 /// Opacity of a band.
 const PALE: f64 = 0.2;
 
@@ -60,8 +62,11 @@ fn draw(area: &Area, course: &Course) -> Result<(), String> {
     let ends = course.band.iter().flat_map(|(low, high)| [*low, *high]);
     let values = course.points.iter().chain(&course.wanted).map(|point| point.1);
     let (low, high) = range_of(values.chain(ends).chain([0.0]));
+    // Rounding below zero, and a band that hardly reaches there, ask for no room.
+    let low = if low > -LITTLE * high { 0.0 } else { low };
     let x = Axis::linear_rounded(from, to, "Time", "s", 5);
-    let y = Axis::linear_rounded(low, high, &course.quantity, &course.unit, 4);
+    // The title of the panel says what it is.
+    let y = Axis::linear_rounded(low, high, &course.unit, "", 4);
     let mut chart = panel(area, MARGINS, &x, &y, true)?;
     let edge = |which: &dyn Fn(&(f64, f64)) -> f64| -> Vec<(f64, f64)> {
         let pairs = course.points.iter().zip(&course.band);
@@ -103,8 +108,9 @@ mod tests {
             ..course.clone()
         };
         let drawing = courses(240, &[course.clone(), empty.clone()]).unwrap();
-        assert_eq!(drawing.size.0, 240);
-        assert!(drawing.size.1 > HEIGHT && drawing.size.1 < 2 * HEIGHT);
+        let (width, height) = drawing.size;
+        assert_eq!(width, 10 * 240);
+        assert!((10 * HEIGHT..20 * HEIGHT).contains(&height), "{height}");
         assert!(courses(240, &[empty]).is_err());
     }
 }
