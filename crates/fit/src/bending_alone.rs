@@ -17,7 +17,7 @@ use super::joint::start::Start;
 use super::joint_estimates::{choice_in_words, judged_estimate};
 use super::outcome::{judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
-use super::{FitInput, FitOptions};
+use crate::options::{FitInput, FitOptions};
 
 /// Branches that bending alone is asked for: with the relaxation a third one makes four rates, which no record tells.
 const MOST_BRANCHES: usize = 2;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use ieap_domain::{AlongCurve, PlaceSeries, Quantity};
 
-use super::DistributedInput;
 use super::described::Described;
+use super::input::DistributedInput;
 use super::readings::{Group, Kind, Readings};
 use super::response;
 

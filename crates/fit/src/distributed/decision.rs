@@ -4,9 +4,9 @@ use ieap_domain::{Estimate, Issue, LUMPED_OR_DISTRIBUTED};
 use ieap_model::distributed::{DistributedModel, LumpedError};
 use ieap_numerics::student::quantile_95;
 
-use super::Identified;
 use super::described::electrical_parameters;
 use super::estimates::electrode_resistance;
+use super::identified::Identified;
 use super::unevenness::{Unevenness, unevenness};
 
 /// The lumped model is called enough where it is wrong by less than this share at the tip.

@@ -1,7 +1,7 @@
 //! Phases 1 and 2: R_e, R_c, C and R_ss from the current and the voltages along the strip.
 
-use super::DistributedInput;
 use super::described::{self, electrical_parameters};
+use super::input::DistributedInput;
 use super::readings::{Kind, Readings};
 use super::squares::{Fitted, Problem};
 

@@ -1,8 +1,8 @@
 //! All parameters from all readings at once, each weighted by its noise and what else it gets wrong.
 
-use super::DistributedInput;
 use super::described::{self, electrical_parameters};
 use super::electrical::starts;
+use super::input::DistributedInput;
 use super::mechanical::{Mechanical, rates};
 use super::readings::{Kind, Readings};
 use super::squares::{Fitted, Problem};

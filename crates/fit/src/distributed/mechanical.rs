@@ -4,8 +4,8 @@ use ieap_domain::quantiles::CHI_SQUARE_95;
 use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
-use super::DistributedInput;
 use super::described::{Described, model_of};
+use super::input::DistributedInput;
 use super::readings::{Kind, Readings};
 use super::squares::{Fitted, Problem, product};
 

@@ -7,8 +7,9 @@ use ieap_numerics::correlation::lag_one;
 use super::contact_break::ContactBreak;
 use super::decision::Decision;
 use super::estimates::{parameters, remarks};
+use super::identified::Identified;
 use super::readings::{Group, Kind};
-use super::{Identified, MODEL_ID, along, response};
+use super::{MODEL_ID, along, response};
 
 pub(super) fn fit(found: &Identified, decision: &Decision) -> Fit {
     let described = found.described();

@@ -1,27 +1,13 @@
 //! What the model says of a group of series, for any drive of held voltages: steps add up.
 
-use ieap_domain::{Drive, Level};
+use ieap_domain::Drive;
 use ieap_model::distributed::{BrokenStrip, DistributedModel};
 
 use super::described::Described;
-use super::readings::{Group, Kind};
+use super::readings::{Group, Kind, steps};
 
 /// A time after which everything has come to rest, s.
 const AT_REST_S: f64 = 1e15;
-
-/// Changes of the held voltage: when (s) and by how much (V).
-pub(super) fn steps(drive: &Drive) -> Vec<(f64, f64)> {
-    let mut before = drive.baseline_v;
-    let mut steps = Vec::new();
-    for segment in &drive.segments {
-        let Level::Voltage(voltage_v) = segment.level else {
-            continue;
-        };
-        steps.push((segment.start_s, voltage_v - before));
-        before = voltage_v;
-    }
-    steps
-}
 
 /// Values of every series of the group, one after the other, each over all times.
 pub(super) fn predicted(described: &Described, drive: &Drive, group: &Group) -> Vec<f64> {

@@ -5,10 +5,11 @@ use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::described::Described;
+use super::input::DistributedInput;
 use super::left_out::{Columns, LeftOut};
 use super::readings::{Group, Kind, Readings};
 use super::residual_noise::ResidualNoise;
-use super::{DistributedInput, response};
+use super::response;
 
 /// Step of the differences in a logarithm: the error of second order is then about a part in 10^9.
 const STEP: f64 = 3e-5;

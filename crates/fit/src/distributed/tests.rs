@@ -6,8 +6,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::described::{Described, model_of};
 use super::*;
-use ieap_domain::{AlongCurve, Quantity};
+use ieap_domain::{AlongCurve, Channel, Drive, Quantity};
 use ieap_model::Branch;
 use ieap_model::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use ieap_model::distributed::Laminate;

@@ -14,9 +14,10 @@ use ieap_numerics::student::one_sided_chance;
 use ieap_numerics::sums::{dot, square};
 
 use super::described::{Described, electrical_parameters};
+use super::identified::Identified;
 use super::readings::{Group, Kind};
+use super::response;
 use super::squares::{Problem, freedom, product, scatter};
-use super::{Identified, response};
 
 /// Reach of the resistance at which the direction is taken where less was found: `R_e L^2 / R_c`.
 const LEAST_REACH: f64 = 0.01;

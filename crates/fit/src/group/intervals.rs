@@ -9,7 +9,7 @@ use crate::joint::profile::{Deeper, Interval, Solved};
 use crate::joint::single::{REACH, partner, reach};
 use ieap_numerics::student::quantile_95;
 
-use super::{Bootstrap, GroupOptions, Intervals, LIMIT, Resampled};
+use super::options::{Bootstrap, GroupOptions, Intervals, LIMIT, Resampled};
 
 /// Part of a logarithm, or of a coupling, beyond which an interval is looked at by profile.
 const NARROW: f64 = 0.1;

@@ -6,7 +6,7 @@ use crate::joint::readings::RunReadings;
 use crate::joint::start::{Start, problem};
 use ieap_numerics::levenberg::Stop;
 
-use super::LIMIT;
+use super::options::LIMIT;
 
 /// Evaluations over all readings.
 const POLISH_LIMIT: u64 = 12;

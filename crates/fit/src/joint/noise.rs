@@ -10,6 +10,7 @@ mod shared;
 mod smooth;
 #[cfg(test)]
 mod tests;
+mod tried;
 
 use crate::sampled::Sampled;
 
@@ -18,9 +19,6 @@ use super::whitening::{Memory, Whitener};
 pub(crate) use again::{Again, Products, products, white};
 use growth::growth;
 use smooth::Smooth;
-
-/// Twice the gain in log likelihood that a further property of the noise must bring, beside BIC.
-const EVIDENCE: f64 = 6.0;
 
 /// Noise of one channel.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 //! the sum of squares is a parabola, else by profile likelihood.
 
 use crate::bending::Bending;
-use crate::electrical::{BRANCH_EVIDENCE, Electrical};
+use crate::electrical::{BRANCH_EVIDENCE, CLEAR, Electrical};
 use ieap_numerics::levenberg::Stop;
 use ieap_numerics::student::quantile_95;
 
@@ -15,8 +15,6 @@ use super::profile::{Deeper, Interval, Solved};
 use super::readings::{Offsets, RunReadings};
 use super::start::Start;
 
-/// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
-pub(crate) const CLEAR: f64 = 30.0;
 /// How much wider the intervals of a branch are that was only just taken: runs in which chance made it look
 /// larger are taken more often than those in which it made it look smaller.
 const CHOSEN_WIDER: f64 = 0.5;

@@ -6,9 +6,9 @@ use crate::joint::whitening::{Memory, Whitener};
 use crate::sampled::{Sampled, Span};
 
 use super::Noise;
-use super::memory::{CORRELATIONS, FROM, TO};
-use super::shared::{correlation_at, lowest, together};
+use super::shared::together;
 use super::smooth::{Smooth, inner};
+use super::tried::{CORRELATIONS, FROM, TO, correlation_at, lowest};
 
 /// Smooth shapes and scales of a channel, and the normal matrices of every memory that is tried.
 pub(crate) struct Again {

@@ -2,8 +2,8 @@
 
 use crate::sampled::Sampled;
 
-use super::EVIDENCE;
 use super::smooth::Smooth;
+use super::tried::EVIDENCE;
 
 /// How the noise grows with the signal.
 pub(super) struct Growth {

@@ -5,14 +5,10 @@ use crate::joint::whitening::{Memory, Whitener};
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::correlation::yule_walker;
 
-use super::EVIDENCE;
-use super::shared::lowest;
 use super::smooth::{Smooth, inner};
+use super::tried::{CORRELATIONS, EVIDENCE, FROM, TO, lowest};
 
-/// Correlations tried by reading order, between these inverse hyperbolic tangents; and correlation times.
-pub(super) const CORRELATIONS: usize = 60;
-pub(super) const FROM: f64 = -0.7;
-pub(super) const TO: f64 = 3.4;
+/// Correlation times that are tried.
 const TIMES: usize = 12;
 /// Readings from which orders above one are looked at.
 const ENOUGH_FOR_ORDER: usize = 300;
