@@ -11,7 +11,7 @@ use ieap_numerics::chance::chi_square_chance;
 use super::joint::dense::{Bottom, Slope};
 use super::joint::feature::Feature;
 use super::joint::minimum::excess;
-use super::joint::problem::{Layout, Over, Problem};
+use super::joint::problem::{JointProblem, Layout, Over};
 use super::joint::readings::RunReadings;
 use super::joint::start::Start;
 use super::outcome;
@@ -109,7 +109,7 @@ pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), 
 }
 
 /// Fits every run by itself and weighs what sharing costs.
-fn weigh_sharing(problem: &Problem, starts: &[Start], judged: &mut JudgedGroup) -> Sharing {
+fn weigh_sharing(problem: &JointProblem, starts: &[Start], judged: &mut JudgedGroup) -> Sharing {
     let (mut square, mut parameters, mut misfit) = (0.0, 0, 1.0_f64);
     for (run, start) in problem.runs.iter().zip(starts) {
         let (own, bottom, evaluations) = search(vec![run.clone()], std::slice::from_ref(start), &[]);
@@ -184,7 +184,12 @@ fn prepare<'a>(
     Ok((run, start))
 }
 
-fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judged: JudgedGroup) -> GroupFit {
+fn assemble(
+    inputs: &[FitInput],
+    options: &GroupOptions,
+    problem: &JointProblem,
+    judged: JudgedGroup,
+) -> GroupFit {
     let readings: usize = problem.runs.iter().map(RunReadings::len).sum();
     let stop = judged.bottom.stop;
     let mut runs = Vec::with_capacity(inputs.len());

@@ -20,7 +20,7 @@ use super::input::DistributedInput;
 use super::jointly::parts;
 use super::mechanical::Mechanical;
 use super::readings::{Kind, Readings};
-use super::squares::{Fitted, Problem, product, scatter};
+use super::squares::{Fitted, StripProblem, product, scatter};
 
 /// Draws of what chance does.
 const DRAWS: usize = 999;
@@ -115,12 +115,12 @@ fn problem<'a>(
     readings: &'a Readings,
     scale: Option<f64>,
     parameters: usize,
-) -> Problem<'a> {
+) -> StripProblem<'a> {
     let kinds: &[Kind] = match scale {
         Some(_) => &[Kind::Voltage, Kind::Current, Kind::Curvature],
         None => &[Kind::Voltage, Kind::Current],
     };
-    Problem::new(input, readings, kinds, parameters, move |at| {
+    StripProblem::new(input, readings, kinds, parameters, move |at| {
         describe(input, at, scale)
     })
 }
@@ -140,7 +140,7 @@ fn describe(input: &DistributedInput, at: &[f64], scale: Option<f64>) -> Describ
 }
 
 /// What a weak break at that share of the length adds, over the noise.
-fn direction(even: &Problem, at: &[f64], share: f64) -> Vec<Vec<f64>> {
+fn direction(even: &StripProblem, at: &[f64], share: f64) -> Vec<Vec<f64>> {
     let with = |log: f64| {
         let mut at = at.to_vec();
         at.extend([log, share]);
@@ -164,7 +164,7 @@ fn search(
     share: f64,
     sign: f64,
 ) -> Fitted {
-    let within = |problem: &Problem, start: &[f64]| {
+    let within = |problem: &StripProblem, start: &[f64]| {
         let (mut low, mut high) = problem.limits(start);
         let last = start.len() - 1;
         (low[last - 1], high[last - 1]) = (-5.0, 5.0);
@@ -197,7 +197,7 @@ struct Asked {
 }
 
 impl Asked {
-    fn new(even: &Problem, at: &[f64], residuals: &[Vec<f64>]) -> Asked {
+    fn new(even: &StripProblem, at: &[f64], residuals: &[Vec<f64>]) -> Asked {
         debug_assert_eq!(residuals.len(), even.groups.len());
         let predicted = even.predicted(at);
         let groups = even.groups.iter().zip(predicted);

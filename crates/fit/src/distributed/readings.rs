@@ -23,7 +23,7 @@ pub(super) enum Kind {
 
 /// Series of one kind that were sampled together.
 #[derive(Debug, Clone)]
-pub(super) struct Group {
+pub(super) struct SeriesGroup {
     /// What they measure.
     pub kind: Kind,
     /// Places, cm from the clamp; one entry, not used, for a current.
@@ -40,7 +40,7 @@ pub(super) struct Group {
 #[derive(Debug, Clone)]
 pub(super) struct Readings {
     /// The groups.
-    pub groups: Vec<Group>,
+    pub groups: Vec<SeriesGroup>,
     /// Start of the first segment, s.
     pub step_s: f64,
     /// Starts of all segments, s.
@@ -85,7 +85,7 @@ impl Readings {
                 group.values.push(values);
                 group.noise.push(noise);
             }
-            None => self.groups.push(Group {
+            None => self.groups.push(SeriesGroup {
                 kind,
                 positions_cm: vec![position_cm],
                 time_s,
@@ -108,7 +108,7 @@ impl Readings {
     }
 
     /// Groups of a kind.
-    pub fn of(&self, kind: Kind) -> impl Iterator<Item = &Group> {
+    pub fn of(&self, kind: Kind) -> impl Iterator<Item = &SeriesGroup> {
         self.groups.iter().filter(move |group| group.kind == kind)
     }
 

@@ -189,8 +189,8 @@ fn drives_add_up_and_a_discharge_begins_at_rest() {
     }
 }
 
-fn voltage_group(time_s: &Arc<[f64]>) -> readings::Group {
-    readings::Group {
+fn voltage_group(time_s: &Arc<[f64]>) -> readings::SeriesGroup {
+    readings::SeriesGroup {
         kind: Kind::Voltage,
         positions_cm: vec![1.0],
         time_s: time_s.clone(),
