@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::imports::Imports;
+
 /// What each crate of the house may use beside itself. Its Cargo.toml is what the compiler holds it to; this is what
 /// ARCHITECTURE.md promises of it.
 const MAY_USE: [(&str, &[&str]); 11] = [
@@ -19,7 +21,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
     ("report", &["domain", "analysis", "system"]),
 ];
 
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
+pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -67,6 +69,23 @@ fn crates_use_only_what_they_may() {
             .filter(|other| !may.contains(other))
             .collect();
         assert!(offences.is_empty(), "{name} uses {offences:?}");
+    }
+}
+
+fn imports_of(name: &str) -> Imports {
+    Imports::of_folder(&house().join("crates").join(name).join("src"))
+}
+
+/// Two files that need each other can be read as one; of more nobody finds the beginning.
+#[test]
+fn no_more_than_two_files_import_each_other() {
+    for name in ["fit"] {
+        let imports = imports_of(name);
+        assert!(imports.of.len() > 50, "{name}: {} files were read", imports.of.len());
+        for circle in imports.circles() {
+            let files: Vec<String> = circle.iter().map(|module| module.join("::")).collect();
+            assert!(files.len() <= 2, "{name}: files import each other: {files:?}");
+        }
     }
 }
 

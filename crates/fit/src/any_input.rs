@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use ieap_domain::Segment;
+use ieap_domain::{Channel, Drive, Level, Quantity, Segment};
 
 /// Times that increase strictly, in steps that may differ by powers of ten.
 fn times() -> impl Strategy<Value = Vec<f64>> {

@@ -10,14 +10,14 @@ use super::joint::branch_evidence::{Branches, Evidence};
 use super::joint::dense::Bottom;
 use super::joint::feature::Feature;
 use super::joint::minimum::{excess, minimum};
-use super::joint::problem::{Layout, Problem};
+use super::joint::problem::{JointProblem, Layout};
 use super::joint::readings::{Response, RunReadings};
 use super::joint::single::{Judged, settled};
 use super::joint::start::Start;
 use super::joint_estimates::{choice_in_words, judged_estimate};
 use super::outcome::{judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
-use super::{FitInput, FitOptions};
+use crate::options::{FitInput, FitOptions};
 
 /// Branches that bending alone is asked for: with the relaxation a third one makes four rates, which no record tells.
 const MOST_BRANCHES: usize = 2;
@@ -175,7 +175,7 @@ fn starts(run: &RunReadings, per_volt: f64, branches: usize) -> Vec<Start> {
 }
 
 /// How far the sum of squares falls below that of a strip that does not bend, in variances of what is left.
-fn gain_over_nothing((problem, bottom): &(Problem, Bottom)) -> f64 {
+fn gain_over_nothing((problem, bottom): &(JointProblem, Bottom)) -> f64 {
     let mut local = problem.local(0, &bottom.at);
     local[problem.layout.coupling()] = 0.0;
     let mut out = Vec::new();
@@ -187,9 +187,9 @@ fn gain_over_nothing((problem, bottom): &(Problem, Bottom)) -> f64 {
 /// The fit with all branches, or with one where the others describe nothing beyond noise; and how that was weighed.
 fn weighed<'a>(
     run: &RunReadings<'a>,
-    one: (Problem<'a>, Bottom),
+    one: (JointProblem<'a>, Bottom),
     starts: &[Start],
-) -> Option<((Problem<'a>, Bottom), Option<Evidence>)> {
+) -> Option<((JointProblem<'a>, Bottom), Option<Evidence>)> {
     let two = minimum(run, starts)?;
     let effective_readings = run.curvature.as_ref()?.effective_readings();
     let gain = ((one.1.slope.square - two.1.slope.square) / excess(&two.0, &two.1).powi(2)).max(0.0);
@@ -213,7 +213,10 @@ fn weighed<'a>(
 ///
 /// Charging and relaxation are factors `1/(1 + s tau)` and `s/(s + lambda)` of one response: which pole is whose the
 /// bending does not tell. At an open circuit it does, so that what comes out must describe the readings as well.
-fn with_slowest_relaxing<'a>(run: &RunReadings<'a>, found: (Problem<'a>, Bottom)) -> (Problem<'a>, Bottom) {
+fn with_slowest_relaxing<'a>(
+    run: &RunReadings<'a>,
+    found: (JointProblem<'a>, Bottom),
+) -> (JointProblem<'a>, Bottom) {
     let (problem, bottom) = &found;
     let local = problem.local(0, &bottom.at);
     let exchanged = exchanged(problem.layout, &local).and_then(|exchanged| {
@@ -229,7 +232,7 @@ fn with_slowest_relaxing<'a>(run: &RunReadings<'a>, found: (Problem<'a>, Bottom)
     }
 }
 
-fn is_slowest((problem, bottom): &(Problem, Bottom)) -> bool {
+fn is_slowest((problem, bottom): &(JointProblem, Bottom)) -> bool {
     let model = problem.model(&problem.local(0, &bottom.at));
     model
         .branches

@@ -12,7 +12,7 @@ use ieap_numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};
-use super::parabola::Ends;
+use super::joint::feature::Ends;
 use super::sampled::Sampled;
 use super::search::{CoarseLook, Found, Limits, Search, search};
 use super::uncertainty::{CovarianceSums, Residuals};
@@ -25,6 +25,8 @@ pub(super) const BRANCH_EVIDENCE: f64 = 12.0;
 /// for the sums over branches, and their parts are not reported. Below it, a second branch that hides in the noise
 /// must be shown to be too small to matter.
 pub(super) const BRANCH_DOUBT: f64 = 4.0;
+/// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
+pub(super) const CLEAR: f64 = 30.0;
 /// An offset must explain this share of the misfit.
 const OFFSET_SHARE: f64 = 0.3;
 

@@ -5,12 +5,12 @@ use ieap_domain::{Channel, Drive, Fit, Parameter, Quantity};
 use ieap_model::{FitModel, LumpedModel};
 use ieap_numerics::dense::Dense;
 
-use super::FitInput;
 use super::joint::feature::Feature;
 use super::joint::problem::Layout;
 use super::joint::profile::Interval;
 use super::outcome::{joint_parameters, judged_response};
 use super::sampled::Sampled;
+use crate::options::FitInput;
 
 /// Step of the gradient of a feature, in the local parameters.
 const STEP: f64 = 1e-5;

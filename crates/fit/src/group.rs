@@ -1,6 +1,7 @@
 //! Fits of several runs at once: parameters that all runs share, others free in every run.
 
 mod intervals;
+mod options;
 mod search;
 
 use ieap_domain::{Fit, Issue, Parameter};
@@ -10,73 +11,19 @@ use ieap_numerics::chance::chi_square_chance;
 use super::joint::dense::{Bottom, Slope};
 use super::joint::feature::Feature;
 use super::joint::minimum::excess;
-use super::joint::problem::{Layout, Over, Problem};
+use super::joint::problem::{JointProblem, Layout, Over};
 use super::joint::readings::RunReadings;
 use super::joint::start::Start;
 use super::outcome;
 use super::sampled::Sampled;
-use super::{FitError, FitInput, FitOptions, Readings, identify, needed};
+use crate::error::FitError;
+use crate::options::{FitInput, FitOptions};
+use crate::two_steps::{Readings, identify, needed};
 
 pub(super) use intervals::Found;
 use intervals::{JudgedGroup, judge};
+pub use options::{Bootstrap, GroupOptions, Intervals, Resampled, shareable};
 use search::search;
-
-/// How to fit a group.
-#[derive(Debug, Clone)]
-pub struct GroupOptions {
-    /// The model.
-    pub model: &'static FitModel,
-    /// Keys of the parameters that all runs share, as in [`shareable`]; the others are free in every run.
-    pub shared: Vec<String>,
-    /// How intervals are found.
-    pub intervals: Intervals,
-    /// Bootstrap as a further opinion; none to do without.
-    pub bootstrap: Option<Bootstrap>,
-}
-
-/// How intervals are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Intervals {
-    /// From the covariance where it is narrow, else by profile likelihood.
-    #[default]
-    Automatic,
-    /// By profile likelihood always.
-    Profile,
-}
-
-/// A block bootstrap of the residuals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bootstrap {
-    /// Seed of the generator.
-    pub seed: u64,
-    /// Number of refits; 200 tell a standard error to 5 %.
-    pub replicates: usize,
-}
-
-impl Default for GroupOptions {
-    /// Two branches, everything shared.
-    fn default() -> GroupOptions {
-        GroupOptions::sharing_all(FitOptions::default().model)
-    }
-}
-
-impl GroupOptions {
-    /// Every parameter shared: the runs are repeats of one sample in one condition.
-    pub fn sharing_all(model: &'static FitModel) -> GroupOptions {
-        GroupOptions {
-            model,
-            shared: shareable(model).into_iter().map(str::to_owned).collect(),
-            intervals: Intervals::default(),
-            bootstrap: None,
-        }
-    }
-}
-
-/// Keys of the parameters that a group may share: those of the model that are not derived.
-pub fn shareable(model: &FitModel) -> Vec<&'static str> {
-    let own = model.parameters.iter().filter(|parameter| !parameter.derived);
-    own.map(|parameter| parameter.key).collect()
-}
 
 /// A fit of several runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,24 +58,6 @@ pub struct Sharing {
     /// Chance of such a rise where the runs have them in common.
     pub p: f64,
 }
-
-/// What the bootstrap says of one parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Resampled {
-    /// Key of the parameter.
-    pub key: String,
-    /// Standard deviation of the refits, unit of the parameter.
-    pub standard_deviation: f64,
-    /// 2.5 % point of the refits.
-    pub low_95: f64,
-    /// 97.5 % point.
-    pub high_95: f64,
-    /// Refits that counted.
-    pub replicates: usize,
-}
-
-/// Evaluations of one search over the condensed readings.
-const LIMIT: u64 = 150;
 
 /// Fits all runs at once, current and curvature weighted by their noise.
 ///
@@ -180,7 +109,7 @@ pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), 
 }
 
 /// Fits every run by itself and weighs what sharing costs.
-fn weigh_sharing(problem: &Problem, starts: &[Start], judged: &mut JudgedGroup) -> Sharing {
+fn weigh_sharing(problem: &JointProblem, starts: &[Start], judged: &mut JudgedGroup) -> Sharing {
     let (mut square, mut parameters, mut misfit) = (0.0, 0, 1.0_f64);
     for (run, start) in problem.runs.iter().zip(starts) {
         let (own, bottom, evaluations) = search(vec![run.clone()], std::slice::from_ref(start), &[]);
@@ -255,7 +184,12 @@ fn prepare<'a>(
     Ok((run, start))
 }
 
-fn assemble(inputs: &[FitInput], options: &GroupOptions, problem: &Problem, judged: JudgedGroup) -> GroupFit {
+fn assemble(
+    inputs: &[FitInput],
+    options: &GroupOptions,
+    problem: &JointProblem,
+    judged: JudgedGroup,
+) -> GroupFit {
     let readings: usize = problem.runs.iter().map(RunReadings::len).sum();
     let stop = judged.bottom.stop;
     let mut runs = Vec::with_capacity(inputs.len());

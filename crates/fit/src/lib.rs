@@ -19,17 +19,18 @@ mod joint;
 mod joint_estimates;
 mod law;
 mod noise_again;
+mod options;
 mod outcome;
 mod parabola;
 mod sampled;
 mod search;
 mod strain;
+mod two_steps;
 mod uncertainty;
 mod whitened;
 
-use ieap_domain::{Channel, Drive, Fit, Level, Quantity};
-use ieap_model::{FitModel, fit_model, fit_models, rival_law};
-use ieap_numerics::global::{Method, method, methods};
+use ieap_domain::Fit;
+use ieap_model::rival_law;
 
 pub use described::{Described, Left, Noise, describe};
 pub use error::FitError;
@@ -39,135 +40,18 @@ pub use group::{
 };
 
 pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
+pub use options::{FitInput, FitOptions, Steps};
 pub use whitened::WhitenedChannel;
 
-use bending::Bending;
-use electrical::Electrical;
 use joint::readings::{Response, RunReadings};
 use joint::single::Judged;
 use sampled::Sampled;
-use search::Search;
+use two_steps::{Identified, Readings, identify, needed};
 
 #[cfg(test)]
 mod any_input;
 #[cfg(test)]
 mod tests;
-
-/// What one run gives to a fit.
-#[derive(Debug, Clone, Copy)]
-pub struct FitInput<'a> {
-    /// Channels of the run; current and curvature are fitted, the first of each, others are not looked at.
-    pub channels: &'a [Channel],
-    /// Voltage that drove the run.
-    pub drive: &'a Drive,
-    /// Active area of the sample, cm2.
-    pub area_cm2: f64,
-}
-
-/// How to fit.
-#[derive(Debug, Clone, Copy)]
-pub struct FitOptions {
-    /// The model.
-    pub model: &'static FitModel,
-    /// How minima are searched.
-    pub method: &'static dyn Method,
-    /// Seed of a method that is random.
-    pub seed: u64,
-    /// Whether to describe the noise beside its size (memory of higher order, growth with the signal, steps of the
-    /// converter), which costs several times the fit itself and changes no estimate.
-    pub describes_noise: bool,
-    /// How current and curvature are brought together.
-    pub steps: Steps,
-}
-
-/// How current and curvature are brought together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Steps {
-    /// The electrical parameters from the current; then, with those fixed, the rest from the curvature.
-    #[default]
-    TwoStep,
-    /// All parameters from both, each weighted by its noise.
-    Simultaneous,
-}
-
-/// The model of a run where nothing else is asked for.
-const DEFAULT_MODEL: &str = "lumped-2";
-
-impl Default for FitOptions {
-    /// Two branches, `lumped-2`, searched by variable projection.
-    fn default() -> FitOptions {
-        FitOptions {
-            model: fit_model(DEFAULT_MODEL).unwrap_or(&fit_models()[0]),
-            method: Search::default().method,
-            seed: Search::default().seed,
-            steps: Steps::TwoStep,
-            describes_noise: false,
-        }
-    }
-}
-
-impl FitOptions {
-    /// Options for the model of that id.
-    ///
-    /// # Errors
-    /// [`FitError::UnknownModel`] where there is none.
-    pub fn for_model(id: &str) -> Result<FitOptions, FitError> {
-        let known = || {
-            fit_models()
-                .iter()
-                .map(|model| model.id)
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        fit_model(id)
-            .map(|model| FitOptions {
-                model,
-                ..FitOptions::default()
-            })
-            .ok_or_else(|| FitError::UnknownModel {
-                found: id.to_owned(),
-                known: known(),
-            })
-    }
-}
-
-impl FitOptions {
-    /// The same with the method of that id.
-    ///
-    /// # Errors
-    /// [`FitError::UnknownMethod`] where there is none.
-    pub fn with_method(self, id: &str) -> Result<FitOptions, FitError> {
-        let known = || {
-            methods()
-                .iter()
-                .map(|method| method.id())
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        match method(id) {
-            Some(method) => Ok(FitOptions { method, ..self }),
-            None => Err(FitError::UnknownMethod {
-                found: id.to_owned(),
-                known: known(),
-            }),
-        }
-    }
-
-    fn search(&self) -> Search {
-        Search {
-            method: self.method,
-            seed: self.seed,
-        }
-    }
-}
-
-/// Both steps as far as the channels allow; what is missing says why.
-struct Identified {
-    current: Result<(Sampled, Electrical), String>,
-    curvature: Result<(Sampled, Bending), String>,
-    /// The curvature's readings where they could not be fitted, to be drawn all the same.
-    unfitted_curvature: Option<Sampled>,
-}
 
 /// Fits a run.
 ///
@@ -253,166 +137,4 @@ fn misfits(sampled: &Sampled, square: f64) -> bool {
 /// Whether the readings follow each other evenly, so that noise by reading order is noise by time.
 fn is_even(sampled: &Sampled) -> bool {
     sampled.blocks.iter().all(|(_, block)| block.step_s.is_some())
-}
-
-/// Readings after the step that the electrical step needs: two more than parameters, and never below five.
-fn needed(model: &FitModel) -> usize {
-    2 * model.branches + 3
-}
-
-/// Readings of the responses that a run has.
-struct Readings {
-    current: Option<Sampled>,
-    curvature: Option<Sampled>,
-}
-
-impl Readings {
-    /// Sorts the readings by segment, after a look at area and drive.
-    fn new(input: &FitInput) -> Result<Readings, FitError> {
-        if !(input.area_cm2.is_finite() && input.area_cm2 > 0.0) {
-            return Err(FitError::Area {
-                found_cm2: input.area_cm2,
-            });
-        }
-        check_drive(input.drive)?;
-        let of = |quantity: Quantity| {
-            let channel = input
-                .channels
-                .iter()
-                .find(|channel| channel.quantity == quantity)?;
-            Some(Sampled::new(
-                channel,
-                input.drive,
-                quantity == Quantity::Curvature,
-            ))
-        };
-        Ok(Readings {
-            current: of(Quantity::Current),
-            curvature: of(Quantity::Curvature),
-        })
-    }
-
-    /// Whether there is anything to fit.
-    fn check(&self, input: &FitInput, options: &FitOptions) -> Result<(), FitError> {
-        let counts = [
-            (&self.current, Quantity::Current),
-            (&self.curvature, Quantity::Curvature),
-        ];
-        let counts = counts
-            .into_iter()
-            .filter_map(|(sampled, quantity)| Some((sampled.as_ref()?.after_step(), quantity)));
-        let Some((found, quantity)) = counts.max_by_key(|(count, _)| *count) else {
-            let names: Vec<&str> = input
-                .channels
-                .iter()
-                .map(|channel| channel.raw_name.as_str())
-                .collect();
-            let found = if names.is_empty() {
-                "none".to_owned()
-            } else {
-                names.join(", ")
-            };
-            return Err(FitError::NoResponse { found });
-        };
-        let needed = needed(options.model);
-        if found < needed {
-            return Err(FitError::TooFewReadings {
-                channel: quantity.column(),
-                found,
-                needed,
-                start_s: input.drive.segments[0].start_s,
-                model: options.model.id,
-            });
-        }
-        Ok(())
-    }
-}
-
-fn check_drive(drive: &Drive) -> Result<(), FitError> {
-    let finite = |level: Level| !matches!(level, Level::Voltage(v) if !v.is_finite());
-    let mut last_s = f64::NEG_INFINITY;
-    for (index, segment) in drive.segments.iter().enumerate() {
-        let in_order = segment.start_s.is_finite() && segment.start_s > last_s;
-        if !in_order || !finite(segment.level) {
-            return Err(FitError::Drive {
-                index,
-                start_s: segment.start_s,
-            });
-        }
-        last_s = segment.start_s;
-    }
-    if drive.segments.is_empty() || !drive.baseline_v.is_finite() {
-        return Err(FitError::Drive {
-            index: 0,
-            start_s: f64::NAN,
-        });
-    }
-    Ok(())
-}
-
-fn identify(input: &FitInput, options: &FitOptions, readings: Readings) -> Identified {
-    let needed = needed(options.model);
-    let enough = |sampled: &Sampled, name: &str| {
-        if sampled.after_step() >= needed {
-            return Ok(());
-        }
-        let found = sampled.after_step();
-        Err(format!(
-            "the {name} has {found} usable readings after the step, {needed} are needed"
-        ))
-    };
-    let current = readings
-        .current
-        .ok_or_else(|| "the run has no current channel".to_owned())
-        .and_then(|sampled| {
-            enough(&sampled, "current")?;
-            let electrical = electrical::identify(
-                input.drive,
-                input.area_cm2,
-                &sampled,
-                options.model.branches,
-                options.search(),
-            );
-            Ok((sampled, electrical))
-        });
-    let mut unfitted_curvature = None;
-    let curvature = readings
-        .curvature
-        .ok_or_else(|| "the run has no curvature channel".to_owned())
-        .and_then(|sampled| {
-            let fitted =
-                enough(&sampled, "curvature").and_then(|()| bend(input, options, &current, &sampled));
-            match fitted {
-                Ok(bending) => Ok((sampled, bending)),
-                Err(reason) => {
-                    unfitted_curvature = Some(sampled);
-                    Err(reason)
-                }
-            }
-        });
-    Identified {
-        current,
-        curvature,
-        unfitted_curvature,
-    }
-}
-
-fn bend(
-    input: &FitInput,
-    options: &FitOptions,
-    current: &Result<(Sampled, Electrical), String>,
-    sampled: &Sampled,
-) -> Result<Bending, String> {
-    let (_, electrical) = current
-        .as_ref()
-        .map_err(|reason| format!("the charge that bends the strip is not known: {reason}"))?;
-    if electrical.conductances_a_per_v.is_empty() {
-        return Err("the current shows no charge that could bend the strip".to_owned());
-    }
-    Ok(bending::identify(
-        input.drive,
-        electrical,
-        sampled,
-        options.search(),
-    ))
 }

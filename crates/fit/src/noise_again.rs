@@ -3,7 +3,7 @@
 use ieap_numerics::sums::dot;
 
 use super::joint::noise::{Again, Noise, Products, products, white};
-use super::joint::whitening::{Memory, Whitener};
+use super::joint::whitening::{Autocorrelation, Whitener};
 use super::sampled::Sampled;
 use super::whitened::Continuing;
 
@@ -18,7 +18,7 @@ pub struct NoiseAgain {
 
 /// A noise that was found again.
 pub struct FoundAgain {
-    memory: Continuing,
+    autocorrelation: Continuing,
     /// Correlation of neighbouring readings; 0 where the memory was taken as it was found.
     rho: f64,
     /// Variance in units of that with the scale of the noise.
@@ -35,9 +35,9 @@ impl NoiseAgain {
     /// For the readings that `noise` was found in.
     pub(super) fn of(sampled: &Sampled, noise: &Noise) -> NoiseAgain {
         let again = Again::new(sampled, noise);
-        let (scale, memory) = again.taken();
-        let none = Memory::Order(Vec::new());
-        let taken = Continuing::new(sampled, scale, memory.unwrap_or(&none));
+        let (scale, autocorrelation) = again.taken();
+        let none = Autocorrelation::Order(Vec::new());
+        let taken = Continuing::new(sampled, scale, autocorrelation.unwrap_or(&none));
         NoiseAgain {
             sampled: sampled.clone(),
             taken,
@@ -63,10 +63,12 @@ impl NoiseAgain {
         }
     }
 
-    fn found(&self, (sd, memory): (Vec<f64>, Memory)) -> FoundAgain {
+    fn found(&self, (sd, autocorrelation): (Vec<f64>, Autocorrelation)) -> FoundAgain {
         let (scale, taken) = self.again.taken();
-        let rho = match &memory {
-            Memory::Order(coefficients) if taken.is_none() => coefficients.first().copied().unwrap_or(0.0),
+        let rho = match &autocorrelation {
+            Autocorrelation::Order(coefficients) if taken.is_none() => {
+                coefficients.first().copied().unwrap_or(0.0)
+            }
             _ => 0.0,
         };
         let size = sd
@@ -74,7 +76,7 @@ impl NoiseAgain {
             .zip(scale.first())
             .map_or(1.0, |(sd, scale)| sd / scale);
         FoundAgain {
-            memory: Continuing::new(&self.sampled, &sd, &memory),
+            autocorrelation: Continuing::new(&self.sampled, &sd, &autocorrelation),
             rho,
             variance: size * size,
         }
@@ -101,12 +103,12 @@ impl NoiseAgain {
 impl FoundAgain {
     /// Makes a series over the readings white, in standard deviations, in place.
     pub fn whiten(&self, series: &mut [f64]) {
-        self.memory.whiten(series);
+        self.autocorrelation.whiten(series);
     }
 
     /// The transpose of [`FoundAgain::whiten`].
     pub fn transpose(&self, series: &mut [f64]) {
-        self.memory.each(series, Whitener::transpose);
+        self.autocorrelation.each(series, Whitener::transpose);
     }
 
     /// The inner product of two series, both made white.
@@ -144,18 +146,18 @@ mod tests {
         let n = sampled.len();
         let series = |rate: f64| -> Vec<f64> { (0..n).map(|k| (rate * k as f64).cos() + 0.3).collect() };
         let (a, b, rest) = (series(0.11), series(0.017), series(2.3));
-        let memories = [
-            Memory::Order(Vec::new()),
-            Memory::Order(vec![0.6]),
-            Memory::Order(vec![0.5, 0.3]),
-            Memory::Time {
+        let autocorrelations = [
+            Autocorrelation::Order(Vec::new()),
+            Autocorrelation::Order(vec![0.6]),
+            Autocorrelation::Order(vec![0.5, 0.3]),
+            Autocorrelation::Time {
                 correlation_time_s: 3.0,
             },
         ];
-        for memory in memories {
+        for autocorrelation in autocorrelations {
             let noise = Noise {
                 sd: (0..n).map(|k| 0.2 + 1e-3 * k as f64).collect(),
-                memory,
+                autocorrelation,
                 ..Noise::of_rest(&sampled, &vec![1.0; n], 0.0)
             };
             let again = NoiseAgain::of(&sampled, &noise);

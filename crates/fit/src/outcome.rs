@@ -17,7 +17,8 @@ use super::joint::single::Judged;
 use super::joint_estimates::{self, judged_estimate};
 use super::sampled::Sampled;
 use super::uncertainty::Residuals;
-use super::{FitInput, FitOptions, Identified};
+use crate::options::{FitInput, FitOptions};
+use crate::two_steps::Identified;
 
 use issues::issues;
 pub(super) use issues::{not_converged, parameter_issues};

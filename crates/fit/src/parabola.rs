@@ -7,9 +7,8 @@ use ieap_numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::bending::Bending;
 use super::circuit::Circuit;
-use super::electrical::Electrical;
-use super::joint::feature::Feature;
-use super::joint::single::CLEAR;
+use super::electrical::{CLEAR, Electrical};
+use super::joint::feature::{Ends, Feature};
 use super::sampled::Sampled;
 
 /// Relative half-width of a 95 % interval up to which a sum of squares of exponentials is a parabola unseen.
@@ -21,14 +20,6 @@ const WIDE: f64 = 0.5;
 const BENT: f64 = 0.15;
 /// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
 const LOST: f64 = 1e-13;
-
-/// How far the lower and the upper end of an interval lie from the value, in half-widths of the covariance's.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ends {
-    pub(super) feature: Feature,
-    pub(super) low: f64,
-    pub(super) high: f64,
-}
 
 /// Whether the covariance may tell the intervals: the branches are there without doubt and none lies at a limit.
 /// Where one branch is found and more are allowed, a second one may hide, which must be looked at.

@@ -6,7 +6,7 @@ use ieap_domain::{Channel, Drive, NoiseCharacter, Quantity};
 
 use super::joint::noise::Noise;
 use super::joint::readings::Response;
-use super::joint::whitening::{Memory, Whitener};
+use super::joint::whitening::{Autocorrelation, Whitener};
 use super::noise_again::NoiseAgain;
 use super::sampled::{Sampled, Span};
 
@@ -19,7 +19,7 @@ const WITHOUT_GAP: f64 = 2.5;
 #[derive(Debug, Clone)]
 pub struct WhitenedChannel {
     response: Response,
-    memory: Continuing,
+    autocorrelation: Continuing,
     readings_per_independent: f64,
     /// Whether the memory is one that it shares with other channels.
     is_shared: bool,
@@ -33,11 +33,11 @@ pub(super) struct Continuing {
 }
 
 impl Continuing {
-    pub(super) fn new(sampled: &Sampled, sd: &[f64], memory: &Memory) -> Continuing {
+    pub(super) fn new(sampled: &Sampled, sd: &[f64], autocorrelation: &Autocorrelation) -> Continuing {
         let mut joined = sampled.clone();
         joined.spans = without_gaps(sampled);
         Continuing {
-            whitener: Whitener::new(&joined, sd, memory),
+            whitener: Whitener::new(&joined, sd, autocorrelation),
             stretches: joined.spans,
         }
     }
@@ -99,7 +99,11 @@ impl WhitenedChannel {
 
     fn of(response: Response) -> WhitenedChannel {
         WhitenedChannel {
-            memory: Continuing::new(&response.sampled, &response.noise.sd, &response.noise.memory),
+            autocorrelation: Continuing::new(
+                &response.sampled,
+                &response.noise.sd,
+                &response.noise.autocorrelation,
+            ),
             readings_per_independent: response.sampled.len() as f64 / response.effective_readings(),
             is_shared: false,
             response,
@@ -118,7 +122,7 @@ impl WhitenedChannel {
         like: Option<&WhitenedChannel>,
     ) -> WhitenedChannel {
         self.with_noise_of(fitted, per_signal, |left, scale, least| match like {
-            Some(like) => Noise::of_rest_with(left, scale, least, &like.response.noise.memory),
+            Some(like) => Noise::of_rest_with(left, scale, least, &like.response.noise.autocorrelation),
             None => Noise::of_rest(left, scale, least),
         })
     }
@@ -154,7 +158,7 @@ impl WhitenedChannel {
         }
         let correlation = (longest - 1.0) / (longest + 1.0);
         let mut like = self.clone();
-        like.response.noise.memory = Memory::Order(vec![correlation]);
+        like.response.noise.autocorrelation = Autocorrelation::Order(vec![correlation]);
         self.renoised(fitted, per_signal, Some(&like))
     }
 
@@ -202,7 +206,7 @@ impl WhitenedChannel {
             .chain(per_signal)
             .map(|per| growing(&level.values, *per))
             .collect();
-        let deviances = Noise::deviances(&left, &scales, &self.response.noise.memory);
+        let deviances = Noise::deviances(&left, &scales, &self.response.noise.autocorrelation);
         deviances[1..].iter().map(|own| own - deviances[0]).collect()
     }
 
@@ -256,9 +260,9 @@ impl WhitenedChannel {
     /// What the noise is like.
     pub fn character(&self) -> NoiseCharacter {
         let noise = &self.response.noise;
-        let (autoregression, correlation_time_s) = match &noise.memory {
-            Memory::Order(coefficients) => (coefficients.clone(), None),
-            Memory::Time { correlation_time_s } => (Vec::new(), Some(*correlation_time_s)),
+        let (autoregression, correlation_time_s) = match &noise.autocorrelation {
+            Autocorrelation::Order(coefficients) => (coefficients.clone(), None),
+            Autocorrelation::Time { correlation_time_s } => (Vec::new(), Some(*correlation_time_s)),
         };
         NoiseCharacter {
             autoregression,
@@ -272,17 +276,17 @@ impl WhitenedChannel {
     pub fn residuals(&self, fitted: &[f64], out: &mut Vec<f64>) {
         let first = out.len();
         out.extend(self.values().iter().zip(fitted).map(|(y, f)| y - f));
-        self.memory.whiten(&mut out[first..]);
+        self.autocorrelation.whiten(&mut out[first..]);
     }
 
     /// Makes a series over the readings white, in standard deviations, in place.
     pub fn whiten(&self, series: &mut [f64]) {
-        self.memory.whiten(series);
+        self.autocorrelation.whiten(series);
     }
 
     /// The inverse of [`WhitenedChannel::whiten`].
     pub fn colour(&self, series: &mut [f64]) {
-        self.memory.each(series, Whitener::colour);
+        self.autocorrelation.each(series, Whitener::colour);
     }
 
     /// What finds the noise again in other residuals at the same readings.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use ieap_domain::{AlongCurve, PlaceSeries, Quantity};
 
-use super::DistributedInput;
 use super::described::Described;
-use super::readings::{Group, Kind, Readings};
+use super::input::DistributedInput;
+use super::readings::{Kind, Readings, SeriesGroup};
 use super::response;
 
 /// Even places of the simulated voltage: a line through them is smooth on a page.
@@ -17,7 +17,7 @@ pub(super) fn along(
     input: &DistributedInput,
     readings: &Readings,
     described: &Described,
-    fitted: &[(&Group, Vec<f64>)],
+    fitted: &[(&SeriesGroup, Vec<f64>)],
 ) -> Vec<AlongCurve> {
     let of = |kind: Kind, quantity: Quantity| {
         let places: Vec<PlaceSeries> = readings
@@ -38,7 +38,7 @@ pub(super) fn along(
         .collect()
 }
 
-fn places<'a>(group: &'a Group, fitted: &'a [(&Group, Vec<f64>)]) -> Vec<PlaceSeries<'a>> {
+fn places<'a>(group: &'a SeriesGroup, fitted: &'a [(&SeriesGroup, Vec<f64>)]) -> Vec<PlaceSeries<'a>> {
     let times = group.time_s.len();
     let values = fitted.iter().find(|(of, _)| std::ptr::eq(*of, group));
     (0..group.values.len())
@@ -55,7 +55,7 @@ fn places<'a>(group: &'a Group, fitted: &'a [(&Group, Vec<f64>)]) -> Vec<PlaceSe
 /// Voltage from the clamp to the tip at these times, as the model has it.
 fn profile(input: &DistributedInput, described: &Described, time_s: &[f64]) -> AlongCurve {
     let share = |k: usize| k as f64 / (PROFILE_PLACES - 1) as f64;
-    let group = Group {
+    let group = SeriesGroup {
         kind: Kind::Voltage,
         positions_cm: (0..PROFILE_PLACES)
             .map(|k| described.model.length_cm * share(k))

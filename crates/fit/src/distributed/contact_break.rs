@@ -1,38 +1,13 @@
 //! A foil that is cracked at a place: electrodes that resist more, or less, from there on (`contact-break`).
-//!
-//! What a break at each of some places would add to the readings is asked of the residuals of the even strip, beside
-//! what its refitted parameters take. The largest answer counts, and chance is asked for its largest answer over the
-//! same places. Curvatures are asked for their course in time only: what each place adds for good, and a coupling of
-//! its own, are taken out. Where the answer asks for it, factor and place are fitted with everything else.
-
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use ieap_domain::{Estimate, Issue, Parameter};
-use ieap_numerics::jacobi;
 use ieap_numerics::student::quantile_95;
-use ieap_numerics::sums::{dot, square};
 
-use super::described::{self, Break, Described, electrical_parameters};
-use super::estimates::tells_electrodes;
-use super::jointly::parts;
-use super::readings::{Kind, Readings};
-use super::squares::{Fitted, Problem, product, scatter};
-use super::{DistributedInput, Identified};
+use super::described::Break;
+use super::squares::Fitted;
 
 /// Places that are asked about.
-const PLACES: usize = 15;
-/// Draws of what chance does.
-const DRAWS: usize = 999;
-/// Seed of the draws.
-const SEED: u64 = 1;
-/// Chance below which a break is claimed.
-const CLAIMED: f64 = 0.01;
-/// A break is fitted where an answer, in units of the noise of single readings, is at least so large.
-const ASKS: f64 = 9.0;
-/// Half of the step of differences in the logarithm of the factor.
-const STEP: f64 = 0.05;
+pub(super) const PLACES: usize = 15;
 /// A foil is called cracked where its resistance changes by more than this factor, its interval allowed for: foils are
 /// uneven by less, and so is what a tracer gets wrong.
 const LEAST_FACTOR: f64 = 1.1;
@@ -43,12 +18,12 @@ const WIDEST: f64 = 0.25;
 #[derive(Debug, Clone)]
 pub(super) struct ContactBreak {
     /// Chance of an answer as large, over all places, without a break.
-    p: f64,
+    pub(super) p: f64,
     /// Fall of the sum of squares, in units of the noise.
-    gain: f64,
+    pub(super) gain: f64,
     /// The minimum in (..., logarithm of the factor, place as a share of the length).
-    fitted: Fitted,
-    length_cm: f64,
+    pub(super) fitted: Fitted,
+    pub(super) length_cm: f64,
 }
 
 impl ContactBreak {
@@ -63,7 +38,7 @@ impl ContactBreak {
     }
 
     /// Whether the resistance changes by more than foils are uneven, its interval allowed for.
-    fn is_crack(&self) -> bool {
+    pub(super) fn is_crack(&self) -> bool {
         let (log, half) = self.factor();
         log.abs() - half > LEAST_FACTOR.ln()
     }
@@ -131,248 +106,4 @@ impl ContactBreak {
         Issue::warning("contact-break", message)
             .mend("look at the foil there; parameters of this fit hold for the electrodes before the break")
     }
-}
-
-/// Looks for a break; what was identified is replaced where one is found.
-pub(super) fn look(found: &mut Identified) {
-    let several = found
-        .readings
-        .groups
-        .iter()
-        .any(|group| group.kind != Kind::Current && group.values.len() > 1);
-    // Electrodes that cannot be told from perfect ones cannot be told to resist more from a place on.
-    if !several || !tells_electrodes(found) {
-        return;
-    }
-    if let Some((broken, electrical, mechanical)) = sought(found) {
-        found.electrical = electrical;
-        found.mechanical = mechanical;
-        found.contact_break = Some(broken);
-    }
-}
-
-type Found = (ContactBreak, Fitted, Option<super::mechanical::Mechanical>);
-
-fn sought(found: &Identified) -> Option<Found> {
-    let (input, readings) = (&found.input, &found.readings);
-    let scale = found.mechanical.as_ref().map(|m| m.scale);
-    let mut at = found.electrical.at.clone();
-    if let Some(mechanical) = &found.mechanical {
-        at.extend(&mechanical.fitted.at);
-    }
-    let even = problem(input, readings, scale, at.len());
-    let residuals = even.residuals(&at);
-    let asked = Asked::new(&even, &at, &residuals);
-    let directions: Vec<Vec<Vec<f64>>> = (1..=PLACES)
-        .map(|k| asked.beside(direction(&even, &at, k as f64 / (PLACES + 1) as f64)))
-        .collect();
-    let plain: Vec<f64> = directions
-        .iter()
-        .map(|d| product(d, &residuals) / product(d, d).max(f64::MIN_POSITIVE).sqrt())
-        .collect();
-    let best = (0..PLACES).max_by(|&a, &b| plain[a].abs().total_cmp(&plain[b].abs()))?;
-    if plain[best].powi(2) < ASKS {
-        return None;
-    }
-    let share = (best + 1) as f64 / (PLACES + 1) as f64;
-    let fitted = search(input, readings, scale, &at, share, plain[best].signum());
-    let rich = problem(input, readings, scale, fitted.at.len());
-    let noise = rich.noise(&rich.residuals(&fitted.at));
-    let scattered: Vec<Vec<Vec<f64>>> = directions.iter().map(|d| scatter(&noise, d)).collect();
-    let sd: Vec<f64> = (0..PLACES)
-        .map(|k| {
-            product(&directions[k], &scattered[k])
-                .max(f64::MIN_POSITIVE)
-                .sqrt()
-        })
-        .collect();
-    let answers = (0..PLACES).map(|k| (product(&directions[k], &residuals) / sd[k]).abs());
-    let largest = answers.fold(0.0f64, f64::max);
-    let alike = |a: usize, b: usize| product(&directions[a], &scattered[b]) / (sd[a] * sd[b]);
-    let p = chance(largest, alike, fitted.freedom);
-    let broken = ContactBreak {
-        p,
-        gain: product(&residuals, &residuals) - fitted.square,
-        length_cm: input.strip.length_cm,
-        fitted,
-    };
-    if p >= CLAIMED || broken.gain <= 0.0 || !broken.is_crack() {
-        return None;
-    }
-    let electrical: Vec<usize> = (0..electrical_parameters(&input.strip)).collect();
-    let (electrical, mechanical) = match scale {
-        Some(scale) => {
-            let (electrical, mechanical) = parts(input, readings, &broken.fitted, scale);
-            (electrical, Some(mechanical))
-        }
-        None => (broken.fitted.part(&electrical), None),
-    };
-    Some((broken, electrical, mechanical))
-}
-
-/// All readings against what describes an even strip and, where there are two parameters more, a break.
-fn problem<'a>(
-    input: &'a DistributedInput<'a>,
-    readings: &'a Readings,
-    scale: Option<f64>,
-    parameters: usize,
-) -> Problem<'a> {
-    let kinds: &[Kind] = match scale {
-        Some(_) => &[Kind::Voltage, Kind::Current, Kind::Curvature],
-        None => &[Kind::Voltage, Kind::Current],
-    };
-    Problem::new(input, readings, kinds, parameters, move |at| {
-        describe(input, at, scale)
-    })
-}
-
-fn describe(input: &DistributedInput, at: &[f64], scale: Option<f64>) -> Described {
-    let strip = &input.strip;
-    let mut described = match scale {
-        Some(scale) => described::whole(strip, at, scale),
-        None => described::electrical(strip, at),
-    };
-    let even = electrical_parameters(strip) + 2 * usize::from(scale.is_some());
-    described.contact_break = at.get(even..even + 2).map(|broken| Break {
-        factor: broken[0].exp(),
-        place_cm: broken[1] * strip.length_cm,
-    });
-    described
-}
-
-/// What a weak break at that share of the length adds, over the noise.
-fn direction(even: &Problem, at: &[f64], share: f64) -> Vec<Vec<f64>> {
-    let with = |log: f64| {
-        let mut at = at.to_vec();
-        at.extend([log, share]);
-        even.residuals(&at)
-    };
-    let (mut up, down) = (with(STEP), with(-STEP));
-    for (up, down) in up.iter_mut().zip(&down) {
-        up.iter_mut()
-            .zip(down)
-            .for_each(|(up, down)| *up = (down - *up) / (2.0 * STEP));
-    }
-    up
-}
-
-/// Searches factor and place with everything else, from both a weak and a strong break.
-fn search(
-    input: &DistributedInput,
-    readings: &Readings,
-    scale: Option<f64>,
-    at: &[f64],
-    share: f64,
-    sign: f64,
-) -> Fitted {
-    let within = |problem: &Problem, start: &[f64]| {
-        let (mut low, mut high) = problem.limits(start);
-        let last = start.len() - 1;
-        (low[last - 1], high[last - 1]) = (-5.0, 5.0);
-        (low[last], high[last]) = (0.01, 0.99);
-        problem.search_within(start, &low, &high)
-    };
-    let coarse_readings = readings.thinned();
-    let coarse = problem(input, &coarse_readings, scale, at.len() + 2);
-    let from = |log: f64| {
-        let mut start = at.to_vec();
-        start.extend([log, share]);
-        within(&coarse, &start)
-    };
-    let (weak, strong) = (from(0.4 * sign), from(1.5 * sign));
-    let best = if weak.square <= strong.square {
-        weak
-    } else {
-        strong
-    };
-    within(&problem(input, readings, scale, at.len() + 2), &best.at)
-}
-
-/// What is taken out of the residuals before they are asked: at each place of the curvatures a constant and the course
-/// of the prediction there, then what the parameters of the even strip would take.
-struct Asked {
-    patterns: Vec<Option<Vec<f64>>>,
-    times: Vec<usize>,
-    slopes: Vec<Vec<Vec<f64>>>,
-    inverse: ieap_numerics::symmetric::Symmetric,
-}
-
-impl Asked {
-    fn new(even: &Problem, at: &[f64], residuals: &[Vec<f64>]) -> Asked {
-        debug_assert_eq!(residuals.len(), even.groups.len());
-        let predicted = even.predicted(at);
-        let groups = even.groups.iter().zip(predicted);
-        let mut asked = Asked {
-            patterns: groups
-                .map(|(group, predicted)| (group.kind == Kind::Curvature).then_some(predicted))
-                .collect(),
-            times: even.groups.iter().map(|group| group.time_s.len()).collect(),
-            slopes: Vec::new(),
-            inverse: ieap_numerics::symmetric::Symmetric::zero(0),
-        };
-        let slopes = even.slopes(at);
-        asked.slopes = slopes
-            .into_iter()
-            .map(|slope| asked.without_patterns(slope))
-            .collect();
-        asked.inverse = even.inverse_normal(&asked.slopes);
-        asked
-    }
-
-    /// A direction less all that is taken out.
-    fn beside(&self, direction: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let mut rest = self.without_patterns(direction);
-        let along: Vec<f64> = self.slopes.iter().map(|slope| product(slope, &rest)).collect();
-        for (row, slope) in self.slopes.iter().enumerate() {
-            let part: f64 = (0..along.len())
-                .map(|k| self.inverse.get(row, k) * along[k])
-                .sum();
-            for (rest, slope) in rest.iter_mut().zip(slope) {
-                rest.iter_mut()
-                    .zip(slope)
-                    .for_each(|(rest, slope)| *rest -= part * slope);
-            }
-        }
-        rest
-    }
-
-    fn without_patterns(&self, mut column: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        for ((column, pattern), times) in column.iter_mut().zip(&self.patterns).zip(&self.times) {
-            let Some(pattern) = pattern else { continue };
-            for (row, pattern) in column.chunks_exact_mut(*times).zip(pattern.chunks_exact(*times)) {
-                let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-                let (middle, level) = (mean(pattern), mean(row));
-                let shape: Vec<f64> = pattern.iter().map(|value| value - middle).collect();
-                row.iter_mut().for_each(|value| *value -= level);
-                let norm = square(&shape);
-                let part = if norm > 0.0 { dot(row, &shape) / norm } else { 0.0 };
-                row.iter_mut()
-                    .zip(&shape)
-                    .for_each(|(value, shape)| *value -= part * shape);
-            }
-        }
-        column
-    }
-}
-
-/// Chance that the largest of answers with these correlations, their noise known with `freedom`, reaches `largest`.
-fn chance(largest: f64, alike: impl Fn(usize, usize) -> f64, freedom: f64) -> f64 {
-    let (values, vectors) = jacobi::eigen(PLACES, alike);
-    let factors: Vec<f64> = values.iter().map(|value| value.max(0.0).sqrt()).collect();
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    let known = ChiSquared::new(freedom.max(1.0)).ok();
-    let mut as_large = 1;
-    for _ in 0..DRAWS {
-        let normal: Vec<f64> = factors
-            .iter()
-            .map(|factor| -> f64 {
-                let drawn: f64 = StandardNormal.sample(&mut random);
-                factor * drawn
-            })
-            .collect();
-        let spread = known.map_or(1.0, |known| (known.sample(&mut random) / freedom.max(1.0)).sqrt());
-        let answers = vectors.iter().map(|row| dot(row, &normal).abs());
-        as_large += usize::from(answers.fold(0.0f64, f64::max) >= largest * spread);
-    }
-    as_large as f64 / (DRAWS + 1) as f64
 }

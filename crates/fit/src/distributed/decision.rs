@@ -5,9 +5,9 @@ pub(super) use ieap_model::distributed::criterion::LUMPED_TOLERANCE;
 use ieap_model::distributed::{DistributedModel, LumpedError};
 use ieap_numerics::student::quantile_95;
 
-use super::Identified;
 use super::described::electrical_parameters;
 use super::estimates::electrode_resistance;
+use super::identified::Identified;
 use super::unevenness::{Unevenness, unevenness};
 
 /// Chance below which differences between places are claimed.

@@ -1,6 +1,6 @@
 //! What a place in the space of parameters says of the strip.
 
-use super::Strip;
+use super::input::Strip;
 use ieap_model::coupling::CurvaturePerLineCharge;
 use ieap_model::distributed::DistributedModel;
 

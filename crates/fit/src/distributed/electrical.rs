@@ -1,15 +1,15 @@
 //! Phases 1 and 2: R_e, R_c, C and R_ss from the current and the voltages along the strip.
 
-use super::DistributedInput;
 use super::described::{self, electrical_parameters};
+use super::input::DistributedInput;
 use super::readings::{Kind, Readings};
-use super::squares::{Fitted, Problem};
+use super::squares::{Fitted, StripProblem};
 
 /// Voltages along the strip and the current against the electrical parameters.
-pub(super) fn problem<'a>(input: &'a DistributedInput<'a>, readings: &'a Readings) -> Problem<'a> {
+pub(super) fn problem<'a>(input: &'a DistributedInput<'a>, readings: &'a Readings) -> StripProblem<'a> {
     let parameters = electrical_parameters(&input.strip);
     let kinds = [Kind::Voltage, Kind::Current];
-    Problem::new(input, readings, &kinds, parameters, |at| {
+    StripProblem::new(input, readings, &kinds, parameters, |at| {
         described::electrical(&input.strip, at)
     })
 }

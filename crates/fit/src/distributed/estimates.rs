@@ -5,12 +5,14 @@ use ieap_domain::{Estimate, Issue, Parameter};
 use ieap_numerics::student::quantile_95;
 
 use super::contact_break::ContactBreak;
+use super::decision::CLAIMED;
 use super::described::electrical_parameters;
 use super::electrical;
+use super::identified::Identified;
+use super::input::DistributedInput;
 use super::mechanical::Mechanical;
 use super::squares::Fitted;
 use super::unevenness::unevenness;
-use super::{CLAIMED, DistributedInput, Identified};
 
 /// A 95 % interval wider than this factor to either side says nothing worth a value.
 const WIDEST_FACTOR: f64 = 5.0;

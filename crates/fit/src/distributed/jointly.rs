@@ -1,11 +1,11 @@
 //! All parameters from all readings at once, each weighted by its noise and what else it gets wrong.
 
-use super::DistributedInput;
 use super::described::{self, electrical_parameters};
 use super::electrical::starts;
+use super::input::DistributedInput;
 use super::mechanical::{Mechanical, rates};
 use super::readings::{Kind, Readings};
-use super::squares::{Fitted, Problem};
+use super::squares::{Fitted, StripProblem};
 
 const ALL: [Kind; 3] = [Kind::Voltage, Kind::Current, Kind::Curvature];
 /// Rates of relaxation that each electrical start is tried with.
@@ -18,9 +18,9 @@ pub(super) fn problem<'a>(
     input: &'a DistributedInput<'a>,
     readings: &'a Readings,
     scale: f64,
-) -> Problem<'a> {
+) -> StripProblem<'a> {
     let parameters = electrical_parameters(&input.strip) + 2;
-    Problem::new(input, readings, &ALL, parameters, move |at| {
+    StripProblem::new(input, readings, &ALL, parameters, move |at| {
         described::whole(&input.strip, at, scale)
     })
 }
@@ -81,7 +81,7 @@ pub(super) fn from_curvatures(input: &DistributedInput, readings: &Readings) -> 
 }
 
 /// The mu that fits best with the other parameters as they are, and the sum of squares with it.
-fn best_scale(unit: &Problem, at: &[f64]) -> (f64, f64) {
+fn best_scale(unit: &StripProblem, at: &[f64]) -> (f64, f64) {
     let predicted = unit.predicted(at);
     let (mut cross, mut own, mut all) = (0.0, 0.0, 0.0);
     for (group, predicted) in unit.groups.iter().zip(&predicted) {

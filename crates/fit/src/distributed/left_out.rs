@@ -6,7 +6,7 @@
 
 use ieap_numerics::symmetric::Symmetric;
 
-use super::readings::Group;
+use super::readings::SeriesGroup;
 
 /// Fewest places of a group, and of blocks of them.
 const LEAST_PLACES: usize = 5;
@@ -23,7 +23,7 @@ pub(super) struct LeftOut {
 
 /// Residuals and slopes by group, one series after the other.
 pub(super) struct Columns<'a> {
-    pub groups: &'a [&'a Group],
+    pub groups: &'a [&'a SeriesGroup],
     pub residuals: &'a [Vec<f64>],
     pub slopes: &'a [Vec<Vec<f64>>],
 }

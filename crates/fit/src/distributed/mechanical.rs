@@ -4,10 +4,10 @@ use ieap_domain::quantiles::CHI_SQUARE_95;
 use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
-use super::DistributedInput;
 use super::described::{Described, model_of};
+use super::input::DistributedInput;
 use super::readings::{Kind, Readings};
-use super::squares::{Fitted, Problem, product};
+use super::squares::{Fitted, StripProblem, product};
 
 /// Rates of relaxation tried before the search.
 const RATES: usize = 24;
@@ -49,8 +49,8 @@ fn problem<'a>(
     readings: &'a Readings,
     electrical: &'a [f64],
     scale: f64,
-) -> Problem<'a> {
-    Problem::new(input, readings, &[Kind::Curvature], 2, move |at| Described {
+) -> StripProblem<'a> {
+    StripProblem::new(input, readings, &[Kind::Curvature], 2, move |at| Described {
         model: model_of(&input.strip, electrical, at[1].exp()),
         mu_per_c: at[0] * scale,
         contact_break: None,
@@ -98,7 +98,7 @@ fn start(input: &DistributedInput, readings: &Readings, electrical: &[f64]) -> (
 }
 
 /// The factor that fits best at a rate, and the sum of squares with it.
-fn best_factor(problem: &Problem, rate: f64) -> (f64, f64) {
+fn best_factor(problem: &StripProblem, rate: f64) -> (f64, f64) {
     let unit = problem.predicted(&[1.0, rate]);
     let (mut cross, mut own, mut all) = (0.0, 0.0, 0.0);
     for (group, unit) in problem.groups.iter().zip(&unit) {
@@ -117,7 +117,7 @@ fn best_factor(problem: &Problem, rate: f64) -> (f64, f64) {
 /// by the mechanical and E those by the electrical parameters, the mechanical ones move by -(J'J)^-1 J'E.
 fn with_carried(
     fitted: &Fitted,
-    problem: &Problem,
+    problem: &StripProblem,
     input: &DistributedInput,
     readings: &Readings,
     electrical: &Fitted,
@@ -125,7 +125,7 @@ fn with_carried(
 ) -> Symmetric {
     let (mine, theirs) = (problem.parameters(), electrical.at.len());
     let own = problem.slopes(&fitted.at);
-    let by_theirs = Problem::new(input, readings, &[Kind::Curvature], theirs, |at| Described {
+    let by_theirs = StripProblem::new(input, readings, &[Kind::Curvature], theirs, |at| Described {
         model: model_of(&input.strip, at, fitted.at[1].exp()),
         mu_per_c: fitted.at[0] * scale,
         contact_break: None,

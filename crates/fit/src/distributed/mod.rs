@@ -6,12 +6,15 @@
 //! they must where curvatures are all there is.
 
 mod along;
+mod break_search;
 mod common_error;
 mod contact_break;
 mod decision;
 mod described;
 mod electrical;
 mod estimates;
+mod identified;
+mod input;
 mod jointly;
 mod left_out;
 mod mechanical;
@@ -26,15 +29,14 @@ mod squares;
 mod tests;
 mod unevenness;
 
-use ieap_domain::{Channel, Drive, Fit, Level};
+use ieap_domain::{Fit, Level};
 
-use super::{FitError, Steps};
-use contact_break::ContactBreak;
+use crate::error::FitError;
+use crate::options::Steps;
 pub use decision::{Bounded, CLAIMED, Decision, LumpedOrDistributed};
-use described::{Described, model_of};
-use mechanical::Mechanical;
+use identified::{Identified, RELATIVE_OHM_PER_SQ};
+pub use input::{DistributedInput, Strip};
 use readings::{Kind, Readings};
-use squares::Fitted;
 pub use unevenness::Unevenness;
 
 /// Id of the model in the registry.
@@ -42,59 +44,6 @@ pub const MODEL_ID: &str = "distributed";
 
 /// Readings that each phase needs at least.
 const LEAST_READINGS: usize = 12;
-
-/// R_e where only ratios to it can be found, Ohm per square: any would do.
-const RELATIVE_OHM_PER_SQ: f64 = 1.0;
-
-/// The strip that was measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strip {
-    /// Free length, cm.
-    pub length_cm: f64,
-    /// Width, cm.
-    pub width_cm: f64,
-    /// Resistance of both electrodes along the strip, Ohm per square, as measured by a probe; none: fitted.
-    pub electrode_resistance_ohm_per_sq: Option<f64>,
-}
-
-/// What one run gives to a distributed fit.
-#[derive(Debug, Clone, Copy)]
-pub struct DistributedInput<'a> {
-    /// Channels of the run: voltages and curvatures with a position, and the current at the clamp.
-    pub channels: &'a [Channel],
-    /// Voltage at the clamp; open circuits are not described.
-    pub drive: &'a Drive,
-    /// The strip.
-    pub strip: Strip,
-}
-
-/// Parameters that were found, with all that is said of them.
-#[derive(Clone)]
-struct Identified<'a> {
-    /// The run; where only ratios can be found, with R_e set to [`RELATIVE_OHM_PER_SQ`].
-    input: DistributedInput<'a>,
-    readings: Readings,
-    /// Whether nothing sets the scale of resistances: neither a current nor R_e is given.
-    is_relative: bool,
-    electrical: Fitted,
-    mechanical: Option<Mechanical>,
-    /// A break of the electrodes at a place.
-    contact_break: Option<ContactBreak>,
-    method: &'static str,
-}
-
-impl Identified<'_> {
-    /// The strip as it was found.
-    fn described(&self) -> Described {
-        let mechanical = self.mechanical.as_ref();
-        let rate_per_s = mechanical.map_or(0.0, |m| m.rate_below_per_s.map_or(m.fitted.at[1].exp(), |_| 0.0));
-        Described {
-            model: model_of(&self.input.strip, &self.electrical.at, rate_per_s),
-            mu_per_c: mechanical.map_or(0.0, |m| m.mu_per_c),
-            contact_break: self.contact_break.as_ref().map(ContactBreak::of_model),
-        }
-    }
-}
 
 /// Fits a run with the distributed model.
 ///
@@ -111,7 +60,7 @@ pub fn fit_distributed(input: &DistributedInput, steps: Steps) -> Result<Fit, Fi
         (Steps::TwoStep, Some(_)) => identify(input, Steps::Simultaneous)?,
         _ => found.clone(),
     };
-    contact_break::look(&mut joint);
+    break_search::look(&mut joint);
     let decision = Decision::of(&joint);
     Ok(match joint.contact_break {
         Some(_) => outcome::fit(&joint, &decision),

@@ -7,14 +7,15 @@ use ieap_numerics::correlation::lag_one;
 use super::contact_break::ContactBreak;
 use super::decision::Decision;
 use super::estimates::{parameters, remarks};
-use super::readings::{Group, Kind};
-use super::{Identified, MODEL_ID, along, response};
+use super::identified::Identified;
+use super::readings::{Kind, SeriesGroup};
+use super::{MODEL_ID, along, response};
 
 pub(super) fn fit(found: &Identified, decision: &Decision) -> Fit {
     let described = found.described();
     let mechanical = found.mechanical.as_ref();
     let parameters = parameters(found);
-    let fitted: Vec<(&Group, Vec<f64>)> = found
+    let fitted: Vec<(&SeriesGroup, Vec<f64>)> = found
         .readings
         .groups
         .iter()
@@ -55,7 +56,7 @@ pub(super) fn fit(found: &Identified, decision: &Decision) -> Fit {
     }
 }
 
-fn r_squared(fitted: &[(&Group, Vec<f64>)], kind: Kind) -> Option<f64> {
+fn r_squared(fitted: &[(&SeriesGroup, Vec<f64>)], kind: Kind) -> Option<f64> {
     let (mut residual, mut total) = (0.0, 0.0);
     for (group, values) in fitted.iter().filter(|(group, _)| group.kind == kind) {
         for (place, row) in values.chunks_exact(group.time_s.len()).enumerate() {
@@ -73,7 +74,7 @@ fn r_squared(fitted: &[(&Group, Vec<f64>)], kind: Kind) -> Option<f64> {
 }
 
 /// Noise and residual of a kind, over its series.
-fn noise(fitted: &[(&Group, Vec<f64>)], kind: Kind) -> Option<ChannelNoise> {
+fn noise(fitted: &[(&SeriesGroup, Vec<f64>)], kind: Kind) -> Option<ChannelNoise> {
     let (mut square, mut noise_square, mut readings, mut series, mut correlation) = (0.0, 0.0, 0, 0.0, 0.0);
     for (group, values) in fitted.iter().filter(|(group, _)| group.kind == kind) {
         for (place, row) in values.chunks_exact(group.time_s.len()).enumerate() {
@@ -103,7 +104,7 @@ fn noise(fitted: &[(&Group, Vec<f64>)], kind: Kind) -> Option<ChannelNoise> {
 }
 
 /// The current, and the mean of the curvatures along the strip, as they are drawn.
-fn curve(group: &Group, values: &[f64], step_s: f64) -> Option<RunCurve> {
+fn curve(group: &SeriesGroup, values: &[f64], step_s: f64) -> Option<RunCurve> {
     let quantity = match group.kind {
         Kind::Current => Quantity::Current,
         Kind::Curvature => Quantity::Curvature,

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
-use ieap_domain::Quantity;
+use ieap_domain::{Channel, Drive, Quantity};
 use ieap_model::coupling::CurvaturePerLineCharge;
 use ieap_model::distributed::{BrokenStrip, DistributedModel};
 

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use ieap_domain::{Channel, Quantity};
+use ieap_domain::{Channel, Drive, Level, Quantity};
 use ieap_numerics::noise::scatter_between;
 
-use super::DistributedInput;
+use super::input::DistributedInput;
 
 /// Readings of a thinned series at most: enough for a coarse search.
 const THINNED: usize = 40;
@@ -23,7 +23,7 @@ pub(super) enum Kind {
 
 /// Series of one kind that were sampled together.
 #[derive(Debug, Clone)]
-pub(super) struct Group {
+pub(super) struct SeriesGroup {
     /// What they measure.
     pub kind: Kind,
     /// Places, cm from the clamp; one entry, not used, for a current.
@@ -40,7 +40,7 @@ pub(super) struct Group {
 #[derive(Debug, Clone)]
 pub(super) struct Readings {
     /// The groups.
-    pub groups: Vec<Group>,
+    pub groups: Vec<SeriesGroup>,
     /// Start of the first segment, s.
     pub step_s: f64,
     /// Starts of all segments, s.
@@ -56,9 +56,7 @@ impl Readings {
             .segments
             .first()
             .map_or(0.0, |segment| segment.start_s);
-        let step_v = super::response::steps(input.drive)
-            .first()
-            .map_or(1.0, |step| step.1);
+        let step_v = steps(input.drive).first().map_or(1.0, |step| step.1);
         let mut readings = Readings {
             groups: Vec::new(),
             step_s,
@@ -87,7 +85,7 @@ impl Readings {
                 group.values.push(values);
                 group.noise.push(noise);
             }
-            None => self.groups.push(Group {
+            None => self.groups.push(SeriesGroup {
                 kind,
                 positions_cm: vec![position_cm],
                 time_s,
@@ -110,7 +108,7 @@ impl Readings {
     }
 
     /// Groups of a kind.
-    pub fn of(&self, kind: Kind) -> impl Iterator<Item = &Group> {
+    pub fn of(&self, kind: Kind) -> impl Iterator<Item = &SeriesGroup> {
         self.groups.iter().filter(move |group| group.kind == kind)
     }
 
@@ -190,4 +188,18 @@ fn noise_of(time_s: &[f64], values: &[f64], edges_s: &[f64]) -> f64 {
         .iter()
         .fold((0.0f64, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));
     scatter.max(1e-6 * (high - low)).max(f64::MIN_POSITIVE)
+}
+
+/// Changes of the held voltage: when (s) and by how much (V).
+pub(super) fn steps(drive: &Drive) -> Vec<(f64, f64)> {
+    let mut before = drive.baseline_v;
+    let mut steps = Vec::new();
+    for segment in &drive.segments {
+        let Level::Voltage(voltage_v) = segment.level else {
+            continue;
+        };
+        steps.push((segment.start_s, voltage_v - before));
+        before = voltage_v;
+    }
+    steps
 }

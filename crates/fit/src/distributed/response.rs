@@ -1,30 +1,16 @@
 //! What the model says of a group of series, for any drive of held voltages: steps add up.
 
-use ieap_domain::{Drive, Level};
+use ieap_domain::Drive;
 use ieap_model::distributed::{BrokenStrip, DistributedModel};
 
 use super::described::Described;
-use super::readings::{Group, Kind};
+use super::readings::{Kind, SeriesGroup, steps};
 
 /// A time after which everything has come to rest, s.
 const AT_REST_S: f64 = 1e15;
 
-/// Changes of the held voltage: when (s) and by how much (V).
-pub(super) fn steps(drive: &Drive) -> Vec<(f64, f64)> {
-    let mut before = drive.baseline_v;
-    let mut steps = Vec::new();
-    for segment in &drive.segments {
-        let Level::Voltage(voltage_v) = segment.level else {
-            continue;
-        };
-        steps.push((segment.start_s, voltage_v - before));
-        before = voltage_v;
-    }
-    steps
-}
-
 /// Values of every series of the group, one after the other, each over all times.
-pub(super) fn predicted(described: &Described, drive: &Drive, group: &Group) -> Vec<f64> {
+pub(super) fn predicted(described: &Described, drive: &Drive, group: &SeriesGroup) -> Vec<f64> {
     let model = &Along::of(described);
     let (places, times) = (group.values.len(), group.time_s.len());
     let mut values = vec![0.0; places * times];
@@ -73,7 +59,7 @@ impl Along {
 }
 
 /// Response to a step of 1 V at times since it: for each time, all places.
-fn unit(along: &Along, group: &Group, since_s: &[f64]) -> Vec<f64> {
+fn unit(along: &Along, group: &SeriesGroup, since_s: &[f64]) -> Vec<f64> {
     let places = &group.positions_cm;
     match (along, group.kind) {
         (Along::Even(strip), Kind::Voltage) => strip.voltage_v(1.0, places, since_s).values,

@@ -5,10 +5,11 @@ use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::{CAPACITY, Symmetric};
 
 use super::described::Described;
+use super::input::DistributedInput;
 use super::left_out::{Columns, LeftOut};
-use super::readings::{Group, Kind, Readings};
+use super::readings::{Kind, Readings, SeriesGroup};
 use super::residual_noise::ResidualNoise;
-use super::{DistributedInput, response};
+use super::response;
 
 /// Step of the differences in a logarithm: the error of second order is then about a part in 10^9.
 const STEP: f64 = 3e-5;
@@ -59,9 +60,9 @@ impl Fitted {
 type Describe<'a> = Box<dyn Fn(&[f64]) -> Described + 'a>;
 
 /// A least-squares problem: groups of series, and what parameters say of the strip.
-pub(super) struct Problem<'a> {
+pub(super) struct StripProblem<'a> {
     /// The groups.
-    pub groups: Vec<&'a Group>,
+    pub groups: Vec<&'a SeriesGroup>,
     input: &'a DistributedInput<'a>,
     parameters: usize,
     /// Whether the first parameters are the electrical ones.
@@ -69,7 +70,7 @@ pub(super) struct Problem<'a> {
     describe: Describe<'a>,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> StripProblem<'a> {
     /// A problem of the groups whose kind is among `kinds`.
     pub fn new(
         input: &'a DistributedInput<'a>,
@@ -77,20 +78,20 @@ impl<'a> Problem<'a> {
         kinds: &[Kind],
         parameters: usize,
         describe: impl Fn(&[f64]) -> Described + 'a,
-    ) -> Problem<'a> {
+    ) -> StripProblem<'a> {
         let groups = readings.groups.iter();
         let groups = groups.filter(|group| kinds.contains(&group.kind)).collect();
-        Problem::of_groups(input, groups, parameters, describe)
+        StripProblem::of_groups(input, groups, parameters, describe)
     }
 
     /// A problem of these groups.
     pub fn of_groups(
         input: &'a DistributedInput<'a>,
-        groups: Vec<&'a Group>,
+        groups: Vec<&'a SeriesGroup>,
         parameters: usize,
         describe: impl Fn(&[f64]) -> Described + 'a,
-    ) -> Problem<'a> {
-        Problem {
+    ) -> StripProblem<'a> {
+        StripProblem {
             groups,
             input,
             parameters,
@@ -113,7 +114,7 @@ impl<'a> Problem<'a> {
     /// What the place says of every group, one series after the other.
     pub fn predicted(&self, at: &[f64]) -> Vec<Vec<f64>> {
         let described = (self.describe)(at);
-        let of = |group: &&Group| response::predicted(&described, self.input.drive, group);
+        let of = |group: &&SeriesGroup| response::predicted(&described, self.input.drive, group);
         self.groups.iter().map(of).collect()
     }
 

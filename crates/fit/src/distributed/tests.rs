@@ -6,8 +6,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::described::{Described, model_of};
 use super::*;
-use ieap_domain::{AlongCurve, Quantity};
+use ieap_domain::{AlongCurve, Channel, Drive, Quantity};
 use ieap_model::Branch;
 use ieap_model::coupling::{ActiveArea, CurvaturePerTotalCharge};
 use ieap_model::distributed::Laminate;
@@ -188,8 +189,8 @@ fn drives_add_up_and_a_discharge_begins_at_rest() {
     }
 }
 
-fn voltage_group(time_s: &Arc<[f64]>) -> readings::Group {
-    readings::Group {
+fn voltage_group(time_s: &Arc<[f64]>) -> readings::SeriesGroup {
+    readings::SeriesGroup {
         kind: Kind::Voltage,
         positions_cm: vec![1.0],
         time_s: time_s.clone(),

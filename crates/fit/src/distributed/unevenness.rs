@@ -14,9 +14,10 @@ use ieap_numerics::student::one_sided_chance;
 use ieap_numerics::sums::{dot, square};
 
 use super::described::{Described, electrical_parameters};
-use super::readings::{Group, Kind};
-use super::squares::{Problem, freedom, product, scatter};
-use super::{Identified, response};
+use super::identified::Identified;
+use super::readings::{Kind, SeriesGroup};
+use super::response;
+use super::squares::{StripProblem, freedom, product, scatter};
 
 /// Reach of the resistance at which the direction is taken where less was found: `R_e L^2 / R_c`.
 const LEAST_REACH: f64 = 0.01;
@@ -43,17 +44,17 @@ pub struct Unevenness {
 pub(super) fn unevenness(found: &Identified) -> Option<Unevenness> {
     let input = &found.input;
     let described = found.described();
-    let with_readings = |group: &&Group| group.values.len() > 1 && group.kind != Kind::Current;
-    let groups: Vec<&Group> = found.readings.groups.iter().filter(with_readings).collect();
+    let with_readings = |group: &&SeriesGroup| group.values.len() > 1 && group.kind != Kind::Current;
+    let groups: Vec<&SeriesGroup> = found.readings.groups.iter().filter(with_readings).collect();
     let bends = described.mu_per_c != 0.0;
-    let groups: Vec<&Group> = groups
+    let groups: Vec<&SeriesGroup> = groups
         .into_iter()
         .filter(|group| bends || group.kind == Kind::Voltage)
         .collect();
     if groups.is_empty() {
         return None;
     }
-    let problem = Problem::of_groups(
+    let problem = StripProblem::of_groups(
         input,
         groups,
         electrical_parameters(&input.strip) + 2 * usize::from(bends),
@@ -107,8 +108,8 @@ pub(super) fn unevenness(found: &Identified) -> Option<Unevenness> {
 }
 
 /// Series of every group over their noise, one after the other.
-fn over_noise(groups: &[&Group], of: impl Fn(&Group, usize) -> Vec<f64>) -> Vec<Vec<f64>> {
-    let series = |group: &&Group| {
+fn over_noise(groups: &[&SeriesGroup], of: impl Fn(&SeriesGroup, usize) -> Vec<f64>) -> Vec<Vec<f64>> {
+    let series = |group: &&SeriesGroup| {
         let places = 0..group.values.len();
         places
             .flat_map(|place| {
@@ -120,8 +121,8 @@ fn over_noise(groups: &[&Group], of: impl Fn(&Group, usize) -> Vec<f64>) -> Vec<
     groups.iter().map(series).collect()
 }
 
-fn predicted(groups: &[&Group], described: &Described, found: &Identified) -> Vec<Vec<f64>> {
-    let of = |group: &&Group| {
+fn predicted(groups: &[&SeriesGroup], described: &Described, found: &Identified) -> Vec<Vec<f64>> {
+    let of = |group: &&SeriesGroup| {
         let mut values = response::predicted(described, found.input.drive, group);
         for (place, row) in values.chunks_exact_mut(group.time_s.len()).enumerate() {
             row.iter_mut().for_each(|value| *value /= group.noise[place]);
@@ -132,7 +133,7 @@ fn predicted(groups: &[&Group], described: &Described, found: &Identified) -> Ve
 }
 
 /// Predictions with at least the least reach.
-fn predicted_at_least(groups: &[&Group], found: &Identified) -> Vec<Vec<f64>> {
+fn predicted_at_least(groups: &[&SeriesGroup], found: &Identified) -> Vec<Vec<f64>> {
     let mut described = found.described();
     described.reach_at_least(LEAST_REACH);
     predicted(groups, &described, found)
@@ -140,7 +141,7 @@ fn predicted_at_least(groups: &[&Group], found: &Identified) -> Vec<Vec<f64>> {
 
 /// What places do not have in common: at every time the part along the inverse noises is taken out, and of curvatures
 /// what is constant over all times.
-fn between(groups: &[&Group], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn between(groups: &[&SeriesGroup], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     for (group, column) in groups.iter().zip(&mut columns) {
         let times = group.time_s.len();
         if group.kind == Kind::Curvature {
@@ -166,7 +167,7 @@ fn between(groups: &[&Group], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 }
 
 /// A column less what follows, at each place by its own factor, what all places have in common.
-fn without_patterns(groups: &[&Group], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn without_patterns(groups: &[&SeriesGroup], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     for (group, column) in groups.iter().zip(&mut columns) {
         if group.kind != Kind::Curvature {
             continue;
@@ -188,7 +189,7 @@ fn without_patterns(groups: &[&Group], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f6
 }
 
 /// What all places of a group have in common over time, less its mean.
-fn common(group: &Group) -> Vec<f64> {
+fn common(group: &SeriesGroup) -> Vec<f64> {
     let weights: Vec<f64> = group.noise.iter().map(|noise| noise.powi(-2)).collect();
     let total: f64 = weights.iter().sum();
     let mut pattern: Vec<f64> = (0..group.time_s.len())

@@ -4,12 +4,12 @@ use crate::joint::bootstrap::{replicate, spread};
 use crate::joint::dense::Bottom;
 use crate::joint::feature::Feature;
 use crate::joint::minimum::excess;
-use crate::joint::problem::{Over, Problem};
+use crate::joint::problem::{JointProblem, Over};
 use crate::joint::profile::{Deeper, Interval, Solved};
 use crate::joint::single::{REACH, partner, reach};
 use ieap_numerics::student::quantile_95;
 
-use super::{Bootstrap, GroupOptions, Intervals, LIMIT, Resampled};
+use super::options::{Bootstrap, GroupOptions, Intervals, LIMIT, Resampled};
 
 /// Part of a logarithm, or of a coupling, beyond which an interval is looked at by profile.
 const NARROW: f64 = 0.1;
@@ -27,13 +27,13 @@ pub(super) struct JudgedGroup {
     pub(super) evaluations: u64,
 }
 
-fn features(problem: &Problem, run: usize) -> impl Iterator<Item = Feature> {
+fn features(problem: &JointProblem, run: usize) -> impl Iterator<Item = Feature> {
     let bends = problem.runs[run].curvature.is_some();
     Feature::all(problem.layout.branches).filter(move |feature| feature.is_electrical() || bends)
 }
 
 pub(super) fn judge(
-    problem: &Problem,
+    problem: &JointProblem,
     mut bottom: Bottom,
     options: &GroupOptions,
     mut evaluations: u64,
@@ -61,7 +61,7 @@ pub(super) fn judge(
 }
 
 fn try_intervals(
-    problem: &Problem,
+    problem: &JointProblem,
     bottom: &Bottom,
     options: &GroupOptions,
     evaluations: &mut u64,
@@ -118,7 +118,7 @@ fn try_intervals(
     Ok(found)
 }
 
-fn resample(problem: &Problem, bottom: &Bottom, bootstrap: Bootstrap) -> Vec<Vec<Resampled>> {
+fn resample(problem: &JointProblem, bottom: &Bottom, bootstrap: Bootstrap) -> Vec<Vec<Resampled>> {
     let own = |run: usize| features(problem, run).map(move |feature| (run, feature));
     let wanted: Vec<(usize, Feature)> = (0..problem.runs.len()).flat_map(own).collect();
     let refits = replicate(problem, &bottom.at, &wanted, bootstrap.seed, bootstrap.replicates);

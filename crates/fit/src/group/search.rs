@@ -1,12 +1,12 @@
 //! The deepest minimum of a group of runs.
 
 use crate::joint::dense::{Bottom, descend};
-use crate::joint::problem::{Over, Problem, Slot};
+use crate::joint::problem::{JointProblem, Over, Slot};
 use crate::joint::readings::RunReadings;
 use crate::joint::start::{Start, problem};
 use ieap_numerics::levenberg::Stop;
 
-use super::LIMIT;
+use super::options::LIMIT;
 
 /// Evaluations over all readings.
 const POLISH_LIMIT: u64 = 12;
@@ -18,7 +18,7 @@ pub(super) fn search<'a>(
     runs: Vec<RunReadings<'a>>,
     starts: &[Start],
     shared: &[usize],
-) -> (Problem<'a>, Bottom, u64) {
+) -> (JointProblem<'a>, Bottom, u64) {
     let (problem, first) = problem(runs, starts, shared);
     let mut evaluations = 0;
     let mut best: Option<Bottom> = None;
@@ -49,7 +49,7 @@ pub(super) fn search<'a>(
 }
 
 /// Places to start from: the shared parameters as each of the runs has them, and their mean.
-fn start_places(problem: &Problem, starts: &[Start], first: Vec<f64>) -> Vec<Vec<f64>> {
+fn start_places(problem: &JointProblem, starts: &[Start], first: Vec<f64>) -> Vec<Vec<f64>> {
     let value = |run: usize, local: usize| starts[run].local[local] / problem.units[local];
     let with = |base: &[f64], run: usize| {
         let mut at = base.to_vec();

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::feature::Feature;
-use super::problem::Problem;
+use super::problem::JointProblem;
 use super::readings::{Response, RunReadings};
 
 /// Draws residuals anew in circular blocks of length `block` and adds them to the fitted values, every
@@ -14,7 +14,7 @@ use super::readings::{Response, RunReadings};
 /// The outcome depends on `seed` only. It gives for every replicate the values of `features` of `run`, those
 /// replicates left out whose search found no finite minimum.
 pub(crate) fn replicate(
-    problem: &Problem,
+    problem: &JointProblem,
     at: &[f64],
     features: &[(usize, Feature)],
     seed: u64,

@@ -6,7 +6,7 @@ use ieap_domain::quantiles::CHI_SQUARE_95;
 
 use super::dense::{Bottom, Dense, Slope, descend};
 use super::minimum::{electrical_starts, excess, minimum};
-use super::problem::{Layout, Problem};
+use super::problem::{JointProblem, Layout};
 use super::readings::RunReadings;
 
 /// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
@@ -40,7 +40,11 @@ pub(crate) struct Evidence {
 }
 
 /// Weighs the branches of `full` against one fewer.
-pub(super) fn evidence(current: &RunReadings, electrical: &Electrical, full: &(Problem, Bottom)) -> Evidence {
+pub(super) fn evidence(
+    current: &RunReadings,
+    electrical: &Electrical,
+    full: &(JointProblem, Bottom),
+) -> Evidence {
     let weighed = full.0.layout.branches;
     let effective_readings = current
         .current
@@ -77,7 +81,7 @@ pub(super) fn evidence(current: &RunReadings, electrical: &Electrical, full: &(P
 /// How far the sum of squares must rise above that of one branch to make room for a second one that would
 /// matter: a tenth of the conductance where it is the fast one, a twentieth where it is the slow one, and a time
 /// constant three times apart, from a tenth of the sampling interval to the length of the record.
-fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
+fn hidden_rise(one: &JointProblem, bottom: &Bottom) -> f64 {
     let local = one.local(0, &bottom.at);
     let layout = Layout { branches: 2 };
     let Some(response) = &one.runs[0].current else {
@@ -112,7 +116,7 @@ fn hidden_rise(one: &Problem, bottom: &Bottom) -> f64 {
         full[layout.current_offset()] = offset;
         full
     };
-    let two = Problem {
+    let two = JointProblem {
         layout,
         ..one.clone()
     };

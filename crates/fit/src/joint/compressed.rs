@@ -221,7 +221,7 @@ fn reduced(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> (Vec<f64>, Vec<f
 
 #[cfg(test)]
 mod tests {
-    use super::super::whitening::Memory;
+    use super::super::whitening::Autocorrelation;
     use super::*;
     use ieap_domain::{Channel, Drive, Quantity};
 
@@ -233,7 +233,7 @@ mod tests {
         let values: Vec<f64> = time_s.iter().map(|&t| value(t)).collect();
         let channel = Channel::new(Quantity::Current, time_s, values.into());
         let sampled = Sampled::new(&channel, &Drive::step(1.0), false);
-        let whitener = Whitener::new(&sampled, &vec![1e-3; 3000], &Memory::Order(vec![0.6]));
+        let whitener = Whitener::new(&sampled, &vec![1e-3; 3000], &Autocorrelation::Order(vec![0.6]));
         let span = &Compressed::new(&sampled, &whitener).spans[0];
         let mode = |rate_per_s: f64, amplitude| Mode {
             rate_per_s,

@@ -25,6 +25,14 @@ pub(crate) enum Feature {
     Rate,
 }
 
+/// How far the lower and the upper end of an interval lie from the value, in half-widths of the covariance's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ends {
+    pub(crate) feature: Feature,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+}
+
 impl Feature {
     /// The feature stored under `key` for a circuit of `branches` branches.
     pub(crate) fn of_key(key: &str, branches: usize) -> Option<Feature> {

@@ -8,7 +8,7 @@ use ieap_domain::quantiles::NORMAL_ONE_SIDED_99;
 use ieap_numerics::chance::reduced_chi_square_limit;
 
 use super::dense::Bottom;
-use super::problem::{Problem, Slot};
+use super::problem::{JointProblem, Slot};
 use super::readings::RunReadings;
 use super::start::{Start, problem};
 
@@ -62,7 +62,7 @@ pub(super) fn electrical_starts(
 }
 
 /// The deepest minimum from any of the starts, branches in order of their time constants.
-pub(crate) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(Problem<'a>, Bottom)> {
+pub(crate) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(JointProblem<'a>, Bottom)> {
     let (problem, _) = problem(vec![run.clone()], &starts[..1], &[]);
     let mut best: Option<Bottom> = None;
     for start in starts {
@@ -80,7 +80,7 @@ pub(crate) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(Pr
 }
 
 /// Coordinates of a start within an existing problem of one run.
-fn coordinates(problem: &Problem, start: &Start) -> Vec<f64> {
+fn coordinates(problem: &JointProblem, start: &Start) -> Vec<f64> {
     let mut at = vec![0.0; problem.low.len()];
     for (local, slot) in problem.slots[0].iter().enumerate() {
         if let Slot::Searched(k) = *slot {
@@ -92,7 +92,7 @@ fn coordinates(problem: &Problem, start: &Start) -> Vec<f64> {
 
 /// Factor (1 at least) on standard errors: root of the sum of squares that the circuit leaves of what sums of
 /// exponentials could explain, per degree of freedom, where it is beyond chance.
-pub(crate) fn excess(problem: &Problem, bottom: &Bottom) -> f64 {
+pub(crate) fn excess(problem: &JointProblem, bottom: &Bottom) -> f64 {
     let mut out = Vec::new();
     let mut rows = 0;
     for run in 0..problem.runs.len() {

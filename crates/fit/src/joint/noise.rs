@@ -4,23 +4,21 @@
 //! relaxation; what it leaves is judged by restricted likelihood, so that the smooth part costs no bias.
 
 mod again;
+mod autocorrelation;
 mod growth;
-mod memory;
 mod shared;
 mod smooth;
 #[cfg(test)]
 mod tests;
+mod tried;
 
 use crate::sampled::Sampled;
 
-use super::whitening::{Memory, Whitener};
+use super::whitening::{Autocorrelation, Whitener};
 
 pub(crate) use again::{Again, Products, products, white};
 use growth::growth;
 use smooth::Smooth;
-
-/// Twice the gain in log likelihood that a further property of the noise must bring, beside BIC.
-const EVIDENCE: f64 = 6.0;
 
 /// Noise of one channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +30,7 @@ pub(crate) struct Noise {
     /// Part of the standard deviation that goes with the signal, per signal; 0 for even noise.
     pub(crate) proportional: f64,
     /// Memory.
-    pub(crate) memory: Memory,
+    pub(crate) autocorrelation: Autocorrelation,
     /// Step of the converter, 0 where none is seen.
     pub(crate) quantum: f64,
     /// Degrees of freedom that the size of slow noise is known with.
@@ -65,9 +63,13 @@ impl Noise {
 
     /// Minus twice the restricted log likelihood of noise of each of the `scales` and that memory, where a fit has left
     /// `rest`.
-    pub(crate) fn deviances(rest: &Sampled, scales: &[Vec<f64>], memory: &Memory) -> Vec<f64> {
+    pub(crate) fn deviances(
+        rest: &Sampled,
+        scales: &[Vec<f64>],
+        autocorrelation: &Autocorrelation,
+    ) -> Vec<f64> {
         let smooth = Smooth::of(rest);
-        let deviance = |scale: &Vec<f64>| smooth.deviance(rest, scale, memory).0;
+        let deviance = |scale: &Vec<f64>| smooth.deviance(rest, scale, autocorrelation).0;
         scales.iter().map(deviance).collect()
     }
 
@@ -91,9 +93,9 @@ impl Noise {
         correlation: f64,
         among: usize,
     ) -> Noise {
-        let memory = Memory::Order(vec![correlation]);
-        let crowding = memory.readings_per_independent(1.0).max(1.0);
-        let noise = Noise::of_rest_with(rest, scale, least, &memory);
+        let autocorrelation = Autocorrelation::Order(vec![correlation]);
+        let crowding = autocorrelation.readings_per_independent(1.0).max(1.0);
+        let noise = Noise::of_rest_with(rest, scale, least, &autocorrelation);
         Noise {
             freedom: noise.freedom * (1.0 + 2.0 * crowding) / (1.0 + 2.0 * crowding / among as f64),
             ..noise
@@ -101,17 +103,22 @@ impl Noise {
     }
 
     /// The same with a memory known from elsewhere.
-    pub(crate) fn of_rest_with(rest: &Sampled, scale: &[f64], least: f64, memory: &Memory) -> Noise {
+    pub(crate) fn of_rest_with(
+        rest: &Sampled,
+        scale: &[f64],
+        least: f64,
+        autocorrelation: &Autocorrelation,
+    ) -> Noise {
         let smooth = Smooth::of(rest);
-        let variance = smooth.deviance(rest, scale, memory).1;
+        let variance = smooth.deviance(rest, scale, autocorrelation).1;
         let floor = variance.sqrt().max(least);
         let (shortest_s, _) = rest.time_scales_s();
-        let crowding = memory.readings_per_independent(shortest_s).max(1.0);
+        let crowding = autocorrelation.readings_per_independent(shortest_s).max(1.0);
         Noise {
             sd: scale.iter().map(|scale| floor * scale).collect(),
             floor,
             proportional: 0.0,
-            memory: memory.clone(),
+            autocorrelation: autocorrelation.clone(),
             quantum: 0.0,
             by_correlation: Vec::new(),
             freedom: ((rest.len() as f64 - smooth.terms()) / (1.0 + 2.0 * crowding)).max(1.0),
@@ -119,16 +126,16 @@ impl Noise {
     }
 
     fn of_smoothed(smooth: &Smooth, sampled: &Sampled, scale: &[f64], least: f64) -> Noise {
-        let found = smooth.memory(sampled, scale);
-        let (memory, terms) = (found.memory, smooth.terms());
+        let found = smooth.autocorrelation(sampled, scale);
+        let (autocorrelation, terms) = (found.autocorrelation, smooth.terms());
         let floor = found.standard_deviation.max(least);
         let n = sampled.len() as f64;
         let (shortest_s, _) = sampled.time_scales_s();
-        let crowding = memory.readings_per_independent(shortest_s).max(1.0);
+        let crowding = autocorrelation.readings_per_independent(shortest_s).max(1.0);
         // The logarithm of slow noise's variance is known to 2/n from its size and, the correlation being
         // known to (1-rho2)/n, to 4 (1+rho)/(1-rho)/n from its memory.
         let from_size = (n - terms).max(1.0);
-        let freedom = if memory == Memory::Order(Vec::new()) {
+        let freedom = if autocorrelation == Autocorrelation::Order(Vec::new()) {
             from_size
         } else {
             from_size / (1.0 + 2.0 * crowding)
@@ -137,7 +144,7 @@ impl Noise {
             sd: scale.iter().map(|scale| floor * scale).collect(),
             floor,
             proportional: 0.0,
-            memory,
+            autocorrelation,
             quantum: 0.0,
             by_correlation: found.by_correlation,
             freedom: freedom.max(1.0),
@@ -146,7 +153,7 @@ impl Noise {
 
     /// The whitener that belongs to it.
     pub(crate) fn whitener(&self, sampled: &Sampled) -> Whitener {
-        Whitener::new(sampled, &self.sd, &self.memory)
+        Whitener::new(sampled, &self.sd, &self.autocorrelation)
     }
 }
 

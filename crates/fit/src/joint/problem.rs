@@ -63,7 +63,7 @@ impl Slot {
 
 /// The sum of squares of a group of runs.
 #[derive(Debug, Clone)]
-pub(crate) struct Problem<'a> {
+pub(crate) struct JointProblem<'a> {
     pub(crate) runs: Vec<RunReadings<'a>>,
     pub(crate) layout: Layout,
     /// For every run where its local parameters come from.
@@ -83,7 +83,7 @@ pub(crate) enum Over {
     Whole,
 }
 
-impl Problem<'_> {
+impl JointProblem<'_> {
     /// Local parameters of a run, in their own units.
     pub(crate) fn local(&self, run: usize, at: &[f64]) -> Vec<f64> {
         let value = |(local, slot): (usize, &Slot)| match *slot {

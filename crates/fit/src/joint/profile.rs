@@ -2,7 +2,7 @@
 
 use super::dense::{Bottom, Dense, Slope, descend};
 use super::feature::Feature;
-use super::problem::{Over, Problem};
+use super::problem::{JointProblem, Over};
 
 /// Evaluations allowed to one constrained search.
 const LIMIT: u64 = 40;
@@ -40,7 +40,7 @@ impl Interval {
 
 /// A minimum with its covariance, ready to be asked for intervals.
 pub(crate) struct Solved<'p, 'a> {
-    pub(crate) problem: &'p Problem<'a>,
+    pub(crate) problem: &'p JointProblem<'a>,
     pub(crate) bottom: Bottom,
     pub(crate) inverse: Dense,
     /// Evaluations of all searches.
@@ -51,7 +51,7 @@ pub(crate) struct Solved<'p, 'a> {
 pub(crate) struct Deeper(pub(crate) Vec<f64>);
 
 impl<'p, 'a> Solved<'p, 'a> {
-    pub(crate) fn new(problem: &'p Problem<'a>, bottom: Bottom) -> Solved<'p, 'a> {
+    pub(crate) fn new(problem: &'p JointProblem<'a>, bottom: Bottom) -> Solved<'p, 'a> {
         let inverse = bottom.slope.normal.inverse(1e-13);
         Solved {
             problem,

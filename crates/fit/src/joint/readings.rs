@@ -59,7 +59,12 @@ impl Response {
     /// Independent readings that carry as much as these.
     pub(crate) fn effective_readings(&self) -> f64 {
         let (shortest_s, _) = self.sampled.time_scales_s();
-        self.sampled.len() as f64 / self.noise.memory.readings_per_independent(shortest_s).max(1.0)
+        self.sampled.len() as f64
+            / self
+                .noise
+                .autocorrelation
+                .readings_per_independent(shortest_s)
+                .max(1.0)
     }
 
     /// Measured minus `fitted`, white and in standard deviations.

@@ -2,7 +2,7 @@
 //! the sum of squares is a parabola, else by profile likelihood.
 
 use crate::bending::Bending;
-use crate::electrical::{BRANCH_EVIDENCE, Electrical};
+use crate::electrical::{BRANCH_EVIDENCE, CLEAR, Electrical};
 use ieap_numerics::levenberg::Stop;
 use ieap_numerics::student::quantile_95;
 
@@ -10,13 +10,11 @@ use super::branch_evidence::{Branches, Evidence, evidence};
 use super::dense::{Bottom, descend};
 use super::feature::Feature;
 use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
-use super::problem::{Over, Problem};
+use super::problem::{JointProblem, Over};
 use super::profile::{Deeper, Interval, Solved};
 use super::readings::{Offsets, RunReadings};
 use super::start::Start;
 
-/// Evidence from which a branch is there so clearly that having been chosen does not colour its parts.
-pub(crate) const CLEAR: f64 = 30.0;
 /// How much wider the intervals of a branch are that was only just taken: runs in which chance made it look
 /// larger are taken more often than those in which it made it look smaller.
 const CHOSEN_WIDER: f64 = 0.5;
@@ -134,7 +132,7 @@ impl Judged {
     }
 
     /// Takes curves and zeros from that place.
-    fn take_place(&mut self, problem: &Problem, bottom: &Bottom) {
+    fn take_place(&mut self, problem: &JointProblem, bottom: &Bottom) {
         let local = problem.local(0, &bottom.at);
         self.stop = bottom.stop;
         self.offsets = problem.offsets(&local);
@@ -151,7 +149,11 @@ impl Judged {
 
 /// The fit at that minimum of one run, with intervals by profile likelihood where they are asked for by the freedom of
 /// the readings.
-pub(crate) fn settled(found: (Problem, Bottom), freedom: Option<f64>, weighing: Option<Evidence>) -> Judged {
+pub(crate) fn settled(
+    found: (JointProblem, Bottom),
+    freedom: Option<f64>,
+    weighing: Option<Evidence>,
+) -> Judged {
     let mut judged = Judged {
         weighings: weighing.into_iter().collect(),
         ..Judged::unsettled(found.0.layout.branches, &found.1)
@@ -165,7 +167,7 @@ pub(crate) fn settled(found: (Problem, Bottom), freedom: Option<f64>, weighing: 
 
 /// Settles the fit at the minimum, started anew where the search for intervals meets a deeper one. `freedom` is that of
 /// the circuit's parameters and of the bending's.
-fn settle(found: (Problem, Bottom), freedom: [f64; 2], judged: &mut Judged) {
+fn settle(found: (JointProblem, Bottom), freedom: [f64; 2], judged: &mut Judged) {
     let (problem, mut bottom) = found;
     for restart in 0.. {
         sort_branches(&problem, &mut bottom);
@@ -194,7 +196,7 @@ fn settle(found: (Problem, Bottom), freedom: [f64; 2], judged: &mut Judged) {
 }
 
 /// The features that the readings of the problem's run may tell.
-fn wanted(problem: &Problem) -> impl Iterator<Item = Feature> + use<> {
+fn wanted(problem: &JointProblem) -> impl Iterator<Item = Feature> + use<> {
     let run = &problem.runs[0];
     let (conducts, bends) = (run.current.is_some(), run.curvature.is_some());
     Feature::all(problem.layout.branches).filter(move |feature| match feature {
@@ -207,7 +209,7 @@ fn wanted(problem: &Problem) -> impl Iterator<Item = Feature> + use<> {
 }
 
 /// The minimum over all readings, from that over the condensed ones.
-fn polished(problem: &Problem, from: Bottom) -> Bottom {
+fn polished(problem: &JointProblem, from: Bottom) -> Bottom {
     let (low, high) = (&problem.low, &problem.high);
     let found = descend(&from.at, low, high, POLISH_LIMIT, 1e-9, |at| {
         problem.slope(at, Over::Whole)
@@ -269,7 +271,7 @@ pub(crate) fn reach(solved: &Solved, feature: Feature, run: usize, quantile: f64
 }
 
 /// The branches in order of their time constants.
-fn sort_branches(problem: &Problem, bottom: &mut Bottom) {
+fn sort_branches(problem: &JointProblem, bottom: &mut Bottom) {
     let layout = problem.layout;
     let local = problem.local(0, &bottom.at);
     let tau = |k: usize| local[layout.resistance(k)] + local[layout.capacitance(k)];

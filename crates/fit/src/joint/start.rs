@@ -3,7 +3,7 @@
 use crate::bending::Bending;
 use crate::electrical::Electrical;
 
-use super::problem::{Layout, Problem, Slot};
+use super::problem::{JointProblem, Layout, Slot};
 use super::readings::RunReadings;
 
 /// Logarithms may move this far from where they start.
@@ -98,9 +98,9 @@ pub(crate) fn problem<'a>(
     runs: Vec<RunReadings<'a>>,
     starts: &[Start],
     shared: &[usize],
-) -> (Problem<'a>, Vec<f64>) {
+) -> (JointProblem<'a>, Vec<f64>) {
     let layout = starts.first().map_or(Layout { branches: 1 }, Start::layout);
-    let mut problem = Problem {
+    let mut problem = JointProblem {
         units: units(&runs, starts, layout),
         runs,
         layout,
@@ -177,7 +177,7 @@ fn units(runs: &[RunReadings], starts: &[Start], layout: Layout) -> Vec<f64> {
     units
 }
 
-fn limits(problem: &Problem, local: usize, start: f64) -> (f64, f64) {
+fn limits(problem: &JointProblem, local: usize, start: f64) -> (f64, f64) {
     let layout = problem.layout;
     if layout.is_logarithm(local) {
         return (start - FAR, start + FAR);

@@ -4,7 +4,7 @@ use crate::sampled::{Sampled, Span};
 
 /// How noise remembers.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Memory {
+pub(crate) enum Autocorrelation {
     /// Autoregression by reading order; coefficients of lag 1, 2, ...; none for white noise.
     Order(Vec<f64>),
     /// Ornstein-Uhlenbeck process: correlation falls as e^(-|dt|/time).
@@ -14,15 +14,15 @@ pub(crate) enum Memory {
     },
 }
 
-impl Memory {
+impl Autocorrelation {
     /// (1+rho)/(1-rho) and its like: how many readings carry as much as one independent one, for readings `step_s` apart.
     pub(crate) fn readings_per_independent(&self, step_s: f64) -> f64 {
         match self {
-            Memory::Order(coefficients) => {
+            Autocorrelation::Order(coefficients) => {
                 let left = (1.0 - coefficients.iter().sum::<f64>()).max(1e-6);
                 innovation_share(coefficients) / (left * left)
             }
-            Memory::Time { correlation_time_s } => {
+            Autocorrelation::Time { correlation_time_s } => {
                 let rho = (-step_s / correlation_time_s).exp();
                 (1.0 + rho) / (1.0 - rho).max(1e-9)
             }
@@ -74,17 +74,17 @@ enum Rule {
 
 impl Whitener {
     /// For noise of standard deviation `sd` (one for every reading) and that memory.
-    pub(crate) fn new(sampled: &Sampled, sd: &[f64], memory: &Memory) -> Whitener {
+    pub(crate) fn new(sampled: &Sampled, sd: &[f64], autocorrelation: &Autocorrelation) -> Whitener {
         let per_sd = sd.iter().map(|sd| sd.recip()).collect();
         let pair = |rho: f64| (rho, (1.0 - rho * rho).sqrt().recip());
-        let rule = match memory {
-            Memory::Order(coefficients) if coefficients.len() > 1 => Rule::Orders(
+        let rule = match autocorrelation {
+            Autocorrelation::Order(coefficients) if coefficients.len() > 1 => Rule::Orders(
                 predictors(coefficients)
                     .into_iter()
                     .map(|(order, share)| (order, share.sqrt().recip()))
                     .collect(),
             ),
-            Memory::Order(coefficients) => {
+            Autocorrelation::Order(coefficients) => {
                 let rho = coefficients.first().copied().unwrap_or(0.0);
                 let mut pairs = vec![pair(rho); sampled.len()];
                 sampled
@@ -93,7 +93,7 @@ impl Whitener {
                     .for_each(|span| pairs[span.first] = (0.0, 1.0));
                 Rule::Pairs(pairs)
             }
-            Memory::Time { correlation_time_s } => {
+            Autocorrelation::Time { correlation_time_s } => {
                 let mut pairs = vec![(0.0, 1.0); sampled.len()];
                 for span in &sampled.spans {
                     let times = &sampled.time_s[span.first..span.end];
@@ -186,7 +186,7 @@ impl Whitener {
     /// Logarithm of the determinant of the covariance of all readings.
     pub(crate) fn log_determinant(&self, sampled: &Sampled) -> f64 {
         let scales: f64 = self.per_sd.iter().map(|per_sd| -2.0 * per_sd.ln()).sum();
-        let memory: f64 = match &self.rule {
+        let autocorrelation: f64 = match &self.rule {
             Rule::Pairs(pairs) => pairs.iter().map(|(_, per_new)| -2.0 * per_new.ln()).sum(),
             Rule::Orders(orders) => {
                 let of_span = |span: &Span| -> f64 {
@@ -197,7 +197,7 @@ impl Whitener {
                 sampled.spans.iter().map(of_span).sum()
             }
         };
-        scales + memory
+        scales + autocorrelation
     }
 
     /// Whether the whitened value of a smooth series varies smoothly from reading `k - 1` to `k` of a span that
@@ -221,10 +221,14 @@ mod tests {
     }
 
     /// Whitening W of a covariance V must give W V W' = 1.
-    fn assert_whitens(time_s: &[f64], memory: &Memory, covariance: impl Fn(usize, usize) -> f64) {
+    fn assert_whitens(
+        time_s: &[f64],
+        autocorrelation: &Autocorrelation,
+        covariance: impl Fn(usize, usize) -> f64,
+    ) {
         let sampled = sampled(time_s);
         let n = time_s.len();
-        let whitener = Whitener::new(&sampled, &vec![2.0; n], memory);
+        let whitener = Whitener::new(&sampled, &vec![2.0; n], autocorrelation);
         let span = sampled.spans[0];
         let whitened_rows = |matrix: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
             let columns = (0..n).map(|c| {
@@ -252,27 +256,30 @@ mod tests {
         let sampled = sampled(&time_s);
         let span = sampled.spans[0];
         let sd: Vec<f64> = (1..8).map(|k| 0.3 * f64::from(k)).collect();
-        let memories = [
-            Memory::Order(Vec::new()),
-            Memory::Order(vec![0.6]),
-            Memory::Order(vec![0.5, 0.3]),
-            Memory::Time {
+        let autocorrelations = [
+            Autocorrelation::Order(Vec::new()),
+            Autocorrelation::Order(vec![0.6]),
+            Autocorrelation::Order(vec![0.5, 0.3]),
+            Autocorrelation::Time {
                 correlation_time_s: 1.5,
             },
         ];
         let x = [1.0, -2.0, 0.5, 3.0, 0.0, -1.0, 4.0];
         let y = [0.2, 1.0, -1.0, 2.0, 5.0, 0.3, -0.7];
-        for memory in memories {
-            let whitener = Whitener::new(&sampled, &sd, &memory);
+        for autocorrelation in autocorrelations {
+            let whitener = Whitener::new(&sampled, &sd, &autocorrelation);
             let (mut white, mut back) = (x.to_vec(), y.to_vec());
             whitener.whiten(&span, &mut white);
             whitener.transpose(&span, &mut back);
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            assert!((dot(&white, &y) - dot(&x, &back)).abs() < 1e-12, "{memory:?}");
+            assert!(
+                (dot(&white, &y) - dot(&x, &back)).abs() < 1e-12,
+                "{autocorrelation:?}"
+            );
             whitener.colour(&span, &mut white);
             assert!(
                 white.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-12),
-                "{memory:?}"
+                "{autocorrelation:?}"
             );
         }
     }
@@ -281,11 +288,11 @@ mod tests {
     fn correlated_noise_becomes_white() {
         let even: Vec<f64> = (0..9).map(f64::from).collect();
         let rho = 0.7_f64;
-        assert_whitens(&even, &Memory::Order(vec![rho]), |r, c| {
+        assert_whitens(&even, &Autocorrelation::Order(vec![rho]), |r, c| {
             rho.powi(r.abs_diff(c) as i32)
         });
         let uneven = [0.0, 0.1, 0.5, 2.0, 2.1, 7.0];
-        let time = Memory::Time {
+        let time = Autocorrelation::Time {
             correlation_time_s: 1.5,
         };
         assert_whitens(&uneven, &time, |r, c| {
@@ -297,6 +304,8 @@ mod tests {
         for k in 2..9 {
             lags.push(a * lags[k - 1] + b * lags[k - 2]);
         }
-        assert_whitens(&even, &Memory::Order(vec![a, b]), |r, c| lags[r.abs_diff(c)]);
+        assert_whitens(&even, &Autocorrelation::Order(vec![a, b]), |r, c| {
+            lags[r.abs_diff(c)]
+        });
     }
 }

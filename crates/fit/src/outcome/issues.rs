@@ -1,9 +1,9 @@
 //! What a reader of a fit must know beside its numbers.
 
-use crate::Identified;
 use crate::joint::single::Judged;
 use crate::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::sampled::Sampled;
+use crate::two_steps::Identified;
 use ieap_domain::{Drive, Issue, Level, Parameter};
 use ieap_numerics::levenberg::Stop;
 

@@ -2,7 +2,7 @@
 
 use crate::electrical::FOLLOWED;
 use crate::joint::noise::Noise;
-use crate::joint::whitening::Memory;
+use crate::joint::whitening::Autocorrelation;
 use crate::sampled::Sampled;
 use crate::uncertainty::Residuals;
 use ieap_domain::thinning::drawn_indices;
@@ -78,9 +78,9 @@ fn character(sampled: &Sampled) -> NoiseCharacter {
     let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let ends = (sampled.len() > 2 * ENOUGH).then(|| sampled.ends(ENOUGH));
     let noise = Noise::of(ends.as_ref().unwrap_or(sampled), 1e-9 * peak);
-    let (autoregression, correlation_time_s) = match noise.memory {
-        Memory::Order(coefficients) => (coefficients, None),
-        Memory::Time { correlation_time_s } => (Vec::new(), Some(correlation_time_s)),
+    let (autoregression, correlation_time_s) = match noise.autocorrelation {
+        Autocorrelation::Order(coefficients) => (coefficients, None),
+        Autocorrelation::Time { correlation_time_s } => (Vec::new(), Some(correlation_time_s)),
     };
     NoiseCharacter {
         autoregression,

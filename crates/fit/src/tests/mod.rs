@@ -16,7 +16,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
-use ieap_domain::Segment;
+use ieap_domain::{Channel, Drive, Level, Quantity, Segment};
 use ieap_model::{Branch, LumpedModel};
 
 /// Rows of the thesis's table 5: R1, C1, R2, C2, R_ss, alpha, lambda, and the step voltage.

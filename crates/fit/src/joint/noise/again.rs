@@ -2,13 +2,13 @@
 //! times, with everything that does not change made once.
 
 use crate::joint::dense::Dense;
-use crate::joint::whitening::{Memory, Whitener};
+use crate::joint::whitening::{Autocorrelation, Whitener};
 use crate::sampled::{Sampled, Span};
 
 use super::Noise;
-use super::memory::{CORRELATIONS, FROM, TO};
-use super::shared::{correlation_at, lowest, together};
+use super::shared::together;
 use super::smooth::{Smooth, inner};
+use super::tried::{CORRELATIONS, FROM, TO, correlation_at, lowest};
 
 /// Smooth shapes and scales of a channel, and the normal matrices of every memory that is tried.
 pub(crate) struct Again {
@@ -31,7 +31,7 @@ enum How {
     Correlation(Vec<Tried>),
     /// The size alone: memory of another kind is taken as it was found.
     Size {
-        memory: Memory,
+        autocorrelation: Autocorrelation,
         whitener: Whitener,
         inverses: Vec<Dense>,
         white: Vec<Vec<Vec<f64>>>,
@@ -65,9 +65,11 @@ impl Again {
                 shapes: shapes.iter().map(|shape| scaled(shape, &scale, span)).collect(),
             })
             .collect();
-        let how = match &noise.memory {
-            Memory::Order(coefficients) if coefficients.len() <= 1 => How::Correlation(tried(&spans)),
-            memory => of_size(sampled, &spans, memory, &scale),
+        let how = match &noise.autocorrelation {
+            Autocorrelation::Order(coefficients) if coefficients.len() <= 1 => {
+                How::Correlation(tried(&spans))
+            }
+            autocorrelation => of_size(sampled, &spans, autocorrelation, &scale),
         };
         Again {
             spans,
@@ -78,23 +80,23 @@ impl Again {
     }
 
     /// Scale of every reading's noise, and the whitener of the memory that is taken as it was found, where one is.
-    pub(crate) fn taken(&self) -> (&[f64], Option<&Memory>) {
-        let memory = match &self.how {
+    pub(crate) fn taken(&self) -> (&[f64], Option<&Autocorrelation>) {
+        let autocorrelation = match &self.how {
             How::Correlation(_) => None,
-            How::Size { memory, .. } => Some(memory),
+            How::Size { autocorrelation, .. } => Some(autocorrelation),
         };
-        (&self.scale, memory)
+        (&self.scale, autocorrelation)
     }
 
     /// Standard deviation of every reading and memory of the noise, from `rest`, what a fit has left.
-    pub(crate) fn find(&self, rest: &[f64]) -> (Vec<f64>, Memory) {
+    pub(crate) fn find(&self, rest: &[f64]) -> (Vec<f64>, Autocorrelation) {
         match &self.how {
             How::Correlation(tried) => {
                 let looked = self.looked(tried, rest);
                 self.at(&looked, lowest(&deviances(&looked)).0)
             }
             How::Size {
-                memory,
+                autocorrelation,
                 whitener,
                 inverses,
                 white,
@@ -106,13 +108,13 @@ impl Again {
                     let right: Vec<f64> = shapes.iter().map(|shape| inner(shape, &own)).collect();
                     square += inner(&own, &own) - inverse.form(&right, &right);
                 }
-                (self.sized(square / self.freedom), memory.clone())
+                (self.sized(square / self.freedom), autocorrelation.clone())
             }
         }
     }
 
     /// The same for channels that share one correlation, each with its `rest`; none where one has memory of another kind.
-    pub(crate) fn find_shared(all: &[(&Again, &[f64])]) -> Option<Vec<(Vec<f64>, Memory)>> {
+    pub(crate) fn find_shared(all: &[(&Again, &[f64])]) -> Option<Vec<(Vec<f64>, Autocorrelation)>> {
         let looked: Option<Vec<Vec<(f64, f64)>>> = all
             .iter()
             .map(|(again, rest)| match &again.how {
@@ -152,12 +154,15 @@ impl Again {
     }
 
     /// Standard deviation of every reading and memory at an index of what was looked at.
-    fn at(&self, looked: &[(f64, f64)], index: f64) -> (Vec<f64>, Memory) {
+    fn at(&self, looked: &[(f64, f64)], index: f64) -> (Vec<f64>, Autocorrelation) {
         let before = (index as usize).min(looked.len() - 1);
         let after = (before + 1).min(looked.len() - 1);
         let part = index - before as f64;
         let variance = looked[before].1 + part * (looked[after].1 - looked[before].1);
-        (self.sized(variance), Memory::Order(vec![correlation_at(index)]))
+        (
+            self.sized(variance),
+            Autocorrelation::Order(vec![correlation_at(index)]),
+        )
     }
 
     fn sized(&self, variance: f64) -> Vec<f64> {
@@ -203,9 +208,9 @@ fn tried(spans: &[SpanShapes]) -> Vec<Tried> {
     (0..=CORRELATIONS).map(one).collect()
 }
 
-fn of_size(sampled: &Sampled, spans: &[SpanShapes], memory: &Memory, scale: &[f64]) -> How {
+fn of_size(sampled: &Sampled, spans: &[SpanShapes], autocorrelation: &Autocorrelation, scale: &[f64]) -> How {
     // The series are scaled before: the whitener's own scale is one.
-    let whitener = Whitener::new(sampled, &vec![1.0; scale.len()], memory);
+    let whitener = Whitener::new(sampled, &vec![1.0; scale.len()], autocorrelation);
     let white: Vec<Vec<Vec<f64>>> = spans
         .iter()
         .map(|span| {
@@ -227,7 +232,7 @@ fn of_size(sampled: &Sampled, spans: &[SpanShapes], memory: &Memory, scale: &[f6
         normal.inverse(1e-14)
     };
     How::Size {
-        memory: memory.clone(),
+        autocorrelation: autocorrelation.clone(),
         inverses: white.iter().map(inverse).collect(),
         whitener,
         white,
@@ -292,20 +297,22 @@ mod tests {
         for (seed, rho) in [(1, 0.0), (2, 0.3), (3, 0.8)] {
             let sampled = sampled(rho, seed);
             let slow = Noise::of_rest(&sampled, &vec![1.0; sampled.len()], 0.0);
-            let Memory::Order(slow_memory) = &slow.memory else {
+            let Autocorrelation::Order(slow_autocorrelation) = &slow.autocorrelation else {
                 panic!("{slow:?}")
             };
             let even = Noise {
-                memory: Memory::Order(vec![0.5]),
+                autocorrelation: Autocorrelation::Order(vec![0.5]),
                 ..slow.clone()
             };
-            let (sd, memory) = Again::new(&sampled, &even).find(&sampled.values);
-            let Memory::Order(found) = &memory else { panic!() };
+            let (sd, autocorrelation) = Again::new(&sampled, &even).find(&sampled.values);
+            let Autocorrelation::Order(found) = &autocorrelation else {
+                panic!()
+            };
             // The first search may go on to a second order, whose lag-1 coefficient is another number.
-            if slow_memory.len() == 1 {
+            if slow_autocorrelation.len() == 1 {
                 assert!(
-                    (found[0] - slow_memory[0]).abs() < 2e-3,
-                    "{found:?} {slow_memory:?}"
+                    (found[0] - slow_autocorrelation[0]).abs() < 2e-3,
+                    "{found:?} {slow_autocorrelation:?}"
                 );
                 assert!(
                     (sd[0] / slow.sd[0] - 1.0).abs() < 5e-3,
@@ -315,12 +322,12 @@ mod tests {
                 );
             }
             let of_size = Noise {
-                memory: Memory::Order(vec![rho, 0.05]),
+                autocorrelation: Autocorrelation::Order(vec![rho, 0.05]),
                 ..slow.clone()
             };
             let (sd, _) = Again::new(&sampled, &of_size).find(&sampled.values);
             let by_likelihood = Smooth::of(&sampled)
-                .deviance(&sampled, &vec![1.0; sampled.len()], &of_size.memory)
+                .deviance(&sampled, &vec![1.0; sampled.len()], &of_size.autocorrelation)
                 .1;
             assert!((sd[0] / by_likelihood.sqrt() - 1.0).abs() < 1e-9);
         }
@@ -332,16 +339,16 @@ mod tests {
         let of = |sampled: &Sampled| {
             let slow = Noise::of_rest(sampled, &vec![1.0; sampled.len()], 0.0);
             let first = Noise {
-                memory: Memory::Order(vec![0.5]),
+                autocorrelation: Autocorrelation::Order(vec![0.5]),
                 ..slow
             };
             Again::new(sampled, &first)
         };
         let again = [of(&sampled[0]), of(&sampled[1])];
         let rests = [&sampled[0].values[..], &sampled[1].values[..]];
-        let first = |(_, memory): &(Vec<f64>, Memory)| match memory {
-            Memory::Order(coefficients) => coefficients[0],
-            Memory::Time { .. } => f64::NAN,
+        let first = |(_, autocorrelation): &(Vec<f64>, Autocorrelation)| match autocorrelation {
+            Autocorrelation::Order(coefficients) => coefficients[0],
+            Autocorrelation::Time { .. } => f64::NAN,
         };
         let [a, b] = [0, 1].map(|k| first(&again[k].find(rests[k])));
         let both = Again::find_shared(&[(&again[0], rests[0]), (&again[1], rests[1])]).unwrap();

@@ -2,8 +2,8 @@
 
 use crate::sampled::Sampled;
 
-use super::EVIDENCE;
 use super::smooth::Smooth;
+use super::tried::EVIDENCE;
 
 /// How the noise grows with the signal.
 pub(super) struct Growth {
@@ -31,8 +31,11 @@ pub(super) fn growth(smooth: &Smooth, sampled: &Sampled) -> Growth {
         let square: f64 = smooth.rest.iter().zip(scale).map(|(r, s)| (r / s).powi(2)).sum();
         n * (square / n).max(f64::MIN_POSITIVE).ln() + scale.iter().map(|s| 2.0 * s.ln()).sum::<f64>()
     };
-    let memory = smooth.memory_of_rest(sampled);
-    let (mut best, mut chosen) = (deviance(&even.scale) - (n.ln() + EVIDENCE) * memory, even);
+    let autocorrelation = smooth.autocorrelation_of_rest(sampled);
+    let (mut best, mut chosen) = (
+        deviance(&even.scale) - (n.ln() + EVIDENCE) * autocorrelation,
+        even,
+    );
     for power in -2..=12 {
         let b = 2.0_f64.powf(f64::from(power) / 2.0);
         let scale = scale(b);

@@ -3,33 +3,10 @@
 
 use ieap_numerics::chance::chi_square_chance;
 
-use super::memory::{CORRELATIONS, FROM, TO};
+use super::tried::{CORRELATIONS, correlation_at, lowest};
 
 /// Channels do not share a correlation where chance makes so different ones this rarely.
 const DIFFERENT: f64 = 0.01;
-
-/// Lowest place of a curve over the correlations that are tried: its index, between those of its neighbours, and its depth,
-/// by a parabola.
-pub(super) fn lowest(curve: &[f64]) -> (f64, f64) {
-    let least = (0..curve.len())
-        .min_by(|&a, &b| curve[a].total_cmp(&curve[b]))
-        .unwrap_or(0);
-    if least == 0 || least + 1 >= curve.len() {
-        return (least as f64, curve.get(least).copied().unwrap_or(0.0));
-    }
-    let [a, b, c] = [curve[least - 1], curve[least], curve[least + 1]];
-    let bend = a - 2.0 * b + c;
-    if bend <= 0.0 {
-        return (least as f64, b);
-    }
-    let part = 0.5 * (a - c) / bend;
-    (least as f64 + part, b - 0.25 * (a - c) * part)
-}
-
-/// The correlation at an index of the curve.
-pub(super) fn correlation_at(index: f64) -> f64 {
-    (FROM + (TO - FROM) * index / CORRELATIONS as f64).tanh()
-}
 
 /// Index of the lowest place of the sum of all curves, each minus twice a log likelihood.
 pub(super) fn together(curves: &[&[f64]]) -> (f64, f64) {

@@ -37,7 +37,7 @@ fn first_and_second_order_come_back() {
             rho * lag(earlier, 1) + (1.0 - rho * rho).sqrt() * fresh
         });
         let found = Noise::of(&sampled, 0.0);
-        let Memory::Order(coefficients) = &found.memory else {
+        let Autocorrelation::Order(coefficients) = &found.autocorrelation else {
             panic!("{found:?}")
         };
         first += coefficients[0] / 20.0;
@@ -45,7 +45,7 @@ fn first_and_second_order_come_back() {
         let twice = decaying(&even(2000), seed, |fresh, earlier, _| {
             0.3 * lag(earlier, 1) + 0.5 * lag(earlier, 2) + fresh
         });
-        let Memory::Order(coefficients) = Noise::of(&twice, 0.0).memory else {
+        let Autocorrelation::Order(coefficients) = Noise::of(&twice, 0.0).autocorrelation else {
             panic!()
         };
         second += usize::from(coefficients.len() == 2 && (coefficients[1] - 0.5).abs() < 0.1);
@@ -74,7 +74,7 @@ fn memory_by_time_is_told_from_memory_by_order() {
             k += 1;
             rho * lag(earlier, 1) + (1.0 - rho * rho).sqrt() * fresh
         });
-        if let Memory::Time { correlation_time_s } = Noise::of(&sampled, 0.0).memory {
+        if let Autocorrelation::Time { correlation_time_s } = Noise::of(&sampled, 0.0).autocorrelation {
             by_time += 1;
             times += correlation_time_s;
         }

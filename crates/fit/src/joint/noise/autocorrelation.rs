@@ -1,26 +1,27 @@
 //! The memory of noise, by restricted likelihood beside the smooth part, so that the smooth part costs no bias.
 
 use crate::joint::dense::Dense;
-use crate::joint::whitening::{Memory, Whitener};
+use crate::joint::whitening::{Autocorrelation, Whitener};
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::correlation::yule_walker;
 
-use super::EVIDENCE;
-use super::shared::lowest;
 use super::smooth::{Smooth, inner};
+use super::tried::{CORRELATIONS, EVIDENCE, FROM, TO, lowest};
 
-/// Correlations tried by reading order, between these inverse hyperbolic tangents; and correlation times.
-pub(super) const CORRELATIONS: usize = 60;
-pub(super) const FROM: f64 = -0.7;
-pub(super) const TO: f64 = 3.4;
+/// Correlation times that are tried.
 const TIMES: usize = 12;
 /// Readings from which orders above one are looked at.
 const ENOUGH_FOR_ORDER: usize = 300;
 
 impl Smooth {
     /// Minus twice the restricted log likelihood of that memory, with the best size of the noise.
-    pub(super) fn deviance(&self, sampled: &Sampled, scale: &[f64], memory: &Memory) -> (f64, f64) {
-        let whitener = Whitener::new(sampled, scale, memory);
+    pub(super) fn deviance(
+        &self,
+        sampled: &Sampled,
+        scale: &[f64],
+        autocorrelation: &Autocorrelation,
+    ) -> (f64, f64) {
+        let whitener = Whitener::new(sampled, scale, autocorrelation);
         let mut square = 0.0;
         let mut determinant = whitener.log_determinant(sampled);
         for (span, shapes) in sampled.spans.iter().zip(&self.shapes) {
@@ -52,15 +53,15 @@ impl Smooth {
     }
 
     /// The memory that the rest shows.
-    pub(super) fn memory(&self, sampled: &Sampled, scale: &[f64]) -> Remembered {
-        let white = Memory::Order(Vec::new());
+    pub(super) fn autocorrelation(&self, sampled: &Sampled, scale: &[f64]) -> FoundAutocorrelation {
+        let white = Autocorrelation::Order(Vec::new());
         let mut best = (self.deviance(sampled, scale, &white), white);
         let unit: f64 = self.rest.iter().map(|r| r * r).sum();
         let freedom = sampled.len() as f64 - self.terms();
         if freedom < 4.0 || unit <= 0.0 {
-            return Remembered::of(best, Vec::new());
+            return FoundAutocorrelation::of(best, Vec::new());
         }
-        let by_order = |x: f64| Memory::Order(vec![x.tanh()]);
+        let by_order = |x: f64| Autocorrelation::Order(vec![x.tanh()]);
         let (shortest_s, longest_s) = sampled.time_scales_s();
         let is_even = sampled.blocks.iter().all(|(_, block)| block.step_s.is_some());
         let lagged = self.lagged(sampled, scale);
@@ -69,16 +70,16 @@ impl Smooth {
         (best, by_correlation) = search(best, (FROM, TO, CORRELATIONS), by_order, of_order);
         if !is_even && shortest_s > 0.0 && shortest_s < longest_s {
             let span = (longest_s / shortest_s / 4.0).max(2.0).ln();
-            let by_time = |x: f64| Memory::Time {
+            let by_time = |x: f64| Autocorrelation::Time {
                 correlation_time_s: shortest_s * (span * x).exp() / 2.0,
             };
             let of_time = |x: f64| self.deviance(sampled, scale, &by_time(x));
             best = search(best, (0.0, 1.0, TIMES), by_time, of_time).0;
         }
-        if sampled.len() >= ENOUGH_FOR_ORDER && matches!(best.1, Memory::Order(_)) {
+        if sampled.len() >= ENOUGH_FOR_ORDER && matches!(best.1, Autocorrelation::Order(_)) {
             best = self.higher_orders(sampled, scale, best);
         }
-        Remembered::of(best, by_correlation)
+        FoundAutocorrelation::of(best, by_correlation)
     }
 
     /// Products of the scaled shapes and rest with each other, at the same reading and at neighbours.
@@ -158,17 +159,22 @@ impl Smooth {
             let Some((coefficients, _)) = yule_walker(&lags[..=order]) else {
                 break;
             };
-            let memory = Memory::Order(coefficients);
-            let found = self.deviance(sampled, scale, &memory);
+            let autocorrelation = Autocorrelation::Order(coefficients);
+            let found = self.deviance(sampled, scale, &autocorrelation);
             if found.0 + penalty < best.0.0 {
-                best = (found, memory);
+                best = (found, autocorrelation);
             }
         }
         best
     }
 
     /// Autocovariances of the scaled rest up to lag 3, put right for the slow part that the shapes removed.
-    fn autocovariances(&self, sampled: &Sampled, scale: &[f64], memory: &Memory) -> [f64; 4] {
+    fn autocovariances(
+        &self,
+        sampled: &Sampled,
+        scale: &[f64],
+        autocorrelation: &Autocorrelation,
+    ) -> [f64; 4] {
         let n = sampled.len() as f64;
         let rest: Vec<f64> = self.rest.iter().zip(scale).map(|(r, s)| r / s).collect();
         let lag = |lag: usize| {
@@ -182,14 +188,18 @@ impl Smooth {
             };
             sampled.spans.iter().map(of_span).sum::<f64>() / n
         };
-        let removed = self.terms() / n * memory.readings_per_independent(1.0);
+        let removed = self.terms() / n * autocorrelation.readings_per_independent(1.0);
         let variance = lag(0) / (1.0 - removed.min(0.5));
         std::array::from_fn(|k| lag(k) + removed.min(0.5) * variance)
     }
 
     /// Readings per independent one, from the lag-1 correlation of the rest: what evidence must be divided by.
-    pub(super) fn memory_of_rest(&self, sampled: &Sampled) -> f64 {
-        let lags = self.autocovariances(sampled, &vec![1.0; sampled.len()], &Memory::Order(Vec::new()));
+    pub(super) fn autocorrelation_of_rest(&self, sampled: &Sampled) -> f64 {
+        let lags = self.autocovariances(
+            sampled,
+            &vec![1.0; sampled.len()],
+            &Autocorrelation::Order(Vec::new()),
+        );
         let rho = if lags[0] > 0.0 {
             (lags[1] / lags[0]).clamp(0.0, 0.95)
         } else {
@@ -200,18 +210,19 @@ impl Smooth {
 }
 
 /// What was found.
-pub(super) struct Remembered {
-    pub(super) memory: Memory,
+pub(super) struct FoundAutocorrelation {
+    pub(super) autocorrelation: Autocorrelation,
     pub(super) standard_deviation: f64,
     /// Minus twice the log likelihood of every correlation that was tried; empty where the memory is of another kind.
     pub(super) by_correlation: Vec<f64>,
 }
 
-impl Remembered {
-    fn of(((_, variance), memory): Candidate, by_correlation: Vec<f64>) -> Remembered {
-        let is_correlation = matches!(&memory, Memory::Order(coefficients) if coefficients.len() <= 1);
-        Remembered {
-            memory,
+impl FoundAutocorrelation {
+    fn of(((_, variance), autocorrelation): Candidate, by_correlation: Vec<f64>) -> FoundAutocorrelation {
+        let is_correlation =
+            matches!(&autocorrelation, Autocorrelation::Order(coefficients) if coefficients.len() <= 1);
+        FoundAutocorrelation {
+            autocorrelation,
             standard_deviation: variance.sqrt(),
             by_correlation: if is_correlation {
                 by_correlation
@@ -232,7 +243,7 @@ struct Lagged {
 }
 
 /// A deviance with the variance of the noise, and the memory they belong to.
-type Candidate = ((f64, f64), Memory);
+type Candidate = ((f64, f64), Autocorrelation);
 
 /// The best memory along a line of them, with the deviances on the line: a look at evenly spaced ones, then a parabola
 /// through the best three.
@@ -242,7 +253,7 @@ type Candidate = ((f64, f64), Memory);
 fn search(
     best: Candidate,
     (low, high, count): (f64, f64, usize),
-    memory: impl Fn(f64) -> Memory,
+    autocorrelation: impl Fn(f64) -> Autocorrelation,
     deviance: impl Fn(f64) -> (f64, f64),
 ) -> (Candidate, Vec<f64>) {
     let step = (high - low) / count as f64;
@@ -250,7 +261,7 @@ fn search(
     let x = low + step * lowest(&looked).0;
     let found = deviance(x);
     let best = if found.0 < best.0.0 {
-        (found, memory(x))
+        (found, autocorrelation(x))
     } else {
         best
     };

@@ -1,0 +1,116 @@
+//! What one run gives to a fit, and how to fit it.
+
+use ieap_domain::{Channel, Drive};
+use ieap_model::{FitModel, fit_model, fit_models};
+use ieap_numerics::global::{Method, method, methods};
+
+use crate::error::FitError;
+use crate::search::Search;
+
+/// What one run gives to a fit.
+#[derive(Debug, Clone, Copy)]
+pub struct FitInput<'a> {
+    /// Channels of the run; current and curvature are fitted, the first of each, others are not looked at.
+    pub channels: &'a [Channel],
+    /// Voltage that drove the run.
+    pub drive: &'a Drive,
+    /// Active area of the sample, cm2.
+    pub area_cm2: f64,
+}
+
+/// How to fit.
+#[derive(Debug, Clone, Copy)]
+pub struct FitOptions {
+    /// The model.
+    pub model: &'static FitModel,
+    /// How minima are searched.
+    pub method: &'static dyn Method,
+    /// Seed of a method that is random.
+    pub seed: u64,
+    /// Whether to describe the noise beside its size (memory of higher order, growth with the signal, steps of the
+    /// converter), which costs several times the fit itself and changes no estimate.
+    pub describes_noise: bool,
+    /// How current and curvature are brought together.
+    pub steps: Steps,
+}
+
+/// How current and curvature are brought together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Steps {
+    /// The electrical parameters from the current; then, with those fixed, the rest from the curvature.
+    #[default]
+    TwoStep,
+    /// All parameters from both, each weighted by its noise.
+    Simultaneous,
+}
+
+/// The model of a run where nothing else is asked for.
+const DEFAULT_MODEL: &str = "lumped-2";
+
+impl Default for FitOptions {
+    /// Two branches, `lumped-2`, searched by variable projection.
+    fn default() -> FitOptions {
+        FitOptions {
+            model: fit_model(DEFAULT_MODEL).unwrap_or(&fit_models()[0]),
+            method: Search::default().method,
+            seed: Search::default().seed,
+            steps: Steps::TwoStep,
+            describes_noise: false,
+        }
+    }
+}
+
+impl FitOptions {
+    /// Options for the model of that id.
+    ///
+    /// # Errors
+    /// [`FitError::UnknownModel`] where there is none.
+    pub fn for_model(id: &str) -> Result<FitOptions, FitError> {
+        let known = || {
+            fit_models()
+                .iter()
+                .map(|model| model.id)
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        fit_model(id)
+            .map(|model| FitOptions {
+                model,
+                ..FitOptions::default()
+            })
+            .ok_or_else(|| FitError::UnknownModel {
+                found: id.to_owned(),
+                known: known(),
+            })
+    }
+}
+
+impl FitOptions {
+    /// The same with the method of that id.
+    ///
+    /// # Errors
+    /// [`FitError::UnknownMethod`] where there is none.
+    pub fn with_method(self, id: &str) -> Result<FitOptions, FitError> {
+        let known = || {
+            methods()
+                .iter()
+                .map(|method| method.id())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        match method(id) {
+            Some(method) => Ok(FitOptions { method, ..self }),
+            None => Err(FitError::UnknownMethod {
+                found: id.to_owned(),
+                known: known(),
+            }),
+        }
+    }
+
+    pub(crate) fn search(&self) -> Search {
+        Search {
+            method: self.method,
+            seed: self.seed,
+        }
+    }
+}
