@@ -7,6 +7,8 @@ use super::conditions::{Conditions, conditions, material};
 
 /// Models whose BIC differ by less are not told apart: the weight of one against the other is below e^5 = 150.
 const TOLD_APART: f64 = 10.0;
+/// Predictions that are worse by no more than this factor are as good.
+const ALIKE: f64 = 1.1;
 /// What is left counts as noise up to this multiple of it.
 const TO_THE_NOISE: f64 = 1.2;
 
@@ -50,6 +52,9 @@ pub struct ComparedModel {
     pub seconds: f64,
 }
 
+/// Material, surroundings, and the comparisons there with the voltage of each.
+type Gathered = (String, String, Vec<(f64, usize)>);
+
 /// Sums up comparisons by material and surroundings, in the order of the campaign.
 pub fn models_compared(
     comparisons: &[RunComparison],
@@ -57,7 +62,7 @@ pub fn models_compared(
     campaign: &Campaign,
 ) -> Vec<ComparedCondition> {
     let table = conditions(runs, campaign);
-    let mut found: Vec<(String, String, Vec<(f64, usize)>)> = Vec::new();
+    let mut found: Vec<Gathered> = Vec::new();
     for (place, one) in comparisons.iter().enumerate() {
         let Some(run) = runs.iter().position(|run| run.path == one.run) else {
             continue;
@@ -274,16 +279,23 @@ fn predicted(
     ranked: &[&ComparedModel],
     number: impl Fn(&ComparedModel) -> Option<f64>,
 ) -> String {
-    let told = ranked
-        .iter()
-        .filter_map(|model| Some((number(model)?, &model.model)));
-    let best = told.min_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or_else(String::new, |(left, model)| {
-        format!(
-            " {what} are predicted best by {model}, to {} times the noise.",
-            times(Some(left))
-        )
-    })
+    let told = || {
+        ranked
+            .iter()
+            .filter_map(|model| Some((number(model)?, &*model.model)))
+    };
+    let Some((least, _)) = told().min_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return String::new();
+    };
+    let alike: Vec<&str> = told()
+        .filter(|(left, _)| *left <= ALIKE * least)
+        .map(|(_, model)| model)
+        .collect();
+    format!(
+        " {what} are predicted best by {}, to {} times the noise.",
+        alike.join(", "),
+        times(Some(least))
+    )
 }
 
 /// A multiple of the noise with two digits that mean something.

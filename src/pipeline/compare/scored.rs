@@ -128,7 +128,8 @@ fn compared(
         let responses_scored: Vec<ResponseScore> = responses.iter().filter_map(score).collect();
         let missing = match &own.whole {
             Err(why) => Some(why.clone()),
-            Ok(described) => described.no_bending.clone(),
+            // Where no bending was measured none is missing.
+            Ok(described) => described.no_bending.clone().filter(|_| is_bent(&inputs[run])),
         };
         ModelScore {
             model: model.id.to_owned(),

@@ -18,7 +18,13 @@ pub(super) use identified::{Bent, identify_law};
 use stated::{not_known, stated};
 
 /// The law with the readings that it was fitted to, or why there is none with the readings to draw.
-type Outcome = Result<(Sampled, Bent), (Option<Sampled>, String)>;
+type Outcome = Result<(Sampled, Bent), Box<Unfitted>>;
+
+/// Readings that no law was fitted to, and why.
+struct Unfitted {
+    sampled: Option<Sampled>,
+    why: String,
+}
 
 /// Fits a run with the rival model of `options`.
 pub(super) fn fit(
@@ -34,9 +40,9 @@ pub(super) fn fit(
     };
     let mut identified = identify(input, options, of_current);
     let outcome = bend(input, options, law, &identified.current, curvature);
-    if let Err((sampled, why)) = &outcome {
-        identified.unfitted_curvature.clone_from(sampled);
-        identified.curvature = Err(why.clone());
+    if let Err(unfitted) = &outcome {
+        identified.unfitted_curvature.clone_from(&unfitted.sampled);
+        identified.curvature = Err(unfitted.why.clone());
     }
     let judged = judge(input, options, &mut identified);
     let mut fit = outcome::fit(input, options, &identified, judged.as_ref());
@@ -61,7 +67,10 @@ fn bend(
     curvature: Option<Sampled>,
 ) -> Outcome {
     let Some(sampled) = curvature else {
-        return Err((None, "the run has no curvature channel".to_owned()));
+        return Err(Box::new(Unfitted {
+            sampled: None,
+            why: "the run has no curvature channel".to_owned(),
+        }));
     };
     let refused = match (current, law.refuses(input.drive)) {
         (_, Some(why)) => Some(format!("{} does not describe this run: {why}", options.model.id)),
@@ -81,7 +90,10 @@ fn bend(
             let bent = identify_law(law, input.drive, electrical, &sampled, options.search());
             Ok((sampled, bent))
         }
-        (why, _) => Err((Some(sampled), why.unwrap_or_default())),
+        (why, _) => Err(Box::new(Unfitted {
+            sampled: Some(sampled),
+            why: why.unwrap_or_default(),
+        })),
     }
 }
 
@@ -95,7 +107,8 @@ fn add_law(
 ) {
     let (sampled, bent) = match outcome {
         Ok(found) => found,
-        Err((_, why)) => {
+        Err(unfitted) => {
+            let why = &unfitted.why;
             let missing: Vec<Parameter> = law.reported().iter().map(|own| not_known(own, why)).collect();
             fit.issues.extend(parameter_issues(&missing));
             fit.parameters.extend(missing);

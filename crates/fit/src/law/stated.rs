@@ -3,7 +3,7 @@
 
 use ieap_domain::{Estimate, Parameter};
 use ieap_model::BendingLaw;
-use ieap_model::bending::{Reported, Stated};
+use ieap_model::bending::{Reported, Shape, Stated};
 use ieap_numerics::symmetric::CAPACITY;
 
 use super::identified::Bent;
@@ -12,7 +12,6 @@ const FLAT: &str = "the curvature does not differ from its noise";
 const OPEN: &str = "the law's parameters cannot be told apart, or the charge is not known well enough: \
                     the 95 % interval of its coupling would contain zero although the strip bends";
 const IDLE: &str = "the strip does not creep on under its charge, so that nothing is there to be shaped";
-const BEYOND: &str = "it lies at the limit of what the readings can show: faster than they follow each other";
 const FROM_ZERO: &str = "it cannot be told from zero in this record";
 const TOO_SLOW: &str = "it is too slow for this record";
 const WIDE: &str = "the curvature leaves it open";
@@ -35,7 +34,7 @@ pub(super) fn stated(law: &dyn BendingLaw, bent: &Bent) -> Vec<Parameter> {
         key: reported.key.to_owned(),
         estimate: match open {
             true => Estimate::not_determined(if bent.evident { OPEN } else { FLAT }),
-            false => estimate(reported, bent),
+            false => estimate(law, reported, bent),
         },
     };
     law.reported().iter().map(of).collect()
@@ -49,10 +48,11 @@ fn is_coupled(law: &dyn BendingLaw, bent: &Bent) -> bool {
     })
 }
 
-fn estimate(reported: &Reported, bent: &Bent) -> Estimate {
+fn estimate(law: &dyn BendingLaw, reported: &Reported, bent: &Bent) -> Estimate {
     let gradient = gradient(reported, bent);
-    if (0..bent.natural.len()).any(|k| bent.held[k] && gradient[k] != 0.0) {
-        let mut estimate = Estimate::not_determined(if bent.idle { IDLE } else { BEYOND });
+    if let Some(k) = (0..bent.natural.len()).find(|&k| bent.held[k] && gradient[k] != 0.0) {
+        let shape = law.shapes()[k - bent.couplings];
+        let mut estimate = Estimate::not_determined(if bent.idle { IDLE } else { beyond(shape) });
         estimate.at_bound = true;
         return estimate;
     }
@@ -81,6 +81,15 @@ fn estimate(reported: &Reported, bent: &Bent) -> Estimate {
         Stated::Time => {
             Estimate::determined(value.recip(), error / (value * value), high.recip(), low.recip())
         }
+    }
+}
+
+/// Why a shape at its upper limit has no value.
+fn beyond(shape: Shape) -> &'static str {
+    match shape {
+        Shape::Rate => "it is faster than the readings follow each other",
+        Shape::Part => "it lies at 1, the most that the law allows",
+        Shape::Excess => "it lies at the largest ratio that is searched",
     }
 }
 

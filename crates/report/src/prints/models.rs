@@ -142,7 +142,7 @@ fn residuals(one: &RunComparison, curve: &ComparedCurve, names: &[String]) -> Fa
     points.for_each(|point| point.1 = point.1.clamp(-half, half));
     FamilyPanel {
         title: match largest > half {
-            true => format!("what each leaves; at the edge: beyond {half:.0}"),
+            true => format!("what each leaves (edge: over {half:.0})"),
             false => "what each leaves".to_owned(),
         },
         x: ("Time".to_owned(), "s".to_owned()),
