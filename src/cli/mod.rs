@@ -14,6 +14,7 @@ mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
+mod impedance;
 mod ingest;
 mod init;
 mod inspect;
@@ -102,6 +103,7 @@ enum Verb {
     Ingest(ingest::IngestArgs),
     Fit(fit::FitArgs),
     Dma(dma::DmaArgs),
+    Impedance(impedance::ImpedanceArgs),
     Diagnose(diagnose::DiagnoseArgs),
     Next(next::NextArgs),
     Report(report::ReportArgs),
@@ -256,6 +258,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Ingest(args) => ingest::run(args, global, output),
         Verb::Fit(args) => fit::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),
+        Verb::Impedance(args) => impedance::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
         Verb::Next(args) => next::run(args, output),
         Verb::Report(args) => report::run(args, global, output),

@@ -30,6 +30,8 @@ mod group_tags;
 mod grouping;
 pub mod groups_document;
 mod holdings;
+pub mod impedance;
+pub mod impedance_document;
 mod ingest;
 mod init;
 pub mod inspect;

@@ -8,7 +8,7 @@ use super::standing::Runs;
 use super::{Context, PipelineError, standing};
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named};
-use crate::domain::{GroupDiagnosis, ModulusLog, RunRecord, SourceFile};
+use crate::domain::{GroupDiagnosis, ModulusLog, RunRecord, SourceFile, SpectrumRun};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 use crate::store::Earlier;
 
@@ -17,6 +17,7 @@ pub(super) struct TableData {
     runs: Vec<RunRecord>,
     set_aside: Vec<RunRecord>,
     modulus_logs: Vec<ModulusLog>,
+    spectra: Vec<SpectrumRun>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
     origin: String,
@@ -50,6 +51,7 @@ impl TableData {
             runs,
             set_aside,
             modulus_logs,
+            spectra: super::impedance::spectra(context)?.runs,
             files: context
                 .store
                 .files()?
@@ -70,6 +72,7 @@ impl TableData {
             runs: &self.runs,
             set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
+            spectra: &self.spectra,
             files: &self.files,
             groups: &self.groups,
             origin: &self.origin,

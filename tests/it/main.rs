@@ -33,6 +33,7 @@ mod help;
 mod hidden_across;
 mod hidden_effects;
 mod holdings;
+mod impedance;
 mod init_from;
 mod kill_loop;
 mod lab_origin;

@@ -10,6 +10,7 @@ pub mod export;
 pub mod false_discovery;
 pub mod findings;
 pub mod groups;
+pub mod impedance;
 pub mod json_rows;
 pub mod laws;
 pub mod misread;
@@ -26,6 +27,7 @@ pub mod sample_campaign;
 pub mod sequence;
 pub mod shared_effects;
 pub mod standing;
+pub mod stiffness;
 pub mod tables;
 pub mod traces;
 

@@ -10,7 +10,7 @@ use super::error::plain;
 use super::in_place::has_no_tables;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-const HISTORY: [&str; 13] = [
+const HISTORY: [&str; 14] = [
     include_str!("../../../migrations/0001_initial.sql"),
     include_str!("../../../migrations/0002_climate.sql"),
     include_str!("../../../migrations/0003_modulus_logs.sql"),
@@ -24,6 +24,7 @@ const HISTORY: [&str; 13] = [
     include_str!("../../../migrations/0008_unread_files.sql"),
     include_str!("../../../migrations/0009_integrity.sql"),
     include_str!("../../../migrations/0014_diagnosis_document.sql"),
+    include_str!("../../../migrations/0015_impedance.sql"),
 ];
 
 /// Schema version that this program writes.

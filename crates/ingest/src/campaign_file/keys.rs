@@ -8,7 +8,7 @@ use super::nearest;
 use ieap_domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 14] = [
+const KNOWN: [(&str, &[&str]); 15] = [
     (
         "campaign",
         &[
@@ -55,6 +55,7 @@ const KNOWN: [(&str, &[&str]); 14] = [
     ("fit", &["method", "simultaneous"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
+    ("impedance", &["folder", "name_pattern"]),
     (
         "frames",
         &[

@@ -16,6 +16,7 @@ mod finding_posterior;
 pub mod finding_words;
 pub mod findings;
 pub mod humidity;
+pub mod impedance;
 pub mod index;
 pub mod monitoring;
 mod parameter_section;
@@ -103,7 +104,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 17] = [
+pub const PAGES: [Page; 18] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -207,6 +208,14 @@ pub const PAGES: [Page; 17] = [
         template: include_str!("../../../../templates/pages/dma.html"),
         is_shown: |input| !input.modulus_logs.is_empty(),
         content: dma::content,
+    },
+    Page {
+        file: "impedance.html",
+        title: "Impedance",
+        under: None,
+        template: include_str!("../../../../templates/pages/impedance.html"),
+        is_shown: |input| !input.spectra.is_empty(),
+        content: impedance::content,
     },
     Page {
         file: "findings.html",
