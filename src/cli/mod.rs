@@ -19,6 +19,7 @@ mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
+mod impedance;
 mod import_fits;
 mod ingest;
 mod init;
@@ -128,6 +129,7 @@ enum Verb {
     Fit(fit::FitArgs),
     ImportFits(import_fits::ImportFitsArgs),
     Dma(dma::DmaArgs),
+    Impedance(impedance::ImpedanceArgs),
     Diagnose(diagnose::DiagnoseArgs),
     Compare(compare::CompareArgs),
     Next(next::NextArgs),
@@ -314,6 +316,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Fit(args) => fit::run(args, global, output),
         Verb::ImportFits(args) => import_fits::run(args, global, output),
         Verb::Dma(args) => dma::run(args, global, output),
+        Verb::Impedance(args) => impedance::run(args, global, output),
         Verb::Diagnose(args) => diagnose::run(args, global, output),
         Verb::Compare(args) => compare::run(args, global, output),
         Verb::Next(args) => next::run(args, output),

@@ -92,6 +92,9 @@ fn print(status: &Status, output: &Output) {
             .collect();
         output.result(&format!("modulus logs: {}", states.join(", ")));
     }
+    if status.spectra > 0 {
+        output.result(&format!("impedance spectra: {}", status.spectra));
+    }
     set_aside(status, output);
     section(output, "file", "refused", &status.refused);
     section(output, "file", ingest::NOT_READ, &status.unread);
@@ -128,6 +131,8 @@ fn print(status: &Status, output: &Output) {
     section(output, "run", contradict, &status.names_contradict);
     let logs = &status.modulus_logs_not_analysed;
     section(output, "modulus log", "not analysed", logs);
+    let spectra = &status.spectra_untagged;
+    section(output, "spectrum", "without a sample", spectra);
     let aliases: Vec<String> = status
         .alias_files
         .iter()

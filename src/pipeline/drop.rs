@@ -117,11 +117,14 @@ fn bad_why(found: &str, needed: &str) -> PipelineError {
     }
 }
 
-/// The runs and modulus logs of these names.
+/// The runs, modulus logs and spectra of these names.
 fn records(context: &Context, names: &BTreeSet<String>) -> Result<Vec<RunRecord>, PipelineError> {
     let (speaking, set_aside) = standing::modulus_logs(context)?;
     let logs = speaking.into_iter().chain(set_aside).map(|log| log.run);
-    let mut found: Vec<RunRecord> = standing::all(context)?.into_iter().chain(logs).collect();
+    let spectra = standing::spectra(context)?;
+    let spectra = spectra.speaking.into_iter().chain(spectra.set_aside);
+    let runs = standing::all(context)?.into_iter();
+    let mut found: Vec<RunRecord> = runs.chain(logs).chain(spectra).collect();
     found.retain(|run| names.contains(&run.path));
     Ok(found)
 }

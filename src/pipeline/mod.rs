@@ -36,6 +36,8 @@ mod group_tags;
 mod grouping;
 pub mod groups_document;
 mod holdings;
+pub mod impedance;
+pub mod impedance_document;
 pub mod import_fits;
 mod ingest;
 mod init;

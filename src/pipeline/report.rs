@@ -12,7 +12,7 @@ use super::diagnosis_document::current_findings;
 use super::fault::{or_nothing, step};
 use super::own_folder::{self, Fresh};
 use super::standing::Runs;
-use super::{Context, Observer, PipelineError, next_runs, standing};
+use super::{Context, Observer, PipelineError, impedance, next_runs, standing};
 use crate::analysis::laws::contrast;
 use crate::analysis::laws::facts::facts;
 use crate::analysis::laws::matrix::confounding_maps;
@@ -282,6 +282,8 @@ pub(super) fn input(
     let (comparisons, outdated_comparisons) = or_nothing(compared, &mut faults)?;
     let plan = || next_runs::plan_from(context, &runs, &laws, &findings.groups);
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
+    let spectra = step("impedance spectra", || impedance::spectra(context));
+    let spectra = or_nothing(spectra, &mut faults)?;
     let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
     let monitoring = or_nothing(step("monitoring", monitoring), &mut faults)?;
     let confounding = step("confounding", || Ok(confounding_maps(&laws, &runs)));
@@ -295,6 +297,8 @@ pub(super) fn input(
         monitoring,
         campaign: context.campaign.clone(),
         modulus_logs: standing::modulus_logs(context)?.0,
+        spectra: spectra.runs,
+        spectra_beside: spectra.beside,
         set_aside,
         superseded: context.store.superseded_runs()?,
         files: source_files(context)?,

@@ -127,6 +127,21 @@ fn decided(
     Ok(runs)
 }
 
+/// Impedance spectra, those that results are made from and the others. Only a person sets one aside.
+///
+/// # Errors
+/// The database cannot be read.
+pub(super) fn spectra(context: &Context) -> Result<Runs, PipelineError> {
+    let words = context.store.run_words()?;
+    let mut spectra = context.store.spectra()?;
+    for run in &mut spectra {
+        if let Some(word) = words.get(&run.path).filter(|word| word.drops) {
+            run.standing = Standing::Dropped(word.clone());
+        }
+    }
+    Ok(Runs::of(spectra))
+}
+
 /// Modulus logs, those that results are made from and the others. Only a person sets one aside.
 ///
 /// # Errors

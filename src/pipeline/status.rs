@@ -43,6 +43,10 @@ pub struct Status {
     pub set_aside: Vec<SetAside>,
     /// Modulus logs that are not analysed, with the reason.
     pub modulus_logs_not_analysed: Vec<Reasoned>,
+    /// Impedance spectra that speak.
+    pub spectra: usize,
+    /// Those of them of which no sample is known.
+    pub spectra_untagged: Vec<Reasoned>,
     /// Runs that wait for tags, with what is missing.
     pub untagged: Vec<Reasoned>,
     /// The name pattern that would tag the most of them; none where none would tag two.
@@ -158,6 +162,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         set_aside,
     } = standing::runs(context)?;
     let (logs, logs_aside) = standing::modulus_logs(context)?;
+    let spectra = standing::spectra(context)?;
     let files = context.store.files()?;
     let file_list = |state: FileState| {
         let of_state = files
@@ -212,6 +217,8 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         runs_by_state,
         modulus_logs_by_state,
         modulus_logs_not_analysed,
+        spectra: spectra.speaking.len(),
+        spectra_untagged: reasoned(&spectra.speaking, |run| run.state == RunState::Untagged),
         untagged,
         not_fitted: without_fit(&runs),
         no_steps: reasoned(&runs, |run| run.state == RunState::NoSteps),
@@ -219,6 +226,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         fitted_without_response: fitted_without_response(&runs),
         set_aside: (set_aside.iter())
             .chain(logs_aside.iter().map(|log| &log.run))
+            .chain(&spectra.set_aside)
             .map(SetAside::of)
             .collect(),
         names_contradict: contradicting(&runs),

@@ -9,7 +9,7 @@ use super::standing::Runs;
 use super::{Context, PipelineError, standing};
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
-use crate::domain::{GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile};
+use crate::domain::{GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 use crate::store::Earlier;
 
@@ -18,6 +18,7 @@ pub(super) struct TableData {
     runs: Vec<RunRecord>,
     set_aside: Vec<RunRecord>,
     modulus_logs: Vec<ModulusLog>,
+    spectra: Vec<SpectrumRun>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
     comparisons: Vec<RunComparison>,
@@ -54,6 +55,7 @@ impl TableData {
             runs,
             set_aside,
             modulus_logs,
+            spectra: super::impedance::spectra(context)?.runs,
             files: context
                 .store
                 .files()?
@@ -74,6 +76,7 @@ impl TableData {
             runs: &self.runs,
             set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
+            spectra: &self.spectra,
             files: &self.files,
             groups: &self.groups,
             comparisons: &self.comparisons,

@@ -62,7 +62,12 @@ impl SetTags {
         }
         let shelf = climate::Shelf::open(&context.store)?;
         climate::assess(context, &shelf)?;
-        let mut runs = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
+        let others = context
+            .store
+            .dma_logs()?
+            .into_iter()
+            .chain(context.store.spectra()?);
+        let mut runs = context.store.runs()?.into_iter().chain(others);
         let found = runs.find(|run| run.path == run_path);
         let Some(run) = found else {
             return Err(unknown(&run_path, ""));

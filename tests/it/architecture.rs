@@ -81,7 +81,11 @@ fn imports_of(name: &str) -> Imports {
 fn no_more_than_two_files_import_each_other() {
     for name in ["fit"] {
         let imports = imports_of(name);
-        assert!(imports.of.len() > 50, "{name}: {} files were read", imports.of.len());
+        assert!(
+            imports.of.len() > 50,
+            "{name}: {} files were read",
+            imports.of.len()
+        );
         for circle in imports.circles() {
             let files: Vec<String> = circle.iter().map(|module| module.join("::")).collect();
             assert!(files.len() <= 2, "{name}: files import each other: {files:?}");

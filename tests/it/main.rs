@@ -36,6 +36,7 @@ mod help;
 mod hidden_across;
 mod hidden_effects;
 mod holdings;
+mod impedance;
 mod imports;
 mod init_from;
 mod kill_loop;

@@ -16,6 +16,7 @@ fn table(input: &Input, name: &str) -> Table {
         runs: &input.runs,
         set_aside: &input.set_aside,
         modulus_logs: &input.modulus_logs,
+        spectra: &input.spectra,
         files: &input.files,
         groups: &input.findings.groups,
         comparisons: &input.comparisons,

@@ -38,6 +38,8 @@ pub fn campaign() -> Campaign {
         name_pattern: None,
         dma_folder: "dma".to_owned(),
         dma_name_pattern: None,
+        impedance_folder: "impedance".to_owned(),
+        impedance_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
         adopted: Vec::new(),

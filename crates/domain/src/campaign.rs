@@ -111,6 +111,12 @@ pub struct Campaign {
     pub dma_folder: String,
     /// Pattern that reads tags from the file names of modulus logs.
     pub dma_name_pattern: Option<String>,
+    /// Folder with impedance spectra, relative to the campaign; it need not be there, and spectra may lie among the runs.
+    #[serde(default = "impedance_folder")]
+    pub impedance_folder: String,
+    /// Pattern that reads tags from the file names of spectra; where there is none, that of the runs.
+    #[serde(default)]
+    pub impedance_name_pattern: Option<String>,
     /// Model that runs are fitted with.
     pub model: String,
     /// What the file states of how to fit; the rest is left to the program.
@@ -145,13 +151,18 @@ pub struct CompareRules {
     pub reference: Vec<(String, String)>,
 }
 
+/// The folder of spectra where campaign.toml names none.
+pub fn impedance_folder() -> String {
+    "impedance".to_owned()
+}
+
 impl Campaign {
     /// The sample of that id.
     pub fn sample(&self, id: &str) -> Option<&Sample> {
         self.samples.iter().find(|sample| sample.id == id)
     }
 
-    /// What the file at `path` (relative, with `/`) measures.
+    /// What the files of the folder of `path` (relative, with `/`) measure; a spectrum is told by its columns.
     pub fn kind_of(&self, path: &str) -> RunKind {
         let rest = path.strip_prefix(self.dma_folder.as_str());
         match rest.is_some_and(|rest| rest.starts_with('/')) {
@@ -161,8 +172,8 @@ impl Campaign {
     }
 
     /// Folders beside the runs folder that are looked through where they are there.
-    pub fn optional_folders(&self) -> [&str; 1] {
-        [self.dma_folder.as_str()]
+    pub fn optional_folders(&self) -> [&str; 2] {
+        [self.dma_folder.as_str(), self.impedance_folder.as_str()]
     }
 
     /// The pattern for the file names of that kind.
@@ -170,6 +181,10 @@ impl Campaign {
         match kind {
             RunKind::Actuation => self.name_pattern.as_deref(),
             RunKind::Dma => self.dma_name_pattern.as_deref(),
+            RunKind::Impedance => {
+                let own = self.impedance_name_pattern.as_deref();
+                own.or(self.name_pattern.as_deref())
+            }
         }
     }
 

@@ -40,13 +40,21 @@ pub enum Quantity {
     LossFactor,
     /// Frequency of the oscillation, Hz.
     Frequency,
+    /// Real part of the impedance, Ohm.
+    ImpedanceReal,
+    /// Imaginary part of the impedance, Ohm: negative where it is capacitive.
+    ImpedanceImaginary,
+    /// Magnitude of the impedance, Ohm.
+    ImpedanceMagnitude,
+    /// Phase of the impedance, degrees: negative where it is capacitive.
+    ImpedancePhase,
     /// A column that is kept under its own name and not interpreted.
     Other,
 }
 
 impl Quantity {
     /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 18] = [
+    pub const ALL: [Quantity; 22] = [
         Quantity::Time,
         Quantity::Voltage,
         Quantity::ControlVoltage,
@@ -64,6 +72,10 @@ impl Quantity {
         Quantity::ComplexModulus,
         Quantity::LossFactor,
         Quantity::Frequency,
+        Quantity::ImpedanceReal,
+        Quantity::ImpedanceImaginary,
+        Quantity::ImpedanceMagnitude,
+        Quantity::ImpedancePhase,
         Quantity::Other,
     ];
 
@@ -87,6 +99,10 @@ impl Quantity {
             Quantity::ComplexModulus => "complex_modulus",
             Quantity::LossFactor => "loss_factor",
             Quantity::Frequency => "frequency",
+            Quantity::ImpedanceReal => "impedance_real",
+            Quantity::ImpedanceImaginary => "impedance_imaginary",
+            Quantity::ImpedanceMagnitude => "impedance_magnitude",
+            Quantity::ImpedancePhase => "impedance_phase",
             Quantity::Other => "other",
         }
     }
@@ -111,6 +127,8 @@ impl Quantity {
             Quantity::Pressure => "Pa",
             Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => "MPa",
             Quantity::Frequency => "Hz",
+            Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude => "Ohm",
+            Quantity::ImpedancePhase => "degree",
             Quantity::OpenCircuit | Quantity::LossFactor | Quantity::Other => "",
         }
     }
@@ -135,6 +153,10 @@ impl Quantity {
             Quantity::ComplexModulus => "complex_modulus_mpa",
             Quantity::LossFactor => "loss_factor",
             Quantity::Frequency => "frequency_hz",
+            Quantity::ImpedanceReal => "impedance_real_ohm",
+            Quantity::ImpedanceImaginary => "impedance_imaginary_ohm",
+            Quantity::ImpedanceMagnitude => "impedance_magnitude_ohm",
+            Quantity::ImpedancePhase => "impedance_phase_degree",
             Quantity::Other => "",
         }
     }
@@ -159,6 +181,10 @@ impl Quantity {
             Quantity::ComplexModulus => "Complex modulus",
             Quantity::LossFactor => "Loss factor",
             Quantity::Frequency => "Frequency",
+            Quantity::ImpedanceReal => "Real part of the impedance",
+            Quantity::ImpedanceImaginary => "Imaginary part of the impedance",
+            Quantity::ImpedanceMagnitude => "Magnitude of the impedance",
+            Quantity::ImpedancePhase => "Phase of the impedance",
             Quantity::Other => "Other",
         }
     }
@@ -168,6 +194,17 @@ impl Quantity {
         matches!(
             self,
             Quantity::Current | Quantity::CurrentDensity | Quantity::Curvature | Quantity::TipDisplacement
+        )
+    }
+
+    /// Whether it is a part of an impedance, which together with a frequency makes a spectrum.
+    pub fn is_impedance(self) -> bool {
+        matches!(
+            self,
+            Quantity::ImpedanceReal
+                | Quantity::ImpedanceImaginary
+                | Quantity::ImpedanceMagnitude
+                | Quantity::ImpedancePhase
         )
     }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::tag::keys;
 use super::{ChannelSummary, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag};
 
-/// What is measured, told by the folder that the file lies in.
+/// What is measured: a modulus log is told by the folder that the file lies in, the others by their columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunKind {
@@ -13,6 +13,8 @@ pub enum RunKind {
     Actuation,
     /// A modulus log: dynamic mechanical analysis of a sample.
     Dma,
+    /// An impedance spectrum of a sample.
+    Impedance,
 }
 
 impl RunKind {
@@ -21,6 +23,7 @@ impl RunKind {
         match self {
             RunKind::Actuation => "actuation",
             RunKind::Dma => "dma",
+            RunKind::Impedance => "impedance",
         }
     }
 
@@ -28,13 +31,13 @@ impl RunKind {
     pub fn needed_tags(self) -> &'static [&'static str] {
         match self {
             RunKind::Actuation => &[keys::SAMPLE, keys::ENVIRONMENT, keys::VOLTAGE_V],
-            RunKind::Dma => &[keys::SAMPLE],
+            RunKind::Dma | RunKind::Impedance => &[keys::SAMPLE],
         }
     }
 
     /// The kind stored under `key`.
     pub fn from_key(key: &str) -> Option<RunKind> {
-        [RunKind::Actuation, RunKind::Dma]
+        [RunKind::Actuation, RunKind::Dma, RunKind::Impedance]
             .into_iter()
             .find(|kind| kind.key() == key)
     }

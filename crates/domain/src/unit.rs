@@ -32,6 +32,10 @@ pub enum Dimension {
     Modulus,
     /// Canonical Hz.
     Frequency,
+    /// Canonical Ohm.
+    Resistance,
+    /// Canonical degree.
+    Angle,
     /// A pure number, which needs no unit.
     Number,
 }
@@ -66,6 +70,16 @@ impl Conversion {
         Conversion {
             before,
             after,
+            ..self
+        }
+    }
+
+    /// The same with the other sign.
+    #[must_use]
+    pub const fn negated(self) -> Conversion {
+        Conversion {
+            numerator: -self.numerator,
+            after: -self.after,
             ..self
         }
     }
@@ -127,6 +141,10 @@ pub fn dimension(quantity: Quantity) -> Option<Dimension> {
         Quantity::Pressure => Dimension::Pressure,
         Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => Dimension::Modulus,
         Quantity::Frequency => Dimension::Frequency,
+        Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude => {
+            Dimension::Resistance
+        }
+        Quantity::ImpedancePhase => Dimension::Angle,
         Quantity::LossFactor => Dimension::Number,
         Quantity::OpenCircuit | Quantity::Other => return None,
     })

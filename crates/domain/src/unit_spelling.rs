@@ -52,6 +52,8 @@ pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion
         Dimension::Pressure => pressure(spelled, &word),
         Dimension::Modulus => modulus(spelled),
         Dimension::Frequency => frequency(spelled),
+        Dimension::Resistance => resistance(spelled, &word),
+        Dimension::Angle => angle(&word),
         Dimension::Number => named(spelled, &["", "-", "1"]),
     }
 }
@@ -207,6 +209,29 @@ fn frequency(spelled: &str) -> Option<Conversion> {
     })
 }
 
+/// `MOhm` is mega: a milliohm is written with a small letter, and no strip has one.
+fn resistance(spelled: &str, word: &str) -> Option<Conversion> {
+    let rest = ["ohms", "ohm", "\u{3a9}", "\u{2126}"]
+        .into_iter()
+        .find_map(|name| word.strip_suffix(name))?;
+    match rest {
+        "" => Some(Conversion::IDENTITY),
+        "m" if spelled.starts_with('M') => Some(Conversion::scale(1e6, 1.0)),
+        "m" => Some(Conversion::scale(1.0, 1e3)),
+        "k" => Some(Conversion::scale(1e3, 1.0)),
+        "u" => Some(Conversion::scale(1.0, 1e6)),
+        _ => None,
+    }
+}
+
+fn angle(word: &str) -> Option<Conversion> {
+    match word {
+        "deg" | "degree" | "degrees" => Some(Conversion::IDENTITY),
+        "rad" => Some(Conversion::scale(180.0, std::f64::consts::PI)),
+        _ => None,
+    }
+}
+
 /// The spellings an error offers; every one is accepted (a test sees to it).
 pub(super) fn known_units(dimension: Dimension) -> &'static str {
     match dimension {
@@ -222,6 +247,8 @@ pub(super) fn known_units(dimension: Dimension) -> &'static str {
         Dimension::Pressure => "Pa, hPa, kPa, MPa, mbar, bar, atm, Torr",
         Dimension::Modulus => "MPa, GPa, kPa, Pa, N/mm2",
         Dimension::Frequency => "Hz, mHz, kHz, rad/s",
+        Dimension::Resistance => "Ohm, kOhm, MOhm, mOhm, Ω",
+        Dimension::Angle => "degree, deg, °, rad",
         Dimension::Number => "1, -",
     }
 }

@@ -15,6 +15,7 @@ mod error;
 mod estimates;
 mod given;
 mod group;
+pub mod impedance;
 mod joint;
 mod joint_estimates;
 mod law;

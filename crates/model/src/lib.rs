@@ -11,6 +11,7 @@ pub mod distributed;
 pub mod effects;
 pub mod extended;
 pub mod geometry;
+pub mod impedance;
 pub mod lumped;
 pub mod lumped_state;
 pub mod ode;

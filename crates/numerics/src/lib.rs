@@ -2,6 +2,7 @@
 
 pub mod chance;
 pub mod column_memory;
+pub mod complex;
 pub mod control_chart;
 pub mod correlation;
 pub mod decay;
@@ -10,6 +11,7 @@ pub mod discrete_gauss;
 pub mod global;
 pub mod gram;
 pub mod grouped;
+pub mod householder;
 pub mod interrupt;
 pub mod jacobi;
 pub mod levenberg;

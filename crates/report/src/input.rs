@@ -3,6 +3,7 @@
 use ieap_analysis::tables::TableInput;
 use std::collections::BTreeMap;
 
+use ieap_analysis::impedance::Comparison;
 use ieap_analysis::laws::CampaignLaws;
 use ieap_analysis::laws::contrast::Contrast;
 use ieap_analysis::laws::matrix::ConfoundingMap;
@@ -12,6 +13,7 @@ use ieap_analysis::plan::{PlannedRun, Untying};
 use ieap_analysis::shared_effects::SharedEffect;
 use ieap_domain::{
     Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile,
+    SpectrumRun,
 };
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
@@ -27,6 +29,10 @@ pub struct Input {
     pub superseded: Vec<RunRecord>,
     /// Current modulus logs with what was found in them.
     pub modulus_logs: Vec<ModulusLog>,
+    /// Impedance spectra with what was found in them.
+    pub spectra: Vec<SpectrumRun>,
+    /// Those of them with steps of the same sample and condition, beside these.
+    pub spectra_beside: Vec<Comparison>,
     /// Every file that the last scan saw.
     pub files: Vec<SourceFile>,
     /// What the report was generated from.
@@ -65,6 +71,7 @@ impl Input {
             runs: &self.runs,
             set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
+            spectra: &self.spectra,
             files: &self.files,
             groups: &self.findings.groups,
             comparisons: &self.comparisons,

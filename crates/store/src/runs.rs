@@ -356,6 +356,14 @@ impl Store {
         self.current(RunKind::Dma)
     }
 
+    /// Every current impedance spectrum with tags, issues and channels (without readings), by path.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn spectra(&self) -> Result<Vec<RunRecord>, StoreError> {
+        self.current(RunKind::Impedance)
+    }
+
     /// Every superseded revision of an actuation run, by path and revision.
     ///
     /// # Errors

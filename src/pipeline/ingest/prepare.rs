@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::frame_folder;
-use crate::domain::{Channel, DateOrder, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin};
+use crate::domain::{Channel, DateOrder, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin, Spectrum};
 use crate::ingest::archive::{self, Archived};
 use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::folder_dates::order_beside;
@@ -175,12 +175,12 @@ pub fn prepare_bytes(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: Vec<
 fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcome, Option<Profile>) {
     let context = ReadContext {
         // A modulus log may have its humidity in a file of its own.
-        needs_response: kind == RunKind::Actuation,
+        needs_response: kind != RunKind::Dma,
         date_order: with.date_order,
         ..ReadContext::default()
     };
     let name = file.display.rsplit('/').next().unwrap_or(&file.display);
-    if kind == RunKind::Actuation && run_sheet::is_sheet(name, bytes) {
+    if kind != RunKind::Dma && run_sheet::is_sheet(name, bytes) {
         let outcome = match run_sheet::read(bytes) {
             Ok(rows) => Outcome::Sidecar(run_sheet::note(rows.len())),
             Err(issue) => Outcome::Refused(issue),
@@ -228,14 +228,27 @@ pub struct RunPart {
     pub time_zero_is_step: bool,
 }
 
-/// The runs that a reading holds: every table with a response (of a modulus log: with a modulus), or all tables
-/// where none has one.
+impl RunPart {
+    /// What the part measures, in a folder of measurements of that kind: a spectrum is told by its columns, wherever it
+    /// lies, but for the folder of modulus logs.
+    pub fn kind(&self, of_folder: RunKind) -> RunKind {
+        match of_folder {
+            RunKind::Dma => RunKind::Dma,
+            _ if Spectrum::of(&self.channels).is_empty() => RunKind::Actuation,
+            _ => RunKind::Impedance,
+        }
+    }
+}
+
+/// The runs that a reading holds: every table with a response or a spectrum (of a modulus log: with a modulus), or all
+/// tables where none has one.
 pub fn run_parts(reading: &Reading, kind: RunKind) -> Vec<RunPart> {
     let responds = |channel: &Channel| match kind {
-        RunKind::Actuation => channel.is_response(),
+        RunKind::Actuation | RunKind::Impedance => channel.is_response(),
         RunKind::Dma => channel.quantity.is_modulus(),
     };
-    let has_response = |table: &&RunTable| table.channels.iter().any(responds);
+    let is_spectrum = |table: &RunTable| kind != RunKind::Dma && !Spectrum::of(&table.channels).is_empty();
+    let has_response = |table: &&RunTable| table.channels.iter().any(responds) || is_spectrum(table);
     let mut tables: Vec<&RunTable> = reading.tables.iter().filter(has_response).collect();
     if tables.is_empty() {
         tables = reading.tables.iter().collect();

@@ -66,7 +66,12 @@ pub fn retag_runs(
     if due.is_empty() {
         return Ok(());
     }
-    let all = context.store.runs()?.into_iter().chain(context.store.dma_logs()?);
+    let others = context
+        .store
+        .dma_logs()?
+        .into_iter()
+        .chain(context.store.spectra()?);
+    let all = context.store.runs()?.into_iter().chain(others);
     let runs: Vec<RunRecord> = all.filter(|run| due.contains_key(&run.id)).collect();
     let mut retagged = Vec::new();
     for batch in runs.chunks(MOST_FILES) {

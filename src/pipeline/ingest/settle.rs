@@ -250,7 +250,10 @@ pub(in crate::pipeline) fn runs_of(
     let runs: Vec<NewRun> = parts
         .into_iter()
         .zip(names)
-        .map(|(part, name)| new_run((context, shelf), name, kind, part, files, &contents, &join_issues))
+        .map(|(part, name)| {
+            let kind = part.kind(kind);
+            new_run((context, shelf), name, kind, part, files, &contents, &join_issues)
+        })
         .collect::<Result<_, _>>()?;
     Ok((rows, runs))
 }
@@ -325,7 +328,8 @@ fn new_run(
     let readings = readings_of(files);
     let first = readings[0];
     let origin = origin(part.origin, files);
-    let is_step_response = readings.iter().all(|reading| reading.is_step_response);
+    let is_step_response =
+        kind != RunKind::Impedance && readings.iter().all(|reading| reading.is_step_response);
     let worst = readings
         .iter()
         .find(|reading| reading.status != RunStatus::Complete)

@@ -70,7 +70,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
     let named = files.first().map_or(Path::new(input.run_path), PathBuf::as_path);
     let channel_voltage_v = match input.kind {
         RunKind::Actuation => voltage_of_channel(input),
-        RunKind::Dma => None,
+        RunKind::Dma | RunKind::Impedance => None,
     };
     let planned = planned_tags(context, input.run_path, &files);
     let other_names = other_names(context, input.other_names)?;
@@ -120,6 +120,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
             conclude(sample, input, resolved, digest)
         }
         RunKind::Dma => conclude_dma(input, resolved, digest),
+        RunKind::Impedance => conclude_spectrum(context, input, resolved, digest),
     };
     tagging.issues.extend(open_date.flatten());
     tagging.issues.extend(climate.issues);
@@ -168,6 +169,40 @@ fn conclude_dma(input: &TaggingInput<'_>, resolved: Resolved, digest: String) ->
         length_cm: None,
         electrode_resistance_ohm_per_sq: None,
         clock_offset_s: None,
+        climate: Vec::new(),
+        climate_curves: Vec::new(),
+        digest,
+    }
+}
+
+/// What follows from the tags of a spectrum: it is analysed where its sample is known; the area only carries its
+/// numbers to those of a step.
+fn conclude_spectrum(
+    context: &Context,
+    input: &TaggingInput<'_>,
+    resolved: Resolved,
+    digest: String,
+) -> Tagging {
+    let sample = resolved
+        .value(keys::SAMPLE)
+        .and_then(|id| context.campaign.sample(id));
+    Tagging {
+        state: match resolved.waits() {
+            true => RunState::Untagged,
+            false => RunState::Ready,
+        },
+        chosen: chosen(&resolved),
+        area_cm2: sample.and_then(|sample| sample.active_area_cm2()),
+        clock_offset_s: None,
+        tags: resolved.tags,
+        issues: resolved
+            .issues
+            .into_iter()
+            .chain(clocks::remarks(input.origin, None))
+            .collect(),
+        drive: None,
+        length_cm: None,
+        electrode_resistance_ohm_per_sq: None,
         climate: Vec::new(),
         climate_curves: Vec::new(),
         digest,

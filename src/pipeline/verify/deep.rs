@@ -24,6 +24,7 @@ use crate::store::journal::NamedBytes;
 pub fn readings(context: &Context, observer: &dyn Observer) -> Result<Part, PipelineError> {
     let runs: Vec<RunRecord> = (context.store.runs()?.into_iter())
         .chain(context.store.dma_logs()?)
+        .chain(context.store.spectra()?)
         .collect();
     let archived = ArchivedFiles::of(context);
     observer.begin("reading raw files again", runs.len() as u64);

@@ -105,6 +105,7 @@ mod tests {
             runs: &runs,
             set_aside: &[],
             modulus_logs: &[],
+            spectra: &[],
             files: &[],
             comparisons: &[],
             groups: &[],

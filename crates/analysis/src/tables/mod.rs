@@ -6,11 +6,13 @@ mod conditions_table;
 mod extended;
 mod findings;
 mod fits;
+mod impedance;
 mod models;
 pub mod moved;
 mod refused;
 mod runs;
 mod spread;
+mod stiffness;
 mod table;
 mod table2;
 mod table3;
@@ -22,7 +24,7 @@ pub use chosen_columns::with_columns;
 pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use table6::rules;
 
-use ieap_domain::{Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile};
+use ieap_domain::{Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun};
 
 /// What tables are made from.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +37,8 @@ pub struct TableInput<'a> {
     pub set_aside: &'a [RunRecord],
     /// Current modulus logs with what was found in them.
     pub modulus_logs: &'a [ModulusLog],
+    /// Impedance spectra with what was found in them.
+    pub spectra: &'a [SpectrumRun],
     /// Every file that the last scan saw.
     pub files: &'a [SourceFile],
     /// Diagnoses of groups.
@@ -68,7 +72,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 12] = [
+pub const TABLES: [NamedTable; 14] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -123,6 +127,16 @@ pub const TABLES: [NamedTable; 12] = [
         name: "findings",
         about: "What the model gets wrong in each group of runs, and why",
         make: findings::make,
+    },
+    NamedTable {
+        name: "stiffness",
+        about: "Alpha split into stiffness and coupling, with the modulus logs: which of them a change follows",
+        make: stiffness::make,
+    },
+    NamedTable {
+        name: "impedance",
+        about: "Circuits fitted to the impedance spectra, one row a spectrum and circuit",
+        make: impedance::make,
     },
     NamedTable {
         name: "refused",

@@ -12,6 +12,7 @@ use crate::name_pattern::NamePattern;
 use crate::scan::is_own_product;
 use ieap_domain::campaign::Adopted;
 use ieap_domain::campaign::BUILT_IN_ENVIRONMENTS;
+use ieap_domain::campaign::impedance_folder;
 use ieap_domain::{AskedFit, Campaign, DateOrder, Environment, Issue, Material, RunKind, Sample};
 
 /// Absolute zero, degrees Celsius.
@@ -30,7 +31,12 @@ impl Checker<'_> {
         let id = self.filled(head.id, "[campaign]", "id")?;
         let samples = self.samples(file.sample, warnings)?;
         let (name_pattern, dma_name_pattern) = (file.runs.name_pattern, file.dma.name_pattern);
-        for pattern in name_pattern.iter().chain(&dma_name_pattern) {
+        let impedance_name_pattern = file.impedance.name_pattern;
+        for pattern in name_pattern
+            .iter()
+            .chain(&dma_name_pattern)
+            .chain(&impedance_name_pattern)
+        {
             NamePattern::compile(pattern).map_err(|source| Error::BadNamePattern {
                 path: self.path.into(),
                 source,
@@ -49,6 +55,8 @@ impl Checker<'_> {
             name_pattern,
             dma_folder: self.dma_folder(file.dma.folder)?,
             dma_name_pattern,
+            impedance_folder: self.folder(file.impedance.folder, &impedance_folder())?,
+            impedance_name_pattern,
             fit: AskedFit {
                 model: head.model.clone(),
                 method: file.fit.method,

@@ -55,6 +55,7 @@ const KNOWN: [(&str, &[&str]); 15] = [
     ("fit", &["method", "simultaneous"]),
     ("runs", &["folder", "name_pattern"]),
     ("dma", &["folder", "name_pattern"]),
+    ("impedance", &["folder", "name_pattern"]),
     (
         "frames",
         &[

@@ -20,6 +20,8 @@ pub(super) struct File {
     #[serde(default)]
     pub dma: Folder,
     #[serde(default)]
+    pub impedance: Folder,
+    #[serde(default)]
     pub sensor: Vec<Spanned<Sensor>>,
     #[serde(default)]
     pub climate: Climate,

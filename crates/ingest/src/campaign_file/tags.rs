@@ -37,6 +37,10 @@ pub(super) fn undeclared_keys(campaign: &Campaign) -> Vec<Issue> {
     let used = [
         ("[runs] name_pattern", in_pattern(&campaign.name_pattern)),
         ("[dma] name_pattern", in_pattern(&campaign.dma_name_pattern)),
+        (
+            "[impedance] name_pattern",
+            in_pattern(&campaign.impedance_name_pattern),
+        ),
         ("[campaign] group_by", campaign.group_by.clone()),
         (
             "[monitoring] reference",

@@ -96,6 +96,10 @@ folder = "runs"                          # every file in it and below it is look
 # [dma]
 # folder = "dma"                         # modulus logs of dynamic mechanical analysis, where there are any
 # name_pattern = "{{sample}}_{{cycle}}"    # reads tags from their file names
+
+# [impedance]
+# folder = "impedance"                   # impedance spectra; they may lie among the runs as well
+# name_pattern = "{{sample}}_{{environment}}"  # reads tags from their file names; that of [runs] where there is none
 "#
     )
 }

@@ -87,6 +87,7 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
     read_flags(raw);
     let meanings = judge_columns(raw, issues);
     let time_index = time_column(raw, &meanings)?;
+    let is_spectrum = is_spectrum(&meanings);
     let axis = match time_index {
         Some(index) => {
             let conversion = conversion_of(&meanings[index]);
@@ -109,9 +110,10 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
             found: "no row with a time".to_owned(),
         });
     }
-    let channels = channels(raw, &meanings, time_index, &axis, issues);
+    let mut channels = channels(raw, &meanings, time_index, &axis, issues);
+    issues.extend(turn_imaginary(&mut channels));
     let responds = |channel: &Channel| channel.is_response() || channel.quantity.is_modulus();
-    if raw.must_respond && !channels.iter().any(responds) {
+    if raw.must_respond && !is_spectrum && !channels.iter().any(responds) {
         return Err(no_response(raw, &meanings));
     }
     Ok(RunTable {
@@ -152,6 +154,43 @@ pub fn assemble_untimed(mut raw: Raw, issues: &mut Vec<Issue>) -> Result<RunTabl
     table_of(&mut raw, issues)
 }
 
+/// Whether columns are those of an impedance spectrum: a frequency, and two parts of the impedance.
+pub fn is_spectrum(meanings: &[Meaning]) -> bool {
+    let has = |quantity| {
+        meanings
+            .iter()
+            .any(|meaning| meaning.quantity() == Some(quantity))
+    };
+    let cartesian = has(Quantity::ImpedanceReal) && has(Quantity::ImpedanceImaginary);
+    let polar = has(Quantity::ImpedanceMagnitude) && has(Quantity::ImpedancePhase);
+    has(Quantity::Frequency) && (cartesian || polar)
+}
+
+/// Share of the imaginary parts above which their sign is that of -Z'': a strip is capacitive.
+const MOSTLY: f64 = 0.9;
+
+/// Turns an imaginary part that is positive nearly everywhere: many tables name a column Z'' and hold -Z''.
+fn turn_imaginary(channels: &mut [Channel]) -> Option<Issue> {
+    let channel = channels
+        .iter_mut()
+        .find(|channel| channel.quantity == Quantity::ImpedanceImaginary)?;
+    let positive = channel.values.iter().filter(|value| **value > 0.0).count();
+    if positive as f64 <= MOSTLY * channel.len() as f64 {
+        return None;
+    }
+    channel.values = channel.values.iter().map(|value| -value).collect();
+    let message = format!(
+        "{positive} of {} imaginary parts under {} are positive, as of a coil; a sample is capacitive, so they are taken \
+         as those of -Z''",
+        channel.len(),
+        quoted(&channel.raw_name)
+    );
+    Some(
+        Issue::warning("imaginary-part-turned", message)
+            .mend("name the column -Z'' in the table if that is right"),
+    )
+}
+
 fn check_ragged(raw: &Raw, issues: &mut Vec<Issue>) -> Result<(), ReadError> {
     let (ragged, rows, needed) = (&raw.cells.ragged, raw.cells.rows(), raw.headers.len());
     let Some((line, found)) = &ragged.first else {
@@ -187,7 +226,7 @@ fn time_column(raw: &Raw, meanings: &[Meaning]) -> Result<Option<usize>, ReadErr
     if let Some(first) = times.clone().find(corrected).or_else(|| times.next()) {
         return Ok(Some(first));
     }
-    if !raw.must_be_run {
+    if !raw.must_be_run || is_spectrum(meanings) {
         return Ok(None);
     }
     let line = raw.cells.header_line;

@@ -19,8 +19,10 @@ use ieap_domain::{Issue, Quantity, RunStatus};
 /// Reader of Gamry Framework files.
 pub struct GamryDta;
 
-/// Columns with a meaning for a run; `P` and the like stand for other things here than in a plain table.
-const KNOWN_COLUMNS: [&str; 8] = ["T", "Time", "Vf", "Vm", "Im", "Temp", "Voltage", "Current"];
+/// Columns with a meaning for a run or a spectrum; `P` and the like stand for other things here than in a plain table.
+const KNOWN_COLUMNS: [&str; 13] = [
+    "T", "Time", "Vf", "Vm", "Im", "Temp", "Voltage", "Current", "Freq", "Zreal", "Zimag", "Zmod", "Zphz",
+];
 /// A thermometer input without a probe reads 1467 degrees Celsius and a few tenths; no probe of a cell reads this.
 const NO_PROBE_ABOVE_C: f64 = 1000.0;
 
@@ -38,7 +40,7 @@ impl Format for GamryDta {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

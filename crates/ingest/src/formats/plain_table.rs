@@ -20,7 +20,7 @@ impl Format for PlainTable {
     }
 
     fn title(&self) -> &'static str {
-        "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm) or of a modulus log (CSV, TSV)"
+        "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm), of a modulus log or of a spectrum (CSV, TSV)"
     }
 
     fn extensions(&self) -> &'static [&'static str] {
@@ -28,7 +28,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn is_generic(&self) -> bool {
@@ -82,7 +82,7 @@ impl Format for PlainTable {
             format: self.id(),
             reader_version: self.version(),
             technique: None,
-            is_step_response: true,
+            is_step_response: !holds_spectrum(&table),
             encoding: Some(text.encoding),
             status: text.status,
             status_evidence: match text.status {
@@ -98,6 +98,11 @@ impl Format for PlainTable {
             issues,
         })
     }
+}
+
+/// Whether the table is an impedance spectrum.
+fn holds_spectrum(table: &crate::RunTable) -> bool {
+    !ieap_domain::Spectrum::of(&table.channels).is_empty()
 }
 
 /// Whether a column may hold `true` and `false`.

@@ -57,7 +57,9 @@ fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
         // From a soft gel to a thousand times steel; below zero is noise or a sign error.
         Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => (0.0, 1e6),
         Quantity::LossFactor => (-0.1, 100.0),
-        Quantity::Frequency => (0.0, 1e5),
+        Quantity::Frequency => (0.0, 1e8),
+        Quantity::ImpedancePhase => (-360.0, 360.0),
+        Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude => return None,
         Quantity::Time | Quantity::Other => return None,
     })
 }

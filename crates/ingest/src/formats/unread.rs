@@ -33,7 +33,7 @@ fn binary(head: &FileHead<'_>) -> Option<Kind> {
         [0, 0, 0xFF, 0xFF, 0xFF, 0xFE | 0xFF, ..] if head.extension() == "ism" => Some((
             "a binary impedance file of Zahner (.ism)",
             "the extension .ism, and the first six bytes of such files",
-            "impedance is no step response; export time series as text",
+            "export the spectrum as text: frequency, real and imaginary part, with units in the names",
         )),
         bytes if bytes.starts_with(b"SQLite format 3\0") => {
             Some(("an SQLite database", "it begins with SQLite format 3", AS_TABLE))

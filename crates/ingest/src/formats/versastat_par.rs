@@ -51,7 +51,7 @@ impl Format for VersastatPar {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -179,7 +179,11 @@ fn table(
     let definition = section.lines[at].text.trim_start_matches("Definition=");
     let mut headers: Vec<Header> = definition
         .split(',')
-        .map(|name| Header::parse(name.trim()))
+        .map(|name| match name.trim() {
+            // The definition names no unit of an impedance; it is in Ohm.
+            part @ ("Z Real" | "Z Imag") => Header::with_unit(part, "Ohm"),
+            name => Header::parse(name),
+        })
         .collect();
     // The definition ends in a number that names no column.
     let fields = Delimiter::Comma.split(first.text, |_, _| {});

@@ -35,6 +35,8 @@ fn campaign(name_pattern: Option<&str>) -> Campaign {
         name_pattern: name_pattern.map(str::to_owned),
         dma_folder: "dma".to_owned(),
         dma_name_pattern: None,
+        impedance_folder: "impedance".to_owned(),
+        impedance_name_pattern: None,
         model: "lumped-2".to_owned(),
         group_by: Vec::new(),
         adopted: Vec::new(),

@@ -216,6 +216,14 @@ pub(super) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
             }
         }
         (Quantity::Frequency, "hz") => "Hz",
+        (
+            Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude,
+            resistance,
+        ) => match resistance {
+            "ohm" | "ohms" => "Ohm",
+            "kohm" => "kOhm",
+            _ => suffix,
+        },
         (Quantity::CurrentDensity, "a_per_cm2" | "a_cm2") => "A/cm2",
         (Quantity::CurrentDensity, "ma_per_cm2" | "ma_cm2") => "mA/cm2",
         (Quantity::CurrentDensity, "ua_per_cm2" | "ua_cm2") => "uA/cm2",
@@ -235,20 +243,38 @@ fn interpret(name: &str, unit: &str) -> Meaning {
     let mut refused = None;
     for &quantity in candidates(name) {
         match unit::conversion(quantity, unit) {
-            Ok(conversion) => return Meaning::Known { quantity, conversion },
+            Ok(conversion) => {
+                let conversion = match is_negative(quantity, name) {
+                    true => conversion.negated(),
+                    false => conversion,
+                };
+                return Meaning::Known { quantity, conversion };
+            }
             Err(error) => refused = refused.or(Some((quantity, error))),
         }
     }
     match refused {
         Some((_, UnitError::WrongDimension { .. })) if name.trim().chars().count() == 1 => Meaning::Other,
+        // `Z` and `Phase` are an impedance with its unit only.
+        Some((Quantity::ImpedanceMagnitude | Quantity::ImpedancePhase, _)) => Meaning::Other,
         Some((quantity, error)) => Meaning::Refused { quantity, error },
         None => Meaning::Other,
     }
 }
 
+/// Whether the column holds the number with the other sign: `-Z''`, `neg. Phase`.
+fn is_negative(quantity: Quantity, name: &str) -> bool {
+    let signed = matches!(quantity, Quantity::ImpedanceImaginary | Quantity::ImpedancePhase);
+    let name = name.trim().to_ascii_lowercase();
+    signed && (name.starts_with(['-', '\u{2212}']) || name.starts_with(NEGATED))
+}
+
+/// What PalmSens writes before the name of a negated column.
+const NEGATED: &str = "neg. ";
+
 /// Names with the quantities that they may stand for, the likeliest first; in small letters, blanks for `_` and `-`.
 /// German ones are those of instruments' software and of laboratories' own tables.
-const NAMES: [(&[&str], &[Quantity]); 20] = [
+const NAMES: [(&[&str], &[Quantity]); 24] = [
     (&["t"], &[Quantity::Time, Quantity::Temperature]),
     (
         &[
@@ -400,7 +426,43 @@ const NAMES: [(&[&str], &[Quantity]); 20] = [
     (&["speichermodul"], &[Quantity::StorageModulus]),
     (&["verlustmodul"], &[Quantity::LossModulus]),
     (&["verlustfaktor"], &[Quantity::LossFactor]),
-    (&["frequency", "frequenz"], &[Quantity::Frequency]),
+    (&["frequency", "frequenz", "freq"], &[Quantity::Frequency]),
+    (
+        &[
+            "impedance real",
+            "z'",
+            "z\u{2032}",
+            "re(z)",
+            "zre",
+            "zreal",
+            "z real",
+            "z re",
+        ],
+        &[Quantity::ImpedanceReal],
+    ),
+    (
+        &[
+            "impedance imaginary",
+            "z''",
+            "z\"",
+            "z\u{2033}",
+            "im(z)",
+            "zim",
+            "zimag",
+            "z imag",
+            "z im",
+            "z imaginary",
+        ],
+        &[Quantity::ImpedanceImaginary],
+    ),
+    (
+        &["impedance magnitude", "|z|", "zmod", "z"],
+        &[Quantity::ImpedanceMagnitude],
+    ),
+    (
+        &["impedance phase", "phase(z)", "zphz", "phase"],
+        &[Quantity::ImpedancePhase],
+    ),
 ];
 
 /// Every known name of a column.
@@ -440,7 +502,9 @@ pub(super) fn candidates(name: &str) -> &'static [Quantity] {
     let plain = plain
         .replace("\"\"", "\"")
         .replace('\u{201d}', "\"")
-        .replace('\u{2019}', "'");
+        .replace('\u{2019}', "'")
+        .replace('\u{2212}', "");
+    let plain = plain.strip_prefix(NEGATED).unwrap_or(&plain);
     if CONTROL_NAMES
         .iter()
         .any(|known| plain.split_whitespace().eq(known.split(' ')))
@@ -514,6 +578,15 @@ mod tests {
             ("current_density_ma_cm2", Quantity::CurrentDensity, "mA/cm2"),
             ("frequency_hz", Quantity::Frequency, "Hz"),
             ("Frequency (rad/s)", Quantity::Frequency, "rad/s"),
+            ("freq / Hz", Quantity::Frequency, "Hz"),
+            ("Z' (\u{3a9})", Quantity::ImpedanceReal, "\u{3a9}"),
+            ("-Z'' (\u{3a9})", Quantity::ImpedanceImaginary, "\u{3a9}"),
+            ("Z\"/ohm", Quantity::ImpedanceImaginary, "ohm"),
+            ("-Im(Z)/Ohm", Quantity::ImpedanceImaginary, "Ohm"),
+            ("z_imaginary_ohm", Quantity::ImpedanceImaginary, "Ohm"),
+            ("|Z|/kOhm", Quantity::ImpedanceMagnitude, "kOhm"),
+            ("-Phase (\u{b0})", Quantity::ImpedancePhase, "\u{b0}"),
+            ("neg. Phase / \u{b0}", Quantity::ImpedancePhase, "\u{b0}"),
         ] {
             let header = Header::parse(cell);
             assert_eq!(header.meaning.quantity(), Some(quantity), "{cell}: {header:?}");
@@ -537,6 +610,25 @@ mod tests {
                     conversion: Conversion::IDENTITY
                 }
             );
+        }
+    }
+
+    #[test]
+    fn a_minus_before_a_part_of_an_impedance_turns_its_sign() {
+        for (cell, expected) in [
+            ("-Z'' (kOhm)", -2000.0),
+            ("Z'' (kOhm)", 2000.0),
+            ("\u{2212}Im(Z)/Ohm", -2.0),
+            ("neg. Phase / deg", -2.0),
+            ("Re(Z)/Ohm", 2.0),
+        ] {
+            let Meaning::Known { conversion, .. } = Header::parse(cell).meaning else {
+                panic!("{cell} is not known");
+            };
+            assert_eq!(conversion.apply(2.0), expected, "{cell}");
+        }
+        for cell in ["Phase", "Z (mm)", "phase (min)", "z"] {
+            assert_eq!(Header::parse(cell).meaning, Meaning::Other, "{cell}");
         }
     }
 

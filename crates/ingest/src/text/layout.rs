@@ -6,10 +6,11 @@
 
 use super::delimiter::Delimiter;
 use super::grid::{Dialect, is_blank_or_comment};
-use super::header::Header;
+use super::header::{Header, Meaning};
 use super::lines::Line;
 use super::number::{self, Cell, Decimal};
 use super::unit_row::unit_row;
+use crate::formats::assemble::is_spectrum;
 use crate::formats::error::{ReadError, quoted};
 use ieap_domain::Quantity;
 
@@ -164,13 +165,19 @@ fn header_line(lines: &[Line<'_>], delimiter: Delimiter) -> Option<usize> {
     speaks_of_time
 }
 
-/// Whether a time column among two cells or more can be used; none where there is no such column.
+/// Whether a time column among two cells or more can be used; none where there is no such column. The frequency of a
+/// spectrum does as well.
 pub fn time_among<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Option<bool> {
     if cells.clone().count() < 2 {
         return None;
     }
-    let meanings = cells.map(|cell| Header::parse(cell).meaning);
-    let times = meanings.filter(|meaning| meaning.named_quantity() == Some(Quantity::Time));
+    let meanings: Vec<Meaning> = cells.map(|cell| Header::parse(cell).meaning).collect();
+    if is_spectrum(&meanings) {
+        return Some(true);
+    }
+    let times = meanings
+        .iter()
+        .filter(|meaning| meaning.named_quantity() == Some(Quantity::Time));
     times
         .map(|meaning| meaning.quantity().is_some())
         .reduce(|a, b| a || b)
@@ -213,7 +220,16 @@ fn judge(found: &Found, index: usize, decimal: Decimal, sample: &[Line<'_>]) -> 
     let obeys = |part: usize, whole: usize| part > 0 && part as f64 >= OBEYING * whole as f64;
     let is_number = |k: usize| obeys(numeric[k], filled[k]);
     let known = (0..width).filter(|&k| found.headers[k].meaning.named_quantity().is_some() && is_number(k));
-    let time = |k: &usize| found.headers[*k].meaning.named_quantity() == Some(Quantity::Time);
+    let meanings: Vec<Meaning> = found
+        .headers
+        .iter()
+        .map(|header| header.meaning.clone())
+        .collect();
+    let axis = match is_spectrum(&meanings) {
+        true => Quantity::Frequency,
+        false => Quantity::Time,
+    };
+    let time = |k: &usize| found.headers[*k].meaning.named_quantity() == Some(axis);
     if !obeys(even_lines, sample.len()) || !known.clone().any(|k| time(&k)) {
         return None;
     }

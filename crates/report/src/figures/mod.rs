@@ -21,6 +21,7 @@ mod positions;
 pub mod profile;
 pub mod residual;
 pub mod response;
+pub mod spectrum;
 pub mod svg;
 pub mod thin;
 

@@ -22,6 +22,7 @@ pub mod finding_words;
 pub mod findings;
 mod forecasts;
 pub mod humidity;
+pub mod impedance;
 pub mod index;
 mod law_cards;
 pub mod models;
@@ -224,6 +225,14 @@ pub const PAGES: [Page; 18] = [
         template: include_str!("../../../../templates/pages/models.html"),
         is_shown: models::is_shown,
         content: models::content,
+    },
+    Page {
+        file: "impedance.html",
+        title: "Impedance",
+        under: None,
+        template: include_str!("../../../../templates/pages/impedance.html"),
+        is_shown: |input| !input.spectra.is_empty(),
+        content: impedance::content,
     },
     Page {
         file: "findings.html",

@@ -95,7 +95,10 @@ impl Held {
         let canonical =
             conversion(column.quantity, unit_of(column)).map(|conversion| conversion.apply(expected));
         match canonical {
-            Ok(canonical) => self.close(&format!("{what} of {}", column.name), found, canonical),
+            Ok(canonical) => {
+                let sign = if is_negated(column) { -1.0 } else { 1.0 };
+                self.close(&format!("{what} of {}", column.name), found, sign * canonical);
+            }
             Err(error) => self.note(false, || format!("{} cannot be converted: {error}", column.name)),
         }
     }
@@ -133,6 +136,17 @@ impl Held {
             self.same("rows", table.rows as u64, rows);
         }
     }
+}
+
+/// Whether the file holds the column with the other sign: where its name says so, and in files of PalmSens.
+fn is_negated(column: &Column) -> bool {
+    let name = column.name.as_str();
+    matches!(
+        column.quantity,
+        Quantity::ImpedanceImaginary | Quantity::ImpedancePhase
+    ) && (name.starts_with(['-', '\u{2212}'])
+        || name.starts_with("neg. ")
+        || matches!(name, "ZIm" | "Phase" | "Z'' / Ohm"))
 }
 
 /// The unit that conversions are made from; a rebuilt or counted time is in seconds already.

@@ -49,7 +49,7 @@ impl Format for BiologicMpr {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

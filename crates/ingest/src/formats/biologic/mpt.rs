@@ -39,7 +39,7 @@ impl Format for BiologicMpt {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

@@ -6,8 +6,8 @@ use crate::text::header::{Header, Meaning};
 
 /// Settings stand in columns of this width, one for each step of the technique.
 const SETTING_WIDTH: usize = 20;
-/// Columns with a meaning for a run; the others keep their names, for `P/W` or `E/V` of a log mean other things.
-const KNOWN_COLUMNS: [&str; 9] = [
+/// Columns with a meaning for a run or a spectrum; the others keep their names, for `P/W` or `E/V` of a log mean other things.
+const KNOWN_COLUMNS: [&str; 14] = [
     "control voltage",
     "time",
     "Ewe",
@@ -17,6 +17,11 @@ const KNOWN_COLUMNS: [&str; 9] = [
     "I",
     "<I>",
     "Temperature",
+    "freq",
+    "Re(Z)",
+    "-Im(Z)",
+    "|Z|",
+    "Phase(Z)",
 ];
 
 /// Index of the line with the names of the columns: the last of the header lines declared, else the first line

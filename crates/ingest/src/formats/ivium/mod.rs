@@ -50,7 +50,7 @@ impl Format for IviumIdf {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -157,7 +157,7 @@ fn headers(set: &DataSet<'_>) -> Result<Vec<Header>, ReadError> {
     let headers: Vec<Header> = match method {
         "Transients" => ["time/s", "I/A", "E/V"].map(Header::parse).into(),
         "Impedance" => ["Z real/Ohm", "Z imaginary/Ohm", "frequency/Hz"]
-            .map(Header::other)
+            .map(Header::parse)
             .into(),
         other => {
             return Err(ReadError::NeverSeen {

@@ -11,7 +11,7 @@ use crate::formats::error::{ReadError, quoted};
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::{self, DateOrder};
 use crate::formats::{Format, ReadContext, delimited};
-use crate::text::header::Header;
+use crate::text::header::{Header, Meaning};
 use crate::text::{Cell, Decimal, Line, Lines, decode, number};
 use crate::{Reading, RunTable, StartedAt, Timestamp};
 use ieap_domain::{Issue, RunStatus};
@@ -47,7 +47,7 @@ impl Format for PstraceCsv {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -178,7 +178,7 @@ fn curves(preamble: &[Line<'_>], units: &Line<'_>) -> Result<Vec<Curve>, ReadErr
     if is_names(units.text) {
         let cells = units.text.trim_end_matches(',').split(',');
         return Ok(vec![Curve {
-            headers: cells.map(Header::other).collect(),
+            headers: impedance_headers(cells),
             first_column: 0,
             title: "Impedance Spectroscopy".to_owned(),
             start: row(&|text| text.starts_with(EXPORTED))
@@ -216,6 +216,23 @@ fn curves(preamble: &[Line<'_>], units: &Line<'_>) -> Result<Vec<Curve>, ReadErr
         start: dates.get(2 * index + 1).map(|text| (*text).to_owned()),
     };
     Ok(units.chunks(2).enumerate().map(curve).collect())
+}
+
+/// PSTrace prints the imaginary part with the sign of `neg. Phase`, which stands beside it, and without saying so.
+fn impedance_headers<'a>(cells: impl Iterator<Item = &'a str>) -> Vec<Header> {
+    let mut headers: Vec<Header> = cells.map(Header::parse).collect();
+    let negated = headers
+        .iter()
+        .any(|header| header.raw_name.starts_with("neg. Phase"));
+    for header in headers
+        .iter_mut()
+        .filter(|header| negated && header.raw_name.starts_with("Z''"))
+    {
+        if let Meaning::Known { conversion, .. } = &mut header.meaning {
+            *conversion = conversion.negated();
+        }
+    }
+    headers
 }
 
 /// The cells of one curve; curves end at different rows.

@@ -39,7 +39,7 @@ impl Format for PalmsensSession {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -190,6 +190,20 @@ fn headers(group: &ArrayGroup) -> Vec<Header> {
 
 /// The unit follows from the type; the symbol in the file lacks its prefix.
 fn header(description: &str, unit_type: &str) -> Header {
+    // Parts of an impedance have a type of their own, which says the sign as well.
+    let part = match unit_type {
+        "ZRe" => Some(("Z'", "Ohm")),
+        "ZIm" => Some(("-Z''", "Ohm")),
+        "Z" => Some(("Z", "Ohm")),
+        "Phase" => Some(("-Phase", "\u{b0}")),
+        _ => None,
+    };
+    if let Some((name, unit)) = part {
+        return Header {
+            raw_name: description.to_owned(),
+            ..Header::with_unit(name, unit)
+        };
+    }
     let unit = match unit_type {
         "Volt" => "V",
         "MilliVolt" => "mV",

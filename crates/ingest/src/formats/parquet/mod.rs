@@ -48,7 +48,7 @@ impl Format for Parquet {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn is_generic(&self) -> bool {

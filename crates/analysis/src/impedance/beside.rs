@@ -1,0 +1,276 @@
+//! The numbers of a spectrum's circuit held against those of the steps of the same sample and condition.
+
+use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::tag::keys;
+use ieap_domain::{CircuitFit, Estimate, Fit, RunRecord, SpectrumAnalysis, SpectrumRun};
+
+use crate::pooling::{Averaging, Repeat, pooled};
+
+/// Humidities that count as one condition, percent apart.
+const HUMIDITY_ALIKE_PERCENT: f64 = 5.0;
+/// Voltages that count as one, V apart.
+const VOLTAGE_ALIKE_V: f64 = 0.05;
+/// Reason of a bound that several steps give together.
+const NONE_DETERMINES: &str = "no step determines it";
+
+/// What is compared: key of the spectrum (Ohm or F), key of the step (per area), symbol, whether it is per area (F/cm2)
+/// and not times area (Ohm cm2).
+const COMPARED: [(&str, &str, &str, bool); 7] = [
+    ("r1_ohm", "r1_ohm_cm2", "R₁", false),
+    ("c1_f", "c1_f_per_cm2", "C₁", true),
+    ("r2_ohm", "r2_ohm_cm2", "R₂", false),
+    ("c2_f", "c2_f_per_cm2", "C₂", true),
+    ("rss_ohm", "rss_ohm_cm2", "R_ss", false),
+    ("c_total_f", "c_total_f_per_cm2", "C_total", true),
+    ("r_parallel_ohm", "r_parallel_ohm_cm2", "R∥", false),
+];
+
+/// A number from a spectrum and from steps, per unit area.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BesideRow {
+    /// Key of the step's number, with its unit.
+    pub key: &'static str,
+    /// Symbol.
+    pub symbol: &'static str,
+    /// From the spectrum.
+    pub spectrum: Estimate,
+    /// From the steps at the lowest voltage, which is nearest to the small voltage of a spectrum.
+    pub step: Estimate,
+    /// From the steps at the highest voltage, where they have several.
+    pub step_at_highest: Option<Estimate>,
+    /// Step over spectrum, at the lowest voltage.
+    pub ratio: Estimate,
+    /// Whether both can be the same number; none where either says nothing.
+    pub agrees: Option<bool>,
+}
+
+/// The steps at one voltage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepSide {
+    /// Voltage, V.
+    pub voltage_v: f64,
+    /// Paths of the runs.
+    pub runs: Vec<String>,
+}
+
+/// A spectrum beside the steps of the same sample and condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// Path of the spectrum's run.
+    pub spectrum: String,
+    /// Which sweep of it, from 0.
+    pub sweep: usize,
+    /// The circuit of both, `lumped-2`.
+    pub circuit: &'static str,
+    /// Whether that circuit describes the spectrum.
+    pub describes: bool,
+    /// The circuit that describes the spectrum best.
+    pub best: &'static str,
+    /// What the compared circuit leaves of the spectrum, percent of |Z|.
+    pub residual_rms_percent: f64,
+    /// What the best one leaves.
+    pub best_rms_percent: f64,
+    /// Lowest frequency of the spectrum, Hz.
+    pub lowest_hz: f64,
+    /// Steps at the lowest voltage.
+    pub lowest: StepSide,
+    /// Steps at the highest voltage, where there are several.
+    pub highest: Option<StepSide>,
+    /// The numbers.
+    pub rows: Vec<BesideRow>,
+    /// What follows, in sentences.
+    pub sentences: Vec<String>,
+    /// Ids of effects that would make such a difference; empty where both agree.
+    pub effects: Vec<&'static str>,
+}
+
+/// Every sweep that has steps beside it.
+pub fn comparisons(spectra: &[SpectrumRun], runs: &[RunRecord]) -> Vec<Comparison> {
+    let mut all = Vec::new();
+    for spectrum in spectra {
+        for (sweep, found) in spectrum.sweeps.iter().enumerate() {
+            let Ok(analysis) = &found.analysis else { continue };
+            let Some((lowest_hz, _)) = found.spectrum.range_hz() else {
+                continue;
+            };
+            all.extend(compared(&spectrum.run, (sweep, lowest_hz), analysis, runs));
+        }
+    }
+    all
+}
+
+fn compared(
+    spectrum: &RunRecord,
+    (sweep, lowest_hz): (usize, f64),
+    analysis: &SpectrumAnalysis,
+    runs: &[RunRecord],
+) -> Option<Comparison> {
+    let area_cm2 = spectrum.area_cm2?;
+    let beside: Vec<(&RunRecord, &Fit, f64)> = runs
+        .iter()
+        .filter(|run| is_beside(spectrum, run))
+        .filter_map(|run| Some((run, run.fit.as_ref()?, run.tag_number(keys::VOLTAGE_V)?)))
+        .filter(|(_, fit, _)| fit.converged && analysis.circuit(&fit.model).is_some())
+        .collect();
+    let model = beside.first()?.1.model.as_str();
+    let of_model: Vec<&(&RunRecord, &Fit, f64)> =
+        beside.iter().filter(|(_, fit, _)| fit.model == model).collect();
+    let circuit = analysis.circuit(model)?;
+    let sizes = of_model.iter().map(|(_, _, voltage)| voltage.abs());
+    let (least, most) = ieap_domain::range_of(sizes);
+    let at = |size: f64| -> Vec<(&RunRecord, &Fit)> {
+        let near = of_model
+            .iter()
+            .filter(|(_, _, v)| (v.abs() - size).abs() <= VOLTAGE_ALIKE_V);
+        near.map(|(run, fit, _)| (*run, *fit)).collect()
+    };
+    let (low, high) = (at(least), at(most));
+    let has_several = most - least > VOLTAGE_ALIKE_V;
+    let rows: Vec<BesideRow> = COMPARED
+        .iter()
+        .filter_map(|&compared| {
+            let of_spectrum = of_area(circuit, compared, area_cm2)?;
+            let of_steps = together(&low, compared.1)?;
+            let ratio = ratio(&of_steps, &of_spectrum);
+            Some(BesideRow {
+                key: compared.1,
+                symbol: compared.2,
+                agrees: can_be_same(&of_steps, &of_spectrum),
+                ratio,
+                spectrum: of_spectrum,
+                step: of_steps,
+                step_at_highest: has_several.then(|| together(&high, compared.1)).flatten(),
+            })
+        })
+        .collect();
+    let side = |voltage_v: f64, runs: &[(&RunRecord, &Fit)]| StepSide {
+        voltage_v,
+        runs: runs.iter().map(|(run, _)| run.path.clone()).collect(),
+    };
+    let best_rms = analysis
+        .circuit(analysis.best)
+        .map_or(f64::NAN, |fit| fit.residual_rms_percent);
+    let mut comparison = Comparison {
+        spectrum: spectrum.path.clone(),
+        sweep,
+        circuit: circuit.circuit,
+        describes: circuit.describes,
+        best: analysis.best,
+        residual_rms_percent: circuit.residual_rms_percent,
+        best_rms_percent: best_rms,
+        lowest_hz,
+        lowest: side(least, &low),
+        highest: has_several.then(|| side(most, &high)),
+        rows,
+        sentences: Vec::new(),
+        effects: Vec::new(),
+    };
+    super::describe(&mut comparison);
+    Some(comparison)
+}
+
+/// Whether a step is of the same sample in the same environment and humidity; what neither states cannot differ.
+fn is_beside(spectrum: &RunRecord, run: &RunRecord) -> bool {
+    let same = |key: &str| match (spectrum.tag(key), run.tag(key)) {
+        (Some(a), Some(b)) => a == b,
+        _ => true,
+    };
+    let humidity = |record: &RunRecord| record.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
+    let humid = match humidity(spectrum).zip(humidity(run)) {
+        Some((a, b)) => (a - b).abs() <= HUMIDITY_ALIKE_PERCENT,
+        None => true,
+    };
+    spectrum.tag(keys::SAMPLE).is_some()
+        && spectrum.tag(keys::SAMPLE) == run.tag(keys::SAMPLE)
+        && same(keys::ENVIRONMENT)
+        && humid
+}
+
+/// A number of the spectrum's circuit per unit area.
+fn of_area(
+    circuit: &CircuitFit,
+    (key, _, _, per_area): (&str, &str, &str, bool),
+    area_cm2: f64,
+) -> Option<Estimate> {
+    let factor = if per_area { area_cm2.recip() } else { area_cm2 };
+    let own = circuit.parameter(key)?;
+    let scaled = |number: Option<f64>| number.map(|number| number * factor);
+    Some(Estimate {
+        value: scaled(own.value),
+        standard_error: scaled(own.standard_error),
+        low_95: scaled(own.low_95),
+        high_95: scaled(own.high_95),
+        ..own.clone()
+    })
+}
+
+/// The number of several steps: their random-effects mean where they determine it, else the strictest bounds.
+fn together(runs: &[(&RunRecord, &Fit)], key: &str) -> Option<Estimate> {
+    let all: Vec<&Estimate> = runs.iter().filter_map(|(_, fit)| fit.parameter(key)).collect();
+    if let [only] = all.as_slice() {
+        return Some((*only).clone());
+    }
+    let repeat = |estimate: &&Estimate| {
+        Some(Repeat {
+            sample: 0,
+            value: estimate.value.filter(|value| *value > 0.0)?,
+            standard_error: estimate.standard_error.unwrap_or(0.0),
+        })
+    };
+    let repeats: Vec<Repeat> = all.iter().filter_map(repeat).collect();
+    if let Some(mean) = pooled(&repeats, Averaging::Logarithmic) {
+        return Some(Estimate::determined(
+            mean.value,
+            mean.standard_error,
+            mean.low_95,
+            mean.high_95,
+        ));
+    }
+    let low = all.iter().filter_map(|estimate| estimate.low_95).reduce(f64::max);
+    let high = all
+        .iter()
+        .filter_map(|estimate| estimate.high_95)
+        .reduce(f64::min);
+    (!all.is_empty()).then(|| Estimate {
+        low_95: low,
+        high_95: high,
+        ..Estimate::not_determined(NONE_DETERMINES)
+    })
+}
+
+/// Logarithm of a determined positive number with its standard error, from the width of its interval where it has one.
+fn logarithm(estimate: &Estimate) -> Option<(f64, f64)> {
+    let value = estimate.value.filter(|value| *value > 0.0)?;
+    let of_interval = estimate
+        .low_95
+        .zip(estimate.high_95)
+        .filter(|(low, _)| *low > 0.0)
+        .map(|(low, high)| (high / low).ln() / (2.0 * NORMAL_95));
+    let of_error = estimate.standard_error.map(|error| error / value);
+    Some((value.ln(), of_interval.or(of_error)?))
+}
+
+/// Step over spectrum, with the interval of the quotient of two independent numbers.
+fn ratio(step: &Estimate, spectrum: &Estimate) -> Estimate {
+    let Some((a, b)) = logarithm(step).zip(logarithm(spectrum)) else {
+        return Estimate::not_determined("one of the two experiments does not determine it");
+    };
+    let (difference, error) = (a.0 - b.0, a.1.hypot(b.1));
+    let value = difference.exp();
+    let width = (NORMAL_95 * error).exp();
+    Estimate::determined(value, value * error, value / width, value * width)
+}
+
+/// Whether two numbers can be one: their quotient's interval holds 1; of bounds, whether the intervals meet.
+pub(super) fn can_be_same(step: &Estimate, spectrum: &Estimate) -> Option<bool> {
+    if let (Some(low), Some(high)) = (ratio(step, spectrum).low_95, ratio(step, spectrum).high_95) {
+        return Some(low <= 1.0 && 1.0 <= high);
+    }
+    let says = |estimate: &Estimate| estimate.low_95.is_some() || estimate.high_95.is_some();
+    if !says(step) || !says(spectrum) {
+        return None;
+    }
+    let low = |estimate: &Estimate| estimate.low_95.unwrap_or(f64::NEG_INFINITY);
+    let high = |estimate: &Estimate| estimate.high_95.unwrap_or(f64::INFINITY);
+    Some(low(step) <= high(spectrum) && low(spectrum) <= high(step))
+}

@@ -1,0 +1,11 @@
+//! Impedance spectra beside the steps of the same sample: is it the same circuit?
+//!
+//! A step and a spectrum ask the same strip at other voltages, times and currents. Where they disagree, which numbers
+//! do says which effect is at work: a leak above an onset is seen by the step alone, a series resistance stands in the
+//! spectrum first.
+
+mod beside;
+mod words;
+
+pub use beside::{BesideRow, Comparison, StepSide, comparisons};
+pub use words::describe;

@@ -1,0 +1,232 @@
+//! Circuits fitted to impedance spectra: one row a sweep and circuit.
+
+use super::TableInput;
+use super::table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
+use ieap_domain::tag::keys;
+use ieap_domain::{CircuitFit, Consistency, Estimate, SpectrumAnalysis, SpectrumRun};
+
+/// Numbers of the circuits: key of the fit, key of the column, symbol, quantity, unit, shown number per stored one.
+const NUMBERS: [(&str, &str, &str, &str, &str, f64); 11] = [
+    (
+        "r1_ohm",
+        "r1_ohm",
+        "R₁",
+        "resistance of the first chain",
+        "Ω",
+        1.0,
+    ),
+    ("c1_f", "c1_mf", "C₁", "capacitance of the first chain", "mF", 1e3),
+    (
+        "r2_ohm",
+        "r2_ohm",
+        "R₂",
+        "resistance of the second chain",
+        "Ω",
+        1.0,
+    ),
+    (
+        "c2_f",
+        "c2_mf",
+        "C₂",
+        "capacitance of the second chain",
+        "mF",
+        1e3,
+    ),
+    (
+        "rss_ohm",
+        "rss_kohm",
+        "Rₛₛ",
+        "steady-state resistance",
+        "kΩ",
+        1e-3,
+    ),
+    (
+        "c_total_f",
+        "c_total_mf",
+        "C_total",
+        "total capacitance",
+        "mF",
+        1e3,
+    ),
+    (
+        "r_parallel_ohm",
+        "r_parallel_ohm",
+        "R∥",
+        "resistance of the chains in parallel",
+        "Ω",
+        1.0,
+    ),
+    (
+        "cpe_exponent",
+        "cpe_exponent",
+        "n",
+        "exponent of the constant-phase element",
+        "",
+        1.0,
+    ),
+    (
+        "cpe_s_sn",
+        "cpe_s_sn",
+        "Q",
+        "size of the constant-phase element",
+        "S sⁿ",
+        1.0,
+    ),
+    (
+        "rw_ohm",
+        "rw_ohm",
+        "R_W",
+        "resistance of the finite Warburg element",
+        "Ω",
+        1.0,
+    ),
+    (
+        "cw_f",
+        "cw_mf",
+        "C_W",
+        "capacitance of the finite Warburg element",
+        "mF",
+        1e3,
+    ),
+];
+
+/// Makes the table.
+pub fn make(input: &TableInput) -> Table {
+    let mut notes = Notes::default();
+    let mut rows = Vec::new();
+    for spectrum in input.spectra {
+        for (at, sweep) in spectrum.sweeps.iter().enumerate() {
+            let Ok(analysis) = &sweep.analysis else { continue };
+            let name = match at {
+                0 => spectrum.run.path.clone(),
+                _ => format!("{}, sweep {}", spectrum.run.path, at + 1),
+            };
+            let of_circuit = |fit: &CircuitFit| row(spectrum, &name, analysis, fit, &mut notes);
+            rows.extend(analysis.circuits.iter().map(of_circuit));
+        }
+    }
+    let mut columns = vec![
+        Column::plain("spectrum", "Spectrum", "run of the spectrum"),
+        Column::plain("circuit", "Circuit", "circuit"),
+        Column::plain("sample", "Sample", "sample"),
+        Column::plain("environment", "Environment", "environment"),
+        Column::of("relative_humidity_percent", "RH", "relative humidity", "%"),
+        Column::plain(
+            "kramers_kronig",
+            "Kramers-Kronig",
+            "whether it can be an impedance",
+        ),
+        Column::plain(
+            "describes",
+            "Describes",
+            "whether the circuit describes the spectrum",
+        ),
+        Column::of(
+            "residual_percent",
+            "Residual",
+            "root mean square of what the circuit leaves, of |Z|",
+            "%",
+        ),
+        Column::plain(
+            "bic_above_best",
+            "ΔBIC",
+            "Bayesian information criterion above that of the best circuit",
+        ),
+    ];
+    columns.extend(
+        NUMBERS
+            .iter()
+            .map(|&(_, key, symbol, quantity, unit, _)| Column::of(key, symbol, quantity, unit)),
+    );
+    let remark = match rows.is_empty() {
+        true => "No impedance spectrum is there: put files into impedance/ or beside the runs.",
+        false => {
+            "Values are those of the whole sample, with their standard error; intervals and bounds are by the profile of the sum of squares, every reading weighted by 1/|Z|."
+        }
+    };
+    Table {
+        title: "Circuits fitted to the impedance spectra".to_owned(),
+        columns,
+        stub: 2,
+        rows,
+        notes: notes.into_texts(),
+        remarks: vec![remark.to_owned()],
+        ..Table::default()
+    }
+}
+
+fn row(
+    spectrum: &SpectrumRun,
+    name: &str,
+    analysis: &SpectrumAnalysis,
+    fit: &CircuitFit,
+    notes: &mut Notes,
+) -> Row {
+    let source = |key: Option<&str>| Source {
+        origin: SourceOrigin::File,
+        name: spectrum.run.path.clone(),
+        key: key.map(str::to_owned),
+        estimate: key.and_then(|key| fit.parameter(key)).cloned(),
+        left_out: None,
+    };
+    let sources = || vec![source(None)];
+    let verdict = match analysis.kramers_kronig.verdict {
+        Consistency::Consistent => "consistent",
+        Consistency::Violated => "violated",
+        Consistency::NotTested => "not tested",
+    };
+    let describes = match (fit.circuit == analysis.best, fit.describes) {
+        (true, true) => "best",
+        (true, false) => "best, but no",
+        (false, true) => "yes",
+        (false, false) => "no",
+    };
+    let tag = |key| spectrum.run.tag(key).map(str::to_owned);
+    let mut cells = vec![
+        Cell::text(Some(name), sources()),
+        Cell::text(Some(fit.circuit), sources()),
+        Cell::text(tag(keys::SAMPLE), sources()),
+        Cell::text(tag(keys::ENVIRONMENT), sources()),
+        Cell::exact(
+            spectrum.run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT),
+            sources(),
+        ),
+        Cell::text(Some(verdict), sources()),
+        Cell::text(Some(describes), sources()),
+        Cell::new(Content::Rough(fit.residual_rms_percent, 3), sources()),
+        Cell::new(Content::Rough(fit.bic_above_best, 3), sources()),
+    ];
+    cells.extend(NUMBERS.iter().map(|&(key, _, _, _, _, factor)| {
+        let content = fit
+            .parameter(key)
+            .map_or(Content::Missing, |own| content(own, factor));
+        let cell = Cell::new(content, vec![source(Some(key))]);
+        let reason = fit.parameter(key).and_then(|own| own.reason.as_deref());
+        match reason {
+            Some(reason) => cell.noted(notes.at(reason)),
+            None => cell,
+        }
+    }));
+    Row {
+        label: format!("{name}, {}", fit.circuit),
+        cells,
+    }
+}
+
+fn content(estimate: &Estimate, factor: f64) -> Content {
+    let scaled = |number: Option<f64>| number.map(|number| number * factor);
+    match (estimate.value, estimate.low_95, estimate.high_95) {
+        (Some(value), low_95, high_95) => Content::Measured(Measured {
+            value: value * factor,
+            standard_error: scaled(estimate.standard_error),
+            low_95: scaled(low_95),
+            high_95: scaled(high_95),
+            pooled: None,
+        }),
+        (None, None, None) => Content::NotDetermined,
+        (None, low, high) => Content::Bound {
+            low: scaled(low),
+            high: scaled(high),
+        },
+    }
+}

@@ -1,0 +1,105 @@
+//! Impedance spectra: whether one can be an impedance (the linear Kramers-Kronig test), and which circuit describes it.
+//!
+//! The noise of a spectrum is taken as a part of |Z|, equal at all frequencies: both parts of every reading are
+//! weighted by 1/|Z|, and the size of the noise is what the fit leaves.
+
+mod circuits;
+mod intervals;
+pub mod kramers_kronig;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use ieap_domain::impedance::FEWEST_FREQUENCIES;
+use ieap_domain::{CircuitFit, Consistency, Issue, KramersKronig, Spectrum, SpectrumAnalysis};
+use ieap_model::impedance::CIRCUITS;
+
+/// Version of the analysis: raised when the same spectrum would give other numbers.
+pub const VERSION: u32 = 1;
+
+/// A circuit describes a spectrum where it leaves no more than this many times what the Kramers-Kronig test leaves,
+/// whose many elements stand for any circuit.
+const DESCRIBES_WITHIN: f64 = 1.5;
+/// Residual below which a circuit describes a spectrum in any case, part of |Z|: instruments state no better accuracy
+/// than a few parts in a thousand.
+const FINE_RMS: f64 = 0.003;
+
+/// Tests a spectrum and fits every circuit to it.
+///
+/// # Errors
+/// Too few frequencies, or no circuit can be fitted.
+pub fn analyse(spectrum: &Spectrum) -> Result<SpectrumAnalysis, Issue> {
+    if spectrum.len() < FEWEST_FREQUENCIES {
+        let message = format!(
+            "{} frequencies are too few to test a spectrum and to fit circuits to it: {FEWEST_FREQUENCIES} are needed",
+            spectrum.len()
+        );
+        return Err(Issue::error("few-frequencies", message).mend("measure more frequencies"));
+    }
+    let magnitude = spectrum.magnitude_ohm();
+    let numbers = spectrum.real_ohm.iter().chain(&spectrum.imaginary_ohm);
+    if !numbers
+        .chain(&spectrum.frequency_hz)
+        .all(|value| value.is_finite())
+        || magnitude.iter().any(|size| *size <= 0.0)
+    {
+        return Err(Issue::error(
+            "no-impedance",
+            "the spectrum holds readings that are no impedance",
+        ));
+    }
+    let tested = kramers_kronig::test(spectrum);
+    let fitted: Vec<(CircuitFit, f64)> = CIRCUITS
+        .iter()
+        .filter_map(|circuit| circuits::fit(circuit, spectrum))
+        .collect();
+    let lowest = fitted.iter().map(|(_, bic)| *bic).fold(f64::INFINITY, f64::min);
+    let best = fitted.iter().find(|(_, bic)| *bic <= lowest);
+    let Some(best) = best.map(|(fit, _)| fit.circuit) else {
+        return Err(Issue::error(
+            "no-circuit",
+            "no circuit can be fitted to the spectrum",
+        ));
+    };
+    let enough = (DESCRIBES_WITHIN * 0.01 * tested.residual_rms_percent).max(FINE_RMS);
+    let circuits = fitted.into_iter().map(|(fit, bic)| CircuitFit {
+        bic_above_best: bic - lowest,
+        describes: 0.01 * fit.residual_rms_percent <= enough,
+        ..fit
+    });
+    let circuits: Vec<CircuitFit> = circuits.collect();
+    let issues = issues(&tested, &circuits);
+    Ok(SpectrumAnalysis {
+        kramers_kronig: tested,
+        circuits,
+        best,
+        issues,
+    })
+}
+
+fn issues(tested: &KramersKronig, circuits: &[CircuitFit]) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    if tested.verdict == Consistency::Violated {
+        let (low, high) = tested.off_hz.unwrap_or((f64::NAN, f64::NAN));
+        let message = format!(
+            "the readings between {low:.3e} and {high:.3e} Hz are no impedance of anything linear and unchanging: they lie \
+             {:.1} % of |Z| off what the other frequencies allow (Kramers-Kronig)",
+            tested.largest_mean_percent
+        );
+        let mend = "leave these frequencies out, measure with a smaller amplitude, or wait until the sample has come to rest";
+        issues.push(Issue::warning("kramers-kronig", message).mend(mend));
+    }
+    if !circuits.iter().any(|fit| fit.describes) {
+        let least = circuits
+            .iter()
+            .map(|fit| fit.residual_rms_percent)
+            .fold(f64::INFINITY, f64::min);
+        let message = format!(
+            "no circuit of the list describes the spectrum: the best leaves {least:.2} % of |Z|, where the readings scatter by \
+             {:.2} %; intervals are those of the noise alone and too narrow",
+            tested.scatter_percent
+        );
+        issues.push(Issue::warning("no-circuit-describes", message));
+    }
+    issues
+}

@@ -1,0 +1,204 @@
+//! Impedance spectra as a user meets them: files become runs of their own kind, are tested and fitted, and are set
+//! beside the steps of the same sample.
+
+use std::fmt::Write as _;
+
+use ieap::model::impedance::spectrum_circuit;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde_json::Value;
+
+use crate::campaign::CampaignFolder;
+
+/// R1, C1, R2, C2 and R_ss of the whole sample, Ohm and F.
+const STRIP: [f64; 5] = [220.0, 4e-3, 1500.0, 1.2e-2, 3e4];
+
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(random)
+}
+
+/// Frequency, real and imaginary part with noise of half a percent.
+fn spectrum(values: &[f64], seed: u64) -> Vec<(f64, f64, f64)> {
+    let circuit = spectrum_circuit("lumped-2").unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    (0..45)
+        .map(|k| {
+            let hz = 1e4 * 10.0_f64.powf(-6.5 * f64::from(k) / 44.0);
+            let z = circuit.impedance(values, hz);
+            let mut noise = || 0.005 * z.magnitude() * normal(&mut random);
+            (hz, z.re + noise(), z.im + noise())
+        })
+        .collect()
+}
+
+fn table(readings: &[(f64, f64, f64)]) -> String {
+    let mut text = "Frequency (Hz);Z' (Ω);-Z'' (Ω)\n".to_owned();
+    for (hz, real, imaginary) in readings {
+        writeln!(text, "{hz:.6e};{real:.6e};{:.6e}", -imaginary).unwrap();
+    }
+    text
+}
+
+/// Current and curvature of the same strip under a step, 4 readings a second.
+fn step(values: &[f64], volts: f64, seed: u64) -> String {
+    let [r1, c1, r2, c2, leak] = values else {
+        panic!("five parameters");
+    };
+    let (alpha_per_c_cm, lambda_per_s) = (2.0, 0.01);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut text = "time_s,current_a,curvature_per_cm\n".to_owned();
+    for k in 0..800 {
+        let t = 0.25 * f64::from(k);
+        let (mut current, mut curvature) = (volts / leak, 0.0);
+        for (r, c) in [(r1, c1), (r2, c2)] {
+            let tau = r * c;
+            current += volts / r * (-t / tau).exp();
+            let g = ((-t / tau).exp() - (-lambda_per_s * t).exp()) / (tau * lambda_per_s - 1.0);
+            curvature += alpha_per_c_cm * volts * c * g;
+        }
+        current += 2e-6 * normal(&mut random);
+        curvature += 2e-4 * normal(&mut random);
+        writeln!(text, "{t},{current:.6e},{curvature:.6e}").unwrap();
+    }
+    text
+}
+
+fn campaign() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    folder.write("impedance/CNaf-01.csv", table(&spectrum(&STRIP, 1)));
+    folder.write(
+        "impedance/tags.toml",
+        "sample = \"S1\"\nenvironment = \"air\"\nrelative_humidity_percent = 34.0\n",
+    );
+    folder.write(
+        "runs/tags.toml",
+        "sample = \"S1\"\nenvironment = \"air\"\nrelative_humidity_percent = 36.0\n",
+    );
+    folder.write("runs/low.csv", step(&STRIP, 0.5, 2));
+    folder.write("runs/low.csv.toml", "voltage_v = 0.5\n");
+    folder
+}
+
+fn impedance(folder: &CampaignFolder) -> Value {
+    folder.ieap(&["fit"]).expect(0);
+    folder.ieap(&["impedance", "--json"]).expect(0).json()
+}
+
+#[test]
+fn a_spectrum_and_a_step_of_one_strip_tell_one_circuit() {
+    let folder = campaign();
+    let document = impedance(&folder);
+    let found = &document["spectra"][0];
+    assert_eq!(found["kramers_kronig"]["verdict"], "consistent", "{found:#}");
+    assert_eq!(found["best"], "lumped-2", "{found:#}");
+    let circuits = found["circuits"].as_array().unwrap();
+    let fit = circuits.iter().find(|fit| fit["circuit"] == "lumped-2").unwrap();
+    assert_eq!(fit["describes"], true);
+    let keys = ["r1_ohm", "c1_f", "r2_ohm", "c2_f", "rss_ohm"];
+    for (key, truth) in keys.into_iter().zip(STRIP) {
+        let own = &fit["parameters"][key];
+        let (low, high) = (own["low_95"].as_f64().unwrap(), own["high_95"].as_f64().unwrap());
+        assert!(low < truth && truth < high, "{key}: {own:#}");
+    }
+    let beside = &document["beside_steps"][0];
+    assert_eq!(beside["steps"]["runs"], serde_json::json!(["runs/low.csv"]));
+    assert_eq!(beside["effects"], serde_json::json!([]), "{beside:#}");
+    let numbers = beside["numbers"].as_array().unwrap();
+    assert_eq!(numbers.len(), 7);
+    let said = beside["sentences"][0].as_str().unwrap();
+    assert!(
+        said.starts_with("The step and the spectrum tell the same circuit"),
+        "{beside:#}"
+    );
+    // Per unit area: 0.1 cm2.
+    let r1 = &numbers[0];
+    assert_eq!(r1["key"], "r1_ohm_cm2");
+    assert!(
+        (r1["spectrum"]["value"].as_f64().unwrap() / 22.0 - 1.0).abs() < 0.05,
+        "{r1:#}"
+    );
+}
+
+#[test]
+fn a_leak_above_an_onset_is_told_by_the_step_alone() {
+    let folder = campaign();
+    let mut leaking = STRIP;
+    leaking[4] = 2e3;
+    folder.write("runs/high.csv", step(&leaking, 2.0, 3));
+    folder.write("runs/high.csv.toml", "voltage_v = 2.0\n");
+    let beside = &impedance(&folder)["beside_steps"][0];
+    assert_eq!(
+        beside["effects"],
+        serde_json::json!(["faradaic-leak"]),
+        "{beside:#}"
+    );
+    let said = beside["sentences"][1].as_str().unwrap();
+    assert!(said.starts_with("At 2 V the step leaks"), "{said}");
+}
+
+#[test]
+fn a_series_resistance_stands_in_the_spectrum() {
+    let folder = campaign();
+    let lead_ohm = 60.0;
+    let mut readings = spectrum(&STRIP, 4);
+    readings.iter_mut().for_each(|reading| reading.1 += lead_ohm);
+    folder.write("impedance/CNaf-01.csv", table(&readings));
+    let beside = &impedance(&folder)["beside_steps"][0];
+    let effects = beside["effects"].as_array().unwrap();
+    assert!(effects.contains(&"series-resistance".into()), "{beside:#}");
+}
+
+#[test]
+fn spectra_are_runs_of_their_own_kind_for_every_verb() {
+    let folder = campaign();
+    // Among the runs, in another form, and without a sample.
+    let mut polar = "freq / Hz,Z / Ohm,neg. Phase / °\n".to_owned();
+    for (hz, real, imaginary) in spectrum(&STRIP, 5) {
+        let phase = -imaginary.atan2(real).to_degrees();
+        writeln!(polar, "{hz:.6e},{:.6e},{phase:.6e}", real.hypot(imaginary)).unwrap();
+    }
+    folder.write("runs/polar.csv", polar);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let document = folder.ieap(&["impedance", "--json"]).expect(0).json();
+    let spectra = document["spectra"].as_array().unwrap();
+    let paths: Vec<&Value> = spectra.iter().map(|found| &found["run"]).collect();
+    assert_eq!(paths, ["impedance/CNaf-01.csv", "runs/polar.csv"]);
+    for found in spectra {
+        assert_eq!(found["best"], "lumped-2", "{found:#}");
+    }
+    // They are no step responses.
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    assert_eq!(status["status"]["runs"], 1, "{status:#}");
+    assert_eq!(status["status"]["spectra"], 2);
+    let table = folder
+        .ieap(&["table", "impedance", "--format", "csv"])
+        .expect(0)
+        .stdout;
+    assert_eq!(
+        table.lines().filter(|line| line.contains("lumped-2")).count(),
+        2,
+        "{table}"
+    );
+    let page = std::fs::read_to_string(folder.join("report/impedance.html")).unwrap();
+    for text in [
+        "Nyquist plot of S1",
+        "Bode plot",
+        "Kramers-Kronig",
+        "tell the same circuit",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    // A database that is made anew says the same.
+    let before = folder.ieap(&["impedance", "--json"]).expect(0).stdout;
+    folder.ieap(&["rebuild"]).expect(0);
+    assert_eq!(folder.ieap(&["impedance", "--json"]).expect(0).stdout, before);
+    folder.ieap(&["verify", "--deep"]).expect(0);
+    // What a person drops says nothing any more.
+    folder
+        .ieap(&["drop", "impedance/CNaf-01.csv", "--why", "the clip slipped"])
+        .expect(0);
+    let document = folder.ieap(&["impedance", "--json"]).expect(0).json();
+    assert_eq!(document["spectra"].as_array().unwrap().len(), 1);
+    assert_eq!(document["set_aside"][0]["run"], "impedance/CNaf-01.csv");
+}
