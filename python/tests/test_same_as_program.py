@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from conftest import NOISE, PARAMETERS, STRIP
+from conftest import NOISE, PARAMETERS, STRIP, program
 
 import ieap
 
@@ -38,8 +38,6 @@ def test_a_fit_of_lists_of_numbers(campaign, fits):
 
 def test_a_fit_with_other_models_and_methods(campaign):
     run = campaign / "runs/a.csv"
-    from conftest import program
-
     stored = json.loads(program("fit", "--json", "--model", "lumped-1", "--simultaneous", str(campaign)))
     fit = ieap.fit(ieap.read(run), **STRIP, model="lumped-1", simultaneous=True)
     assert fit.to_dict()["parameters"] == of_program(stored, "runs/a.csv")["parameters"]
@@ -50,7 +48,7 @@ def test_a_campaign_is_read_as_the_program_prints_it(campaign, fits):
     own = ieap.Campaign(campaign)
     fit = ieap.fit(own.readings("runs/a.csv"))
     assert fit.to_dict()["parameters"] == of_program(fits, "runs/a.csv")["parameters"]
-    again = json.loads(__import__("conftest").program("fit", "--json", str(campaign)))
+    again = json.loads(program("fit", "--json", str(campaign)))
     assert own.fits_document() == again
     long = own.fits().to_dict()
     first = {(run, key): value for run, key, value in zip(long["run"], long["parameter"], long["value"])}

