@@ -91,12 +91,12 @@ fn print(document: &DriveDocument, output: &Output) {
         document.model,
         document.sources.len()
     ));
-    output.result(&match (document.reached_after_s, document.lost_after_s) {
-        (None, _) => "The wanted course is not reached within the limits.".to_owned(),
-        (Some(from), None) => format!("Reached to 5 % after {from:.1} s, and held to the end."),
-        (Some(from), Some(lost)) => {
-            format!("Reached to 5 % after {from:.1} s, and left again after {lost:.1} s.")
-        }
+    output.result(&match document.reached_after_s {
+        None => "The wanted course is not reached within the limits.".to_owned(),
+        Some(from) => format!(
+            "Reached to 5 % after {from:.1} s; within 5 % for {:.0} of {:.0} s.",
+            document.near_for_s, document.end_s
+        ),
     });
     output.result(&format!(
         "Error against the wanted course: {} root mean square, {} at most.",

@@ -12,12 +12,31 @@ use ieap_numerics::student::quantile_95;
 /// Voltages are one level where they differ by less than this part: what a source is set to is met to 1 % or better.
 const LEVELS_ALIKE: f64 = 0.02;
 
+/// The voltages of a drive, which parameters may go with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Applied {
+    /// Root mean square over time, with the sign of the largest: of a step its voltage, V.
+    pub typical_v: f64,
+    /// How far the size of the voltage strays from that, root mean square over time, V: nothing for a step.
+    pub strays_v: f64,
+}
+
+impl Applied {
+    /// Of a step.
+    pub fn step(typical_v: f64) -> Applied {
+        Applied {
+            typical_v,
+            strays_v: 0.0,
+        }
+    }
+}
+
 /// What one run says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Told {
     /// Its sample; 0 is the one that is asked for.
     pub sample: usize,
-    /// Nominal voltage of its drive, V.
+    /// Typical voltage of its drive, V.
     pub step_v: f64,
     /// Value.
     pub value: f64,
@@ -79,9 +98,10 @@ struct VoltageLevel {
     squares: f64,
 }
 
-/// The forecast at `step_v`, of another strip of the material or of the sample itself; none where no run of the asked
+/// The forecast of a drive, of another strip of the material or of the sample itself; none where no run of the asked
 /// sample tells anything. `misfit` is the standard deviation of what the model gets wrong.
-pub fn forecast(told: &[Told], step_v: f64, of_another_strip: bool, misfit: f64) -> Option<Forecast> {
+pub fn forecast(told: &[Told], applied: Applied, of_another_strip: bool, misfit: f64) -> Option<Forecast> {
+    let step_v = applied.typical_v;
     let own = levels(told, 0);
     let (mut value, mut parameters) = between(&own, step_v)?;
     let mut samples: Vec<f64> = vec![value];
@@ -110,7 +130,7 @@ pub fn forecast(told: &[Told], step_v: f64, of_another_strip: bool, misfit: f64)
     let variances = Variances {
         parameters,
         runs,
-        voltages: way_between(&own, step_v),
+        voltages: way_between(&own, applied),
         samples: of_samples,
         misfit: misfit * misfit,
     };
@@ -167,10 +187,18 @@ fn between(levels: &[VoltageLevel], step_v: f64) -> Option<(f64, f64)> {
     Some(((1.0 - share) * below.mean + share * above.mean, parameters))
 }
 
-/// Variance of the random walk from the nearest voltages; none where only one other was measured.
-fn way_between(levels: &[VoltageLevel], step_v: f64) -> Option<f64> {
+/// Variance of the random walk from the nearest voltages, and over those that the drive strays to; none where only one
+/// voltage was measured and the drive has others.
+fn way_between(levels: &[VoltageLevel], applied: Applied) -> Option<f64> {
+    let step_v = applied.typical_v;
     let (below, above, share) = around(levels, step_v)?;
-    if share == 0.0 && is_alike(below.step_v, step_v) {
+    let is_there = share == 0.0 && is_alike(below.step_v, step_v);
+    let apart_v = match share > 0.0 {
+        _ if is_there => 0.0,
+        true => share * (1.0 - share) * (above.step_v - below.step_v),
+        false => (step_v - below.step_v).abs(),
+    };
+    if is_there && applied.strays_v <= LEVELS_ALIKE * step_v.abs() {
         return Some(0.0);
     }
     let rate = |pair: &[VoltageLevel]| {
@@ -182,11 +210,7 @@ fn way_between(levels: &[VoltageLevel], step_v: f64) -> Option<f64> {
         return None;
     }
     let mean = rates.iter().sum::<f64>() / rates.len() as f64;
-    let apart_v = match share > 0.0 {
-        true => share * (1.0 - share) * (above.step_v - below.step_v),
-        false => (step_v - below.step_v).abs(),
-    };
-    Some(mean * apart_v)
+    Some(mean * (apart_v + applied.strays_v))
 }
 
 /// Variance from run to run at one voltage, over all samples and voltages, with its degrees of freedom; none without
@@ -230,36 +254,43 @@ mod tests {
 
     #[test]
     fn one_run_tells_its_value_with_the_error_of_its_parameters() {
-        let found = forecast(&[told(2.0, 5.0)], 2.01, false, 0.0).unwrap();
+        let found = forecast(&[told(2.0, 5.0)], Applied::step(2.01), false, 0.0).unwrap();
         assert_eq!(found.value, 5.0);
         assert!((found.high_95 - 5.0 - 0.1 * NORMAL_95).abs() < 1e-12);
         assert_eq!((found.variances.runs, found.variances.samples), (None, None));
         assert_eq!(found.variances.voltages, Some(0.0));
         assert_eq!(
-            forecast(&[told(2.0, 5.0)], 1.0, false, 0.0)
+            forecast(&[told(2.0, 5.0)], Applied::step(1.0), false, 0.0)
                 .unwrap()
                 .variances
                 .voltages,
             None
         );
-        assert_eq!(forecast(&[], 1.0, false, 0.0), None);
+        assert_eq!(forecast(&[], Applied::step(1.0), false, 0.0), None);
     }
 
     #[test]
     fn between_two_voltages_it_goes_straight_and_may_stray_most_in_the_middle() {
         let runs = [told(1.0, 1.0), told(2.0, 3.0)];
-        let middle = forecast(&runs, 1.5, false, 0.0).unwrap();
+        let middle = forecast(&runs, Applied::step(1.5), false, 0.0).unwrap();
         assert!((middle.value - 2.0).abs() < 1e-12);
         // The step of 2, less what the errors explain, is the rate of the walk; a bridge has a quarter in the middle.
         assert!((middle.variances.voltages.unwrap() - (4.0 - 0.02) / 4.0).abs() < 1e-12);
-        let beyond = forecast(&runs, 2.5, false, 0.0).unwrap();
+        let beyond = forecast(&runs, Applied::step(2.5), false, 0.0).unwrap();
         assert_eq!(beyond.value, 3.0);
+        // A drive that strays about a measured voltage has that much of the walk.
+        let straying = Applied {
+            typical_v: 2.0,
+            strays_v: 0.25,
+        };
+        let straying = forecast(&runs, straying, false, 0.0).unwrap();
+        assert!((straying.variances.voltages.unwrap() - 0.25 * 3.98 / 1.0).abs() < 1e-12);
         assert!((beyond.variances.voltages.unwrap() - (4.0 - 0.02) / 2.0).abs() < 1e-12);
     }
 
     #[test]
     fn a_misfit_widens_the_interval() {
-        let found = forecast(&[told(2.0, 5.0)], 2.0, false, 0.4).unwrap();
+        let found = forecast(&[told(2.0, 5.0)], Applied::step(2.0), false, 0.4).unwrap();
         assert!((found.standard_deviation() - 0.17_f64.sqrt()).abs() < 1e-12);
     }
 
@@ -288,7 +319,7 @@ mod tests {
                 false => strips[0].0 + normal(),
             };
             let all: Vec<Told> = strips.into_iter().flat_map(|(_, told)| told).collect();
-            let found = forecast(&all, 2.0, of_another_strip, 0.0).unwrap();
+            let found = forecast(&all, Applied::step(2.0), of_another_strip, 0.0).unwrap();
             held += usize::from((found.low_95..=found.high_95).contains(&truth));
         }
         held as f64 / draws as f64

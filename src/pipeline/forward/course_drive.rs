@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::super::{Context, PipelineError};
 use super::asked::AskedStrip;
 use super::document::{DriveEntry, LeftOutEntry, Predicted, StripEntry, Told};
-use super::grounds::Grounds;
+use super::grounds::{Grounds, applied_until};
 use super::predict::{left_out, model_word, remarks};
 use crate::domain::typed_value::Measured;
 use crate::domain::{Drive, Estimate, Level, Segment};
@@ -17,7 +17,7 @@ const SAMPLES: f64 = 200.0;
 const MOST_SAMPLES: f64 = 600.0;
 /// Rounds in which the curvature asked for is mended by what the tip misses.
 const MENDS: usize = 8;
-/// Part of the largest voltage by which two nominal voltages differ that the same runs speak of.
+/// Part of the largest voltage by which two typical voltages differ that the same runs speak of.
 const SAME_VOLTAGE: f64 = 0.01;
 /// Nearness at which a wanted displacement counts as reached, as a share of the largest wanted one.
 const REACHED: f64 = 0.05;
@@ -109,8 +109,8 @@ pub struct DriveDocument {
     pub largest_error_mm: f64,
     /// When the tip first comes near to what is wanted, s; null where it never does.
     pub reached_after_s: Option<f64>,
-    /// When it leaves what is wanted again, s; null where it does not.
-    pub lost_after_s: Option<f64>,
+    /// For how long of the course it is near, s.
+    pub near_for_s: f64,
     /// Charge that flows through the leak, C.
     pub leaked_charge_c: Predicted,
     /// Runs that it is made from.
@@ -186,7 +186,7 @@ impl DriveCourse {
             .collect();
         let near = REACHED * wanted.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
         let first = misses.iter().position(|miss| miss.abs() <= near);
-        let lost = first.and_then(|first| (first..samples).find(|&k| misses[k].abs() > near));
+        let within = misses.iter().filter(|miss| miss.abs() <= near).count();
         let leaked = forecasts.leaked_charge_c.last().map(Predicted::from);
         let leaked_charge_c = leaked.ok_or_else(|| bad("--for", "0 s".to_owned(), "a longer course"))?;
         let mut remarks = remarks(&grounds, &forecasts, &drive);
@@ -212,7 +212,7 @@ impl DriveCourse {
             rms_error_mm: (misses.iter().map(|miss| miss * miss).sum::<f64>() / samples as f64).sqrt(),
             largest_error_mm: misses.iter().fold(0.0, |most, miss| most.max(miss.abs())),
             reached_after_s: first.map(|k| times[k]),
-            lost_after_s: lost.map(|k| times[k]),
+            near_for_s: every_s * within as f64,
             leaked_charge_c,
             sources: Told::all(&grounds),
             left_out: left_out(&grounds),
@@ -328,14 +328,14 @@ fn search(
             .zip(wanted)
             .map(|(tip, wanted)| (tip - wanted).powi(2))
             .sum();
-        let nominal_v = drive.nominal_step_v();
+        let typical_v = applied_until(&drive, times).typical_v;
         let improved = best.as_ref().is_none_or(|(least, _)| miss < 0.999 * least);
         if improved {
             best = Some((miss, drive));
         }
-        // Runs at other voltages tell of a drive with another nominal step: only then is there something to mend.
-        if (nominal_v - reference_v).abs() > SAME_VOLTAGE * limits.highest_v && nominal_v != 0.0 {
-            reference_v = nominal_v;
+        // Runs at other voltages tell of a drive with another typical one: only else is there something to mend.
+        if (typical_v - reference_v).abs() > SAME_VOLTAGE * limits.highest_v && typical_v != 0.0 {
+            reference_v = typical_v;
             continue;
         }
         if !improved {

@@ -5,8 +5,8 @@ use super::super::strip_modulus::{StripModulus, strip_modulus};
 use super::super::{Context, PipelineError, standing};
 use super::asked::{AskedStrip, size_of};
 use super::misfit::{KnownMisfit, found_onset, known_misfit};
-use super::source::Source;
-use crate::analysis::forecast::{Forecast, Told, forecast};
+use super::source::{Source, applied};
+use crate::analysis::forecast::{Applied, Forecast, Told, forecast};
 use crate::domain::tag::keys;
 use crate::domain::{Drive, Estimate, Quantity, RunRecord, Sample, range_of};
 use crate::model::scaling::prediction::LINKS;
@@ -209,9 +209,9 @@ impl Grounds {
             ..*self
         };
         let told = exact.told(drive, time_s)?;
-        let step_v = drive.nominal_step_v();
+        let applied = applied_until(drive, time_s);
         let centre = |of: &dyn Fn(&Prediction) -> &Series| {
-            let all = self.of_series(&told, step_v, true, 0.0, of);
+            let all = self.of_series(&told, applied, true, 0.0, of);
             all.iter().map(|forecast| forecast.value).collect()
         };
         Ok((
@@ -226,9 +226,9 @@ impl Grounds {
     /// The strip is of another laminate, or charges unevenly under an open circuit.
     pub fn forecasts(&self, drive: &Drive, time_s: &[f64]) -> Result<Forecasts, PipelineError> {
         let told = self.told(drive, time_s)?;
-        let step_v = drive.nominal_step_v();
+        let applied = applied_until(drive, time_s);
         let of = |bends: bool, share: f64, of: &dyn Fn(&Prediction) -> &Series| {
-            self.of_series(&told, step_v, bends, share, of)
+            self.of_series(&told, applied, bends, share, of)
         };
         let misfit = &self.misfit;
         let distributed = |(_, p): &(&Source, Prediction)| p.carried_by == CarriedBy::Distributed;
@@ -255,7 +255,7 @@ impl Grounds {
     fn of_series(
         &self,
         told: &[(&Source, Prediction)],
-        step_v: f64,
+        applied: Applied,
         needs_bending: bool,
         misfit: f64,
         of: &dyn Fn(&Prediction) -> &Series,
@@ -273,12 +273,17 @@ impl Grounds {
                     standard_error: of(prediction).standard_error[k],
                 })
                 .collect();
-            forecast(&values, step_v, self.is_another, misfit)
+            forecast(&values, applied, self.is_another, misfit)
         };
         let centres: Vec<f64> = (0..times).filter_map(|k| Some(at(k, 0.0)?.value)).collect();
         let (low, high) = range_of(centres.iter().copied().chain([0.0]));
         (0..times).filter_map(|k| at(k, misfit * (high - low))).collect()
     }
+}
+
+/// The voltages of a drive up to the last of the times.
+pub(super) fn applied_until(drive: &Drive, time_s: &[f64]) -> Applied {
+    applied(drive, time_s.iter().copied().fold(0.0, f64::max))
 }
 
 fn without_errors(source: &Source) -> Source {

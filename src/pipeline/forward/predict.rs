@@ -135,7 +135,7 @@ pub(super) fn remarks(grounds: &Grounds, forecasts: &Forecasts, drive: &Drive) -
         let parts = first.variances;
         if parts.voltages.is_none() {
             remarks.push(
-                "Only one voltage was measured: that the strip answers another in proportion is taken for granted, and no interval holds what it does otherwise."
+                "Only one voltage was measured: that the strip answers others in proportion is taken for granted, and no interval holds what it does otherwise."
                     .to_owned(),
             );
         }

@@ -1,7 +1,8 @@
 //! A fitted run as a source of predictions: its model, the covariance of its parameters, its strip.
 
+use crate::analysis::forecast::Applied;
 use crate::domain::quantiles::NORMAL_95;
-use crate::domain::{Drive, Estimate, Fit, Quantity, RunCurve, RunRecord};
+use crate::domain::{Drive, Estimate, Fit, Level, Quantity, RunCurve, RunRecord};
 use crate::model::scaling::propagation::{ReadAt, covariance};
 use crate::model::scaling::{Identified, StripSize};
 use crate::model::{Branch, LumpedModel};
@@ -18,7 +19,7 @@ pub(super) struct Source {
     pub fitted_with: String,
     /// Sample by number; 0 is the one asked for.
     pub sample: usize,
-    /// Nominal voltage of its drive, V.
+    /// Typical voltage of its drive, V.
     pub step_v: f64,
     /// The model of its strip.
     pub model: LumpedModel,
@@ -67,17 +68,18 @@ impl Source {
         };
         let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
         let last = |curve: &RunCurve| curve.time_s.last().copied().unwrap_or(start_s);
+        let last_s = curves.iter().map(last).fold(start_s, f64::max);
         Ok(Source {
             run: run.path.clone(),
             fitted_with: fit.model.clone(),
             sample,
-            step_v: drive.nominal_step_v(),
+            step_v: applied(drive, last_s).typical_v,
             covariance: correlated(fit, &model, &read.errors, drive, run.area_cm2, curves),
             model,
             size: *size,
             electrode_resistance_ohm_per_sq: fit.parameter("re_ohm_per_sq").and_then(|e| e.value),
             bends,
-            lasted_s: curves.iter().map(last).fold(0.0, f64::max) - start_s,
+            lasted_s: last_s - start_s,
             bounded: read.bounded,
         })
     }
@@ -90,6 +92,35 @@ impl Source {
             size: &self.size,
             electrode_resistance_ohm_per_sq,
         }
+    }
+}
+
+/// The voltages of a drive up to `end_s`; open circuits, in which the source holds none, do not count.
+pub(super) fn applied(drive: &Drive, end_s: f64) -> Applied {
+    let ends = drive.segments.iter().skip(1).map(|segment| segment.start_s);
+    let (mut lasting_s, mut size, mut square) = (0.0, 0.0, 0.0);
+    for (segment, end) in drive.segments.iter().zip(ends.chain([f64::INFINITY])) {
+        let span_s = (end.min(end_s) - segment.start_s).max(0.0);
+        if let Level::Voltage(volts) = segment.level {
+            lasting_s += span_s;
+            size += span_s * volts.abs();
+            square += span_s * volts * volts;
+        }
+    }
+    let nominal_v = drive.nominal_step_v();
+    if lasting_s <= 0.0 || square <= 0.0 {
+        return Applied::step(nominal_v);
+    }
+    let (mean, typical_v) = (size / lasting_s, (square / lasting_s).sqrt());
+    // Mean of (|v| - typical)^2, whose square is 2 typical (typical - mean).
+    let strays_v = (2.0 * typical_v * (typical_v - mean)).max(0.0).sqrt();
+    Applied {
+        typical_v: typical_v.copysign(nominal_v),
+        strays_v: if strays_v < 1e-6 * typical_v {
+            0.0
+        } else {
+            strays_v
+        },
     }
 }
 
@@ -201,4 +232,33 @@ fn error_of(estimate: &Estimate) -> f64 {
     let of_interval = ends.map(|(low, high)| (high - low) / (2.0 * NORMAL_95));
     let error = estimate.standard_error.or(of_interval).unwrap_or(0.0);
     if error.is_finite() { error.max(0.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Segment;
+
+    #[test]
+    fn voltages_of_a_drive_are_weighed_by_their_time() {
+        assert_eq!(applied(&Drive::step(-1.5), 100.0), Applied::step(-1.5));
+        let segment = |start_s, volts| Segment {
+            start_s,
+            level: Level::Voltage(volts),
+        };
+        let pulses = Drive {
+            baseline_v: 0.0,
+            segments: vec![segment(0.0, 2.0), segment(10.0, 0.0)],
+        };
+        let found = applied(&pulses, 20.0);
+        assert!((found.typical_v - 2.0_f64.sqrt()).abs() < 1e-12);
+        let strays = 0.5 * ((2.0 - 2.0_f64.sqrt()).powi(2) + 2.0);
+        assert!((found.strays_v - strays.sqrt()).abs() < 1e-12);
+        let swung = Drive {
+            baseline_v: 0.0,
+            segments: vec![segment(0.0, 2.0), segment(10.0, -2.0)],
+        };
+        assert_eq!(applied(&swung, 20.0), Applied::step(2.0));
+        assert_eq!(applied(&pulses, 0.0), Applied::step(2.0));
+    }
 }
