@@ -4,8 +4,8 @@ use ieap_model::ModelChoice;
 
 use crate::cause::proof::held_out;
 use crate::extended::fits::extend;
-use crate::readings::group::Group;
-use crate::{RunInput, with_base};
+use crate::fitting::without_outliers::with_base;
+use crate::readings::group::{Group, RunInput};
 
 /// Fall of the deviance of held-out readings where the effects of `choice` are known to be the cause and only their
 /// shapes and strengths are fitted; none where they cannot act in these runs.

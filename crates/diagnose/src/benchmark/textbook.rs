@@ -10,9 +10,11 @@ use crate::cause::candidates::look;
 use crate::cause::proof::{discrepancy, held_out};
 use crate::fitting::base_fit;
 use crate::fitting::fitted::Fitted;
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature;
+use crate::options::DiagnoseOptions;
 use crate::readings::group::{Group, RunInput};
-use crate::{DiagnoseOptions, with_base};
 
 /// Steps of a forward selection at most.
 const MOST_STEPS: usize = 3;
@@ -64,7 +66,7 @@ pub fn textbook(runs: &[RunInput], options: &DiagnoseOptions) -> Option<Textbook
 }
 
 fn path<'g>(group: &'g Group<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
-    let scale = signature::scale(group, &base.problem, &base.at);
+    let scale = scale(group, &base.problem, &base.at);
     let signatures = signature::signatures(&base.problem, &base.at, &scale);
     let mut model = base;
     let mut path = Vec::new();

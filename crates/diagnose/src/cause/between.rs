@@ -9,60 +9,26 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use ieap_model::effects::{Effect, effect};
+use ieap_model::effects::effect;
 use ieap_numerics::interrupt;
 use ieap_numerics::sums::dot;
 
 use crate::cause::candidates::{Looked, look};
-use crate::cause::select::Ground;
+use crate::cause::ground::Ground;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
+use crate::levels::TAKEN;
 use crate::misfit::null::Null;
 use crate::misfit::signature::Direction;
 use crate::readings::group::Group;
+use crate::readings::tags::{Tag, tags};
 
-/// A candidate is taken where chance gives as much in fewer groups than this, and one that follows a tag where chance does in
-/// fewer deals.
-pub(crate) const TAKEN: f64 = 0.01;
-/// Orders of its values below which no answer could be that rare.
-const FEWEST_ORDERS: f64 = 1.0 / TAKEN;
 /// Share of a question's square that a refit must leave, as for every other effect.
 const ABSORBED: f64 = 1e-6;
 /// Deals that explain as much to within rounding count.
 const ROUNDING: f64 = 1e-9;
 /// Set apart from other uses of the same seed.
 const STREAM: u64 = 1 << 41;
-
-/// A tag that differs between the runs of a group: id of its effect, and place of every run.
-struct Tag {
-    id: &'static str,
-    at: Vec<f64>,
-}
-
-/// Effects that follow a tag whose order among the runs can be told from chance.
-pub(crate) fn asked(group: &Group) -> Vec<&'static dyn Effect> {
-    let tags = tags(group)
-        .into_iter()
-        .filter(|tag| orders(&tag.at) >= FEWEST_ORDERS);
-    tags.filter_map(|tag| effect(tag.id)).collect()
-}
-
-/// What is said of tags that differ in too few runs to be asked.
-pub(crate) fn not_asked(group: &Group) -> Vec<String> {
-    let few = tags(group)
-        .into_iter()
-        .filter(|tag| orders(&tag.at) < FEWEST_ORDERS);
-    few.filter_map(|tag| {
-        let about = effect(tag.id)?.about();
-        Some(format!(
-            "{} is not asked for: its values can be dealt to {} runs in {:.0} orders, and a finding needs {FEWEST_ORDERS:.0}",
-            about.summary,
-            tag.at.len(),
-            orders(&tag.at)
-        ))
-    })
-    .collect()
-}
 
 /// What is said of tags that were asked and that chance explains as well.
 pub(crate) fn refused_in_words(dealt: &[(&'static str, f64)]) -> Vec<String> {
@@ -88,7 +54,7 @@ pub(crate) fn p_dealt(group: &Group, fitted: &Fitted, deals: usize, seed: u64) -
             .any(|own| own.effect.about().id == id)
     };
     let mut tags = tags(group);
-    tags.retain(|tag| orders(&tag.at) >= FEWEST_ORDERS && !has(tag.id));
+    tags.retain(|tag| tag.can_be_told() && !has(tag.id));
     if tags.is_empty() {
         return Vec::new();
     }
@@ -238,58 +204,4 @@ fn with_voltage(group: &Group) -> Tangent {
         .collect();
     let sizes = volts.iter().map(|v| v.abs()).collect();
     Tangent::of(&[vec![1.0; volts.len()], volts, sizes])
-}
-
-fn tags(group: &Group) -> Vec<Tag> {
-    let Some(first) = group.runs.first() else {
-        return Vec::new();
-    };
-    let of = |(k, tag): (usize, &ieap_model::effects::TagAt)| {
-        let at = group
-            .runs
-            .iter()
-            .map(|run| run.given.tags.get(k).map_or(0.0, |tag| tag.at));
-        Tag {
-            id: tag.id,
-            at: at.collect(),
-        }
-    };
-    let differs = |tag: &Tag| tag.at.iter().any(|x| *x != tag.at[0]);
-    first
-        .given
-        .tags
-        .iter()
-        .enumerate()
-        .map(of)
-        .filter(differs)
-        .collect()
-}
-
-/// Number of different orders of these values.
-fn orders(at: &[f64]) -> f64 {
-    let mut sorted = at.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let mut orders = 1.0;
-    let mut alike = 0.0;
-    for (k, value) in sorted.iter().enumerate() {
-        alike = if k > 0 && *value == sorted[k - 1] {
-            alike + 1.0
-        } else {
-            1.0
-        };
-        orders *= (k + 1) as f64 / alike;
-    }
-    orders
-}
-
-#[cfg(test)]
-mod tests {
-    use super::orders;
-
-    #[test]
-    fn values_have_as_many_orders_as_are_different() {
-        assert_eq!(orders(&[1.0, 2.0, 3.0, 4.0]), 24.0);
-        assert!((orders(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0]) - 70.0).abs() < 1e-9);
-        assert_eq!(orders(&[3.0, 3.0]), 1.0);
-    }
 }

@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use crate::cause::extended_start::Beside;
 use crate::fitting::fitted::Fitted;
-use crate::misfit::null::gain;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_numerics::sums::dot;
 
@@ -22,6 +21,9 @@ const STARTS: usize = 4;
 /// Evidence that a strength must bring, in units of the sum of squares; where forms are compared, or several effects with
 /// several, every parameter.
 pub(crate) const PRICE: f64 = 3.0;
+
+/// A candidate is taken where the Bayes information criterion asks for it this strongly, beside [`crate::levels::TAKEN`].
+pub(crate) const BAYES: f64 = 10.0;
 
 /// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
 pub(crate) const AS_GOOD: f64 = 6.0;
@@ -83,7 +85,7 @@ pub(crate) fn look<'g>(
         if has(id) || refused.contains(&id) {
             continue;
         }
-        let forecast = gain(direction, residuals);
+        let forecast = direction.gain(residuals);
         match looked.iter_mut().find(|(looked, _)| looked.effect == id) {
             Some((looked, places)) => {
                 places.push(place);
@@ -109,7 +111,7 @@ pub(crate) fn look<'g>(
         }
     }
     for (looked, places) in &mut looked {
-        let gains = places.iter().map(|&place| gain(&directions[place], residuals));
+        let gains = places.iter().map(|&place| directions[place].gain(residuals));
         looked.forms = price_of_forms(gains, looked.forecast);
     }
     looked.sort_by(|a, b| b.0.forecast.total_cmp(&a.0.forecast));
@@ -184,6 +186,17 @@ pub(crate) fn least_score(looked: &[Looked]) -> Option<f64> {
     Some(best.score() - AS_GOOD - INEXACT * best.gain)
 }
 
+/// Candidates that explain the readings as well as the best one, the one taken first.
+pub(crate) fn rivals(looked: &[Looked]) -> Vec<&'static str> {
+    let Some(least) = least_score(looked) else {
+        return Vec::new();
+    };
+    let close = looked
+        .iter()
+        .filter(|other| other.fitted.is_some() && other.score() > least);
+    close.map(|other| other.effect).collect()
+}
+
 /// The current model with the one effect that all `signatures` are of, from its most promising shapes; none where it
 /// cannot be fitted.
 pub(crate) fn added<'g>(
@@ -232,7 +245,11 @@ fn fit<'g>(
 ) {
     let current = beside.current;
     let mut ranked: Vec<usize> = places.to_vec();
-    ranked.sort_by(|&a, &b| gain(&directions[b], residuals).total_cmp(&gain(&directions[a], residuals)));
+    ranked.sort_by(|&a, &b| {
+        directions[b]
+            .gain(residuals)
+            .total_cmp(&directions[a].gain(residuals))
+    });
     let variants = signatures[directions[ranked[0]].signature]
         .effect
         .about()

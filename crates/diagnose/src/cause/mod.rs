@@ -1,6 +1,6 @@
 //! Cause: which effects the readings ask for.
 //!
-//! In: the misfit beside the base model, a [`select::Ground`].
+//! In: the misfit beside the base model, a [`ground::Ground`].
 //! Out: a [`select::Selection`]: the extended model, its candidates and rivals, what it leaves; its [`proof`] on readings
 //! that took no part in a fit; and its [`evidence`], how probable the readings are under every hypothesis.
 
@@ -8,6 +8,7 @@ pub(crate) mod between;
 pub(crate) mod candidates;
 pub(crate) mod evidence;
 pub(crate) mod extended_start;
+pub(crate) mod ground;
 pub(crate) mod multistart;
 pub(crate) mod proof;
 pub(crate) mod pruning;

@@ -8,11 +8,13 @@
 
 use ieap_model::{Branch, LumpedModel};
 
-use crate::cause::candidates::{AS_GOOD, Looked, by_score, look};
-use crate::cause::select::{Ground, rivals};
+use crate::cause::candidates::{AS_GOOD, Looked, by_score, look, rivals};
+use crate::cause::ground::Ground;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
-use crate::misfit::signature::{directions, scale, signatures};
+use crate::fitting::scale::scale;
+use crate::levels::TAKEN;
+use crate::misfit::signature::{directions, signatures};
 
 /// Places are those of causes that explain this part of what the best one does, ...
 const CONTENDS: f64 = 0.8;
@@ -47,6 +49,16 @@ impl<'g> Ground<'_, 'g> {
         } else {
             looked
         }
+    }
+
+    /// Whether the best of `looked` would leave nothing beside it.
+    pub(crate) fn would_explain_all(&self, looked: &[Looked<'g>]) -> bool {
+        let Some(best) = looked.first().and_then(|best| best.fitted.as_ref()) else {
+            return false;
+        };
+        let (null, directions) = self.null(best, 1);
+        let leftover = null.observe(self.group, &best.residuals(), &directions);
+        self.p_left(best, &null, &leftover, 1) >= TAKEN
     }
 
     /// Searches every cause beside the base again from other places, and keeps what explains more than before; whether

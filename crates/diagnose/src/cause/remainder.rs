@@ -4,7 +4,7 @@
 //! is louder and remembers longer, and what a right extension leaves looks smaller than it is: of 215 hidden effects of 32
 //! standard deviations, the p of what the truth left was below 0.05 in 2 where 11 are due.
 
-use crate::cause::select::Ground;
+use crate::cause::ground::Ground;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
 use crate::misfit::calibration::{Asked, Calibration};

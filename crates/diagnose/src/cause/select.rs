@@ -1,21 +1,18 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
-use crate::cause::between::{TAKEN, p_of};
-use crate::cause::candidates::{AS_GOOD, INEXACT, Looked, PRICE, least_score};
+use crate::cause::between::p_of;
+use crate::cause::candidates::{AS_GOOD, BAYES, INEXACT, Looked, PRICE, rivals};
+use crate::cause::ground::Ground;
 use crate::cause::proof::discrepancy;
 use crate::cause::proof::held_out::{self, Part};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
-use crate::misfit::calibration::{Asked, Calibration};
+use crate::levels::TAKEN;
 use crate::misfit::null::{Null, Statistics};
-use crate::misfit::signature::{Direction, Signature, directions};
-use crate::misfit::stretch::Stretch;
-use crate::readings::group::Group;
+use crate::misfit::signature::Direction;
 
 /// Effects that are taken at most.
 const MOST_EFFECTS: usize = 3;
-/// A candidate is taken where the Bayes information criterion asks for it this strongly, beside [`TAKEN`].
-const BAYES: f64 = 10.0;
 /// An effect takes another one's place where the sum of squares falls by so much more than for parameters it adds: twice
 /// what two causes that explain as well may differ by.
 const EXCHANGED: f64 = 12.0;
@@ -90,57 +87,7 @@ impl HeldOut {
     }
 }
 
-/// What a selection starts from.
-pub(crate) struct Ground<'a, 'g> {
-    pub(crate) group: &'g Group<'g>,
-    pub(crate) base: &'a Fitted<'g>,
-    pub(crate) signatures: &'a [Signature],
-    pub(crate) stretches: &'a [Stretch],
-    pub(crate) draws: usize,
-    pub(crate) seed: u64,
-    /// As in the options.
-    pub(crate) of_several: bool,
-}
-
 impl<'g> Ground<'_, 'g> {
-    /// Null distribution and directions beside a fitted model.
-    pub(crate) fn null(&self, fitted: &Fitted, step: u64) -> (Null, Vec<Direction>) {
-        let (_, tangent) = fitted.tangent();
-        let directions = directions(self.signatures, &tangent);
-        let seed = self.seed.wrapping_add(step);
-        let null = Null::new(
-            self.group,
-            &tangent,
-            &directions,
-            self.stretches,
-            self.draws,
-            seed,
-        );
-        (null, directions)
-    }
-
-    /// How the p of the base's misfit must be read; none where it is clear without.
-    pub(crate) fn calibration(
-        &self,
-        null: &Null,
-        observed: &Statistics,
-        directions: &[Direction],
-    ) -> Option<Calibration> {
-        if Calibration::is_needless(null.unbounded_p(observed)) {
-            return None;
-        }
-        let (_, tangent) = self.base.tangent();
-        Some(Calibration::of(&Asked {
-            group: self.group,
-            null,
-            tangent: &tangent,
-            signatures: self.signatures,
-            directions,
-            stretches: self.stretches,
-            seed: self.seed,
-        }))
-    }
-
     /// Selects, from the null distribution and directions beside the base.
     pub(crate) fn select(&self, null: &Null, beside_base: &[Direction]) -> Selection<'g> {
         let mut model = self.base.clone();
@@ -211,16 +158,6 @@ impl<'g> Ground<'_, 'g> {
             dealt: first_dealt.unwrap_or_default(),
         };
         self.or_single(selection)
-    }
-
-    /// Whether the best of `looked` would leave nothing beside it.
-    pub(crate) fn would_explain_all(&self, looked: &[Looked<'g>]) -> bool {
-        let Some(best) = looked.first().and_then(|best| best.fitted.as_ref()) else {
-            return false;
-        };
-        let (null, directions) = self.null(best, 1);
-        let leftover = null.observe(self.group, &best.residuals(), &directions);
-        self.p_left(best, &null, &leftover, 1) >= TAKEN
     }
 
     /// Every held-out part by the base, by `model`, and by what has no name.
@@ -363,45 +300,4 @@ impl<'g> Ground<'_, 'g> {
         let start = problem.coordinates(&model.base(), &values);
         Fitted::search(problem, &[start], &[])
     }
-
-    /// The model without one of its effects, refitted.
-    pub(crate) fn without(&self, model: &Fitted<'g>, place: usize) -> Option<Fitted<'g>> {
-        let mut effects = model.problem.effects.clone();
-        let mut values = model.effect_values();
-        effects.remove(place);
-        values.remove(place);
-        let problem = Problem::new(self.group, &model.base(), effects);
-        let start = problem.coordinates(&model.base(), &values);
-        Fitted::search(problem, &[start], &[]).map(Fitted::settled)
-    }
-
-    /// Drops effects that the others have made needless.
-    fn backward(&self, model: Fitted<'g>) -> Fitted<'g> {
-        let count = model.problem.effects.len();
-        if count < 2 {
-            return model;
-        }
-        let mut model = model;
-        for drop in (0..count).rev() {
-            let price = PRICE + BAYES * model.problem.effects[drop].free() as f64;
-            let Some(without) = self.without(&model, drop) else {
-                continue;
-            };
-            if without.square - model.square < price {
-                model = without;
-            }
-        }
-        model
-    }
-}
-
-/// Candidates that explain the readings as well as the best one, the one taken first.
-pub(crate) fn rivals(looked: &[Looked]) -> Vec<&'static str> {
-    let Some(least) = least_score(looked) else {
-        return Vec::new();
-    };
-    let close = looked
-        .iter()
-        .filter(|other| other.fitted.is_some() && other.score() > least);
-    close.map(|other| other.effect).collect()
 }

@@ -9,9 +9,11 @@ use ieap_numerics::student::quantile_95;
 use crate::cause::candidates::added;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Sought;
-use crate::misfit::signature::{directions, scale, signatures_of};
-use crate::readings::group::Group;
-use crate::{RunInput, VERSION, with_base};
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
+use crate::misfit::signature::{directions, signatures_of};
+use crate::options::VERSION;
+use crate::readings::group::{Group, RunInput};
 
 /// A shift of a base parameter by more standard errors than this is worth a sentence.
 const WORTH: f64 = 3.0;

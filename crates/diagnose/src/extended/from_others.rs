@@ -5,9 +5,10 @@ use ieap_numerics::sums::dot;
 
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::scale;
-use crate::readings::group::Group;
-use crate::{DiagnoseOptions, RunInput, with_base};
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
+use crate::options::DiagnoseOptions;
+use crate::readings::group::{Group, RunInput};
 
 /// How much better an effect from elsewhere describes a sample than the base model alone.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,13 +3,15 @@
 use ieap_model::effects::{Limits, effect};
 use ieap_model::{Branch, LumpedModel};
 
-use crate::cause::select::Ground;
+use crate::cause::ground::Ground;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::{scale, signatures};
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
+use crate::misfit::signature::signatures;
 use crate::misfit::stretch::stretches;
-use crate::readings::group::Group;
-use crate::{DiagnoseOptions, RunInput, with_base};
+use crate::options::DiagnoseOptions;
+use crate::readings::group::{Group, RunInput};
 
 /// Factors on the resistances of the branches from which they are searched: an effect that resists before them has made
 /// those of the base model too large.

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
-use crate::fitting::profile::SETTLE;
 use crate::readings::group::Group;
 use ieap_model::effects::Scale;
 use ieap_model::extended::ExtendedModel;
@@ -20,6 +19,8 @@ pub(crate) struct Mode {
 
 /// Evaluations of the search from each probe.
 const SEARCH: u64 = 20;
+/// A search has settled where a step lowers the sum of squares by less.
+pub(crate) const SETTLE: f64 = 0.02;
 /// Rise beyond which no interval reaches.
 const BEYOND: f64 = 10.0;
 /// Strengths that each search may start from, in parts of the probe's.

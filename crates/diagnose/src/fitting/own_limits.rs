@@ -9,7 +9,7 @@ use ieap_model::effects::Limits;
 
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::scale;
+use crate::fitting::scale::scale;
 
 /// Times that limits are drawn anew: each time the base comes nearer to its own.
 const TIMES: usize = 6;

@@ -8,17 +8,15 @@ use ieap_numerics::levenberg::Stop;
 
 use crate::fitting::ends::{BOUNDS, together};
 use crate::fitting::fitted::Fitted;
-use crate::fitting::modes::{Mode, modes};
+use crate::fitting::modes::{Mode, SETTLE, modes};
 use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::scale;
+use crate::fitting::scale::scale;
 use crate::readings::group::Group;
 
 /// Strengths that are looked at on either side, in standard errors.
 const AT: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 /// Evaluations of each search, from the place that the covariance expects.
 const SHORT: u64 = 6;
-/// A search has settled where a step lowers the sum of squares by less.
-pub(crate) const SETTLE: f64 = 0.02;
 /// Where three standard errors do not reach it, steps that each go so many times farther, and how many of them.
 const FARTHER: f64 = 1.6;
 const FURTHER: i32 = 9;

@@ -211,7 +211,7 @@ impl Null {
             .collect();
         let gains: Vec<f64> = directions
             .iter()
-            .map(|direction| gain(direction, residuals))
+            .map(|direction| direction.gain(residuals))
             .collect();
         let line = group
             .blocks
@@ -346,16 +346,6 @@ impl Tail {
 
 fn largest(gains: &[f64]) -> f64 {
     gains.iter().copied().fold(0.0, f64::max)
-}
-
-/// Forecast gain of a candidate: the fall of the sum of squares to first order; 0 for a strength of the wrong sign.
-pub(crate) fn gain(direction: &Direction, residuals: &[f64]) -> f64 {
-    let z = dot(&direction.unit, residuals);
-    if z > 0.0 || !direction.one_sided {
-        z * z
-    } else {
-        0.0
-    }
 }
 
 /// True variance over the one that was found, as far as the latter is uncertain.

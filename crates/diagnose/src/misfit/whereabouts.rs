@@ -5,7 +5,7 @@ use ieap_domain::{MisfitStretch, Whereabouts};
 
 use crate::misfit::null::Null;
 use crate::misfit::stretch::{Kind, Stretch};
-use crate::readings::group::Group;
+use crate::readings::group::{Group, channel_name};
 
 /// A stretch is said to be wrong where its mean is this many standard errors off.
 const WRONG: f64 = 4.0;
@@ -72,10 +72,6 @@ fn unequal_answers(group: &Group, stretches: &[Stretch], scores: &[f64]) -> Opti
         run.input.drive.segments.len(),
         run.name,
     ))
-}
-
-pub(crate) fn channel_name(channel: usize) -> &'static str {
-    ["current", "curvature"][channel]
 }
 
 /// Of stretches that are off, of which there is one at least, the worst first.

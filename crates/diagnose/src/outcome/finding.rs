@@ -5,41 +5,41 @@ mod forms;
 mod sentence;
 mod sets;
 
-use sentence::SPIKED_WORDS;
-
 use ieap_domain::{
     DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve, StrengthProfile,
     Verdict,
 };
 
-use crate::cause::between::{not_asked, refused_in_words};
+use crate::cause::between::refused_in_words;
 use crate::cause::evidence::{Asked, weigh};
 use crate::cause::proof::held_out::Part;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
+use crate::levels::{RIGHT, WRONG};
 use crate::misfit::misfit_size::misfit_percent;
 use crate::misfit::null::Null;
 use crate::misfit::signature::{Direction, Signature};
 use crate::misfit::stretch::Stretch;
-use crate::misfit::whereabouts::{channel_name, whereabouts};
+use crate::misfit::whereabouts::whereabouts;
+use crate::options::DiagnoseOptions;
 use crate::outcome::gain::gain;
 use crate::outcome::next_run::next_run;
 use crate::readings::drawn::{drawn, paired};
-use crate::readings::group::Group;
-use crate::{DiagnoseOptions, RunInput};
+use crate::readings::group::{Group, RunInput, channel_name};
+use crate::readings::tags::not_asked;
 use ieap_model::effects::effect;
 use ieap_numerics::sums::dot;
 
-/// The simulation is called wrong below this p, and right from the second on.
-pub(crate) const WRONG: f64 = 0.01;
-pub(crate) const RIGHT: f64 = 0.05;
 /// Where a misfit is left, a first cause that explains less than this part of everything names nothing: a cause that no
 /// library holds finds a likeness in it. Of 20 plays of the charge of 16 standard deviations 2 were explained to more than
 /// this by one cause; ceramic capacitors and an electrolysis cell, whose causes are known, are to 0.97 and more.
 const MOST_OF_IT: f64 = 0.9;
 /// Spikes beyond this part of the readings make the readings themselves the problem.
 const SPIKED: f64 = 0.05;
+
+const SPIKED_WORDS: &str =
+    "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
 
 /// What is known before a cause is looked for.
 pub(crate) struct Shown<'a, 'g> {

@@ -1,33 +1,11 @@
 //! The runs of a group by themselves, where no cause is found for them together: one parameter set may be too few.
 
-use rayon::prelude::*;
-
-use crate::{DiagnoseOptions, RunInput, diagnose_group};
 use ieap_domain::{RunAlone, Verdict};
 
 /// Part of the runs that must be described alone before it is said that they differ in their parameters.
 const NEARLY_ALL: f64 = 0.75;
 /// Causes that are mentioned at most.
 const MENTIONED: usize = 4;
-
-/// Every run diagnosed as a group of its own.
-pub(crate) fn alone(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlone> {
-    let options = DiagnoseOptions {
-        of_several: true,
-        ..*options
-    };
-    let of_run = |run: &RunInput| {
-        let found = diagnose_group(run.name, &[*run], &options);
-        RunAlone {
-            run: run.name.to_owned(),
-            verdict: found.verdict,
-            gains_clearly: found.gains_clearly(),
-            p_misfit: found.p_misfit,
-            set: found.set,
-        }
-    };
-    runs.par_iter().map(of_run).collect()
-}
 
 /// What the runs have in common by themselves.
 pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {

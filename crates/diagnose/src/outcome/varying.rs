@@ -4,7 +4,7 @@ use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue, Verdict};
 
 use crate::cause::evidence::{by_evidence, set_of};
-use crate::outcome::finding::WRONG;
+use crate::levels::WRONG;
 
 /// Whether parameters that differ are what is behind the misfit. A cause that explains it all and clearly predicts runs
 /// which it has not seen stands: what differs freely predicts none. One that leaves a misfit yields to what leaves none.

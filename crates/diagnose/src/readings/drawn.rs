@@ -2,8 +2,7 @@
 
 use ieap_domain::ResidualCurve;
 
-use crate::misfit::whereabouts::channel_name;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, Group, channel_name};
 
 /// Points of a drawn residual.
 const DRAWN: usize = 160;

@@ -75,6 +75,11 @@ pub(crate) struct Group<'a> {
 
 pub(crate) const QUANTITIES: [Quantity; 2] = [Quantity::Current, Quantity::Curvature];
 
+/// What a channel is called in sentences.
+pub(crate) fn channel_name(channel: usize) -> &'static str {
+    ["current", "curvature"][channel]
+}
+
 impl<'a> Group<'a> {
     /// Runs with at least one usable channel, in the order given.
     pub(crate) fn new(given: &[RunInput<'a>]) -> Group<'a> {

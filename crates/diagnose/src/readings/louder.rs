@@ -3,8 +3,7 @@
 use ieap_domain::{Channel, Drive};
 use ieap_numerics::robust::sd_on_a_slope;
 
-use crate::misfit::whereabouts::channel_name;
-use crate::readings::group::{Group, QUANTITIES};
+use crate::readings::group::{Group, QUANTITIES, channel_name};
 
 /// Runs that a trend takes at least: seven in order come so by chance in 1 of 5,000 cases.
 const FEWEST: usize = 7;

@@ -11,3 +11,4 @@ pub(crate) mod outliers;
 pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod spikes;
+pub(crate) mod tags;

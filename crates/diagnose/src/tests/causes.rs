@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::cause::extended_start::Beside;
-use crate::misfit::signature::{directions, scale, signatures};
+use crate::fitting::scale::scale;
+use crate::misfit::signature::{directions, signatures};
 
 #[test]
 fn a_clean_group_is_consistent_and_says_what_it_could_not_have_seen() {
@@ -25,11 +26,11 @@ fn from_best_probe<'g>(
     let best = directions(&all, &tangent)
         .into_iter()
         .filter(|direction| direction.effect == id)
-        .max_by(|a, b| null::gain(a, &residuals).total_cmp(&null::gain(b, &residuals)))?;
+        .max_by(|a, b| a.gain(&residuals).total_cmp(&b.gain(&residuals)))?;
     let signature = &all[best.signature];
     let strength = signature.part * ieap_numerics::sums::dot(&best.unit, &residuals) / best.norm;
     let fitted = Beside::of(base).extended(signature, strength)?.arrived();
-    Some((null::gain(&best, &residuals), fitted))
+    Some((best.gain(&residuals), fitted))
 }
 
 /// Falls of the sum of squares by a full search for each effect, from its best probe to the end: id, forecast,

@@ -1,7 +1,8 @@
 //! Runs of a group that differ as a tag says.
 
 use super::*;
-use crate::cause::between::{not_asked, p_dealt};
+use crate::cause::between::p_dealt;
+use crate::readings::tags::not_asked;
 use ieap_model::effects::{TagAt, tag_places};
 
 /// Readings that are kept of each run: enough for R_ss, and short.

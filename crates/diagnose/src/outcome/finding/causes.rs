@@ -3,7 +3,6 @@
 use super::Shown;
 use crate::cause::candidates::Looked;
 use crate::cause::select::Selection;
-use crate::misfit::null;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_domain::{Candidate, Confusable};
 use ieap_numerics::sums::dot;
@@ -38,7 +37,7 @@ impl Shown<'_, '_> {
         let mut best: Vec<(usize, f64)> = Vec::new();
         for (place, direction) in self.directions.iter().enumerate() {
             let id = self.signatures[direction.signature].effect.about().id;
-            let forecast = null::gain(direction, self.residuals);
+            let forecast = direction.gain(self.residuals);
             let same = |(other, _): &&mut (usize, f64)| {
                 self.signatures[self.directions[*other].signature]
                     .effect

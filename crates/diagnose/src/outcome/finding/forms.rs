@@ -4,7 +4,6 @@ use super::Shown;
 use crate::cause::candidates::{AS_GOOD, PRICE};
 use crate::cause::extended_start::Beside;
 use crate::fitting::fitted::Fitted;
-use crate::misfit::null;
 use crate::misfit::signature::Direction;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{Estimate, Parameter};
@@ -38,7 +37,7 @@ impl Shown<'_, '_> {
             let signature = &self.signatures[direction.signature];
             signature.effect.about().id == id && signature.variant == variant
         });
-        own.max_by(|a, b| null::gain(a, self.residuals).total_cmp(&null::gain(b, self.residuals)))
+        own.max_by(|a, b| a.gain(self.residuals).total_cmp(&b.gain(self.residuals)))
     }
 }
 
