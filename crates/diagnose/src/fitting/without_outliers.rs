@@ -15,22 +15,22 @@ pub(crate) fn with_base<R>(
     then: impl FnOnce(&Group, Fitted) -> R,
 ) -> Option<R> {
     let first = base_fit(raw, model)?;
-    without_strays(raw, &first, STRAY_LOOKS, Box::new(then))
+    without_outliers(raw, &first, OUTLIER_ROUNDS, Box::new(then))
 }
 
-/// What is made of a group and the base model fitted to it. In a box: looks for strays are nested, and a type of its own for
+/// What is made of a group and the base model fitted to it. In a box: rounds are nested, and a type of its own for
 /// each would have no end.
 type Then<'t, R> = Box<dyn FnOnce(&Group, Fitted) -> R + 't>;
 
-/// Strays disturb the fit beside which they are seen: it is made again without them, and looked at again.
-const STRAY_LOOKS: usize = 3;
+/// Outliers disturb the fit beside which they are seen: it is made again without them, and looked at again.
+const OUTLIER_ROUNDS: usize = 3;
 
 /// Calls `then` as [`with_base`] does, from a first fit of the base model and without the readings that are far off it.
-fn without_strays<R>(raw: &Group, first: &Fitted, looks: usize, then: Then<R>) -> Option<R> {
+fn without_outliers<R>(raw: &Group, first: &Fitted, rounds: usize, then: Then<R>) -> Option<R> {
     let model = first.problem.model(&first.at);
-    if let Some(cleaned) = outliers::without(raw, &model).filter(|_| looks > 0) {
+    if let Some(cleaned) = outliers::without(raw, &model).filter(|_| rounds > 0) {
         let again = refit(&cleaned, first)?;
-        return without_strays(&cleaned, &again, looks - 1, then);
+        return without_outliers(&cleaned, &again, rounds - 1, then);
     }
     // The noise that the readings alone show holds what is fast in them; a first fit takes that out.
     let once = raw.renoised(&first.problem.model(&first.at));
