@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use ieap_domain::{CondemnedRun, GroupDiagnosis, RunAlone, Verdict};
 use ieap_model::FitModel;
 
-use crate::cause::ground::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
@@ -101,7 +101,7 @@ fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions)
     let scale = scale(group, &base.problem, &base.at);
     let signatures = signatures(&base.problem, &base.at, &scale);
     let stretches = stretches(group, &base);
-    let ground = Ground {
+    let input = SelectionInput {
         group,
         base: &base,
         signatures: &signatures,
@@ -110,10 +110,10 @@ fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions)
         seed: options.seed,
         of_several: options.of_several,
     };
-    let (null, directions) = ground.null(&base, 0);
+    let (null, directions) = input.null(&base, 0);
     let residuals = base.residuals();
     let observed = null.observe(group, &residuals, &directions);
-    let calibration = ground.calibration(&null, &observed, &directions);
+    let calibration = input.calibration(&null, &observed, &directions);
     let shown = Shown {
         name,
         group,
@@ -129,6 +129,6 @@ fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions)
     if shown.p_misfit >= WRONG {
         return shown.without_cause();
     }
-    let selection = ground.select(&null, &directions);
+    let selection = input.select(&null, &directions);
     shown.with_cause(&selection)
 }

@@ -14,7 +14,7 @@ use ieap_numerics::interrupt;
 use ieap_numerics::sums::dot;
 
 use crate::cause::candidates::{Looked, look};
-use crate::cause::ground::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
 use crate::levels::TAKEN;
@@ -95,7 +95,7 @@ pub(crate) fn p_dealt(group: &Group, fitted: &Fitted, deals: usize, seed: u64) -
         .collect()
 }
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
     /// Looks at every candidate but tags whose values explain as much in any order; those with how often chance does.
     pub(crate) fn looked(
         &self,

@@ -1,6 +1,6 @@
 //! Cause: which effects the readings ask for.
 //!
-//! In: the misfit beside the base model, a [`ground::Ground`].
+//! In: the misfit beside the base model, a [`selection_input::SelectionInput`].
 //! Out: a [`select::Selection`]: the extended model, its candidates and rivals, what it leaves; its [`proof`] on readings
 //! that took no part in a fit; and its [`evidence`], how probable the readings are under every hypothesis.
 
@@ -8,9 +8,9 @@ pub(crate) mod between;
 pub(crate) mod candidates;
 pub(crate) mod evidence;
 pub(crate) mod extended_start;
-pub(crate) mod ground;
 pub(crate) mod multistart;
 pub(crate) mod proof;
 pub(crate) mod pruning;
 pub(crate) mod remainder;
 pub(crate) mod select;
+pub(crate) mod selection_input;

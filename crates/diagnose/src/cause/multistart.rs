@@ -9,7 +9,7 @@
 use ieap_model::{Branch, LumpedModel};
 
 use crate::cause::candidates::{AS_GOOD, Looked, by_score, look, rivals};
-use crate::cause::ground::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
 use crate::fitting::scale::scale;
@@ -24,7 +24,7 @@ const APART: f64 = 0.2;
 const MOST: usize = 5;
 const ROUNDS: usize = 2;
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
     /// Whether causes are searched elsewhere: where drives have one shape; of one run of several only where one cause alone
     /// would be given, since it is the group that is asked for the cause, and the search takes as long as all else.
     pub(crate) fn asks_elsewhere(&self, looked: &[Looked]) -> bool {

@@ -7,8 +7,8 @@
 //! deviations the least cost was 20 to 98, of 10 for one of 32 it was 20 to 123.
 
 use crate::cause::candidates::{BAYES, PRICE};
-use crate::cause::ground::Ground;
 use crate::cause::proof::held_out;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
 
@@ -19,7 +19,7 @@ const COST: f64 = 150.0;
 const PART: f64 = 0.3;
 const APART: f64 = 0.7;
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
     /// The model without one of its effects, refitted.
     pub(crate) fn without(&self, model: &Fitted<'g>, place: usize) -> Option<Fitted<'g>> {
         let mut effects = model.problem.effects.clone();

@@ -4,7 +4,7 @@
 //! is louder and remembers longer, and what a right extension leaves looks smaller than it is: of 215 hidden effects of 32
 //! standard deviations, the p of what the truth left was below 0.05 in 2 where 11 are due.
 
-use crate::cause::ground::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
 use crate::misfit::calibration::{Asked, Calibration};
@@ -12,7 +12,7 @@ use crate::misfit::null::{Null, Statistics};
 use crate::misfit::signature::{Signature, directions};
 use crate::readings::group::Group;
 
-impl Ground<'_, '_> {
+impl SelectionInput<'_, '_> {
     /// How often chance leaves as much as `model` does, from what it leaves in the noise beside the base: found anew in the
     /// noise beside `model`, and calibrated, unless it is clear already.
     pub(crate) fn p_left(&self, model: &Fitted, null: &Null, left: &Statistics, step: u64) -> f64 {

@@ -2,9 +2,9 @@
 
 use crate::cause::between::p_of;
 use crate::cause::candidates::{AS_GOOD, BAYES, INEXACT, Looked, PRICE, rivals};
-use crate::cause::ground::Ground;
 use crate::cause::proof::discrepancy;
 use crate::cause::proof::held_out::{self, Part};
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::Problem;
 use crate::levels::TAKEN;
@@ -87,7 +87,7 @@ impl HeldOut {
     }
 }
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
     /// Selects, from the null distribution and directions beside the base.
     pub(crate) fn select(&self, null: &Null, beside_base: &[Direction]) -> Selection<'g> {
         let mut model = self.base.clone();

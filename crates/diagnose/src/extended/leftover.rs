@@ -3,7 +3,7 @@
 use ieap_model::effects::{Limits, effect};
 use ieap_model::{Branch, LumpedModel};
 
-use crate::cause::ground::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::{Problem, Sought};
 use crate::fitting::scale::scale;
@@ -50,7 +50,7 @@ pub(crate) fn p_leftover(
             .filter(|with| with.square.is_finite())
             .min_by(|a, b| a.square.total_cmp(&b.square))?;
         let signatures = signatures(&base.problem, &base.at, &scale);
-        let ground = Ground {
+        let input = SelectionInput {
             group,
             base: &base,
             signatures: &signatures,
@@ -59,7 +59,7 @@ pub(crate) fn p_leftover(
             seed: options.seed,
             of_several: options.of_several,
         };
-        let (null, directions) = ground.null(&with, 1);
+        let (null, directions) = input.null(&with, 1);
         let left = null.observe(group, &with.residuals(), &directions);
         Some(null.p_misfit(&left, None))
     });

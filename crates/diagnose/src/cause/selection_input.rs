@@ -8,7 +8,7 @@ use crate::misfit::stretch::Stretch;
 use crate::readings::group::Group;
 
 /// A group, the base model fitted to it, and the questions that its residuals are asked.
-pub(crate) struct Ground<'a, 'g> {
+pub(crate) struct SelectionInput<'a, 'g> {
     pub(crate) group: &'g Group<'g>,
     pub(crate) base: &'a Fitted<'g>,
     pub(crate) signatures: &'a [Signature],
@@ -19,7 +19,7 @@ pub(crate) struct Ground<'a, 'g> {
     pub(crate) of_several: bool,
 }
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
     /// Null distribution and directions beside a fitted model.
     pub(crate) fn null(&self, fitted: &Fitted, step: u64) -> (Null, Vec<Direction>) {
         let (_, tangent) = fitted.tangent();
