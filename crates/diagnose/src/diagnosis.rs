@@ -14,7 +14,7 @@ use crate::misfit::odd_scale::odd_runs;
 use crate::misfit::signature::signatures;
 use crate::misfit::stretch::stretches;
 use crate::options::DiagnoseOptions;
-use crate::outcome::finding::{Shown, nothing};
+use crate::outcome::finding::{FindingBuilder, nothing};
 use crate::outcome::per_run::in_words;
 use crate::outcome::varying;
 use crate::readings::group::{Group, RunInput};
@@ -114,7 +114,7 @@ fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions)
     let residuals = base.residuals();
     let observed = null.observe(group, &residuals, &directions);
     let calibration = input.calibration(&null, &observed, &directions);
-    let shown = Shown {
+    let builder = FindingBuilder {
         name,
         group,
         base: &base,
@@ -126,9 +126,9 @@ fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions)
         p_misfit: null.p_misfit(&observed, calibration.as_ref()),
         options,
     };
-    if shown.p_misfit >= WRONG {
-        return shown.without_cause();
+    if builder.p_misfit >= WRONG {
+        return builder.without_cause();
     }
     let selection = input.select(&null, &directions);
-    shown.with_cause(&selection)
+    builder.with_cause(&selection)
 }

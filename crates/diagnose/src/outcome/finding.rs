@@ -42,7 +42,7 @@ const SPIKED_WORDS: &str =
     "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
 
 /// What is known before a cause is looked for.
-pub(crate) struct Shown<'a, 'g> {
+pub(crate) struct FindingBuilder<'a, 'g> {
     pub(crate) name: &'a str,
     pub(crate) group: &'g Group<'g>,
     pub(crate) base: &'a Fitted<'g>,
@@ -66,7 +66,7 @@ pub(crate) fn nothing(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     )
 }
 
-impl<'g> Shown<'_, 'g> {
+impl<'g> FindingBuilder<'_, 'g> {
     /// Consistent, undecided, or readings that allow no finding.
     pub(crate) fn without_cause(&self) -> GroupDiagnosis {
         let mut found = self.frame();

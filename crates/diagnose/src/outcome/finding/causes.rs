@@ -1,6 +1,6 @@
 //! Candidates as they are reported: by forecast, by fit, and how alike they are.
 
-use super::Shown;
+use super::FindingBuilder;
 use crate::cause::candidates::Looked;
 use crate::cause::select::Selection;
 use crate::misfit::signature::{Direction, Signature};
@@ -12,7 +12,7 @@ const REPORTED: usize = 20;
 /// Candidates whose traces are compared with each other.
 const COMPARED: usize = 10;
 
-impl Shown<'_, '_> {
+impl FindingBuilder<'_, '_> {
     /// How alike the traces of the leading candidates are.
     pub(crate) fn confusable(&self, places: impl Iterator<Item = usize>) -> Confusable {
         let leading: Vec<&Direction> = places

@@ -1,6 +1,6 @@
 //! Forms of one cause that the readings do not tell apart: its strength is as uncertain as they differ.
 
-use super::Shown;
+use super::FindingBuilder;
 use crate::cause::candidates::{AS_GOOD, PRICE};
 use crate::cause::extended_start::Beside;
 use crate::fitting::fitted::Fitted;
@@ -9,7 +9,7 @@ use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{Estimate, Parameter};
 use ieap_numerics::sums::dot;
 
-impl Shown<'_, '_> {
+impl FindingBuilder<'_, '_> {
     /// Other forms of the only effect of `model` that explain the readings as well: name and parameters.
     pub(crate) fn other_forms(&self, model: &Fitted) -> Vec<(&'static str, Vec<Parameter>)> {
         let [sought] = model.problem.effects.as_slice() else {

@@ -1,13 +1,13 @@
 //! The finding in one plain sentence.
 
-use super::{SPIKED_WORDS, Shown};
+use super::{FindingBuilder, SPIKED_WORDS};
 use crate::cause::select::BEATEN;
 use crate::levels::{RIGHT, WRONG};
 use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, Verdict};
 use ieap_model::effects::effect;
 
-impl Shown<'_, '_> {
+impl FindingBuilder<'_, '_> {
     pub(crate) fn sentence(&self, found: &GroupDiagnosis, taken: &[&str], passed: bool) -> String {
         let place = found.whereabouts.as_ref().map_or("", |w| &w.text);
         let summary = |id: &str| {

@@ -1,6 +1,6 @@
 //! Causes that explain the readings equally well, and the effects that were accepted.
 
-use super::Shown;
+use super::FindingBuilder;
 use super::forms::widened;
 use crate::cause::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
 use crate::cause::select::{Selection, Step};
@@ -14,7 +14,7 @@ const SHARP: f64 = 0.1;
 /// ... where its free twin lowers the sum of squares by no more than this: two standard errors.
 const AGREES: f64 = 4.0;
 
-impl<'g> Shown<'_, 'g> {
+impl<'g> FindingBuilder<'_, 'g> {
     /// For every effect of the model the ids that could stand in its place, itself first.
     pub(crate) fn sets(&self, selection: &Selection<'g>) -> Vec<Vec<&'static str>> {
         if let Some(proved) = &selection.proved {
