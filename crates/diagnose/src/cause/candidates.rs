@@ -76,7 +76,7 @@ pub(crate) fn look<'g>(
             .problem
             .effects
             .iter()
-            .any(|sought| sought.effect.about().id == id)
+            .any(|free_effect| free_effect.effect.about().id == id)
     };
     let mut looked: Vec<(Looked, Vec<usize>)> = Vec::new();
     for (place, direction) in directions.iter().enumerate() {
@@ -103,7 +103,7 @@ pub(crate) fn look<'g>(
                     forecast,
                     fitted: None,
                     gain: 0.0,
-                    extra: signature.sought().free(),
+                    extra: signature.free_effect().free(),
                     forms: 0.0,
                 },
                 vec![place],

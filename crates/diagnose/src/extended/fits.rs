@@ -8,7 +8,7 @@ use ieap_numerics::student::quantile_95;
 
 use crate::cause::candidates::added;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Sought;
+use crate::fitting::problem::FreeEffect;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature::{directions, signatures_of};
@@ -107,9 +107,9 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
 
 /// The form that each effect took, where it has several: without it its parameters are not known.
 fn forms(extended: &Fitted) -> String {
-    let of = |sought: &Sought| {
-        let about = sought.effect.about();
-        let form = about.variants.get(sought.variant)?;
+    let of = |free_effect: &FreeEffect| {
+        let about = free_effect.effect.about();
+        let form = about.variants.get(free_effect.variant)?;
         Some(format!("; {} as {form}", about.id))
     };
     extended.problem.effects.iter().filter_map(of).collect()
@@ -164,8 +164,8 @@ fn effect_parameters(extended: &Fitted, group: &Group, wider: f64) -> Vec<Parame
         .effects
         .iter()
         .zip(of_effects)
-        .flat_map(|(sought, own)| {
-            let id = sought.effect.about().id;
+        .flat_map(|(free_effect, own)| {
+            let id = free_effect.effect.about().id;
             own.into_iter().map(move |parameter| Parameter {
                 key: format!("{id}.{}", parameter.key),
                 estimate: parameter.estimate,

@@ -4,7 +4,7 @@ use ieap_model::effects::{Limits, effect};
 use ieap_numerics::sums::dot;
 
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::problem::{FreeEffect, Problem};
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::options::DiagnoseOptions;
@@ -54,8 +54,8 @@ pub fn fall_from_others(
                 ..*limits
             };
             let limits = search.limits.iter().enumerate().map(held).collect();
-            let sought = Sought::new(effect, variant, limits, values);
-            let problem = Problem::new(group, &base.base(), vec![sought]);
+            let free_effect = FreeEffect::new(effect, variant, limits, values);
+            let problem = Problem::new(group, &base.base(), vec![free_effect]);
             let start = problem.coordinates(&base.base(), &[values.to_vec()]);
             let with = Fitted::search(problem, &[start], &[])?.exhausted();
             with.square.is_finite().then_some(with)

@@ -5,7 +5,7 @@ use ieap_model::{Branch, LumpedModel};
 
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::problem::{FreeEffect, Problem};
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature::signatures;
@@ -39,10 +39,10 @@ pub(crate) fn p_leftover(
             ..*limits
         };
         let limits: Vec<Limits> = search.limits.iter().map(held).collect();
-        let sought = || Sought::new(effect, 0, limits.clone(), values);
+        let free_effect = || FreeEffect::new(effect, 0, limits.clone(), values);
         let fitted = STARTS.into_iter().filter_map(|factor| {
             let start = conducting(&base.base(), factor);
-            let problem = Problem::new(group, &start, vec![sought()]);
+            let problem = Problem::new(group, &start, vec![free_effect()]);
             let at = problem.coordinates(&start, &[values.to_vec()]);
             Some(Fitted::search(problem, &[at], &[])?.arrived())
         });

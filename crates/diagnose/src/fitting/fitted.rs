@@ -6,7 +6,7 @@ use ieap_numerics::dense::Slope;
 use ieap_numerics::levenberg::Stop;
 use ieap_numerics::student::quantile_95;
 
-use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::problem::{FreeEffect, Problem};
 use crate::fitting::tangent::Tangent;
 use crate::readings::group::Group;
 use ieap_model::effects::Limits;
@@ -143,7 +143,7 @@ impl<'g> Fitted<'g> {
 
     /// Number of searched parameters beyond the base.
     pub(crate) fn extra(&self) -> usize {
-        self.problem.effects.iter().map(Sought::free).sum()
+        self.problem.effects.iter().map(FreeEffect::free).sum()
     }
 
     /// Parameters of every effect with their uncertainty: from the covariance, with the noise's own allowed for.
@@ -158,11 +158,11 @@ impl<'g> Fitted<'g> {
         let quantile = quantile_95(freedom(group));
         let mut first = self.problem.base_len();
         let values = self.effect_values();
-        let of_effect = |(sought, values): (&Sought, &Vec<f64>)| {
-            let described = sought.effect.about().parameters;
+        let of_effect = |(free_effect, values): (&FreeEffect, &Vec<f64>)| {
+            let described = free_effect.effect.about().parameters;
             let mut parameters = Vec::new();
             for (k, (&value, described)) in values.iter().zip(described).enumerate() {
-                let limits = sought.limits[k];
+                let limits = free_effect.limits[k];
                 let estimate = if limits.held {
                     Estimate {
                         value: Some(value),
@@ -172,7 +172,7 @@ impl<'g> Fitted<'g> {
                     let place = first;
                     first += 1;
                     let sd = wider * inverse.get(place, place).max(0.0).sqrt();
-                    estimate(value, sd, quantile, sought.slope(k, value), limits)
+                    estimate(value, sd, quantile, free_effect.slope(k, value), limits)
                         .at_bound(self.problem.at_limit(place, self.at[place]))
                 };
                 parameters.push(Parameter {

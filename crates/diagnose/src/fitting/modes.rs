@@ -29,11 +29,11 @@ const PARTS: [f64; 9] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 /// Where searches from each probe of effect `number` of the model end, as far as they explain the readings nearly as well as
 /// the model does; none of an effect with one parameter.
 pub(crate) fn modes(group: &Group, fitted: &Fitted, number: usize, scale: &Scale) -> Vec<Mode> {
-    let sought = &fitted.problem.effects[number];
-    if sought.free() < 2 {
+    let free_effect = &fitted.problem.effects[number];
+    if free_effect.free() < 2 {
         return Vec::new();
     }
-    let probes = sought.effect.search(sought.variant, scale).probes;
+    let probes = free_effect.effect.search(free_effect.variant, scale).probes;
     let of = |probe: Vec<f64>| from_probe(group, fitted, number, &probe);
     probes.into_par_iter().filter_map(of).collect()
 }

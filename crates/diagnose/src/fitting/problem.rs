@@ -14,9 +14,9 @@ const STEP: f64 = 1e-5;
 /// How far a resistance or capacitance may be from its start, as logarithm.
 const REACH: f64 = 7.0;
 
-/// An effect whose parameters are sought.
+/// An effect whose parameters are free.
 #[derive(Clone)]
-pub(crate) struct Sought {
+pub(crate) struct FreeEffect {
     pub(crate) effect: &'static dyn Effect,
     pub(crate) variant: usize,
     pub(crate) limits: Vec<Limits>,
@@ -26,18 +26,18 @@ pub(crate) struct Sought {
     held: Vec<f64>,
 }
 
-impl Sought {
+impl FreeEffect {
     pub(crate) fn new(
         effect: &'static dyn Effect,
         variant: usize,
         limits: Vec<Limits>,
         probe: &[f64],
-    ) -> Sought {
+    ) -> FreeEffect {
         let unit = |(limits, &value): (&Limits, &f64)| {
             let reach = limits.high.abs().min(limits.low.abs().max(limits.high.abs()));
             if value != 0.0 { value.abs() } else { reach }
         };
-        Sought {
+        FreeEffect {
             effect,
             variant,
             units: limits.iter().zip(probe).map(unit).collect(),
@@ -99,7 +99,7 @@ pub(crate) struct Problem<'g> {
     pub(crate) group: &'g Group<'g>,
     /// Runs that take part.
     pub(crate) runs: Vec<usize>,
-    pub(crate) effects: Vec<Sought>,
+    pub(crate) effects: Vec<FreeEffect>,
     branches: usize,
     bends: bool,
     units: [f64; 3],
@@ -113,7 +113,7 @@ pub(crate) struct Problem<'g> {
 
 impl<'g> Problem<'g> {
     /// All runs, with `start` as what sizes are measured by.
-    pub(crate) fn new(group: &'g Group<'g>, start: &LumpedModel, effects: Vec<Sought>) -> Problem<'g> {
+    pub(crate) fn new(group: &'g Group<'g>, start: &LumpedModel, effects: Vec<FreeEffect>) -> Problem<'g> {
         let parallel: f64 = start.branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum();
         let longest_s = group.runs.iter().map(|run| run.duration_s).fold(1e-9, f64::max);
         let steady = start.steady_state_resistance_ohm_cm2.recip();
@@ -156,27 +156,27 @@ impl<'g> Problem<'g> {
             self.low.extend([-1e6, 0.0]);
             self.high.extend([1e6, 1e5]);
         }
-        for sought in &self.effects {
-            let lows: Vec<f64> = sought.limits.iter().map(|limits| limits.low).collect();
-            let highs: Vec<f64> = sought.limits.iter().map(|limits| limits.high).collect();
-            self.low.extend(sought.coordinates(&lows));
-            self.high.extend(sought.coordinates(&highs));
+        for free_effect in &self.effects {
+            let lows: Vec<f64> = free_effect.limits.iter().map(|limits| limits.low).collect();
+            let highs: Vec<f64> = free_effect.limits.iter().map(|limits| limits.high).collect();
+            self.low.extend(free_effect.coordinates(&lows));
+            self.high.extend(free_effect.coordinates(&highs));
         }
     }
 
     /// The same with one more effect, its coordinates behind the others.
-    pub(crate) fn with(&self, sought: Sought) -> Problem<'g> {
+    pub(crate) fn with(&self, free_effect: FreeEffect) -> Problem<'g> {
         let mut problem = self.clone();
-        let lows: Vec<f64> = sought.limits.iter().map(|limits| limits.low).collect();
-        let highs: Vec<f64> = sought.limits.iter().map(|limits| limits.high).collect();
-        problem.low.extend(sought.coordinates(&lows));
-        problem.high.extend(sought.coordinates(&highs));
-        problem.effects.push(sought);
+        let lows: Vec<f64> = free_effect.limits.iter().map(|limits| limits.low).collect();
+        let highs: Vec<f64> = free_effect.limits.iter().map(|limits| limits.high).collect();
+        problem.low.extend(free_effect.coordinates(&lows));
+        problem.high.extend(free_effect.coordinates(&highs));
+        problem.effects.push(free_effect);
         problem
     }
 
     /// The same with other limits of its effects.
-    pub(crate) fn within_limits_of(&self, effects: Vec<Sought>) -> Problem<'g> {
+    pub(crate) fn within_limits_of(&self, effects: Vec<FreeEffect>) -> Problem<'g> {
         let mut problem = Problem {
             effects,
             ..self.clone()
@@ -223,8 +223,8 @@ impl<'g> Problem<'g> {
     /// Coordinates of a base model and of the effects' parameters.
     pub(crate) fn coordinates(&self, base: &LumpedModel, effects: &[Vec<f64>]) -> Vec<f64> {
         let mut at = self.base_coordinates(base);
-        for (sought, values) in self.effects.iter().zip(effects) {
-            at.extend(sought.coordinates(values));
+        for (free_effect, values) in self.effects.iter().zip(effects) {
+            at.extend(free_effect.coordinates(values));
         }
         at
     }
@@ -248,13 +248,13 @@ impl<'g> Problem<'g> {
             relaxation_rate_per_s: bending.1.max(0.0) * self.units[2],
         };
         let mut first = self.base_len();
-        let applied = self.effects.iter().map(|sought| {
-            let end = first + sought.free();
-            let parameters = sought.values(&at[first..end]);
+        let applied = self.effects.iter().map(|free_effect| {
+            let end = first + free_effect.free();
+            let parameters = free_effect.values(&at[first..end]);
             first = end;
             Applied {
-                effect: sought.effect,
-                variant: sought.variant,
+                effect: free_effect.effect,
+                variant: free_effect.variant,
                 parameters,
             }
         });

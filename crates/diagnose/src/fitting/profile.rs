@@ -9,7 +9,7 @@ use ieap_numerics::levenberg::Stop;
 use crate::fitting::ends::{BOUNDS, together};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::modes::{Mode, SETTLE, modes};
-use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::problem::{FreeEffect, Problem};
 use crate::fitting::scale::scale;
 use crate::readings::group::Group;
 
@@ -40,8 +40,8 @@ pub(crate) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
         .collect();
     let mut place = fitted.problem.base_len();
     let mut wanted = Vec::new();
-    for (number, sought) in effects.iter().enumerate() {
-        for parameter in (0..sought.limits.len()).filter(|&k| !sought.limits[k].held) {
+    for (number, free_effect) in effects.iter().enumerate() {
+        for parameter in (0..free_effect.limits.len()).filter(|&k| !free_effect.limits[k].held) {
             wanted.push(Which {
                 number,
                 parameter,
@@ -265,8 +265,8 @@ impl Along<'_, '_> {
             parameter,
             place,
         } = self.which;
-        let sought = &self.fitted.problem.effects[number];
-        sought.coordinate(parameter, point.value) - self.fitted.at[place]
+        let free_effect = &self.fitted.problem.effects[number];
+        free_effect.coordinate(parameter, point.value) - self.fitted.at[place]
     }
 
     /// The same from where the search `before` ended, no further than the limit; none where that lies behind.
@@ -309,8 +309,8 @@ impl Along<'_, '_> {
 }
 
 /// The effect with that parameter held.
-fn held(sought: &Sought, parameter: usize, parameters: &[f64]) -> Sought {
-    let mut limits = sought.limits.clone();
+fn held(free_effect: &FreeEffect, parameter: usize, parameters: &[f64]) -> FreeEffect {
+    let mut limits = free_effect.limits.clone();
     limits[parameter].held = true;
-    Sought::new(sought.effect, sought.variant, limits, parameters)
+    FreeEffect::new(free_effect.effect, free_effect.variant, limits, parameters)
 }

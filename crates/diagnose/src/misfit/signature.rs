@@ -6,7 +6,7 @@ use ieap_model::effects::{ALL, Applied, Effect, Limits, Scale};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 
-use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::problem::{FreeEffect, Problem};
 use crate::fitting::tangent::Tangent;
 use crate::readings::group::Group;
 use crate::readings::tags::asked;
@@ -79,8 +79,8 @@ impl Signature {
     }
 
     /// The effect at this probe as something to search.
-    pub(crate) fn sought(&self) -> Sought {
-        Sought::new(self.effect, self.variant, self.limits.clone(), &self.probe)
+    pub(crate) fn free_effect(&self) -> FreeEffect {
+        FreeEffect::new(self.effect, self.variant, self.limits.clone(), &self.probe)
     }
 }
 

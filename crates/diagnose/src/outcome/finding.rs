@@ -112,7 +112,7 @@ impl<'g> FindingBuilder<'_, 'g> {
             .problem
             .effects
             .iter()
-            .map(|sought| sought.effect.about().id)
+            .map(|free_effect| free_effect.effect.about().id)
             .collect();
         let total = self.base.square - model.square;
         let passed = selection
@@ -189,7 +189,7 @@ impl<'g> FindingBuilder<'_, 'g> {
     /// out would not cost much more than chance: a strength that is drawn towards none only by the uncertain shape of
     /// another is no doubt of it.
     fn determines(&self, model: &Fitted) -> bool {
-        let [sought] = model.problem.effects.as_slice() else {
+        let [free_effect] = model.problem.effects.as_slice() else {
             return true;
         };
         let parameters = model.effect_parameters(self.group);
@@ -197,10 +197,10 @@ impl<'g> FindingBuilder<'_, 'g> {
         let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
         // A logarithm never reaches none, and where a shape is sought beside the strength it can make up for any strength
         // but none: there the gain alone decides.
-        let limits = sought.limits[0];
+        let limits = free_effect.limits[0];
         limits.held
             || limits.logarithmic
-            || sought.free() > 1
+            || free_effect.free() > 1
             || interval.is_some_and(|(low, high)| low * high > 0.0)
     }
 

@@ -171,13 +171,13 @@ fn of_fitted(
         .problem
         .effects
         .iter()
-        .map(|sought| sought.effect.about().id.to_owned())
+        .map(|free_effect| free_effect.effect.about().id.to_owned())
         .collect();
     own.form = fitted
         .problem
         .effects
         .first()
-        .and_then(|sought| sought.effect.about().variants.get(sought.variant))
+        .and_then(|free_effect| free_effect.effect.about().variants.get(free_effect.variant))
         .map(|form| (*form).to_owned());
     let beside = nameless.unnamed(&tangent, &left);
     let with_unnamed = Hypothesis {

@@ -79,7 +79,7 @@ impl FindingBuilder<'_, '_> {
             variant: about.variants.get(signature.variant).map(|v| (*v).to_owned()),
             forecast_gain,
             fitted_gain: None,
-            extra_parameters: signature.sought().free(),
+            extra_parameters: signature.free_effect().free(),
             held_out_gain: None,
             left_after_refit: direction.left,
             detectable_strength: detectable(signature, seen / direction.norm),
@@ -98,7 +98,7 @@ impl FindingBuilder<'_, '_> {
             .problem
             .effects
             .iter()
-            .map(|sought| sought.effect.about().id)
+            .map(|free_effect| free_effect.effect.about().id)
             .collect();
         let held_out: Option<f64> = selection.held_out.as_ref().map(|h| h.falls().iter().sum());
         let of = |looked: &Looked| {

@@ -12,12 +12,12 @@ use ieap_numerics::sums::dot;
 impl FindingBuilder<'_, '_> {
     /// Other forms of the only effect of `model` that explain the readings as well: name and parameters.
     pub(crate) fn other_forms(&self, model: &Fitted) -> Vec<(&'static str, Vec<Parameter>)> {
-        let [sought] = model.problem.effects.as_slice() else {
+        let [free_effect] = model.problem.effects.as_slice() else {
             return Vec::new();
         };
-        let about = sought.effect.about();
+        let about = free_effect.effect.about();
         let beside = Beside::of(self.base);
-        let others = (0..about.variants.len()).filter(|&variant| variant != sought.variant);
+        let others = (0..about.variants.len()).filter(|&variant| variant != free_effect.variant);
         let fitted = others.filter_map(|variant| {
             let direction = self.best_of(about.id, variant)?;
             let signature = &self.signatures[direction.signature];

@@ -132,15 +132,21 @@ impl<'g> FindingBuilder<'_, 'g> {
         let model = &selection.model;
         let mut parameters = model.effect_parameters(self.group);
         let values = model.effect_values();
-        for ((sought, own), values) in model.problem.effects.iter().zip(&mut parameters).zip(&values) {
-            let id = sought.effect.about().id;
-            for ((parameter, limits), value) in own.iter_mut().zip(&sought.limits).zip(values) {
+        for ((free_effect, own), values) in model.problem.effects.iter().zip(&mut parameters).zip(&values) {
+            let id = free_effect.effect.about().id;
+            for ((parameter, limits), value) in own.iter_mut().zip(&free_effect.limits).zip(values) {
                 let is_its =
                     |profile: &&StrengthProfile| profile.effect == id && profile.key == parameter.key;
                 if let Some(profile) = profiles.iter().find(is_its) {
                     parameter.estimate = match parameter.estimate.value {
                         Some(_) => held_by(&parameter.estimate, profile),
-                        None => told_by(&parameter.estimate, profile, *value, sought, limits.logarithmic),
+                        None => told_by(
+                            &parameter.estimate,
+                            profile,
+                            *value,
+                            free_effect,
+                            limits.logarithmic,
+                        ),
                     };
                 }
                 parameter.estimate = bounded_by(parameter.estimate.clone(), *limits);
@@ -150,15 +156,15 @@ impl<'g> FindingBuilder<'_, 'g> {
             strength.estimate = widened(&strength.estimate, forms);
         }
         let each = model.problem.effects.iter().zip(parameters).zip(sets);
-        each.map(|((sought, parameters), set)| {
-            let about = sought.effect.about();
+        each.map(|((free_effect, parameters), set)| {
+            let about = free_effect.effect.about();
             let step = selection.steps.iter().find(|step| {
                 let is_first = |looked: &Looked| looked.effect == about.id || selection.proved.is_some();
                 step.taken && step.looked.first().is_some_and(is_first)
             });
             EffectFinding {
                 effect: about.id.to_owned(),
-                variant: about.variants.get(sought.variant).map(|v| (*v).to_owned()),
+                variant: about.variants.get(free_effect.variant).map(|v| (*v).to_owned()),
                 parameters,
                 p: step.map_or(1.0, |step| step.p),
                 q: None,
