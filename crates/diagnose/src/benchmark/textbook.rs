@@ -6,7 +6,7 @@
 use ieap_numerics::chance::chi_square_chance;
 use ieap_numerics::sums::dot;
 
-use crate::cause::candidates::look;
+use crate::cause::candidates::fit_candidates;
 use crate::cause::proof::{discrepancy, held_out};
 use crate::fitting::base_fit;
 use crate::fitting::fitted::Fitted;
@@ -73,11 +73,11 @@ fn path<'g>(group: &'g Group<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
     while path.len() < MOST_STEPS {
         let (_, tangent) = model.tangent();
         let directions = signature::directions(&signatures, &tangent);
-        let mut looked = look(&model, &model.residuals(), &signatures, &directions, &[]);
-        if looked.is_empty() {
+        let mut candidates = fit_candidates(&model, &model.residuals(), &signatures, &directions, &[]);
+        if candidates.is_empty() {
             break;
         }
-        let best = looked.swap_remove(0);
+        let best = candidates.swap_remove(0);
         let Some(fitted) = best.fitted else { break };
         path.push(ForwardStep {
             effect: best.effect,

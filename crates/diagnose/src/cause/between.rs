@@ -13,7 +13,7 @@ use ieap_model::effects::effect;
 use ieap_numerics::interrupt;
 use ieap_numerics::sums::dot;
 
-use crate::cause::candidates::{Looked, look};
+use crate::cause::candidates::{CandidateFit, fit_candidates};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
@@ -97,12 +97,12 @@ pub(crate) fn p_dealt(group: &Group, fitted: &Fitted, deals: usize, seed: u64) -
 
 impl<'g> SelectionInput<'_, 'g> {
     /// Looks at every candidate but tags whose values explain as much in any order; those with how often chance does.
-    pub(crate) fn looked(
+    pub(crate) fn candidates_beside(
         &self,
         model: &Fitted<'g>,
         directions: &[Direction],
         step: usize,
-    ) -> (Vec<Looked<'g>>, Vec<(&'static str, f64)>) {
+    ) -> (Vec<CandidateFit<'g>>, Vec<(&'static str, f64)>) {
         let seed = self.seed.wrapping_add(step as u64);
         let dealt = p_dealt(self.group, model, self.draws, seed);
         let refused: Vec<&'static str> = dealt
@@ -110,13 +110,13 @@ impl<'g> SelectionInput<'_, 'g> {
             .filter(|(_, p)| *p >= TAKEN)
             .map(|(id, _)| *id)
             .collect();
-        let looked = look(model, &model.residuals(), self.signatures, directions, &refused);
-        (looked, dealt)
+        let candidates = fit_candidates(model, &model.residuals(), self.signatures, directions, &refused);
+        (candidates, dealt)
     }
 }
 
 /// Chance of a candidate's gain: by the noise over all candidates, and where it follows a tag by any order of the values.
-pub(crate) fn p_of(null: &Null, candidate: &Looked, gain: f64, dealt: &[(&'static str, f64)]) -> f64 {
+pub(crate) fn p_of(null: &Null, candidate: &CandidateFit, gain: f64, dealt: &[(&'static str, f64)]) -> f64 {
     let own = dealt.iter().find(|(id, _)| *id == candidate.effect);
     null.p_of_gain(gain).max(own.map_or(0.0, |(_, p)| *p))
 }

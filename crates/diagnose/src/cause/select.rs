@@ -1,7 +1,7 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
 use crate::cause::between::p_of;
-use crate::cause::candidates::{AS_GOOD, BAYES, INEXACT, Looked, PRICE, rivals};
+use crate::cause::candidates::{AS_GOOD, BAYES, CandidateFit, INEXACT, PRICE, rivals};
 use crate::cause::proof::discrepancy;
 use crate::cause::proof::held_out::{self, Part};
 use crate::cause::selection_input::SelectionInput;
@@ -28,7 +28,7 @@ const TRIED: usize = 5;
 
 /// One step forward.
 pub(crate) struct Step<'g> {
-    pub(crate) looked: Vec<Looked<'g>>,
+    pub(crate) candidates: Vec<CandidateFit<'g>>,
     /// Ids of candidates that explain the readings as well as the one that was taken.
     pub(crate) rivals: Vec<&'static str>,
     pub(crate) p: f64,
@@ -101,23 +101,23 @@ impl<'g> SelectionInput<'_, 'g> {
             let (null, directions) = later
                 .as_ref()
                 .map_or((null, beside_base), |(null, d)| (null, d.as_slice()));
-            let (mut looked, dealt) = self.looked(&model, directions, steps.len());
-            let step = self.step(null, &model, &mut looked);
-            if step && steps.is_empty() && self.asks_elsewhere(&looked) {
-                looked = self.or_elsewhere(looked);
+            let (mut candidates, dealt) = self.candidates_beside(&model, directions, steps.len());
+            let step = self.step(null, &model, &mut candidates);
+            if step && steps.is_empty() && self.asks_elsewhere(&candidates) {
+                candidates = self.or_elsewhere(candidates);
             }
-            let taken = step.then(|| looked[0].fitted.clone()).flatten();
-            let p = looked
+            let taken = step.then(|| candidates[0].fitted.clone()).flatten();
+            let p = candidates
                 .first()
                 .map_or(1.0, |best| p_of(null, best, best.gain.max(best.forecast), &dealt));
             first_dealt.get_or_insert(dealt);
             let rivals = if taken.is_some() {
-                rivals(&looked)
+                rivals(&candidates)
             } else {
                 Vec::new()
             };
             steps.push(Step {
-                looked,
+                candidates,
                 rivals,
                 p,
                 taken: taken.is_some(),
@@ -180,23 +180,27 @@ impl<'g> SelectionInput<'_, 'g> {
         if held_out.passed(total) || !step.taken {
             return selection;
         }
-        let best = step.looked.iter().map(Looked::score).fold(0.0, f64::max);
-        let tried = step
-            .looked
+        let best = step
+            .candidates
             .iter()
-            .filter(|looked| looked.fitted.is_some() && looked.score() > NEARLY * best)
+            .map(CandidateFit::score)
+            .fold(0.0, f64::max);
+        let tried = step
+            .candidates
+            .iter()
+            .filter(|candidate| candidate.fitted.is_some() && candidate.score() > NEARLY * best)
             .take(TRIED);
-        let mut passed: Vec<(&Looked, HeldOut, f64)> = Vec::new();
-        for looked in tried {
-            let Some(fitted) = &looked.fitted else { continue };
+        let mut passed: Vec<(&CandidateFit, HeldOut, f64)> = Vec::new();
+        for candidate in tried {
+            let Some(fitted) = &candidate.fitted else { continue };
             let own = HeldOut {
                 before: held_out.before.clone(),
                 after: held_out::parts(fitted, self.group),
                 nameless: held_out.nameless.clone(),
             };
             let fall: f64 = own.falls().iter().sum();
-            if own.passed(looked.gain) {
-                passed.push((looked, own, fall));
+            if own.passed(candidate.gain) {
+                passed.push((candidate, own, fall));
             }
         }
         passed.sort_by(|a, b| b.2.total_cmp(&a.2));
@@ -209,14 +213,18 @@ impl<'g> SelectionInput<'_, 'g> {
         let close = passed
             .iter()
             .filter(|(_, _, fall)| *fall > most - AS_GOOD - (1.0 - NEARLY) * most);
-        let mut proved: Vec<&'static str> = close.map(|(looked, ..)| looked.effect).collect();
+        let mut proved: Vec<&'static str> = close.map(|(candidate, ..)| candidate.effect).collect();
         if self.group.runs.len() == 1 {
             // Two stretches of one run cannot tell a wrong cause from a right one that is loosely known without them.
-            let as_good = |other: &&Looked| {
+            let as_good = |other: &&CandidateFit| {
                 let best = passed[0].0;
                 other.fitted.is_some() && other.score() > best.score() - AS_GOOD - INEXACT * best.gain
             };
-            let others = step.looked.iter().filter(as_good).map(|looked| looked.effect);
+            let others = step
+                .candidates
+                .iter()
+                .filter(as_good)
+                .map(|candidate| candidate.effect);
             let others: Vec<&'static str> = others.filter(|id| !proved.contains(id)).collect();
             proved.extend(others);
         }
@@ -233,9 +241,9 @@ impl<'g> SelectionInput<'_, 'g> {
         }
     }
 
-    /// Whether the best of `looked` is taken.
-    fn step(&self, null: &Null, model: &Fitted<'g>, looked: &mut [Looked<'g>]) -> bool {
-        let Some(best) = looked.first() else {
+    /// Whether the best of `candidates` is taken.
+    fn step(&self, null: &Null, model: &Fitted<'g>, candidates: &mut [CandidateFit<'g>]) -> bool {
+        let Some(best) = candidates.first() else {
             return false;
         };
         let Some(fitted) = &best.fitted else {
@@ -262,8 +270,9 @@ impl<'g> SelectionInput<'_, 'g> {
                 continue;
             };
             let (null, directions) = self.null(&without, (MOST_EFFECTS + 1 + place) as u64);
-            let (mut looked, dealt) = self.looked(&without, &directions, MOST_EFFECTS + 1 + place);
-            let better = looked.first().and_then(|best| {
+            let (mut candidates, dealt) =
+                self.candidates_beside(&without, &directions, MOST_EFFECTS + 1 + place);
+            let better = candidates.first().and_then(|best| {
                 let fitted = best.fitted.clone()?;
                 let price = PRICE * (fitted.extra() as f64 - current.extra() as f64);
                 let is_other = best.effect != own && fitted.square + price < current.square - EXCHANGED;
@@ -273,7 +282,7 @@ impl<'g> SelectionInput<'_, 'g> {
             let rotated = match better {
                 Some((fitted, p)) => {
                     steps.push(Step {
-                        looked: std::mem::take(&mut looked),
+                        candidates: std::mem::take(&mut candidates),
                         rivals: Vec::new(),
                         p,
                         taken: true,

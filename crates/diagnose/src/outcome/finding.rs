@@ -121,8 +121,8 @@ impl<'g> FindingBuilder<'_, 'g> {
             .is_some_and(|held_out| held_out.passed(total));
         let sets = self.sets(selection);
         found.candidates = self.candidates(selection, passed);
-        let looked = selection.steps.first().map_or(&[][..], |step| &step.looked);
-        found.confusable = self.confusable(looked.iter().map(|looked| looked.direction));
+        let candidates = selection.steps.first().map_or(&[][..], |step| &step.candidates);
+        found.confusable = self.confusable(candidates.iter().map(|candidate| candidate.direction));
         found.p_leftover = (!taken.is_empty()).then_some(selection.p_leftover);
         let rest = (selection.leftover.together - self.expected_together())
             .max(selection.leftover.candidate)
@@ -133,8 +133,8 @@ impl<'g> FindingBuilder<'_, 'g> {
             None => selection
                 .steps
                 .first()
-                .and_then(|step| step.looked.first())
-                .map_or(0.0, |looked| looked.gain),
+                .and_then(|step| step.candidates.first())
+                .map_or(0.0, |candidate| candidate.gain),
         };
         let explained = first / (total + rest).max(1e-300);
         found.verdict = match () {
@@ -300,9 +300,12 @@ impl<'g> FindingBuilder<'_, 'g> {
     ) -> Option<ieap_domain::NextRun> {
         let set = sets.iter().find(|set| set.len() > 1)?;
         let step = selection.steps.first()?;
-        let fitted = step.looked.iter().filter(|looked| set.contains(&looked.effect));
+        let fitted = step
+            .candidates
+            .iter()
+            .filter(|candidate| set.contains(&candidate.effect));
         let members: Vec<(&'static str, &Fitted)> = fitted
-            .filter_map(|looked| Some((looked.effect, looked.fitted.as_ref()?)))
+            .filter_map(|candidate| Some((candidate.effect, candidate.fitted.as_ref()?)))
             .take(5)
             .collect();
         next_run(self.group, &members)

@@ -1,7 +1,7 @@
 //! Candidates as they are reported: by forecast, by fit, and how alike they are.
 
 use super::FindingBuilder;
-use crate::cause::candidates::Looked;
+use crate::cause::candidates::CandidateFit;
 use crate::cause::select::Selection;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_domain::{Candidate, Confusable};
@@ -92,7 +92,7 @@ impl FindingBuilder<'_, '_> {
         let Some(step) = selection.steps.first() else {
             return self.forecasts();
         };
-        let first = step.looked.first().map(|looked| looked.direction);
+        let first = step.candidates.first().map(|candidate| candidate.direction);
         let taken: Vec<&str> = selection
             .model
             .problem
@@ -101,16 +101,16 @@ impl FindingBuilder<'_, '_> {
             .map(|free_effect| free_effect.effect.about().id)
             .collect();
         let held_out: Option<f64> = selection.held_out.as_ref().map(|h| h.falls().iter().sum());
-        let of = |looked: &Looked| {
-            let accepted = passed && taken.contains(&looked.effect);
+        let of = |candidate: &CandidateFit| {
+            let accepted = passed && taken.contains(&candidate.effect);
             Candidate {
-                fitted_gain: looked.fitted.as_ref().map(|_| looked.gain),
-                held_out_gain: held_out.filter(|_| taken == [looked.effect]),
+                fitted_gain: candidate.fitted.as_ref().map(|_| candidate.gain),
+                held_out_gain: held_out.filter(|_| taken == [candidate.effect]),
                 accepted,
-                ..self.candidate(looked.direction, first, looked.forecast)
+                ..self.candidate(candidate.direction, first, candidate.forecast)
             }
         };
-        step.looked.iter().take(REPORTED).map(of).collect()
+        step.candidates.iter().take(REPORTED).map(of).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::FindingBuilder;
 use super::forms::widened;
-use crate::cause::candidates::{AS_GOOD, INEXACT, Looked, PRICE};
+use crate::cause::candidates::{AS_GOOD, CandidateFit, INEXACT, PRICE};
 use crate::cause::select::{Selection, Step};
 use crate::fitting::ends::{bounded_by, held_by, told_by};
 use crate::fitting::fitted::Fitted;
@@ -23,7 +23,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let effects = &selection.model.problem.effects;
         if let ([_], Some(step)) = (effects.as_slice(), selection.steps.first())
             && step
-                .looked
+                .candidates
                 .first()
                 .is_some_and(|best| effects[0].effect.about().id == best.effect)
         {
@@ -39,16 +39,16 @@ impl<'g> FindingBuilder<'_, 'g> {
     fn sharpened(&self, step: &Step, model: &Fitted) -> Vec<&'static str> {
         let rivals = step.rivals.clone();
         let is_free = |id: &str| {
-            step.looked
+            step.candidates
                 .iter()
-                .any(|looked| looked.effect == id && looked.extra > 0)
+                .any(|candidate| candidate.effect == id && candidate.extra > 0)
         };
         let free: Vec<&&str> = rivals.iter().filter(|id| is_free(id)).collect();
         let fixed: Vec<&&str> = rivals.iter().filter(|id| !is_free(id)).collect();
         let twin = step
-            .looked
+            .candidates
             .iter()
-            .find(|looked| rivals.contains(&looked.effect) && is_free(looked.effect));
+            .find(|candidate| rivals.contains(&candidate.effect) && is_free(candidate.effect));
         let sharp = || {
             let fitted = twin.and_then(|twin| twin.fitted.as_ref()).unwrap_or(model);
             let parameters = fitted.effect_parameters(self.group);
@@ -60,11 +60,11 @@ impl<'g> FindingBuilder<'_, 'g> {
         };
         // Only a law that the readings do not contradict: a free strength near the fixed one is another cause.
         let agrees = |id: &str| {
-            let gain = |looked: &Looked| looked.gain;
+            let gain = |candidate: &CandidateFit| candidate.gain;
             let own = step
-                .looked
+                .candidates
                 .iter()
-                .find(|looked| looked.effect == id)
+                .find(|candidate| candidate.effect == id)
                 .map_or(0.0, gain);
             twin.is_none_or(|twin| twin.gain - own < AGREES)
         };
@@ -84,7 +84,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let step = selection
             .steps
             .iter()
-            .find_map(|step| step.looked.first().filter(|best| best.effect == own));
+            .find_map(|step| step.candidates.first().filter(|best| best.effect == own));
         let own_gain = step.map_or(0.0, |best| best.gain);
         let mut set = vec![own];
         let taken: Vec<&str> = model
@@ -93,12 +93,19 @@ impl<'g> FindingBuilder<'_, 'g> {
             .iter()
             .map(|s| s.effect.about().id)
             .collect();
-        let known = selection.steps.iter().flat_map(|step| step.looked.iter().take(8));
-        for looked in known {
-            let Some(fitted) = looked.fitted.as_ref().filter(|_| !taken.contains(&looked.effect)) else {
+        let known = selection
+            .steps
+            .iter()
+            .flat_map(|step| step.candidates.iter().take(8));
+        for candidate in known {
+            let Some(fitted) = candidate
+                .fitted
+                .as_ref()
+                .filter(|_| !taken.contains(&candidate.effect))
+            else {
                 continue;
             };
-            if set.contains(&looked.effect) {
+            if set.contains(&candidate.effect) {
                 continue;
             }
             let Some(other) = fitted.problem.effects.last() else {
@@ -116,7 +123,7 @@ impl<'g> FindingBuilder<'_, 'g> {
             };
             let margin = AS_GOOD + INEXACT * own_gain;
             if found.square + PRICE * extra < model.square + margin {
-                set.push(looked.effect);
+                set.push(candidate.effect);
             }
         }
         set
@@ -159,8 +166,9 @@ impl<'g> FindingBuilder<'_, 'g> {
         each.map(|((free_effect, parameters), set)| {
             let about = free_effect.effect.about();
             let step = selection.steps.iter().find(|step| {
-                let is_first = |looked: &Looked| looked.effect == about.id || selection.proved.is_some();
-                step.taken && step.looked.first().is_some_and(is_first)
+                let is_first =
+                    |candidate: &CandidateFit| candidate.effect == about.id || selection.proved.is_some();
+                step.taken && step.candidates.first().is_some_and(is_first)
             });
             EffectFinding {
                 effect: about.id.to_owned(),
