@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::cause::extended_start::Beside;
+use crate::cause::extended_start::ExtendedStart;
 use crate::fitting::fitted::Fitted;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_numerics::sums::dot;
@@ -135,11 +135,18 @@ pub(crate) fn fit_candidates<'g>(
     candidates.extend(rest);
     let mut candidates: Vec<(CandidateFit, Vec<usize>)> =
         candidates.into_iter().map(|(_, candidate)| candidate).collect();
-    let beside = Beside::of(current);
+    let extended_start = ExtendedStart::of(current);
     candidates[..count]
         .par_iter_mut()
         .for_each(|(candidate, places)| {
-            fit(candidate, places, &beside, residuals, signatures, directions);
+            fit(
+                candidate,
+                places,
+                &extended_start,
+                residuals,
+                signatures,
+                directions,
+            );
         });
     let mut candidates: Vec<CandidateFit> = candidates.into_iter().map(|(candidate, _)| candidate).collect();
     let best = candidates[..count]
@@ -216,7 +223,7 @@ pub(crate) fn added<'g>(
     signatures: &[Signature],
     directions: &[Direction],
 ) -> Option<Fitted<'g>> {
-    let beside = Beside::of(current);
+    let extended_start = ExtendedStart::of(current);
     let first = signatures.first()?;
     let mut candidate = CandidateFit {
         effect: first.effect.about().id,
@@ -233,14 +240,16 @@ pub(crate) fn added<'g>(
         fit(
             &mut candidate,
             &places,
-            &beside,
+            &extended_start,
             residuals,
             signatures,
             directions,
         );
     }
     // An effect that a refit takes up entirely has no direction of its own: it is searched from its first shape.
-    candidate.fitted.or_else(|| beside.extended(first, first.part))
+    candidate
+        .fitted
+        .or_else(|| extended_start.extended(first, first.part))
 }
 
 /// Goes on to the end with all columns of the Jacobian.
@@ -256,12 +265,12 @@ fn converge(candidate: &mut CandidateFit, current: &Fitted) {
 fn fit<'g>(
     candidate: &mut CandidateFit<'g>,
     places: &[usize],
-    beside: &Beside<'_, 'g>,
+    extended_start: &ExtendedStart<'_, 'g>,
     residuals: &[f64],
     signatures: &[Signature],
     directions: &[Direction],
 ) {
-    let current = beside.current;
+    let current = extended_start.current;
     let mut ranked: Vec<usize> = places.to_vec();
     ranked.sort_by(|&a, &b| {
         directions[b]
@@ -295,7 +304,7 @@ fn fit<'g>(
         let direction = &directions[place];
         let signature = &signatures[direction.signature];
         let strength = signature.part * dot(&direction.unit, residuals) / direction.norm;
-        let fitted = beside.extended(signature, strength)?;
+        let fitted = extended_start.extended(signature, strength)?;
         Some((fitted, signature.variant, place))
     });
     let best = tried.min_by(|a, b| a.0.square.total_cmp(&b.0.square));

@@ -13,17 +13,17 @@ const FARTHEST: f64 = 1.0;
 const PARTS: [f64; 2] = [1.0, 0.4];
 
 /// A fitted model beside which effects are tried, with the slopes that all of them need.
-pub(crate) struct Beside<'a, 'g> {
+pub(crate) struct ExtendedStart<'a, 'g> {
     pub(crate) current: &'a Fitted<'g>,
     /// Columns of its Jacobian.
     columns: Vec<Vec<f64>>,
     normal: Dense,
 }
 
-impl<'a, 'g> Beside<'a, 'g> {
-    pub(crate) fn of(current: &'a Fitted<'g>) -> Beside<'a, 'g> {
+impl<'a, 'g> ExtendedStart<'a, 'g> {
+    pub(crate) fn of(current: &'a Fitted<'g>) -> ExtendedStart<'a, 'g> {
         let (slope, columns) = current.problem.slope(&current.at, &[]);
-        Beside {
+        ExtendedStart {
             current,
             columns,
             normal: slope.normal,

@@ -1,7 +1,7 @@
 //! Which causes are found, and what is said of their parameters.
 
 use super::*;
-use crate::cause::extended_start::Beside;
+use crate::cause::extended_start::ExtendedStart;
 use crate::fitting::scale::scale;
 use crate::misfit::signature::{directions, signatures};
 
@@ -29,7 +29,7 @@ fn from_best_probe<'g>(
         .max_by(|a, b| a.gain(&residuals).total_cmp(&b.gain(&residuals)))?;
     let signature = &all[best.signature];
     let strength = signature.part * ieap_numerics::sums::dot(&best.unit, &residuals) / best.norm;
-    let fitted = Beside::of(base).extended(signature, strength)?.arrived();
+    let fitted = ExtendedStart::of(base).extended(signature, strength)?.arrived();
     Some((best.gain(&residuals), fitted))
 }
 

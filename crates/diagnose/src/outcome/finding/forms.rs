@@ -2,7 +2,7 @@
 
 use super::FindingBuilder;
 use crate::cause::candidates::{AS_GOOD, PRICE};
-use crate::cause::extended_start::Beside;
+use crate::cause::extended_start::ExtendedStart;
 use crate::fitting::fitted::Fitted;
 use crate::misfit::signature::Direction;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
@@ -16,13 +16,16 @@ impl FindingBuilder<'_, '_> {
             return Vec::new();
         };
         let about = free_effect.effect.about();
-        let beside = Beside::of(self.base);
+        let extended_start = ExtendedStart::of(self.base);
         let others = (0..about.variants.len()).filter(|&variant| variant != free_effect.variant);
         let fitted = others.filter_map(|variant| {
             let direction = self.best_of(about.id, variant)?;
             let signature = &self.signatures[direction.signature];
             let strength = signature.part * dot(&direction.unit, self.residuals) / direction.norm;
-            let other = beside.extended(signature, strength)?.arrived().in_own_limits();
+            let other = extended_start
+                .extended(signature, strength)?
+                .arrived()
+                .in_own_limits();
             let price = PRICE * (other.extra() as f64 - model.extra() as f64);
             let is_as_good = other.square + price < model.square + AS_GOOD;
             let parameters = other.effect_parameters(self.group).pop()?;
