@@ -255,7 +255,7 @@ pub(crate) fn added<'g>(
 /// Goes on to the end with all columns of the Jacobian.
 fn converge(candidate: &mut CandidateFit, current: &Fitted) {
     if let Some(fitted) = candidate.fitted.take() {
-        let fitted = fitted.arrived().in_own_limits();
+        let fitted = fitted.converged().in_own_limits();
         candidate.gain = current.square - fitted.square;
         candidate.fitted = Some(fitted);
     }

@@ -189,7 +189,7 @@ impl<'g> SelectionInput<'_, 'g> {
             return Some(fitted);
         }
         let problem = fitted.problem.over((0..runs).collect());
-        Fitted::unsearched(problem, fitted.at).map(|there| there.arrived().in_own_limits())
+        Fitted::unsearched(problem, fitted.at).map(|there| there.converged().in_own_limits())
     }
 }
 

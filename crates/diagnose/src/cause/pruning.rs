@@ -28,7 +28,7 @@ impl<'g> SelectionInput<'_, 'g> {
         values.remove(place);
         let problem = Problem::new(self.group, &model.base(), effects);
         let start = problem.coordinates(&model.base(), &values);
-        Fitted::search(problem, &[start], &[]).map(Fitted::settled)
+        Fitted::search(problem, &[start], &[]).map(Fitted::polished)
     }
 
     /// Drops effects that the others have made needless.

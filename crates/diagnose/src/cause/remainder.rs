@@ -56,5 +56,5 @@ impl SelectionInput<'_, '_> {
 fn refitted<'g>(group: &'g Group<'g>, from: &Fitted) -> Option<Fitted<'g>> {
     let problem = Problem::new(group, &from.base(), from.problem.effects.clone());
     let at = problem.coordinates(&from.base(), &from.effect_values());
-    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+    Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }

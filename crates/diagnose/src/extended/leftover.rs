@@ -44,7 +44,7 @@ pub(crate) fn p_leftover(
             let start = conducting(&base.base(), factor);
             let problem = Problem::new(group, &start, vec![free_effect()]);
             let at = problem.coordinates(&start, &[values.to_vec()]);
-            Some(Fitted::search(problem, &[at], &[])?.arrived())
+            Some(Fitted::search(problem, &[at], &[])?.converged())
         });
         let with = fitted
             .filter(|with| with.square.is_finite())

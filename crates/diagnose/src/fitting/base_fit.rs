@@ -19,11 +19,11 @@ pub(crate) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Op
         .iter()
         .map(|start| problem.coordinates(start, &[]))
         .collect();
-    let best = Fitted::search(problem, &at, &[])?.settled();
+    let best = Fitted::search(problem, &at, &[])?.polished();
     // Sizes are measured anew by what was found.
     let problem = Problem::new(group, &best.base(), Vec::new());
     let at = problem.coordinates(&best.base(), &[]);
-    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+    Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }
 
 /// The parameters of every run by itself, in the order of runs, with the branches that its readings show; none where it shows
@@ -45,7 +45,7 @@ pub(crate) fn of_each_run(group: &Group, model: &'static FitModel) -> Vec<Option
 pub(crate) fn refit<'g>(group: &'g Group<'g>, from: &Fitted) -> Option<Fitted<'g>> {
     let problem = Problem::new(group, &from.base(), Vec::new());
     let at = problem.coordinates(&from.base(), &[]);
-    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+    Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }
 
 /// The value, or the middle of what an interval leaves.

@@ -74,7 +74,7 @@ impl<'g> Fitted<'g> {
     }
 
     /// Goes on to the end.
-    pub(crate) fn settled(self) -> Fitted<'g> {
+    pub(crate) fn polished(self) -> Fitted<'g> {
         let settle = settle(&self.problem, self.square);
         let bottom = self.problem.descend(&self.at, LONG, settle, &[]);
         Fitted {
@@ -87,23 +87,23 @@ impl<'g> Fitted<'g> {
     }
 
     /// Goes on to the end, however many steps a curved valley takes.
-    pub(crate) fn arrived(self) -> Fitted<'g> {
-        let mut best = self.settled();
+    pub(crate) fn converged(self) -> Fitted<'g> {
+        let mut best = self.polished();
         for _ in 1..SEARCHES {
             if best.stop != Stop::EvaluationLimit {
                 break;
             }
-            best = best.settled();
+            best = best.polished();
         }
         best
     }
 
     /// Goes on until a whole search no longer lowers the sum of squares noticeably.
     pub(crate) fn exhausted(self) -> Fitted<'g> {
-        let mut best = self.settled();
+        let mut best = self.polished();
         for _ in 0..SEARCHES {
             let before = best.square;
-            best = best.settled();
+            best = best.polished();
             if before - best.square <= SETTLE.max(SETTLE_PART * before) {
                 best.stop = Stop::Converged;
                 return best;

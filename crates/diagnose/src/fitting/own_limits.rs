@@ -21,7 +21,7 @@ impl<'g> Fitted<'g> {
         let mut best = self;
         for _ in 0..TIMES {
             let Some(problem) = wider(&best) else { break };
-            let there = Fitted::unsearched(problem, best.at.clone()).map(Fitted::arrived);
+            let there = Fitted::unsearched(problem, best.at.clone()).map(Fitted::converged);
             let Some(there) = there.filter(|there| there.square < best.square) else {
                 break;
             };

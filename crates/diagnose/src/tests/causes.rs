@@ -29,7 +29,7 @@ fn from_best_probe<'g>(
         .max_by(|a, b| a.gain(&residuals).total_cmp(&b.gain(&residuals)))?;
     let signature = &all[best.signature];
     let strength = signature.part * ieap_numerics::sums::dot(&best.unit, &residuals) / best.norm;
-    let fitted = ExtendedStart::of(base).extended(signature, strength)?.arrived();
+    let fitted = ExtendedStart::of(base).extended(signature, strength)?.converged();
     Some((best.gain(&residuals), fitted))
 }
 

@@ -39,7 +39,7 @@ impl OwnFits {
                 .as_ref()
                 .filter(|own| own.branches.len() == base.base().branches.len());
             starts.extend(whole.map(|own| problem.coordinates(own, &[])));
-            let own = Fitted::search(problem, &starts, &[])?.arrived();
+            let own = Fitted::search(problem, &starts, &[])?.converged();
             let (slope, _) = own.problem.slope(&own.at, &[]);
             found.at.push(own.at);
             found.slopes.push(slope);

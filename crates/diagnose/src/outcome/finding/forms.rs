@@ -24,7 +24,7 @@ impl FindingBuilder<'_, '_> {
             let strength = signature.part * dot(&direction.unit, self.residuals) / direction.norm;
             let other = extended_start
                 .extended(signature, strength)?
-                .arrived()
+                .converged()
                 .in_own_limits();
             let price = PRICE * (other.extra() as f64 - model.extra() as f64);
             let is_as_good = other.square + price < model.square + AS_GOOD;

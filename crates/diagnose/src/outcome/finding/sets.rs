@@ -118,7 +118,7 @@ impl<'g> FindingBuilder<'_, 'g> {
             values[place] = fitted.effect_values().pop().unwrap_or_default();
             let problem = Problem::new(self.group, &model.base(), effects);
             let start = problem.coordinates(&model.base(), &values);
-            let Some(found) = Fitted::search(problem, &[start], &[]).map(Fitted::settled) else {
+            let Some(found) = Fitted::search(problem, &[start], &[]).map(Fitted::polished) else {
                 continue;
             };
             let margin = AS_GOOD + INEXACT * own_gain;
