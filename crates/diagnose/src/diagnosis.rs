@@ -34,12 +34,12 @@ pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     let mut found = found.unwrap_or_else(|| nothing(name, runs, options));
     let may_vary = varying::leads(&found);
     if runs.len() > 1 && (may_vary || found.verdict == Verdict::Unknown) {
-        let alone = per_run(runs, options);
-        match may_vary && varying::are_described(&alone) {
-            true => varying::say(&mut found, &alone),
-            false => found.remarks.extend(in_words(&alone)),
+        let per_run = per_run(runs, options);
+        match may_vary && varying::are_described(&per_run) {
+            true => varying::say(&mut found, &per_run),
+            false => found.remarks.extend(in_words(&per_run)),
         }
-        found.alone = alone;
+        found.alone = per_run;
     }
     found
 }

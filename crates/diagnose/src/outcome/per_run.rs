@@ -8,9 +8,9 @@ const NEARLY_ALL: f64 = 0.75;
 const MENTIONED: usize = 4;
 
 /// What the runs have in common by themselves.
-pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {
-    let count = alone.len();
-    let right = alone
+pub(crate) fn in_words(per_run: &[RunAlone]) -> Option<String> {
+    let count = per_run.len();
+    let right = per_run
         .iter()
         .filter(|run| run.verdict == Verdict::Consistent)
         .count();
@@ -21,7 +21,7 @@ pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {
         ));
     }
     let mut causes: Vec<(&str, usize)> = Vec::new();
-    for id in alone.iter().flat_map(|run| &run.set) {
+    for id in per_run.iter().flat_map(|run| &run.set) {
         match causes.iter_mut().find(|(known, _)| known == id) {
             Some((_, times)) => *times += 1,
             None => causes.push((id, 1)),
