@@ -27,7 +27,7 @@ const ROUNDS: usize = 2;
 impl<'g> SelectionInput<'_, 'g> {
     /// Whether causes are searched elsewhere: where drives have one shape; of one run of several only where one cause alone
     /// would be given, since it is the group that is asked for the cause, and the search takes as long as all else.
-    pub(crate) fn asks_elsewhere(&self, candidates: &[CandidateFit]) -> bool {
+    pub(crate) fn needs_multistart(&self, candidates: &[CandidateFit]) -> bool {
         self.has_one_shape_of_drive() && (!self.of_several || rivals(candidates).len() < 2)
     }
 
@@ -41,9 +41,9 @@ impl<'g> SelectionInput<'_, 'g> {
     /// What is known of every cause beside the base after searching elsewhere too, where one cause is then or was before
     /// all there is. Where several are at work, one that makes up for them from a place of its own is not their beginning:
     /// what was known goes on to further causes.
-    pub(crate) fn or_elsewhere(&self, candidates: Vec<CandidateFit<'g>>) -> Vec<CandidateFit<'g>> {
+    pub(crate) fn or_multistart(&self, candidates: Vec<CandidateFit<'g>>) -> Vec<CandidateFit<'g>> {
         let mut searched = candidates.clone();
-        let is_other = self.search_elsewhere(&mut searched);
+        let is_other = self.multistart(&mut searched);
         if is_other && (self.would_explain_all(&searched) || self.would_explain_all(&candidates)) {
             searched
         } else {
@@ -63,7 +63,7 @@ impl<'g> SelectionInput<'_, 'g> {
 
     /// Searches every cause beside the base again from other places, and keeps what explains more than before; whether
     /// any does.
-    fn search_elsewhere(&self, candidates: &mut [CandidateFit<'g>]) -> bool {
+    fn multistart(&self, candidates: &mut [CandidateFit<'g>]) -> bool {
         let mut seen = vec![self.base.base()];
         let mut is_other = false;
         for _ in 0..ROUNDS {

@@ -51,7 +51,7 @@ impl<'g> SelectionInput<'_, 'g> {
     }
 
     /// The model without those of several effects that it does not need: the one that costs least is left out first.
-    pub(crate) fn needed(&self, model: Fitted<'g>) -> Fitted<'g> {
+    pub(crate) fn pruned(&self, model: Fitted<'g>) -> Fitted<'g> {
         let mut model = model;
         while let Some(fewer) = self.without_needless(&model) {
             model = fewer;

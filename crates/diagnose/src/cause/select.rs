@@ -103,8 +103,8 @@ impl<'g> SelectionInput<'_, 'g> {
                 .map_or((null, beside_base), |(null, d)| (null, d.as_slice()));
             let (mut candidates, dealt) = self.candidates_beside(&model, directions, steps.len());
             let step = self.step(null, &model, &mut candidates);
-            if step && steps.is_empty() && self.asks_elsewhere(&candidates) {
-                candidates = self.or_elsewhere(candidates);
+            if step && steps.is_empty() && self.needs_multistart(&candidates) {
+                candidates = self.or_multistart(candidates);
             }
             let taken = step.then(|| candidates[0].fitted.clone()).flatten();
             let p = candidates
@@ -141,7 +141,7 @@ impl<'g> SelectionInput<'_, 'g> {
             model = self.backward(better);
         }
         let taken = model.problem.effects.len();
-        let model = self.needed(model);
+        let model = self.pruned(model);
         if is_other || model.problem.effects.len() < taken {
             let (null, directions) = self.null(&model, steps.len() as u64);
             leftover = null.observe(self.group, &model.residuals(), &directions);
