@@ -1,7 +1,7 @@
 //! Groups with known truth, and what each part of a diagnosis makes of them.
 
-mod answers;
 mod causes;
+mod edge_responses;
 mod noise;
 mod one_fit;
 mod predicted;

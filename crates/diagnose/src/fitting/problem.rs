@@ -332,7 +332,7 @@ impl<'g> Problem<'g> {
 
     /// How whitened residuals follow all resistances of branches at once, and how the size of the bending, both in
     /// logarithms: the shapes of a larger current and of a larger curvature.
-    pub(crate) fn answers(&self, at: &[f64]) -> [Vec<f64>; 2] {
+    pub(crate) fn edge_shapes(&self, at: &[f64]) -> [Vec<f64>; 2] {
         let mut here = Vec::new();
         self.residuals(at, &mut here);
         let mut by_resistance = vec![0.0; here.len()];

@@ -41,7 +41,7 @@ pub(crate) struct Statistics {
     pub(crate) together: f64,
     /// Sum of the squares of how much more or less than simulated each edge of a drive of many is answered, in standard
     /// errors: what wanders from edge to edge and leaves no mean.
-    pub(crate) answers: f64,
+    pub(crate) edge_responses: f64,
     /// Largest line in the periodogram of any channel, in units of its mean.
     pub(crate) line: f64,
 }
@@ -53,7 +53,7 @@ impl Statistics {
             self.candidate,
             self.stretch,
             self.together,
-            self.answers,
+            self.edge_responses,
         ]
     }
 }
@@ -97,9 +97,15 @@ impl Null {
             .collect();
         let mut columns: Vec<&[f64]> = stretch_units.iter().flatten().map(Vec::as_slice).collect();
         let whole = columns.len();
-        let is_answer =
-            |(stretch, unit): &(&Stretch, &Option<Vec<f64>>)| unit.is_some() && stretch.kind == Kind::Answer;
-        let stretched = whole - stretches.iter().zip(&stretch_units).filter(is_answer).count();
+        let is_edge_response = |(stretch, unit): &(&Stretch, &Option<Vec<f64>>)| {
+            unit.is_some() && stretch.kind == Kind::EdgeResponse
+        };
+        let stretched = whole
+            - stretches
+                .iter()
+                .zip(&stretch_units)
+                .filter(is_edge_response)
+                .count();
         columns.extend(directions.iter().map(|direction| direction.unit.as_slice()));
         let (factor, pivots, from_stretches) = pivoted(&columns, stretched);
         let shares: Vec<Vec<f64>> = columns.iter().map(|column| shares(group, column)).collect();
@@ -155,7 +161,7 @@ impl Null {
                 for k in 0..stretched {
                     found.stretch = found.stretch.max(square(k).1);
                 }
-                found.answers = (stretched..whole).map(|k| square(k).1).sum();
+                found.edge_responses = (stretched..whole).map(|k| square(k).1).sum();
                 for (k, (direction, own)) in directions.iter().zip(&mut gains).enumerate() {
                     let (z, gain) = square(whole + k);
                     *own = if z > 0.0 || !direction.one_sided {
@@ -228,13 +234,13 @@ impl Null {
             let known = dot(&row[..solved.len()], &solved);
             solved.push((means[pivot] - known) / row[solved.len()]);
         }
-        let (stretches, answers) = means.split_at(self.stretched);
+        let (stretches, edge_responses) = means.split_at(self.stretched);
         Statistics {
             mixture: self.mixture.log_ratio(gains),
             candidate: largest(gains),
             stretch: stretches.iter().map(|z| z * z).fold(0.0, f64::max),
             together: dot(&solved, &solved),
-            answers: dot(answers, answers),
+            edge_responses: dot(edge_responses, edge_responses),
             line,
         }
     }
@@ -263,7 +269,7 @@ impl Null {
     }
 
     /// Number of answers to edges that are asked.
-    pub(crate) fn answers(&self) -> usize {
+    pub(crate) fn edge_responses(&self) -> usize {
         self.uses_stretch().filter(|used| *used).count() - self.stretched
     }
 

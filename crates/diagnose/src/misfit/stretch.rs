@@ -15,7 +15,7 @@ const FEWEST: usize = 4;
 /// A run with so many edges of its drive is asked whether it answers all of them alike; ...
 const EDGES: usize = 4;
 /// ... neighbours are taken together where there are more than this.
-const MOST_ANSWERS: usize = 32;
+const MOST_EDGE_RESPONSES: usize = 32;
 
 /// Which rows belong together.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,7 @@ pub(crate) enum Kind {
     /// Those as long after every edge to the same level.
     Phase,
     /// The answer to one edge, or to some that follow one another.
-    Answer,
+    EdgeResponse,
 }
 
 /// Rows of one channel of one run that are averaged.
@@ -64,21 +64,21 @@ pub(crate) fn stretches(group: &Group, base: &Fitted) -> Vec<Stretch> {
     for (place, block) in group.blocks.iter().enumerate() {
         of_block(group, place, block, &mut found);
     }
-    let shapes = base.problem.answers(&base.at);
+    let shapes = base.problem.edge_shapes(&base.at);
     for (place, block) in group.blocks.iter().enumerate() {
-        found.extend(answers(group, place, block, &shapes[block.channel]));
+        found.extend(edge_responses(group, place, block, &shapes[block.channel]));
     }
     found
 }
 
-fn answers(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Stretch> {
+fn edge_responses(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Stretch> {
     let run = &group.runs[block.run];
     let segments = &run.given.input.drive.segments;
     if segments.len() < EDGES {
         return Vec::new();
     }
     let times = run.times(block.channel);
-    let together = segments.len().div_ceil(MOST_ANSWERS);
+    let together = segments.len().div_ceil(MOST_EDGE_RESPONSES);
     let row_at = |time_s: f64| block.first + times.partition_point(|&t| t < time_s);
     let starts: Vec<usize> = segments
         .chunks(together)
@@ -89,7 +89,7 @@ fn answers(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Str
         let rows: Vec<usize> = (ends[0]..ends[1]).collect();
         let norm = dot(&shape[ends[0]..ends[1]], &shape[ends[0]..ends[1]]).sqrt();
         (norm > 0.0 && norm.is_finite()).then(|| Stretch {
-            kind: Kind::Answer,
+            kind: Kind::EdgeResponse,
             block: place,
             weights: rows.iter().map(|&row| shape[row] / norm).collect(),
             rows,

@@ -36,7 +36,7 @@ pub(crate) fn whereabouts(
     let off = (!segments.is_empty()).then(|| sentence(group, &segments));
     let said: Vec<String> = off
         .into_iter()
-        .chain(unequal_answers(group, stretches, &scores))
+        .chain(unequal_edge_responses(group, stretches, &scores))
         .collect();
     let text = match said.is_empty() {
         true => "no single stretch of time stands out".to_owned(),
@@ -46,9 +46,10 @@ pub(crate) fn whereabouts(
 }
 
 /// Says which channel answers the edges of a drive of many most unequally; none where none does beyond chance.
-fn unequal_answers(group: &Group, stretches: &[Stretch], scores: &[f64]) -> Option<String> {
+fn unequal_edge_responses(group: &Group, stretches: &[Stretch], scores: &[f64]) -> Option<String> {
     let of_block = |place: usize| {
-        let is_its = |(stretch, _): &(&Stretch, &f64)| stretch.kind == Kind::Answer && stretch.block == place;
+        let is_its =
+            |(stretch, _): &(&Stretch, &f64)| stretch.kind == Kind::EdgeResponse && stretch.block == place;
         let own: Vec<f64> = stretches
             .iter()
             .zip(scores)

@@ -126,7 +126,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         found.p_leftover = (!taken.is_empty()).then_some(selection.p_leftover);
         let rest = (selection.leftover.together - self.expected_together())
             .max(selection.leftover.candidate)
-            .max(selection.leftover.answers - self.null.answers() as f64)
+            .max(selection.leftover.edge_responses - self.null.edge_responses() as f64)
             .max(0.0);
         let first = match &selection.proved {
             Some(_) => total,
