@@ -11,8 +11,8 @@ use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::levels::WRONG;
 use crate::misfit::odd_scale::odd_runs;
+use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
-use crate::misfit::stretch::stretches;
 use crate::options::DiagnoseOptions;
 use crate::outcome::finding::{FindingBuilder, nothing};
 use crate::outcome::per_run::in_words;
@@ -100,12 +100,12 @@ fn without(
 fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions) -> GroupDiagnosis {
     let scale = scale(group, &base.problem, &base.at);
     let signatures = signatures(&base.problem, &base.at, &scale);
-    let stretches = stretches(group, &base);
+    let bins = residual_bins(group, &base);
     let input = SelectionInput {
         group,
         base: &base,
         signatures: &signatures,
-        stretches: &stretches,
+        bins: &bins,
         draws: options.draws,
         seed: options.seed,
         of_several: options.of_several,
@@ -121,7 +121,7 @@ fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions)
         null: &null,
         directions: &directions,
         signatures: &signatures,
-        stretches: &stretches,
+        bins: &bins,
         residuals: &residuals,
         p_misfit: null.p_misfit(&observed, calibration.as_ref()),
         options,

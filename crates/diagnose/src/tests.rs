@@ -18,7 +18,7 @@ use crate::cause::proof::{discrepancy, held_out, later};
 use crate::cause::select;
 use crate::fitting::without_outliers::with_base;
 use crate::fitting::{base_fit, fitted, modes};
-use crate::misfit::{odd_scale, stretch};
+use crate::misfit::{odd_scale, residual_bins};
 use crate::readings::{group, louder};
 use ieap_domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment, Verdict};
 use ieap_fit::FitInput;

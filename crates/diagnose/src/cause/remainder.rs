@@ -34,7 +34,7 @@ impl SelectionInput<'_, '_> {
         let (_, tangent) = again.tangent();
         let directions = directions(&signatures, &tangent);
         let seed = self.seed.wrapping_add(step);
-        let null = Null::new(&group, &tangent, &directions, self.stretches, self.draws, seed);
+        let null = Null::new(&group, &tangent, &directions, self.bins, self.draws, seed);
         let left = null.observe(&group, &again.residuals(), &directions);
         if Calibration::is_needless(null.unbounded_p(&left)) {
             return Some(null.p_misfit(&left, None));
@@ -45,7 +45,7 @@ impl SelectionInput<'_, '_> {
             tangent: &tangent,
             signatures: &signatures,
             directions: &directions,
-            stretches: self.stretches,
+            bins: self.bins,
             seed,
         });
         Some(null.p_misfit(&left, Some(&calibration)))

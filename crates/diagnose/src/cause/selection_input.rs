@@ -3,8 +3,8 @@
 use crate::fitting::fitted::Fitted;
 use crate::misfit::calibration::{Asked, Calibration};
 use crate::misfit::null::{Null, Statistics};
+use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature, directions};
-use crate::misfit::stretch::Stretch;
 use crate::readings::group::Group;
 
 /// A group, the base model fitted to it, and the questions that its residuals are asked.
@@ -12,7 +12,7 @@ pub(crate) struct SelectionInput<'a, 'g> {
     pub(crate) group: &'g Group<'g>,
     pub(crate) base: &'a Fitted<'g>,
     pub(crate) signatures: &'a [Signature],
-    pub(crate) stretches: &'a [Stretch],
+    pub(crate) bins: &'a [ResidualBin],
     pub(crate) draws: usize,
     pub(crate) seed: u64,
     /// As in the options.
@@ -25,14 +25,7 @@ impl<'g> SelectionInput<'_, 'g> {
         let (_, tangent) = fitted.tangent();
         let directions = directions(self.signatures, &tangent);
         let seed = self.seed.wrapping_add(step);
-        let null = Null::new(
-            self.group,
-            &tangent,
-            &directions,
-            self.stretches,
-            self.draws,
-            seed,
-        );
+        let null = Null::new(self.group, &tangent, &directions, self.bins, self.draws, seed);
         (null, directions)
     }
 
@@ -53,7 +46,7 @@ impl<'g> SelectionInput<'_, 'g> {
             tangent: &tangent,
             signatures: self.signatures,
             directions,
-            stretches: self.stretches,
+            bins: self.bins,
             seed: self.seed,
         }))
     }

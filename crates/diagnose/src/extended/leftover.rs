@@ -8,8 +8,8 @@ use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::{FreeEffect, Problem};
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
+use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
-use crate::misfit::stretch::stretches;
 use crate::options::DiagnoseOptions;
 use crate::readings::group::{Group, RunInput};
 
@@ -54,7 +54,7 @@ pub(crate) fn p_leftover(
             group,
             base: &base,
             signatures: &signatures,
-            stretches: &stretches(group, &base),
+            bins: &residual_bins(group, &base),
             draws: options.draws,
             seed: options.seed,
             of_several: options.of_several,

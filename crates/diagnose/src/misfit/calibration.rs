@@ -18,8 +18,8 @@ use ieap_numerics::sums::dot;
 
 use crate::fitting::tangent::Tangent;
 use crate::misfit::null::Null;
+use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
-use crate::misfit::stretch::Stretch;
 use crate::readings::group::Group;
 
 /// Draws, and the number of products of rows and candidates that they may cost before there are fewer.
@@ -50,7 +50,7 @@ pub(crate) struct Asked<'a> {
     pub(crate) tangent: &'a Tangent,
     pub(crate) signatures: &'a [Signature],
     pub(crate) directions: &'a [Direction],
-    pub(crate) stretches: &'a [Stretch],
+    pub(crate) bins: &'a [ResidualBin],
     pub(crate) seed: u64,
 }
 
@@ -180,11 +180,11 @@ impl Simulation {
         let mut residuals = whitened(&rest);
         tangent.remove(&mut residuals);
         let means: Vec<f64> = asked
-            .stretches
+            .bins
             .iter()
-            .zip(asked.null.uses_stretch())
+            .zip(asked.null.uses_bin())
             .filter(|(_, used)| *used)
-            .map(|(stretch, _)| mean_of(stretch, &residuals, &tangent))
+            .map(|(bin, _)| mean_of(bin, &residuals, &tangent))
             .collect();
         let answer = transposed(residuals);
         let product = |pairs: &Product| -> f64 {
@@ -251,14 +251,14 @@ fn coloured(group: &Group, mut series: Vec<f64>) -> Vec<f64> {
     series
 }
 
-/// Mean of refitted residuals over a stretch, in its standard errors.
-fn mean_of(stretch: &Stretch, residuals: &[f64], tangent: &Tangent) -> f64 {
+/// Mean of refitted residuals over a bin, in its standard errors.
+fn mean_of(bin: &ResidualBin, residuals: &[f64], tangent: &Tangent) -> f64 {
     let absorbed: f64 = tangent
         .basis()
         .iter()
-        .map(|column| stretch.over(column).powi(2))
+        .map(|column| bin.over(column).powi(2))
         .sum();
-    stretch.over(residuals) / (1.0 - absorbed).max(1e-3).sqrt()
+    bin.over(residuals) / (1.0 - absorbed).max(1e-3).sqrt()
 }
 
 #[cfg(test)]

@@ -19,8 +19,8 @@ use crate::fitting::profile::profiles;
 use crate::levels::{RIGHT, WRONG};
 use crate::misfit::misfit_size::misfit_percent;
 use crate::misfit::null::Null;
+use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
-use crate::misfit::stretch::Stretch;
 use crate::misfit::whereabouts::whereabouts;
 use crate::options::DiagnoseOptions;
 use crate::outcome::gain::gain;
@@ -49,7 +49,7 @@ pub(crate) struct FindingBuilder<'a, 'g> {
     pub(crate) null: &'a Null,
     pub(crate) directions: &'a [Direction],
     pub(crate) signatures: &'a [Signature],
-    pub(crate) stretches: &'a [Stretch],
+    pub(crate) bins: &'a [ResidualBin],
     pub(crate) residuals: &'a [f64],
     pub(crate) p_misfit: f64,
     pub(crate) options: &'a DiagnoseOptions,
@@ -230,7 +230,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         }
         GroupDiagnosis {
             p_misfit: Some(self.p_misfit),
-            whereabouts: Some(whereabouts(self.group, self.null, self.stretches, self.residuals)),
+            whereabouts: Some(whereabouts(self.group, self.null, self.bins, self.residuals)),
             gain_at_5_percent: Some(self.null.gain_at_5_percent()),
             noise: self.noise(),
             residuals: self.drawn(self.base),
@@ -276,7 +276,7 @@ impl<'g> FindingBuilder<'_, 'g> {
     }
 
     fn expected_together(&self) -> f64 {
-        self.null.independent_stretches() as f64
+        self.null.independent_bins() as f64
     }
 
     fn shifts(&self, model: &Fitted) -> Vec<ParameterShift> {

@@ -28,8 +28,10 @@ fn every_reading_after_an_edge_is_of_one_answer() {
     let inputs = runs.inputs();
     let raw = group::Group::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
-        let all = stretch::stretches(group, &base);
-        let edge_responses = all.iter().filter(|own| own.kind == stretch::Kind::EdgeResponse);
+        let all = residual_bins::residual_bins(group, &base);
+        let edge_responses = all
+            .iter()
+            .filter(|own| own.kind == residual_bins::Kind::EdgeResponse);
         let mut rows: Vec<usize> = edge_responses.clone().flat_map(|own| own.rows.clone()).collect();
         assert_eq!(edge_responses.clone().count(), 60);
         assert!(edge_responses.clone().all(|own| group.blocks[own.block].run == 1));

@@ -1,4 +1,4 @@
-//! Stretches of time over which residuals are averaged: where the simulation is wrong, whatever the cause.
+//! Bins of time over which residuals are averaged: where the simulation is wrong, whatever the cause.
 
 use ieap_domain::Level;
 use ieap_numerics::sums::dot;
@@ -6,10 +6,10 @@ use ieap_numerics::sums::dot;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::{Block, Group};
 
-/// Stretches of the clock per run, and of the time since an edge per level of the drive.
+/// Bins of the clock per run, and of the time since an edge per level of the drive.
 const BY_CLOCK: usize = 8;
 const BY_PHASE: usize = 4;
-/// Readings that a stretch needs.
+/// Readings that a bin needs.
 const FEWEST: usize = 4;
 
 /// A run with so many edges of its drive is asked whether it answers all of them alike; ...
@@ -30,7 +30,7 @@ pub(crate) enum Kind {
 
 /// Rows of one channel of one run that are averaged.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Stretch {
+pub(crate) struct ResidualBin {
     pub(crate) kind: Kind,
     pub(crate) block: usize,
     pub(crate) rows: Vec<usize>,
@@ -38,11 +38,11 @@ pub(crate) struct Stretch {
     pub(crate) weights: Vec<f64>,
 }
 
-impl Stretch {
+impl ResidualBin {
     /// All rows alike.
-    fn even(kind: Kind, block: usize, rows: Vec<usize>) -> Stretch {
+    fn even(kind: Kind, block: usize, rows: Vec<usize>) -> ResidualBin {
         let weights = vec![(rows.len() as f64).sqrt().recip(); rows.len()];
-        Stretch {
+        ResidualBin {
             kind,
             block,
             rows,
@@ -57,9 +57,9 @@ impl Stretch {
     }
 }
 
-/// Stretches of every channel of every run; then how much each run answers to each of many edges, by the shape in which
+/// Bins of every channel of every run; then how much each run answers to each of many edges, by the shape in which
 /// the fitted current follows the resistances and the fitted curvature its size.
-pub(crate) fn stretches(group: &Group, base: &Fitted) -> Vec<Stretch> {
+pub(crate) fn residual_bins(group: &Group, base: &Fitted) -> Vec<ResidualBin> {
     let mut found = Vec::new();
     for (place, block) in group.blocks.iter().enumerate() {
         of_block(group, place, block, &mut found);
@@ -71,7 +71,7 @@ pub(crate) fn stretches(group: &Group, base: &Fitted) -> Vec<Stretch> {
     found
 }
 
-fn edge_responses(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Stretch> {
+fn edge_responses(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<ResidualBin> {
     let run = &group.runs[block.run];
     let segments = &run.given.input.drive.segments;
     if segments.len() < EDGES {
@@ -88,7 +88,7 @@ fn edge_responses(group: &Group, place: usize, block: &Block, shape: &[f64]) -> 
     let of = |ends: &[usize]| {
         let rows: Vec<usize> = (ends[0]..ends[1]).collect();
         let norm = dot(&shape[ends[0]..ends[1]], &shape[ends[0]..ends[1]]).sqrt();
-        (norm > 0.0 && norm.is_finite()).then(|| Stretch {
+        (norm > 0.0 && norm.is_finite()).then(|| ResidualBin {
             kind: Kind::EdgeResponse,
             block: place,
             weights: rows.iter().map(|&row| shape[row] / norm).collect(),
@@ -98,7 +98,7 @@ fn edge_responses(group: &Group, place: usize, block: &Block, shape: &[f64]) -> 
     starts.windows(2).filter_map(of).collect()
 }
 
-fn of_block(group: &Group, place: usize, block: &Block, found: &mut Vec<Stretch>) {
+fn of_block(group: &Group, place: usize, block: &Block, found: &mut Vec<ResidualBin>) {
     let run = &group.runs[block.run];
     let drive = run.given.input.drive;
     let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
@@ -133,10 +133,10 @@ fn of_block(group: &Group, place: usize, block: &Block, found: &mut Vec<Stretch>
     let at = |row: usize| times[row - block.first] - start_s;
     for rows in clock.into_iter().filter(|rows| rows.len() >= FEWEST) {
         let kind = Kind::Clock(at(rows[0]), at(rows[rows.len() - 1]));
-        found.push(Stretch::even(kind, place, rows));
+        found.push(ResidualBin::even(kind, place, rows));
     }
     for rows in phase.into_iter().filter(|rows| rows.len() >= FEWEST) {
-        found.push(Stretch::even(Kind::Phase, place, rows));
+        found.push(ResidualBin::even(Kind::Phase, place, rows));
     }
 }
 
