@@ -17,13 +17,13 @@ use crate::options::DiagnoseOptions;
 use crate::outcome::finding::{FindingBuilder, nothing};
 use crate::outcome::per_run::in_words;
 use crate::outcome::varying;
-use crate::readings::group::{Group, RunInput};
+use crate::readings::group::{RunGroup, RunInput};
 
 /// Diagnoses runs that one parameter set of the base model describes.
 ///
 /// It is a pure function of its input and options: the same readings give the same result at any number of threads.
 pub fn diagnose_group(name: &str, runs: &[RunInput], options: &DiagnoseOptions) -> GroupDiagnosis {
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let odd = odd_runs(&raw, options.model);
     if !odd.is_empty() {
         return without(name, runs, odd, options);
@@ -70,7 +70,7 @@ pub fn condemned(runs: &[RunInput], model: &'static FitModel) -> Vec<CondemnedRu
     loop {
         let is_odd = |run: &&RunInput| found.iter().any(|odd| odd.run == run.name);
         let rest: Vec<RunInput> = runs.iter().filter(|run| !is_odd(run)).copied().collect();
-        let odd = odd_runs(&Group::new(&rest), model);
+        let odd = odd_runs(&RunGroup::new(&rest), model);
         if odd.is_empty() {
             return found;
         }
@@ -97,7 +97,7 @@ fn without(
     found
 }
 
-fn diagnosed(name: &str, group: &Group, base: Fitted, options: &DiagnoseOptions) -> GroupDiagnosis {
+fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptions) -> GroupDiagnosis {
     let scale = scale(group, &base.problem, &base.at);
     let signatures = signatures(&base.problem, &base.at, &scale);
     let bins = residual_bins(group, &base);

@@ -14,7 +14,7 @@ use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature;
 use crate::options::DiagnoseOptions;
-use crate::readings::group::{Group, RunInput};
+use crate::readings::group::{RunGroup, RunInput};
 
 /// Steps of a forward selection at most.
 const MOST_STEPS: usize = 3;
@@ -48,7 +48,7 @@ pub struct ForwardStep {
 
 /// Follows a forward selection from the base model up to three effects; none where nothing can be fitted.
 pub fn textbook(runs: &[RunInput], options: &DiagnoseOptions) -> Option<Textbook> {
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let nameless_gain = with_base(&raw, options.model, |group, base| {
         let before = held_out::parts(&base, group);
         discrepancy::falls(&base, group, &before).iter().sum()
@@ -65,7 +65,7 @@ pub fn textbook(runs: &[RunInput], options: &DiagnoseOptions) -> Option<Textbook
     })?
 }
 
-fn path<'g>(group: &'g Group<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
+fn path<'g>(group: &'g RunGroup<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
     let scale = scale(group, &base.problem, &base.at);
     let signatures = signature::signatures(&base.problem, &base.at, &scale);
     let mut model = base;
@@ -90,7 +90,7 @@ fn path<'g>(group: &'g Group<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
 }
 
 /// The test of Ljung and Box on the residuals of every channel of every run, Bonferroni over them.
-fn ljung_box(group: &Group, base: &Fitted) -> f64 {
+fn ljung_box(group: &RunGroup, base: &Fitted) -> f64 {
     let residuals = base.residuals();
     let p = group
         .blocks

@@ -20,7 +20,7 @@ use crate::fitting::tangent::Tangent;
 use crate::levels::TAKEN;
 use crate::misfit::null::Null;
 use crate::misfit::signature::Direction;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 use crate::readings::tags::{Tag, tags};
 
 /// Share of a question's square that a refit must leave, as for every other effect.
@@ -45,7 +45,12 @@ pub(crate) fn refused_in_words(dealt: &[(&'static str, f64)]) -> Vec<String> {
 
 /// For every tag that is asked and that the model does not hold yet, the chance that a deal of the values lets the best of
 /// all questions explain as much of the residuals as this tag does.
-pub(crate) fn p_dealt(group: &Group, fitted: &Fitted, deals: usize, seed: u64) -> Vec<(&'static str, f64)> {
+pub(crate) fn p_dealt(
+    group: &RunGroup,
+    fitted: &Fitted,
+    deals: usize,
+    seed: u64,
+) -> Vec<(&'static str, f64)> {
     let has = |id: &str| {
         fitted
             .problem
@@ -133,7 +138,7 @@ struct Form {
 }
 
 impl Form {
-    fn of(group: &Group, column: &[f64], tangent: &Tangent, residuals: &[f64]) -> Form {
+    fn of(group: &RunGroup, column: &[f64], tangent: &Tangent, residuals: &[f64]) -> Form {
         let by_run = |other: &[f64]| {
             let mut sums = vec![0.0; group.runs.len()];
             for block in &group.blocks {
@@ -173,7 +178,7 @@ impl Form {
 }
 
 /// The forms in which a base parameter may differ, those of [`ieap_model::effects::tag_places`]' effects.
-fn forms(group: &Group, fitted: &Fitted) -> Vec<Form> {
+fn forms(group: &RunGroup, fitted: &Fitted) -> Vec<Form> {
     let (_, jacobian) = fitted.problem.slope(&fitted.at, &[]);
     let tangent = Tangent::of(&jacobian);
     let residuals = fitted.residuals();
@@ -196,7 +201,7 @@ fn forms(group: &Group, fitted: &Fitted) -> Vec<Form> {
 }
 
 /// What of a tag goes with the step's voltage or its size, run by run.
-fn with_voltage(group: &Group) -> Tangent {
+fn with_voltage(group: &RunGroup) -> Tangent {
     let volts: Vec<f64> = group
         .runs
         .iter()

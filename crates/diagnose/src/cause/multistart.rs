@@ -11,7 +11,7 @@ use ieap_model::{Branch, LumpedModel};
 use crate::cause::candidates::{AS_GOOD, CandidateFit, by_score, fit_candidates, rivals};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
+use crate::fitting::problem::ExtendedProblem;
 use crate::fitting::scale::scale;
 use crate::levels::TAKEN;
 use crate::misfit::signature::{directions, signatures};
@@ -154,7 +154,7 @@ impl<'g> SelectionInput<'_, 'g> {
 
     /// What a search from that place finds in one run: where drives have one shape the others show the same.
     fn found_in(&self, run: usize, place: &LumpedModel) -> Vec<CandidateFit<'g>> {
-        let problem = Problem::new(self.group, place, Vec::new()).over(vec![run]);
+        let problem = ExtendedProblem::new(self.group, place, Vec::new()).over(vec![run]);
         let at = problem.coordinates(place, &[]);
         let Some(there) = Fitted::unsearched(problem, at) else {
             return Vec::new();

@@ -10,7 +10,7 @@ use crate::cause::candidates::{BAYES, PRICE};
 use crate::cause::proof::held_out;
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
+use crate::fitting::problem::ExtendedProblem;
 
 /// A cause is needed where leaving it out raises the sum of squares by so much ...
 const COST: f64 = 150.0;
@@ -26,7 +26,7 @@ impl<'g> SelectionInput<'_, 'g> {
         let mut values = model.effect_values();
         effects.remove(place);
         values.remove(place);
-        let problem = Problem::new(self.group, &model.base(), effects);
+        let problem = ExtendedProblem::new(self.group, &model.base(), effects);
         let start = problem.coordinates(&model.base(), &values);
         Fitted::search(problem, &[start], &[]).map(Fitted::polished)
     }

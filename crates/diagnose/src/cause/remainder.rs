@@ -6,11 +6,11 @@
 
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
+use crate::fitting::problem::ExtendedProblem;
 use crate::misfit::calibration::{Asked, Calibration};
 use crate::misfit::null::{Null, Statistics};
 use crate::misfit::signature::{Signature, directions};
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 impl SelectionInput<'_, '_> {
     /// How often chance leaves as much as `model` does, from what it leaves in the noise beside the base: found anew in the
@@ -53,8 +53,8 @@ impl SelectionInput<'_, '_> {
 }
 
 /// The model with its effects fitted to the same readings with another noise, from where it was.
-fn refitted<'g>(group: &'g Group<'g>, from: &Fitted) -> Option<Fitted<'g>> {
-    let problem = Problem::new(group, &from.base(), from.problem.effects.clone());
+fn refitted<'g>(group: &'g RunGroup<'g>, from: &Fitted) -> Option<Fitted<'g>> {
+    let problem = ExtendedProblem::new(group, &from.base(), from.problem.effects.clone());
     let at = problem.coordinates(&from.base(), &from.effect_values());
     Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }

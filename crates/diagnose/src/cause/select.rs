@@ -6,7 +6,7 @@ use crate::cause::proof::discrepancy;
 use crate::cause::proof::held_out::{self, Part};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
+use crate::fitting::problem::ExtendedProblem;
 use crate::levels::TAKEN;
 use crate::misfit::null::{Null, Statistics};
 use crate::misfit::signature::Direction;
@@ -27,7 +27,7 @@ const NEARLY: f64 = 0.95;
 const TRIED: usize = 5;
 
 /// One step forward.
-pub(crate) struct Step<'g> {
+pub(crate) struct SelectionStep<'g> {
     pub(crate) candidates: Vec<CandidateFit<'g>>,
     /// Ids of candidates that explain the readings as well as the one that was taken.
     pub(crate) rivals: Vec<&'static str>,
@@ -37,7 +37,7 @@ pub(crate) struct Step<'g> {
 
 /// What was selected.
 pub(crate) struct Selection<'g> {
-    pub(crate) steps: Vec<Step<'g>>,
+    pub(crate) steps: Vec<SelectionStep<'g>>,
     /// The model with everything that was taken.
     pub(crate) model: Fitted<'g>,
     pub(crate) p_leftover: f64,
@@ -91,7 +91,7 @@ impl<'g> SelectionInput<'_, 'g> {
     /// Selects, from the null distribution and directions beside the base.
     pub(crate) fn select(&self, null: &Null, beside_base: &[Direction]) -> Selection<'g> {
         let mut model = self.base.clone();
-        let mut steps: Vec<Step<'g>> = Vec::new();
+        let mut steps: Vec<SelectionStep<'g>> = Vec::new();
         let mut later: Option<(Null, Vec<Direction>)> = None;
         let residuals = model.residuals();
         let mut leftover = null.observe(self.group, &residuals, beside_base);
@@ -116,7 +116,7 @@ impl<'g> SelectionInput<'_, 'g> {
             } else {
                 Vec::new()
             };
-            steps.push(Step {
+            steps.push(SelectionStep {
                 candidates,
                 rivals,
                 p,
@@ -256,7 +256,7 @@ impl<'g> SelectionInput<'_, 'g> {
 
     /// What came first was chosen before the others were known: each effect is left out in turn, and where another one
     /// then fits better by far, it takes the place. None where all stay. The exchange is added to the steps.
-    fn exchanged(&self, model: &Fitted<'g>, steps: &mut Vec<Step<'g>>) -> Option<Fitted<'g>> {
+    fn exchanged(&self, model: &Fitted<'g>, steps: &mut Vec<SelectionStep<'g>>) -> Option<Fitted<'g>> {
         let count = model.problem.effects.len();
         if count < 2 {
             return None;
@@ -281,7 +281,7 @@ impl<'g> SelectionInput<'_, 'g> {
             });
             let rotated = match better {
                 Some((fitted, p)) => {
-                    steps.push(Step {
+                    steps.push(SelectionStep {
                         candidates: std::mem::take(&mut candidates),
                         rivals: Vec::new(),
                         p,
@@ -305,7 +305,7 @@ impl<'g> SelectionInput<'_, 'g> {
         let mut values = model.effect_values();
         effects.rotate_left(1);
         values.rotate_left(1);
-        let problem = Problem::new(self.group, &model.base(), effects);
+        let problem = ExtendedProblem::new(self.group, &model.base(), effects);
         let start = problem.coordinates(&model.base(), &values);
         Fitted::search(problem, &[start], &[])
     }

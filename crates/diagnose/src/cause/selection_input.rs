@@ -5,11 +5,11 @@ use crate::misfit::calibration::{Asked, Calibration};
 use crate::misfit::null::{Null, Statistics};
 use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature, directions};
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// A group, the base model fitted to it, and the questions that its residuals are asked.
 pub(crate) struct SelectionInput<'a, 'g> {
-    pub(crate) group: &'g Group<'g>,
+    pub(crate) group: &'g RunGroup<'g>,
     pub(crate) base: &'a Fitted<'g>,
     pub(crate) signatures: &'a [Signature],
     pub(crate) bins: &'a [ResidualBin],

@@ -13,7 +13,7 @@ use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature::{directions, signatures_of};
 use crate::options::VERSION;
-use crate::readings::group::{Group, RunInput};
+use crate::readings::group::{RunGroup, RunInput};
 
 /// A shift of a base parameter by more standard errors than this is worth a sentence.
 const WORTH: f64 = 3.0;
@@ -24,7 +24,7 @@ const WORTH: f64 = 3.0;
 /// model cannot be fitted to any run, or an effect cannot act in these runs. A pure function of its input: the same readings give the same numbers at any
 /// number of threads.
 pub fn fit_extended(runs: &[RunInput], choice: &ModelChoice) -> Vec<(usize, Fit)> {
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let found = with_base(&raw, choice.base, |group, base| {
         let extended = extend(group, base.clone(), choice);
         extended.map_or_else(Vec::new, |extended| fits(group, &base, &extended, choice, runs))
@@ -34,7 +34,11 @@ pub fn fit_extended(runs: &[RunInput], choice: &ModelChoice) -> Vec<(usize, Fit)
 
 /// Adds the effects one after another, each from its most promising shapes, and settles them together; none where one
 /// has no shape that acts in these runs.
-pub(crate) fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelChoice) -> Option<Fitted<'g>> {
+pub(crate) fn extend<'g>(
+    group: &'g RunGroup<'g>,
+    base: Fitted<'g>,
+    choice: &ModelChoice,
+) -> Option<Fitted<'g>> {
     let scale = scale(group, &base.problem, &base.at);
     choice.effects.iter().try_fold(base, |model, &effect| {
         let signatures = signatures_of(&[effect], &model.problem, &model.at, &scale);
@@ -51,7 +55,7 @@ pub(crate) fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelC
 }
 
 fn fits<'g>(
-    group: &'g Group<'g>,
+    group: &'g RunGroup<'g>,
     base: &Fitted<'g>,
     extended: &Fitted<'g>,
     choice: &ModelChoice,
@@ -157,7 +161,7 @@ fn knowledge(extended: &Fitted, wider: f64, quantile: f64) -> BaseKnowledge {
 }
 
 /// Parameters of the effects, `faradaic-leak.onset_v`.
-fn effect_parameters(extended: &Fitted, group: &Group, wider: f64) -> Vec<Parameter> {
+fn effect_parameters(extended: &Fitted, group: &RunGroup, wider: f64) -> Vec<Parameter> {
     let of_effects = extended.effect_parameters_widened(group, wider);
     let named = extended
         .problem
@@ -175,7 +179,13 @@ fn effect_parameters(extended: &Fitted, group: &Group, wider: f64) -> Vec<Parame
 }
 
 /// What a reader of one run's fit must know: what it shares, and how wrong the base model's parameters were.
-fn issues(base: &Fitted, extended: &Fitted, choice: &ModelChoice, group: &Group, wider: f64) -> Vec<Issue> {
+fn issues(
+    base: &Fitted,
+    extended: &Fitted,
+    choice: &ModelChoice,
+    group: &RunGroup,
+    wider: f64,
+) -> Vec<Issue> {
     let mut issues = vec![Issue::note(
         "shared-parameters",
         format!(

@@ -5,13 +5,13 @@ use ieap_model::{Branch, LumpedModel};
 
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::{FreeEffect, Problem};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
 use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
 use crate::options::DiagnoseOptions;
-use crate::readings::group::{Group, RunInput};
+use crate::readings::group::{RunGroup, RunInput};
 
 /// Factors on the resistances of the branches from which they are searched: an effect that resists before them has made
 /// those of the base model too large.
@@ -27,7 +27,7 @@ pub(crate) fn p_leftover(
     values: &[f64],
 ) -> Option<f64> {
     let effect = effect(id)?;
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let found = with_base(&raw, options.model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let search = effect.search(0, &scale);
@@ -42,7 +42,7 @@ pub(crate) fn p_leftover(
         let free_effect = || FreeEffect::new(effect, 0, limits.clone(), values);
         let fitted = STARTS.into_iter().filter_map(|factor| {
             let start = conducting(&base.base(), factor);
-            let problem = Problem::new(group, &start, vec![free_effect()]);
+            let problem = ExtendedProblem::new(group, &start, vec![free_effect()]);
             let at = problem.coordinates(&start, &[values.to_vec()]);
             Some(Fitted::search(problem, &[at], &[])?.converged())
         });

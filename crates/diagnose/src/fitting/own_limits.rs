@@ -8,7 +8,7 @@
 use ieap_model::effects::Limits;
 
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::{FreeEffect, Problem};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::scale::scale;
 
 /// Times that limits are drawn anew: each time the base comes nearer to its own.
@@ -35,7 +35,7 @@ impl<'g> Fitted<'g> {
 }
 
 /// The problem with the limits of every effect that lies at one put farther; none where none is.
-fn wider<'g>(fitted: &Fitted<'g>) -> Option<Problem<'g>> {
+fn wider<'g>(fitted: &Fitted<'g>) -> Option<ExtendedProblem<'g>> {
     let problem = &fitted.problem;
     let mut place = problem.base_len();
     let mut effects = problem.effects.clone();
@@ -54,7 +54,7 @@ fn wider<'g>(fitted: &Fitted<'g>) -> Option<Problem<'g>> {
 fn of_own_base(fitted: &Fitted, free_effect: &FreeEffect) -> Vec<Limits> {
     let group = fitted.problem.group;
     let base = fitted.base();
-    let alone = Problem::new(group, &base, Vec::new());
+    let alone = ExtendedProblem::new(group, &base, Vec::new());
     let scale = scale(group, &alone, &alone.coordinates(&base, &[]));
     free_effect.effect.search(free_effect.variant, &scale).limits
 }

@@ -7,7 +7,7 @@ use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::dense::{Bottom, Slope, descend};
 use ieap_numerics::sums::dot;
 
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Step of the difference quotients, in coordinates scaled to be of order one.
 const STEP: f64 = 1e-5;
@@ -95,8 +95,8 @@ impl FreeEffect {
 
 /// The sum of squares of some runs of a group.
 #[derive(Clone)]
-pub(crate) struct Problem<'g> {
-    pub(crate) group: &'g Group<'g>,
+pub(crate) struct ExtendedProblem<'g> {
+    pub(crate) group: &'g RunGroup<'g>,
     /// Runs that take part.
     pub(crate) runs: Vec<usize>,
     pub(crate) effects: Vec<FreeEffect>,
@@ -111,9 +111,13 @@ pub(crate) struct Problem<'g> {
     high: Vec<f64>,
 }
 
-impl<'g> Problem<'g> {
+impl<'g> ExtendedProblem<'g> {
     /// All runs, with `start` as what sizes are measured by.
-    pub(crate) fn new(group: &'g Group<'g>, start: &LumpedModel, effects: Vec<FreeEffect>) -> Problem<'g> {
+    pub(crate) fn new(
+        group: &'g RunGroup<'g>,
+        start: &LumpedModel,
+        effects: Vec<FreeEffect>,
+    ) -> ExtendedProblem<'g> {
         let parallel: f64 = start.branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum();
         let longest_s = group.runs.iter().map(|run| run.duration_s).fold(1e-9, f64::max);
         let steady = start.steady_state_resistance_ohm_cm2.recip();
@@ -128,7 +132,7 @@ impl<'g> Problem<'g> {
             .iter()
             .map(|b| b.time_constant_s())
             .fold(longest_s, f64::min);
-        let mut problem = Problem {
+        let mut problem = ExtendedProblem {
             group,
             runs: (0..group.runs.len()).collect(),
             effects,
@@ -165,7 +169,7 @@ impl<'g> Problem<'g> {
     }
 
     /// The same with one more effect, its coordinates behind the others.
-    pub(crate) fn with(&self, free_effect: FreeEffect) -> Problem<'g> {
+    pub(crate) fn with(&self, free_effect: FreeEffect) -> ExtendedProblem<'g> {
         let mut problem = self.clone();
         let lows: Vec<f64> = free_effect.limits.iter().map(|limits| limits.low).collect();
         let highs: Vec<f64> = free_effect.limits.iter().map(|limits| limits.high).collect();
@@ -176,8 +180,8 @@ impl<'g> Problem<'g> {
     }
 
     /// The same with other limits of its effects.
-    pub(crate) fn within_limits_of(&self, effects: Vec<FreeEffect>) -> Problem<'g> {
-        let mut problem = Problem {
+    pub(crate) fn within_limits_of(&self, effects: Vec<FreeEffect>) -> ExtendedProblem<'g> {
+        let mut problem = ExtendedProblem {
             effects,
             ..self.clone()
         };
@@ -186,13 +190,13 @@ impl<'g> Problem<'g> {
     }
 
     /// The same over other runs of the group.
-    pub(crate) fn over(&self, runs: Vec<usize>) -> Problem<'g> {
-        Problem { runs, ..self.clone() }
+    pub(crate) fn over(&self, runs: Vec<usize>) -> ExtendedProblem<'g> {
+        ExtendedProblem { runs, ..self.clone() }
     }
 
     /// The same without some rows of all runs.
-    pub(crate) fn without(&self, rows: &[bool]) -> Problem<'g> {
-        Problem {
+    pub(crate) fn without(&self, rows: &[bool]) -> ExtendedProblem<'g> {
+        ExtendedProblem {
             left_out: rows.to_vec(),
             ..self.clone()
         }

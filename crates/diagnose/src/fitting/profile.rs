@@ -9,9 +9,9 @@ use ieap_numerics::levenberg::Stop;
 use crate::fitting::ends::{BOUNDS, together};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::modes::{Mode, SETTLE, modes};
-use crate::fitting::problem::{FreeEffect, Problem};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::scale::scale;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Strengths that are looked at on either side, in standard errors.
 const AT: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
@@ -30,7 +30,7 @@ const LEAP: f64 = 4.0;
 const HALVINGS: usize = 5;
 
 /// Profiles of every parameter of the effects that is searched, effect after effect.
-pub(crate) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
+pub(crate) fn profiles(group: &RunGroup, fitted: &Fitted) -> Vec<StrengthProfile> {
     let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
     let inverse = slope.normal.inverse(1e-12);
     let effects = &fitted.problem.effects;
@@ -80,7 +80,7 @@ struct Which {
 
 /// One parameter of a fitted model, on its way.
 struct Along<'a, 'g> {
-    group: &'a Group<'g>,
+    group: &'a RunGroup<'g>,
     fitted: &'a Fitted<'g>,
     which: Which,
     shift: &'a [f64],
@@ -292,7 +292,7 @@ impl Along<'_, '_> {
         } = self.which;
         let mut all = self.fitted.problem.effects.clone();
         all[number] = held(&all[number], parameter, &from.effects[number].parameters);
-        let problem = Problem::new(self.group, &from.base, all);
+        let problem = ExtendedProblem::new(self.group, &from.base, all);
         let parameters: Vec<Vec<f64>> = from.effects.iter().map(|e| e.parameters.clone()).collect();
         let start = problem.coordinates(&from.base, &parameters);
         let mut bottom = problem.descend(&start, evaluations, SETTLE, &[]);

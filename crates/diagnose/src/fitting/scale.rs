@@ -2,11 +2,11 @@
 
 use ieap_model::effects::Scale;
 
-use crate::fitting::problem::Problem;
-use crate::readings::group::Group;
+use crate::fitting::problem::ExtendedProblem;
+use crate::readings::group::RunGroup;
 
 /// Sizes of the data and of the base model, from which limits of effects follow.
-pub(crate) fn scale(group: &Group, problem: &Problem, at: &[f64]) -> Scale {
+pub(crate) fn scale(group: &RunGroup, problem: &ExtendedProblem, at: &[f64]) -> Scale {
     let model = problem.model(at);
     let mut scale = Scale {
         base: model.base.clone(),

@@ -4,15 +4,15 @@ use ieap_model::FitModel;
 
 use crate::fitting::base_fit::{base_fit, refit};
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 use crate::readings::outliers;
 
 /// Calls `then` with the group, its noise found beside the base model, and the base model fitted to it; none where no
 /// run gives a start.
 pub(crate) fn with_base<R>(
-    raw: &Group,
+    raw: &RunGroup,
     model: &'static FitModel,
-    then: impl FnOnce(&Group, Fitted) -> R,
+    then: impl FnOnce(&RunGroup, Fitted) -> R,
 ) -> Option<R> {
     let first = base_fit(raw, model)?;
     without_outliers(raw, &first, OUTLIER_ROUNDS, Box::new(then))
@@ -20,13 +20,13 @@ pub(crate) fn with_base<R>(
 
 /// What is made of a group and the base model fitted to it. In a box: rounds are nested, and a type of its own for
 /// each would have no end.
-type Then<'t, R> = Box<dyn FnOnce(&Group, Fitted) -> R + 't>;
+type Then<'t, R> = Box<dyn FnOnce(&RunGroup, Fitted) -> R + 't>;
 
 /// Outliers disturb the fit beside which they are seen: it is made again without them, and looked at again.
 const OUTLIER_ROUNDS: usize = 3;
 
 /// Calls `then` as [`with_base`] does, from a first fit of the base model and without the readings that are far off it.
-fn without_outliers<R>(raw: &Group, first: &Fitted, rounds: usize, then: Then<R>) -> Option<R> {
+fn without_outliers<R>(raw: &RunGroup, first: &Fitted, rounds: usize, then: Then<R>) -> Option<R> {
     let model = first.problem.model(&first.at);
     if let Some(cleaned) = outliers::without(raw, &model).filter(|_| rounds > 0) {
         let again = refit(&cleaned, first)?;

@@ -20,7 +20,7 @@ use crate::fitting::tangent::Tangent;
 use crate::misfit::null::Null;
 use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Draws, and the number of products of rows and candidates that they may cost before there are fewer.
 const DRAWS: usize = 100;
@@ -45,7 +45,7 @@ pub(crate) struct Calibration {
 
 /// What is asked.
 pub(crate) struct Asked<'a> {
-    pub(crate) group: &'a Group<'a>,
+    pub(crate) group: &'a RunGroup<'a>,
     pub(crate) null: &'a Null,
     pub(crate) tangent: &'a Tangent,
     pub(crate) signatures: &'a [Signature],
@@ -213,7 +213,7 @@ impl Simulation {
     }
 
     /// The noise of every channel found again in simulated residuals.
-    fn found(&self, group: &Group, rest: &[f64]) -> Vec<FoundAgain> {
+    fn found(&self, group: &RunGroup, rest: &[f64]) -> Vec<FoundAgain> {
         let of = |place: usize| {
             let block = &group.blocks[place];
             (&self.again[place], &rest[block.first..block.end])
@@ -242,7 +242,7 @@ impl Simulation {
 }
 
 /// White series in the units of the readings.
-fn coloured(group: &Group, mut series: Vec<f64>) -> Vec<f64> {
+fn coloured(group: &RunGroup, mut series: Vec<f64>) -> Vec<f64> {
     for block in &group.blocks {
         if let Some(channel) = group.channel(block) {
             channel.colour(&mut series[block.first..block.end]);

@@ -14,7 +14,7 @@ use crate::misfit::calibration::Calibration;
 use crate::misfit::mixture::Mixture;
 use crate::misfit::residual_bins::{Kind, ResidualBin};
 use crate::misfit::signature::Direction;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Part of the degrees of freedom of the noise's size that is believed: its memory was found from the same readings, and
 /// an error in it moves slow residuals more than the size alone says.
@@ -84,7 +84,7 @@ struct Drawn {
 impl Null {
     /// Draws `count` sets of statistics.
     pub(crate) fn new(
-        group: &Group,
+        group: &RunGroup,
         tangent: &Tangent,
         directions: &[Direction],
         bins: &[ResidualBin],
@@ -203,7 +203,12 @@ impl Null {
     }
 
     /// Statistics of refitted residuals.
-    pub(crate) fn observe(&self, group: &Group, residuals: &[f64], directions: &[Direction]) -> Statistics {
+    pub(crate) fn observe(
+        &self,
+        group: &RunGroup,
+        residuals: &[f64],
+        directions: &[Direction],
+    ) -> Statistics {
         let means: Vec<f64> = self
             .bin_units
             .iter()
@@ -387,7 +392,7 @@ fn chance_line(count: usize, generator: &mut ChaCha8Rng) -> f64 {
 }
 
 /// Share of a unit column's square in every block.
-fn shares(group: &Group, column: &[f64]) -> Vec<f64> {
+fn shares(group: &RunGroup, column: &[f64]) -> Vec<f64> {
     group
         .blocks
         .iter()

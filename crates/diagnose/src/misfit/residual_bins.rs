@@ -4,7 +4,7 @@ use ieap_domain::Level;
 use ieap_numerics::sums::dot;
 
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, RunGroup};
 
 /// Bins of the clock per run, and of the time since an edge per level of the drive.
 const BY_CLOCK: usize = 8;
@@ -59,7 +59,7 @@ impl ResidualBin {
 
 /// Bins of every channel of every run; then how much each run answers to each of many edges, by the shape in which
 /// the fitted current follows the resistances and the fitted curvature its size.
-pub(crate) fn residual_bins(group: &Group, base: &Fitted) -> Vec<ResidualBin> {
+pub(crate) fn residual_bins(group: &RunGroup, base: &Fitted) -> Vec<ResidualBin> {
     let mut found = Vec::new();
     for (place, block) in group.blocks.iter().enumerate() {
         of_block(group, place, block, &mut found);
@@ -71,7 +71,7 @@ pub(crate) fn residual_bins(group: &Group, base: &Fitted) -> Vec<ResidualBin> {
     found
 }
 
-fn edge_responses(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<ResidualBin> {
+fn edge_responses(group: &RunGroup, place: usize, block: &Block, shape: &[f64]) -> Vec<ResidualBin> {
     let run = &group.runs[block.run];
     let segments = &run.given.input.drive.segments;
     if segments.len() < EDGES {
@@ -98,7 +98,7 @@ fn edge_responses(group: &Group, place: usize, block: &Block, shape: &[f64]) -> 
     starts.windows(2).filter_map(of).collect()
 }
 
-fn of_block(group: &Group, place: usize, block: &Block, found: &mut Vec<ResidualBin>) {
+fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<ResidualBin>) {
     let run = &group.runs[block.run];
     let drive = run.given.input.drive;
     let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
@@ -148,7 +148,7 @@ fn same(left: Level, right: Level) -> bool {
 }
 
 /// Different levels of a run's drive.
-fn levels(group: &Group, block: &Block) -> Vec<Level> {
+fn levels(group: &RunGroup, block: &Block) -> Vec<Level> {
     let mut levels: Vec<Level> = Vec::new();
     for segment in &group.runs[block.run].given.input.drive.segments {
         if levels.len() < 4 && !levels.iter().any(|level| same(*level, segment.level)) {

@@ -6,9 +6,9 @@ use ieap_model::effects::{ALL, Applied, Effect, Limits, Scale};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 
-use crate::fitting::problem::{FreeEffect, Problem};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::tangent::Tangent;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 use crate::readings::tags::asked;
 
 /// An effect of which less than this part is left by a refit is said to be absorbed by it.
@@ -63,7 +63,7 @@ impl Signature {
     }
 
     /// The same change whitened with the noise of `to`, where it was with that of `from`: the same readings in both.
-    pub(crate) fn in_noise_of(&self, from: &Group, to: &Group) -> Signature {
+    pub(crate) fn in_noise_of(&self, from: &RunGroup, to: &RunGroup) -> Signature {
         let mut change = self.change.clone();
         for (block, other) in from.blocks.iter().zip(&to.blocks) {
             if let Some((before, after)) = from.channel(block).zip(to.channel(other)) {
@@ -88,7 +88,7 @@ impl Signature {
 type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
 
 /// Signatures of every effect at every probe, at the base model `at`: of the library, and of tags that differ in the group.
-pub(crate) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Signature> {
+pub(crate) fn signatures(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<Signature> {
     let mut effects = ALL.to_vec();
     effects.extend(asked(problem.group));
     signatures_of(&effects, problem, at, scale)
@@ -97,7 +97,7 @@ pub(crate) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Si
 /// Signatures of these effects.
 pub(crate) fn signatures_of(
     effects: &[&'static dyn Effect],
-    problem: &Problem,
+    problem: &ExtendedProblem,
     at: &[f64],
     scale: &Scale,
 ) -> Vec<Signature> {
@@ -135,7 +135,7 @@ pub(crate) fn signatures_of(
 }
 
 fn change(
-    problem: &Problem,
+    problem: &ExtendedProblem,
     model: &ExtendedModel,
     without: &[f64],
     effect: &'static dyn Effect,

@@ -5,14 +5,14 @@ use ieap_domain::{MisfitStretch, Whereabouts};
 
 use crate::misfit::null::Null;
 use crate::misfit::residual_bins::{Kind, ResidualBin};
-use crate::readings::group::{Group, channel_name};
+use crate::readings::group::{RunGroup, channel_name};
 
 /// A bin is said to be wrong where its mean is this many standard errors off.
 const WRONG: f64 = 4.0;
 
 /// Bins in which `residuals` are off, with a sentence on the worst of them.
 pub(crate) fn whereabouts(
-    group: &Group,
+    group: &RunGroup,
     null: &Null,
     bins: &[ResidualBin],
     residuals: &[f64],
@@ -46,7 +46,7 @@ pub(crate) fn whereabouts(
 }
 
 /// Says which channel answers the edges of a drive of many most unequally; none where none does beyond chance.
-fn unequal_edge_responses(group: &Group, bins: &[ResidualBin], scores: &[f64]) -> Option<String> {
+fn unequal_edge_responses(group: &RunGroup, bins: &[ResidualBin], scores: &[f64]) -> Option<String> {
     let of_block = |place: usize| {
         let is_its = |(bin, _): &(&ResidualBin, &f64)| bin.kind == Kind::EdgeResponse && bin.block == place;
         let own: Vec<f64> = bins.iter().zip(scores).filter(is_its).map(|(_, z)| *z).collect();
@@ -70,7 +70,7 @@ fn unequal_edge_responses(group: &Group, bins: &[ResidualBin], scores: &[f64]) -
 }
 
 /// Of bins that are off, of which there is one at least, the worst first.
-fn sentence(group: &Group, segments: &[MisfitStretch]) -> String {
+fn sentence(group: &RunGroup, segments: &[MisfitStretch]) -> String {
     let worst = &segments[0];
     let alike: Vec<&MisfitStretch> = segments
         .iter()

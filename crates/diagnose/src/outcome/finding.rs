@@ -26,7 +26,7 @@ use crate::options::DiagnoseOptions;
 use crate::outcome::gain::gain;
 use crate::outcome::next_run::next_run;
 use crate::readings::drawn::{drawn, paired};
-use crate::readings::group::{Group, RunInput, channel_name};
+use crate::readings::group::{RunGroup, RunInput, channel_name};
 use crate::readings::tags::not_asked;
 use ieap_model::effects::effect;
 use ieap_numerics::sums::dot;
@@ -44,7 +44,7 @@ const SPIKED_WORDS: &str =
 /// What is known before a cause is looked for.
 pub(crate) struct FindingBuilder<'a, 'g> {
     pub(crate) name: &'a str,
-    pub(crate) group: &'g Group<'g>,
+    pub(crate) group: &'g RunGroup<'g>,
     pub(crate) base: &'a Fitted<'g>,
     pub(crate) null: &'a Null,
     pub(crate) directions: &'a [Direction],

@@ -9,7 +9,7 @@ use ieap_model::extended::ExtendedModel;
 use ieap_numerics::robust::sd_about_zero;
 use statrs::distribution::{DiscreteCDF, Poisson};
 
-use crate::readings::group::{Group, NEEDED, QUANTITIES};
+use crate::readings::group::{NEEDED, QUANTITIES, RunGroup};
 use crate::readings::spikes::{AFTER_EDGE, BEFORE_EDGE, spreads};
 
 /// An outlier stands this many robust standard deviations off: under Gaussian noise one reading in two million does, and what a
@@ -35,18 +35,18 @@ const PAIRS: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 1), (2, 2)];
 const NO_CHANCE: f64 = 1e-3;
 
 /// The group without its outliers; none where there are none.
-pub(crate) fn without<'a>(group: &Group<'a>, model: &ExtendedModel) -> Option<Group<'a>> {
+pub(crate) fn without<'a>(group: &RunGroup<'a>, model: &ExtendedModel) -> Option<RunGroup<'a>> {
     let (mut cleaned, told) = cleaned(group, model, true);
     if told.is_with_edges() {
         cleaned = self::cleaned(group, model, false).0;
     }
     cleaned.give_back(group);
-    let left_out = |group: &Group| group.runs.iter().flat_map(|run| run.spikes).sum::<usize>();
+    let left_out = |group: &RunGroup| group.runs.iter().flat_map(|run| run.spikes).sum::<usize>();
     (left_out(&cleaned) > left_out(group)).then_some(cleaned)
 }
 
 /// The group without outliers, of those beside edges only where they are asked for, and where they stood.
-fn cleaned<'a>(group: &Group<'a>, model: &ExtendedModel, beside_edges: bool) -> (Group<'a>, Places) {
+fn cleaned<'a>(group: &RunGroup<'a>, model: &ExtendedModel, beside_edges: bool) -> (RunGroup<'a>, Places) {
     let mut cleaned = group.clone();
     let mut places = Places::default();
     for round in 0..ROUNDS {
@@ -99,7 +99,7 @@ struct ChannelScan {
 }
 
 /// The farthest of each run of readings that are off.
-fn outliers(group: &Group, model: &ExtendedModel, beside_edges: bool) -> (Vec<Found>, Places) {
+fn outliers(group: &RunGroup, model: &ExtendedModel, beside_edges: bool) -> (Vec<Found>, Places) {
     let mut found = Vec::new();
     let mut places = Places::default();
     for kind in 0..QUANTITIES.len() {
@@ -125,7 +125,7 @@ fn outliers(group: &Group, model: &ExtendedModel, beside_edges: bool) -> (Vec<Fo
     (found, places)
 }
 
-fn scan(group: &Group, model: &ExtendedModel, run: usize, kind: usize) -> Option<ChannelScan> {
+fn scan(group: &RunGroup, model: &ExtendedModel, run: usize, kind: usize) -> Option<ChannelScan> {
     let own = &group.runs[run];
     let channel = own.channels[kind].as_ref().filter(|c| c.len() >= ENOUGH)?;
     if is_held(channel.values()) {
@@ -232,9 +232,9 @@ fn is_at_every_edge(own: &ChannelScan, k: usize, all: &[ChannelScan]) -> bool {
     others.len() < OTHER_EDGES || own.off[k] < BEYOND_USUAL * usual
 }
 
-impl<'a> Group<'a> {
+impl<'a> RunGroup<'a> {
     /// Takes channels back from before, of which more was left out than outliers are.
-    fn give_back(&mut self, before: &Group<'a>) {
+    fn give_back(&mut self, before: &RunGroup<'a>) {
         for (own, before) in self.runs.iter_mut().zip(&before.runs) {
             for kind in 0..QUANTITIES.len() {
                 let left = own.channels[kind].as_ref().map_or(0, WhitenedChannel::len);
@@ -244,7 +244,7 @@ impl<'a> Group<'a> {
                 }
             }
         }
-        self.blocks = Group::blocks(&self.runs);
+        self.blocks = RunGroup::blocks(&self.runs);
     }
 
     /// Leaves those readings out of a channel, where enough others remain.
@@ -262,7 +262,7 @@ impl<'a> Group<'a> {
             own.channels[kind] = Some(kept);
             own.spikes[kind] += outliers.len();
         }
-        self.blocks = Group::blocks(&self.runs);
+        self.blocks = RunGroup::blocks(&self.runs);
     }
 }
 
@@ -281,7 +281,7 @@ mod tests {
     fn a_channel_of_which_more_would_go_than_outliers_are_is_kept_whole() {
         let runs = Runs::with(None, &[&[(0.0, 2.0)]], 3);
         let inputs = runs.inputs();
-        let whole = Group::new(&inputs);
+        let whole = RunGroup::new(&inputs);
         let without = |count: usize| {
             let mut cleaned = whole.clone();
             cleaned.leave_out(0, 0, &(100..100 + count).collect::<Vec<_>>());

@@ -3,7 +3,7 @@
 use ieap_model::effects::{Effect, effect};
 
 use crate::levels::TAKEN;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Orders of its values below which no answer could be that rare.
 const FEWEST_ORDERS: f64 = 1.0 / TAKEN;
@@ -22,13 +22,13 @@ impl Tag {
 }
 
 /// Effects that follow a tag whose order among the runs can be told from chance.
-pub(crate) fn asked(group: &Group) -> Vec<&'static dyn Effect> {
+pub(crate) fn asked(group: &RunGroup) -> Vec<&'static dyn Effect> {
     let tags = tags(group).into_iter().filter(Tag::can_be_told);
     tags.filter_map(|tag| effect(tag.id)).collect()
 }
 
 /// What is said of tags that differ in too few runs to be asked.
-pub(crate) fn not_asked(group: &Group) -> Vec<String> {
+pub(crate) fn not_asked(group: &RunGroup) -> Vec<String> {
     let few = tags(group).into_iter().filter(|tag| !tag.can_be_told());
     few.filter_map(|tag| {
         let about = effect(tag.id)?.about();
@@ -43,7 +43,7 @@ pub(crate) fn not_asked(group: &Group) -> Vec<String> {
 }
 
 /// Tags whose values are not the same in all runs.
-pub(crate) fn tags(group: &Group) -> Vec<Tag> {
+pub(crate) fn tags(group: &RunGroup) -> Vec<Tag> {
     let Some(first) = group.runs.first() else {
         return Vec::new();
     };

@@ -37,7 +37,7 @@ fn from_best_probe<'g>(
 /// fall.
 fn searched(runs: &Runs, ids: &[&str]) -> Vec<(String, f64, f64)> {
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let of = |id: &&str| {
@@ -72,7 +72,7 @@ fn a_strength_at_a_limit_of_the_wrong_base_is_sought_beyond_it() {
     let hidden: Hidden = ("noncircular-shape", None, &[("bias_cm", TRUTH_CM)]);
     let runs = Runs::with(Some(hidden), &[STEP, HALF], 8);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     let asked = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let (_, narrow) = from_best_probe(&base, &scale, hidden.0).unwrap();
@@ -234,7 +234,7 @@ fn a_leak_of_two_voltages_has_no_scale() {
 fn searches_from_every_probe_end_in_places_that_explain_as_well() {
     let runs = Runs::with(Some(LEAK), FOUR, 60);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let fitted = |id: &str| from_best_probe(&base, &scale, id).unwrap().1;

@@ -26,7 +26,7 @@ fn what_wanders_from_edge_to_edge_is_seen_and_not_named() {
 fn every_reading_after_an_edge_is_of_one_answer() {
     let runs = Runs::with(None, &[DISCHARGED, PULSES], 1);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let all = residual_bins::residual_bins(group, &base);
         let edge_responses = all

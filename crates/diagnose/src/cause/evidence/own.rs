@@ -5,7 +5,7 @@ use ieap_numerics::dense::{Dense, Slope};
 
 use crate::fitting::base_fit::of_each_run;
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// The base model fitted to each run by itself, in the coordinates of the group's.
 pub(super) struct OwnFits {
@@ -26,7 +26,7 @@ pub(super) struct RunForm {
 
 impl OwnFits {
     /// From the parameters of the group's base, and from those that a fit of the run alone gives.
-    pub(super) fn of(group: &Group, base: &Fitted, model: &'static FitModel) -> Option<OwnFits> {
+    pub(super) fn of(group: &RunGroup, base: &Fitted, model: &'static FitModel) -> Option<OwnFits> {
         let alone = of_each_run(group, model);
         let mut found = OwnFits {
             at: Vec::new(),

@@ -15,7 +15,7 @@ use super::varies::{Covariate, Subset, covariates, least, subsets};
 use crate::cause::candidates::CandidateFit;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Hypotheses below this mass are not told, but for the leading one of each kind.
 const LEAST: f64 = 1e-3;
@@ -24,7 +24,7 @@ const FITTED: usize = 3;
 
 /// What hypotheses are weighed on.
 pub(crate) struct Asked<'a, 'g> {
-    pub(crate) group: &'g Group<'g>,
+    pub(crate) group: &'g RunGroup<'g>,
     pub(crate) base: &'a Fitted<'g>,
     pub(crate) selection: &'a Selection<'g>,
     pub(crate) model: &'static FitModel,

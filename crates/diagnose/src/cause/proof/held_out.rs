@@ -11,7 +11,7 @@ use ieap_model::extended::Responses;
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
 use crate::readings::drawn::drawn;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, RunGroup};
 use crate::readings::quantities::{Predicted, predicted};
 
 /// Evaluations of a refit without the held-out part; it starts from the fit to everything.
@@ -93,12 +93,12 @@ impl Deviations {
 }
 
 /// Runs or times that are held out.
-pub(crate) fn kind(group: &Group) -> &'static str {
+pub(crate) fn kind(group: &RunGroup) -> &'static str {
     if group.runs.len() > 1 { "run" } else { "time" }
 }
 
 /// Every part predicted by the model refitted without it.
-pub(crate) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
+pub(crate) fn parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
     let predictive = Predictive::of(fitted);
     if group.runs.len() > 1 {
         drives(group)
@@ -114,7 +114,7 @@ pub(crate) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
 }
 
 /// Rows that each part leaves out, in the order of [`parts`].
-pub(crate) fn rows(group: &Group) -> Vec<Vec<bool>> {
+pub(crate) fn rows(group: &RunGroup) -> Vec<Vec<bool>> {
     if group.runs.len() > 1 {
         let parts = drives(group);
         parts.iter().map(|runs| rows_of_runs(group, runs)).collect()
@@ -128,7 +128,7 @@ pub(crate) fn rows(group: &Group) -> Vec<Vec<bool>> {
 
 /// The runs of each drive: left in, a repeat would tell what a left-out run is like whatever the model. Every run by
 /// itself where all are of one drive.
-fn drives(group: &Group) -> Vec<Vec<usize>> {
+fn drives(group: &RunGroup) -> Vec<Vec<usize>> {
     let of = |run: usize| group.runs[run].given.input.drive;
     let mut drives: Vec<Vec<usize>> = Vec::new();
     for run in 0..group.runs.len() {
@@ -143,7 +143,7 @@ fn drives(group: &Group) -> Vec<Vec<usize>> {
     }
 }
 
-fn rows_of_runs(group: &Group, runs: &[usize]) -> Vec<bool> {
+fn rows_of_runs(group: &RunGroup, runs: &[usize]) -> Vec<bool> {
     let mut out = vec![false; group.rows()];
     for block in group.blocks.iter().filter(|block| runs.contains(&block.run)) {
         out[block.first..block.end].fill(true);
@@ -152,7 +152,7 @@ fn rows_of_runs(group: &Group, runs: &[usize]) -> Vec<bool> {
 }
 
 /// The rows of the later part of those runs.
-pub(crate) fn later_rows(group: &Group, runs: &[usize]) -> Vec<bool> {
+pub(crate) fn later_rows(group: &RunGroup, runs: &[usize]) -> Vec<bool> {
     let mut out = vec![false; group.rows()];
     for &run in runs {
         let (rows, _) = rows_of_time(group, run, HeldOutTime::OfTime(EARLIER, 1.0));
@@ -162,7 +162,7 @@ pub(crate) fn later_rows(group: &Group, runs: &[usize]) -> Vec<bool> {
 }
 
 /// The rows of a stretch of a run, and its ends, s after the start of the drive.
-fn rows_of_time(group: &Group, run: usize, held_out_time: HeldOutTime) -> (Vec<bool>, (f64, f64)) {
+fn rows_of_time(group: &RunGroup, run: usize, held_out_time: HeldOutTime) -> (Vec<bool>, (f64, f64)) {
     let group_run = &group.runs[run];
     let start_s = group_run.context(run, None).start_s();
     let times = |channel: usize| group_run.times(channel).iter().map(|t| t - start_s);
@@ -179,7 +179,7 @@ fn rows_of_time(group: &Group, run: usize, held_out_time: HeldOutTime) -> (Vec<b
     (out, (from_s, to_s))
 }
 
-fn left_out(fitted: &Fitted, predictive: &Predictive, group: &Group, runs: &[usize]) -> Part {
+fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[usize]) -> Part {
     let others: Vec<usize> = (0..group.runs.len())
         .filter(|other| !runs.contains(other))
         .collect();
@@ -202,7 +202,7 @@ fn left_out(fitted: &Fitted, predictive: &Predictive, group: &Group, runs: &[usi
 }
 
 /// What a part is called: its run, or the first of several.
-fn name(group: &Group, runs: &[usize]) -> String {
+fn name(group: &RunGroup, runs: &[usize]) -> String {
     let first = group.runs[runs[0]].given.name;
     match runs.len() {
         1 => first.to_owned(),
@@ -214,7 +214,7 @@ fn name(group: &Group, runs: &[usize]) -> String {
 /// Adds to the part the wanted readings of a run beside what was predicted of them.
 pub(crate) fn compare(
     part: &mut Part,
-    group: &Group,
+    group: &RunGroup,
     run: usize,
     found: &Responses,
     wanted: &dyn Fn(usize) -> bool,
@@ -227,7 +227,7 @@ pub(crate) fn compare(
     }
 }
 
-fn deviations(group: &Group, block: &Block, fitted: &[f64], wanted: &dyn Fn(usize) -> bool) -> Deviations {
+fn deviations(group: &RunGroup, block: &Block, fitted: &[f64], wanted: &dyn Fn(usize) -> bool) -> Deviations {
     let mut sum = Deviations::default();
     let Some(channel) = group.channel(block) else {
         return sum;
@@ -243,7 +243,12 @@ fn deviations(group: &Group, block: &Block, fitted: &[f64], wanted: &dyn Fn(usiz
     sum
 }
 
-fn out_of_time(fitted: &Fitted, predictive: &Predictive, group: &Group, held_out_time: HeldOutTime) -> Part {
+fn out_of_time(
+    fitted: &Fitted,
+    predictive: &Predictive,
+    group: &RunGroup,
+    held_out_time: HeldOutTime,
+) -> Part {
     let run = &group.runs[0];
     let (out, (from_s, to_s)) = rows_of_time(group, 0, held_out_time);
     let bottom = fitted

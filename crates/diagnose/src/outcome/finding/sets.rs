@@ -3,10 +3,10 @@
 use super::FindingBuilder;
 use super::forms::widened;
 use crate::cause::candidates::{AS_GOOD, CandidateFit, INEXACT, PRICE};
-use crate::cause::select::{Selection, Step};
+use crate::cause::select::{Selection, SelectionStep};
 use crate::fitting::ends::{bounded_by, held_by, told_by};
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
+use crate::fitting::problem::ExtendedProblem;
 use ieap_domain::{EffectFinding, Parameter, StrengthProfile};
 
 /// A strength that is known to this part of itself is one number: a law without free strength is held against it.
@@ -36,7 +36,7 @@ impl<'g> FindingBuilder<'_, 'g> {
 
     /// The rivals of a single cause; one that has no free strength wins where the fitted strength of its twin is
     /// sharp, for it could have been anything.
-    fn sharpened(&self, step: &Step, model: &Fitted) -> Vec<&'static str> {
+    fn sharpened(&self, step: &SelectionStep, model: &Fitted) -> Vec<&'static str> {
         let rivals = step.rivals.clone();
         let is_free = |id: &str| {
             step.candidates
@@ -116,7 +116,7 @@ impl<'g> FindingBuilder<'_, 'g> {
             let extra = other.free() as f64 - effects[place].free() as f64;
             effects[place] = other.clone();
             values[place] = fitted.effect_values().pop().unwrap_or_default();
-            let problem = Problem::new(self.group, &model.base(), effects);
+            let problem = ExtendedProblem::new(self.group, &model.base(), effects);
             let start = problem.coordinates(&model.base(), &values);
             let Some(found) = Fitted::search(problem, &[start], &[]).map(Fitted::polished) else {
                 continue;
