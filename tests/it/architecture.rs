@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::imports::Imports;
+use super::imports::{Imports, Module};
 
 /// What each crate of the house may use beside itself. Its Cargo.toml is what the compiler holds it to; this is what
 /// ARCHITECTURE.md promises of it.
@@ -79,7 +79,7 @@ fn imports_of(name: &str) -> Imports {
 /// Two files that need each other can be read as one; of more nobody finds the beginning.
 #[test]
 fn no_more_than_two_files_import_each_other() {
-    for name in ["fit"] {
+    for name in ["diagnose", "fit"] {
         let imports = imports_of(name);
         assert!(
             imports.of.len() > 50,
@@ -91,6 +91,26 @@ fn no_more_than_two_files_import_each_other() {
             assert!(files.len() <= 2, "{name}: files import each other: {files:?}");
         }
     }
+}
+
+/// Folders of a diagnosis in the order in which readings go through them: each uses those before it.
+const STAGES: [&str; 6] = ["readings", "fitting", "misfit", "cause", "extended", "outcome"];
+
+#[test]
+fn the_stages_of_a_diagnosis_follow_each_other() {
+    let imports = imports_of("diagnose");
+    let stage = |module: &Module| STAGES.iter().position(|stage| module.first().is_some_and(|own| own == stage));
+    let mut arrows = 0;
+    for (module, others) in &imports.of {
+        for other in others {
+            let (Some(from), Some(to)) = (stage(module), stage(other)) else {
+                continue;
+            };
+            arrows += usize::from(from != to);
+            assert!(to <= from, "{} uses {}", module.join("::"), other.join("::"));
+        }
+    }
+    assert!(arrows > 50, "{arrows} arrows between stages were seen");
 }
 
 #[test]

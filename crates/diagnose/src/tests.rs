@@ -1,7 +1,7 @@
 //! Groups with known truth, and what each part of a diagnosis makes of them.
 
-mod answers;
 mod causes;
+mod edge_responses;
 mod noise;
 mod one_fit;
 mod predicted;
@@ -15,10 +15,12 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
 use crate::cause::proof::{discrepancy, held_out, later};
-use crate::fitting::modes;
-use crate::misfit::null;
-use crate::readings::louder;
-use ieap_domain::{Channel, Drive, Level, Quantity, Segment, Verdict};
+use crate::cause::select;
+use crate::fitting::without_outliers::with_base;
+use crate::fitting::{base_fit, fitted, modes};
+use crate::misfit::{odd_scale, residual_bins};
+use crate::readings::{group, louder};
+use ieap_domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment, Verdict};
 use ieap_fit::FitInput;
 use ieap_model::truth::{HiddenEffect, Truth, simulate};
 use ieap_model::{Branch, LumpedModel};

@@ -4,13 +4,13 @@ use ieap_model::ModelChoice;
 
 use crate::cause::proof::held_out;
 use crate::extended::fits::extend;
-use crate::readings::group::Group;
-use crate::{RunInput, with_base};
+use crate::fitting::without_outliers::with_base;
+use crate::readings::group::{RunGroup, RunInput};
 
 /// Fall of the deviance of held-out readings where the effects of `choice` are known to be the cause and only their
 /// shapes and strengths are fitted; none where they cannot act in these runs.
 pub fn known_cause_gain(runs: &[RunInput], choice: &ModelChoice) -> Option<f64> {
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     with_base(&raw, choice.base, |group, base| {
         let extended = extend(group, base.clone(), choice)?;
         let before = held_out::parts(&base, group);

@@ -6,13 +6,15 @@
 use ieap_numerics::chance::chi_square_chance;
 use ieap_numerics::sums::dot;
 
-use crate::cause::candidates::look;
+use crate::cause::candidates::fit_candidates;
 use crate::cause::proof::{discrepancy, held_out};
 use crate::fitting::base_fit;
 use crate::fitting::fitted::Fitted;
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
 use crate::misfit::signature;
-use crate::readings::group::{Group, RunInput};
-use crate::{DiagnoseOptions, with_base};
+use crate::options::DiagnoseOptions;
+use crate::readings::group::{RunGroup, RunInput};
 
 /// Steps of a forward selection at most.
 const MOST_STEPS: usize = 3;
@@ -46,7 +48,7 @@ pub struct ForwardStep {
 
 /// Follows a forward selection from the base model up to three effects; none where nothing can be fitted.
 pub fn textbook(runs: &[RunInput], options: &DiagnoseOptions) -> Option<Textbook> {
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let nameless_gain = with_base(&raw, options.model, |group, base| {
         let before = held_out::parts(&base, group);
         discrepancy::falls(&base, group, &before).iter().sum()
@@ -63,19 +65,19 @@ pub fn textbook(runs: &[RunInput], options: &DiagnoseOptions) -> Option<Textbook
     })?
 }
 
-fn path<'g>(group: &'g Group<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
-    let scale = signature::scale(group, &base.problem, &base.at);
+fn path<'g>(group: &'g RunGroup<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
+    let scale = scale(group, &base.problem, &base.at);
     let signatures = signature::signatures(&base.problem, &base.at, &scale);
     let mut model = base;
     let mut path = Vec::new();
     while path.len() < MOST_STEPS {
         let (_, tangent) = model.tangent();
         let directions = signature::directions(&signatures, &tangent);
-        let mut looked = look(&model, &model.residuals(), &signatures, &directions, &[]);
-        if looked.is_empty() {
+        let mut candidates = fit_candidates(&model, &model.residuals(), &signatures, &directions, &[]);
+        if candidates.is_empty() {
             break;
         }
-        let best = looked.swap_remove(0);
+        let best = candidates.swap_remove(0);
         let Some(fitted) = best.fitted else { break };
         path.push(ForwardStep {
             effect: best.effect,
@@ -88,7 +90,7 @@ fn path<'g>(group: &'g Group<'g>, base: Fitted<'g>) -> Vec<ForwardStep> {
 }
 
 /// The test of Ljung and Box on the residuals of every channel of every run, Bonferroni over them.
-fn ljung_box(group: &Group, base: &Fitted) -> f64 {
+fn ljung_box(group: &RunGroup, base: &Fitted) -> f64 {
     let residuals = base.residuals();
     let p = group
         .blocks

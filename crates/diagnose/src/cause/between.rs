@@ -9,60 +9,26 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use ieap_model::effects::{Effect, effect};
+use ieap_model::effects::effect;
 use ieap_numerics::interrupt;
 use ieap_numerics::sums::dot;
 
-use crate::cause::candidates::{Looked, look};
-use crate::cause::select::Ground;
+use crate::cause::candidates::{CandidateFit, fit_candidates};
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
+use crate::levels::TAKEN;
 use crate::misfit::null::Null;
 use crate::misfit::signature::Direction;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
+use crate::readings::tags::{Tag, tags};
 
-/// A candidate is taken where chance gives as much in fewer groups than this, and one that follows a tag where chance does in
-/// fewer deals.
-pub(crate) const TAKEN: f64 = 0.01;
-/// Orders of its values below which no answer could be that rare.
-const FEWEST_ORDERS: f64 = 1.0 / TAKEN;
 /// Share of a question's square that a refit must leave, as for every other effect.
 const ABSORBED: f64 = 1e-6;
 /// Deals that explain as much to within rounding count.
 const ROUNDING: f64 = 1e-9;
 /// Set apart from other uses of the same seed.
 const STREAM: u64 = 1 << 41;
-
-/// A tag that differs between the runs of a group: id of its effect, and place of every run.
-struct Tag {
-    id: &'static str,
-    at: Vec<f64>,
-}
-
-/// Effects that follow a tag whose order among the runs can be told from chance.
-pub(crate) fn asked(group: &Group) -> Vec<&'static dyn Effect> {
-    let tags = tags(group)
-        .into_iter()
-        .filter(|tag| orders(&tag.at) >= FEWEST_ORDERS);
-    tags.filter_map(|tag| effect(tag.id)).collect()
-}
-
-/// What is said of tags that differ in too few runs to be asked.
-pub(crate) fn not_asked(group: &Group) -> Vec<String> {
-    let few = tags(group)
-        .into_iter()
-        .filter(|tag| orders(&tag.at) < FEWEST_ORDERS);
-    few.filter_map(|tag| {
-        let about = effect(tag.id)?.about();
-        Some(format!(
-            "{} is not asked for: its values can be dealt to {} runs in {:.0} orders, and a finding needs {FEWEST_ORDERS:.0}",
-            about.summary,
-            tag.at.len(),
-            orders(&tag.at)
-        ))
-    })
-    .collect()
-}
 
 /// What is said of tags that were asked and that chance explains as well.
 pub(crate) fn refused_in_words(dealt: &[(&'static str, f64)]) -> Vec<String> {
@@ -79,7 +45,12 @@ pub(crate) fn refused_in_words(dealt: &[(&'static str, f64)]) -> Vec<String> {
 
 /// For every tag that is asked and that the model does not hold yet, the chance that a deal of the values lets the best of
 /// all questions explain as much of the residuals as this tag does.
-pub(crate) fn p_dealt(group: &Group, fitted: &Fitted, deals: usize, seed: u64) -> Vec<(&'static str, f64)> {
+pub(crate) fn p_dealt(
+    group: &RunGroup,
+    fitted: &Fitted,
+    deals: usize,
+    seed: u64,
+) -> Vec<(&'static str, f64)> {
     let has = |id: &str| {
         fitted
             .problem
@@ -88,7 +59,7 @@ pub(crate) fn p_dealt(group: &Group, fitted: &Fitted, deals: usize, seed: u64) -
             .any(|own| own.effect.about().id == id)
     };
     let mut tags = tags(group);
-    tags.retain(|tag| orders(&tag.at) >= FEWEST_ORDERS && !has(tag.id));
+    tags.retain(|tag| tag.can_be_told() && !has(tag.id));
     if tags.is_empty() {
         return Vec::new();
     }
@@ -129,14 +100,14 @@ pub(crate) fn p_dealt(group: &Group, fitted: &Fitted, deals: usize, seed: u64) -
         .collect()
 }
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
     /// Looks at every candidate but tags whose values explain as much in any order; those with how often chance does.
-    pub(crate) fn looked(
+    pub(crate) fn candidates_beside(
         &self,
         model: &Fitted<'g>,
         directions: &[Direction],
         step: usize,
-    ) -> (Vec<Looked<'g>>, Vec<(&'static str, f64)>) {
+    ) -> (Vec<CandidateFit<'g>>, Vec<(&'static str, f64)>) {
         let seed = self.seed.wrapping_add(step as u64);
         let dealt = p_dealt(self.group, model, self.draws, seed);
         let refused: Vec<&'static str> = dealt
@@ -144,13 +115,13 @@ impl<'g> Ground<'_, 'g> {
             .filter(|(_, p)| *p >= TAKEN)
             .map(|(id, _)| *id)
             .collect();
-        let looked = look(model, &model.residuals(), self.signatures, directions, &refused);
-        (looked, dealt)
+        let candidates = fit_candidates(model, &model.residuals(), self.signatures, directions, &refused);
+        (candidates, dealt)
     }
 }
 
 /// Chance of a candidate's gain: by the noise over all candidates, and where it follows a tag by any order of the values.
-pub(crate) fn p_of(null: &Null, candidate: &Looked, gain: f64, dealt: &[(&'static str, f64)]) -> f64 {
+pub(crate) fn p_of(null: &Null, candidate: &CandidateFit, gain: f64, dealt: &[(&'static str, f64)]) -> f64 {
     let own = dealt.iter().find(|(id, _)| *id == candidate.effect);
     null.p_of_gain(gain).max(own.map_or(0.0, |(_, p)| *p))
 }
@@ -167,7 +138,7 @@ struct Form {
 }
 
 impl Form {
-    fn of(group: &Group, column: &[f64], tangent: &Tangent, residuals: &[f64]) -> Form {
+    fn of(group: &RunGroup, column: &[f64], tangent: &Tangent, residuals: &[f64]) -> Form {
         let by_run = |other: &[f64]| {
             let mut sums = vec![0.0; group.runs.len()];
             for block in &group.blocks {
@@ -207,7 +178,7 @@ impl Form {
 }
 
 /// The forms in which a base parameter may differ, those of [`ieap_model::effects::tag_places`]' effects.
-fn forms(group: &Group, fitted: &Fitted) -> Vec<Form> {
+fn forms(group: &RunGroup, fitted: &Fitted) -> Vec<Form> {
     let (_, jacobian) = fitted.problem.slope(&fitted.at, &[]);
     let tangent = Tangent::of(&jacobian);
     let residuals = fitted.residuals();
@@ -230,7 +201,7 @@ fn forms(group: &Group, fitted: &Fitted) -> Vec<Form> {
 }
 
 /// What of a tag goes with the step's voltage or its size, run by run.
-fn with_voltage(group: &Group) -> Tangent {
+fn with_voltage(group: &RunGroup) -> Tangent {
     let volts: Vec<f64> = group
         .runs
         .iter()
@@ -238,58 +209,4 @@ fn with_voltage(group: &Group) -> Tangent {
         .collect();
     let sizes = volts.iter().map(|v| v.abs()).collect();
     Tangent::of(&[vec![1.0; volts.len()], volts, sizes])
-}
-
-fn tags(group: &Group) -> Vec<Tag> {
-    let Some(first) = group.runs.first() else {
-        return Vec::new();
-    };
-    let of = |(k, tag): (usize, &ieap_model::effects::TagAt)| {
-        let at = group
-            .runs
-            .iter()
-            .map(|run| run.given.tags.get(k).map_or(0.0, |tag| tag.at));
-        Tag {
-            id: tag.id,
-            at: at.collect(),
-        }
-    };
-    let differs = |tag: &Tag| tag.at.iter().any(|x| *x != tag.at[0]);
-    first
-        .given
-        .tags
-        .iter()
-        .enumerate()
-        .map(of)
-        .filter(differs)
-        .collect()
-}
-
-/// Number of different orders of these values.
-fn orders(at: &[f64]) -> f64 {
-    let mut sorted = at.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let mut orders = 1.0;
-    let mut alike = 0.0;
-    for (k, value) in sorted.iter().enumerate() {
-        alike = if k > 0 && *value == sorted[k - 1] {
-            alike + 1.0
-        } else {
-            1.0
-        };
-        orders *= (k + 1) as f64 / alike;
-    }
-    orders
-}
-
-#[cfg(test)]
-mod tests {
-    use super::orders;
-
-    #[test]
-    fn values_have_as_many_orders_as_are_different() {
-        assert_eq!(orders(&[1.0, 2.0, 3.0, 4.0]), 24.0);
-        assert!((orders(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0]) - 70.0).abs() < 1e-9);
-        assert_eq!(orders(&[3.0, 3.0]), 1.0);
-    }
 }

@@ -2,9 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::cause::extended_start::Beside;
+use crate::cause::extended_start::ExtendedStart;
 use crate::fitting::fitted::Fitted;
-use crate::misfit::null::gain;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_numerics::sums::dot;
 
@@ -23,6 +22,9 @@ const STARTS: usize = 4;
 /// several, every parameter.
 pub(crate) const PRICE: f64 = 3.0;
 
+/// A candidate is taken where the Bayes information criterion asks for it this strongly, beside [`crate::levels::TAKEN`].
+pub(crate) const BAYES: f64 = 10.0;
+
 /// Candidates this close to the best explain the readings as well: a likelihood ratio of 20 to 1 ...
 pub(crate) const AS_GOOD: f64 = 6.0;
 /// ... and, since no equation of an effect is exact, this part of what the effect explains.
@@ -30,7 +32,7 @@ pub(crate) const INEXACT: f64 = 0.003;
 
 /// A candidate with its forecast and, where it was fitted, the extended model.
 #[derive(Clone)]
-pub(crate) struct Looked<'g> {
+pub(crate) struct CandidateFit<'g> {
     pub(crate) effect: &'static str,
     pub(crate) variant: usize,
     /// The direction with the best forecast.
@@ -45,7 +47,7 @@ pub(crate) struct Looked<'g> {
     pub(crate) forms: f64,
 }
 
-impl Looked<'_> {
+impl CandidateFit<'_> {
     /// Gain less the price of the strength and of the forms.
     pub(crate) fn score(&self) -> f64 {
         self.gain - self.price()
@@ -62,93 +64,111 @@ impl Looked<'_> {
 }
 
 /// Looks at every effect beside those that `current` has, but for those that are `refused`.
-pub(crate) fn look<'g>(
+pub(crate) fn fit_candidates<'g>(
     current: &Fitted<'g>,
     residuals: &[f64],
     signatures: &[Signature],
     directions: &[Direction],
     refused: &[&'static str],
-) -> Vec<Looked<'g>> {
+) -> Vec<CandidateFit<'g>> {
     let has = |id: &str| {
         current
             .problem
             .effects
             .iter()
-            .any(|sought| sought.effect.about().id == id)
+            .any(|free_effect| free_effect.effect.about().id == id)
     };
-    let mut looked: Vec<(Looked, Vec<usize>)> = Vec::new();
+    let mut candidates: Vec<(CandidateFit, Vec<usize>)> = Vec::new();
     for (place, direction) in directions.iter().enumerate() {
         let signature = &signatures[direction.signature];
         let id = signature.effect.about().id;
         if has(id) || refused.contains(&id) {
             continue;
         }
-        let forecast = gain(direction, residuals);
-        match looked.iter_mut().find(|(looked, _)| looked.effect == id) {
-            Some((looked, places)) => {
+        let forecast = direction.gain(residuals);
+        match candidates
+            .iter_mut()
+            .find(|(candidate, _)| candidate.effect == id)
+        {
+            Some((candidate, places)) => {
                 places.push(place);
-                if forecast > looked.forecast {
-                    looked.forecast = forecast;
-                    looked.direction = place;
-                    looked.variant = signature.variant;
+                if forecast > candidate.forecast {
+                    candidate.forecast = forecast;
+                    candidate.direction = place;
+                    candidate.variant = signature.variant;
                 }
             }
-            None => looked.push((
-                Looked {
+            None => candidates.push((
+                CandidateFit {
                     effect: id,
                     variant: signature.variant,
                     direction: place,
                     forecast,
                     fitted: None,
                     gain: 0.0,
-                    extra: signature.sought().free(),
+                    extra: signature.free_effect().free(),
                     forms: 0.0,
                 },
                 vec![place],
             )),
         }
     }
-    for (looked, places) in &mut looked {
-        let gains = places.iter().map(|&place| gain(&directions[place], residuals));
-        looked.forms = price_of_forms(gains, looked.forecast);
+    for (candidate, places) in &mut candidates {
+        let gains = places.iter().map(|&place| directions[place].gain(residuals));
+        candidate.forms = price_of_forms(gains, candidate.forecast);
     }
-    looked.sort_by(|a, b| b.0.forecast.total_cmp(&a.0.forecast));
-    let best = looked.first().map_or(0.0, |(looked, _)| looked.forecast);
-    let promising = |(rank, (looked, _)): &(usize, &(Looked, Vec<usize>))| {
-        let near = looked.forecast >= PROMISING * best || looked.forecast >= best - NEAR;
-        *rank < MOST && looked.forecast > 0.0 && (near || *rank < FEWEST)
+    candidates.sort_by(|a, b| b.0.forecast.total_cmp(&a.0.forecast));
+    let best = candidates
+        .first()
+        .map_or(0.0, |(candidate, _)| candidate.forecast);
+    let promising = |(rank, (candidate, _)): &(usize, &(CandidateFit, Vec<usize>))| {
+        let near = candidate.forecast >= PROMISING * best || candidate.forecast >= best - NEAR;
+        *rank < MOST && candidate.forecast > 0.0 && (near || *rank < FEWEST)
     };
-    let count = looked.iter().enumerate().take_while(promising).count();
+    let count = candidates.iter().enumerate().take_while(promising).count();
     // A law without free strength can do more than its forecast, which is for a strength that could be chosen.
-    let (mut looked, rest): (Vec<_>, Vec<_>) = looked
+    let (mut candidates, rest): (Vec<_>, Vec<_>) = candidates
         .into_iter()
         .enumerate()
-        .partition(|(rank, (looked, _))| *rank < count || looked.extra == 0);
-    let count = looked.len();
-    looked.extend(rest);
-    let mut looked: Vec<(Looked, Vec<usize>)> = looked.into_iter().map(|(_, looked)| looked).collect();
-    let beside = Beside::of(current);
-    looked[..count].par_iter_mut().for_each(|(looked, places)| {
-        fit(looked, places, &beside, residuals, signatures, directions);
-    });
-    let mut looked: Vec<Looked> = looked.into_iter().map(|(looked, _)| looked).collect();
-    let best = looked[..count].iter().map(Looked::score).fold(0.0, f64::max);
-    looked[..count].par_iter_mut().for_each(|looked| {
-        if looked.promise() > (1.0 - CONTENDS) * best - NEAR {
-            settle(looked, current);
+        .partition(|(rank, (candidate, _))| *rank < count || candidate.extra == 0);
+    let count = candidates.len();
+    candidates.extend(rest);
+    let mut candidates: Vec<(CandidateFit, Vec<usize>)> =
+        candidates.into_iter().map(|(_, candidate)| candidate).collect();
+    let extended_start = ExtendedStart::of(current);
+    candidates[..count]
+        .par_iter_mut()
+        .for_each(|(candidate, places)| {
+            fit(
+                candidate,
+                places,
+                &extended_start,
+                residuals,
+                signatures,
+                directions,
+            );
+        });
+    let mut candidates: Vec<CandidateFit> = candidates.into_iter().map(|(candidate, _)| candidate).collect();
+    let best = candidates[..count]
+        .iter()
+        .map(CandidateFit::score)
+        .fold(0.0, f64::max);
+    candidates[..count].par_iter_mut().for_each(|candidate| {
+        if candidate.promise() > (1.0 - CONTENDS) * best - NEAR {
+            converge(candidate, current);
         }
     });
-    looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
-    simplest_first(&mut looked[..count]);
-    looked
+    candidates[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
+    simplest_first(&mut candidates[..count]);
+    candidates
 }
 
 /// Orders candidates anew: those that were fitted by their scores, the others behind them as they were.
-pub(crate) fn by_score(looked: &mut [Looked]) {
-    looked.sort_by_key(|own| own.fitted.is_none());
-    let count = looked.iter().filter(|own| own.fitted.is_some()).count();
-    looked[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
-    simplest_first(&mut looked[..count]);
+pub(crate) fn by_score(candidates: &mut [CandidateFit]) {
+    candidates.sort_by_key(|own| own.fitted.is_none());
+    let count = candidates.iter().filter(|own| own.fitted.is_some()).count();
+    candidates[..count].sort_by(|a, b| b.score().total_cmp(&a.score()));
+    simplest_first(&mut candidates[..count]);
 }
 
 /// What an effect pays for having had the choice among forms of these gains: the best one's gain less what they bring on
@@ -162,26 +182,37 @@ fn price_of_forms(gains: impl ExactSizeIterator<Item = f64>, best: f64) -> f64 {
 
 /// Of the candidates that explain as much as the best the one with the fewest parameters comes first. What is allowed for
 /// equations that are not exact does not count here: a simpler law that leaves a misfit would hide the better one.
-fn simplest_first(looked: &mut [Looked]) {
-    let Some(best) = looked.iter().map(Looked::score).max_by(f64::total_cmp) else {
+fn simplest_first(candidates: &mut [CandidateFit]) {
+    let Some(best) = candidates.iter().map(CandidateFit::score).max_by(f64::total_cmp) else {
         return;
     };
     let least = best - AS_GOOD;
-    let as_good = looked
+    let as_good = candidates
         .iter()
         .take_while(|other| other.score() > least && other.fitted.is_some());
     let simplest = as_good
         .enumerate()
         .min_by_key(|(rank, other)| (other.extra, *rank));
     if let Some((place, _)) = simplest {
-        looked[..=place].rotate_right(1);
+        candidates[..=place].rotate_right(1);
     }
 }
 
 /// Score beyond which a candidate explains the readings as well as the best.
-pub(crate) fn least_score(looked: &[Looked]) -> Option<f64> {
-    let best = looked.iter().max_by(|a, b| a.score().total_cmp(&b.score()))?;
+pub(crate) fn least_score(candidates: &[CandidateFit]) -> Option<f64> {
+    let best = candidates.iter().max_by(|a, b| a.score().total_cmp(&b.score()))?;
     Some(best.score() - AS_GOOD - INEXACT * best.gain)
+}
+
+/// Candidates that explain the readings as well as the best one, the one taken first.
+pub(crate) fn rivals(candidates: &[CandidateFit]) -> Vec<&'static str> {
+    let Some(least) = least_score(candidates) else {
+        return Vec::new();
+    };
+    let close = candidates
+        .iter()
+        .filter(|other| other.fitted.is_some() && other.score() > least);
+    close.map(|other| other.effect).collect()
 }
 
 /// The current model with the one effect that all `signatures` are of, from its most promising shapes; none where it
@@ -192,9 +223,9 @@ pub(crate) fn added<'g>(
     signatures: &[Signature],
     directions: &[Direction],
 ) -> Option<Fitted<'g>> {
-    let beside = Beside::of(current);
+    let extended_start = ExtendedStart::of(current);
     let first = signatures.first()?;
-    let mut looked = Looked {
+    let mut candidate = CandidateFit {
         effect: first.effect.about().id,
         variant: first.variant,
         direction: 0,
@@ -206,33 +237,46 @@ pub(crate) fn added<'g>(
     };
     let places: Vec<usize> = (0..directions.len()).collect();
     if !places.is_empty() {
-        fit(&mut looked, &places, &beside, residuals, signatures, directions);
+        fit(
+            &mut candidate,
+            &places,
+            &extended_start,
+            residuals,
+            signatures,
+            directions,
+        );
     }
     // An effect that a refit takes up entirely has no direction of its own: it is searched from its first shape.
-    looked.fitted.or_else(|| beside.extended(first, first.part))
+    candidate
+        .fitted
+        .or_else(|| extended_start.extended(first, first.part))
 }
 
 /// Goes on to the end with all columns of the Jacobian.
-fn settle(looked: &mut Looked, current: &Fitted) {
-    if let Some(fitted) = looked.fitted.take() {
-        let fitted = fitted.arrived().in_own_limits();
-        looked.gain = current.square - fitted.square;
-        looked.fitted = Some(fitted);
+fn converge(candidate: &mut CandidateFit, current: &Fitted) {
+    if let Some(fitted) = candidate.fitted.take() {
+        let fitted = fitted.converged().in_own_limits();
+        candidate.gain = current.square - fitted.square;
+        candidate.fitted = Some(fitted);
     }
 }
 
 /// Fits one candidate in full from its best probes.
 fn fit<'g>(
-    looked: &mut Looked<'g>,
+    candidate: &mut CandidateFit<'g>,
     places: &[usize],
-    beside: &Beside<'_, 'g>,
+    extended_start: &ExtendedStart<'_, 'g>,
     residuals: &[f64],
     signatures: &[Signature],
     directions: &[Direction],
 ) {
-    let current = beside.current;
+    let current = extended_start.current;
     let mut ranked: Vec<usize> = places.to_vec();
-    ranked.sort_by(|&a, &b| gain(&directions[b], residuals).total_cmp(&gain(&directions[a], residuals)));
+    ranked.sort_by(|&a, &b| {
+        directions[b]
+            .gain(residuals)
+            .total_cmp(&directions[a].gain(residuals))
+    });
     let variants = signatures[directions[ranked[0]].signature]
         .effect
         .about()
@@ -260,15 +304,15 @@ fn fit<'g>(
         let direction = &directions[place];
         let signature = &signatures[direction.signature];
         let strength = signature.part * dot(&direction.unit, residuals) / direction.norm;
-        let fitted = beside.extended(signature, strength)?;
+        let fitted = extended_start.extended(signature, strength)?;
         Some((fitted, signature.variant, place))
     });
     let best = tried.min_by(|a, b| a.0.square.total_cmp(&b.0.square));
     if let Some((fitted, variant, _)) = best {
-        looked.gain = current.square - fitted.square;
-        looked.extra = fitted.extra() - current.extra();
-        looked.variant = variant;
-        looked.fitted = Some(fitted);
+        candidate.gain = current.square - fitted.square;
+        candidate.extra = fitted.extra() - current.extra();
+        candidate.variant = variant;
+        candidate.fitted = Some(fitted);
     }
 }
 

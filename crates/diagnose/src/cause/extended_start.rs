@@ -13,17 +13,17 @@ const FARTHEST: f64 = 1.0;
 const PARTS: [f64; 2] = [1.0, 0.4];
 
 /// A fitted model beside which effects are tried, with the slopes that all of them need.
-pub(crate) struct Beside<'a, 'g> {
+pub(crate) struct ExtendedStart<'a, 'g> {
     pub(crate) current: &'a Fitted<'g>,
     /// Columns of its Jacobian.
     columns: Vec<Vec<f64>>,
     normal: Dense,
 }
 
-impl<'a, 'g> Beside<'a, 'g> {
-    pub(crate) fn of(current: &'a Fitted<'g>) -> Beside<'a, 'g> {
+impl<'a, 'g> ExtendedStart<'a, 'g> {
+    pub(crate) fn of(current: &'a Fitted<'g>) -> ExtendedStart<'a, 'g> {
         let (slope, columns) = current.problem.slope(&current.at, &[]);
-        Beside {
+        ExtendedStart {
             current,
             columns,
             normal: slope.normal,
@@ -35,7 +35,7 @@ impl<'a, 'g> Beside<'a, 'g> {
     /// Where a refit takes up nearly all of an effect, its strength alone lies far up the wall of a valley: the search
     /// begins at the best of some places on the valley's floor, where the other parameters have made room.
     pub(crate) fn extended(&self, signature: &Signature, strength: f64) -> Option<Fitted<'g>> {
-        let problem = self.current.problem.with(signature.sought());
+        let problem = self.current.problem.with(signature.free_effect());
         let alone = self.start(signature, strength, None);
         let room = self.room(signature, strength);
         let mut starts = vec![alone];
@@ -59,7 +59,7 @@ impl<'a, 'g> Beside<'a, 'g> {
         for (at, shift) in start.iter_mut().zip(shift.unwrap_or(&[])) {
             *at += shift;
         }
-        start.extend(signature.sought().coordinates(&first));
+        start.extend(signature.free_effect().coordinates(&first));
         start
     }
 

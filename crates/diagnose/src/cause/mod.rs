@@ -1,6 +1,6 @@
 //! Cause: which effects the readings ask for.
 //!
-//! In: the misfit beside the base model, a [`select::Ground`].
+//! In: the misfit beside the base model, a [`selection_input::SelectionInput`].
 //! Out: a [`select::Selection`]: the extended model, its candidates and rivals, what it leaves; its [`proof`] on readings
 //! that took no part in a fit; and its [`evidence`], how probable the readings are under every hypothesis.
 
@@ -13,3 +13,4 @@ pub(crate) mod proof;
 pub(crate) mod pruning;
 pub(crate) mod remainder;
 pub(crate) mod select;
+pub(crate) mod selection_input;

@@ -8,11 +8,13 @@
 
 use ieap_model::{Branch, LumpedModel};
 
-use crate::cause::candidates::{AS_GOOD, Looked, by_score, look};
-use crate::cause::select::{Ground, rivals};
+use crate::cause::candidates::{AS_GOOD, CandidateFit, by_score, fit_candidates, rivals};
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
-use crate::misfit::signature::{directions, scale, signatures};
+use crate::fitting::problem::ExtendedProblem;
+use crate::fitting::scale::scale;
+use crate::levels::TAKEN;
+use crate::misfit::signature::{directions, signatures};
 
 /// Places are those of causes that explain this part of what the best one does, ...
 const CONTENDS: f64 = 0.8;
@@ -22,11 +24,11 @@ const APART: f64 = 0.2;
 const MOST: usize = 5;
 const ROUNDS: usize = 2;
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
     /// Whether causes are searched elsewhere: where drives have one shape; of one run of several only where one cause alone
     /// would be given, since it is the group that is asked for the cause, and the search takes as long as all else.
-    pub(crate) fn asks_elsewhere(&self, looked: &[Looked]) -> bool {
-        self.has_one_shape_of_drive() && (!self.of_several || rivals(looked).len() < 2)
+    pub(crate) fn needs_multistart(&self, candidates: &[CandidateFit]) -> bool {
+        self.has_one_shape_of_drive() && (!self.of_several || rivals(candidates).len() < 2)
     }
 
     /// Whether all drives are one with its voltages times a number, which what is linear answers alike: other drives hold
@@ -39,44 +41,56 @@ impl<'g> Ground<'_, 'g> {
     /// What is known of every cause beside the base after searching elsewhere too, where one cause is then or was before
     /// all there is. Where several are at work, one that makes up for them from a place of its own is not their beginning:
     /// what was known goes on to further causes.
-    pub(crate) fn or_elsewhere(&self, looked: Vec<Looked<'g>>) -> Vec<Looked<'g>> {
-        let mut searched = looked.clone();
-        let is_other = self.search_elsewhere(&mut searched);
-        if is_other && (self.would_explain_all(&searched) || self.would_explain_all(&looked)) {
+    pub(crate) fn or_multistart(&self, candidates: Vec<CandidateFit<'g>>) -> Vec<CandidateFit<'g>> {
+        let mut searched = candidates.clone();
+        let is_other = self.multistart(&mut searched);
+        if is_other && (self.would_explain_all(&searched) || self.would_explain_all(&candidates)) {
             searched
         } else {
-            looked
+            candidates
         }
+    }
+
+    /// Whether the best of `candidates` would leave nothing beside it.
+    pub(crate) fn would_explain_all(&self, candidates: &[CandidateFit<'g>]) -> bool {
+        let Some(best) = candidates.first().and_then(|best| best.fitted.as_ref()) else {
+            return false;
+        };
+        let (null, directions) = self.null(best, 1);
+        let leftover = null.observe(self.group, &best.residuals(), &directions);
+        self.p_left(best, &null, &leftover, 1) >= TAKEN
     }
 
     /// Searches every cause beside the base again from other places, and keeps what explains more than before; whether
     /// any does.
-    fn search_elsewhere(&self, looked: &mut [Looked<'g>]) -> bool {
+    fn multistart(&self, candidates: &mut [CandidateFit<'g>]) -> bool {
         let mut seen = vec![self.base.base()];
         let mut is_other = false;
         for _ in 0..ROUNDS {
             let first = seen.len();
-            for place in self.contending(looked) {
+            for place in self.contending(candidates) {
                 if seen.len() < first + MOST && seen.iter().all(|other| apart(other, &place) > APART) {
                     seen.push(place);
                 }
             }
-            let rises = seen[first..].iter().map(|place| self.search_from(place, looked));
+            let rises = seen[first..]
+                .iter()
+                .map(|place| self.search_from(place, candidates));
             let rise = rises.fold(0.0, f64::max);
             is_other |= rise > 0.0;
             if rise < AS_GOOD {
                 break;
             }
         }
-        by_score(looked);
+        by_score(candidates);
         is_other
     }
 
     /// Base parameters beside the causes that explain nearly as much as the best, those of the best first.
-    fn contending(&self, looked: &[Looked<'g>]) -> Vec<LumpedModel> {
-        let best = looked.iter().map(Looked::score).fold(0.0, f64::max);
-        let contends = |own: &&Looked| own.fitted.is_some() && own.score() > CONTENDS * best;
-        let mut ranked: Vec<&Looked> = looked.iter().filter(contends).collect();
+    fn contending(&self, candidates: &[CandidateFit<'g>]) -> Vec<LumpedModel> {
+        let best = candidates.iter().map(CandidateFit::score).fold(0.0, f64::max);
+        let contends = |own: &&CandidateFit| own.fitted.is_some() && own.score() > CONTENDS * best;
+        let mut ranked: Vec<&CandidateFit> = candidates.iter().filter(contends).collect();
         ranked.sort_by(|a, b| b.score().total_cmp(&a.score()));
         let fitted = ranked.iter().filter_map(|own| own.fitted.as_ref());
         fitted.flat_map(|fitted| self.places(fitted)).collect()
@@ -105,15 +119,15 @@ impl<'g> Ground<'_, 'g> {
 
     /// Searches from one place and keeps what explains more in all runs; by how much more it does, at most. What a refit
     /// takes up whole beside the base is not looked at.
-    fn search_from(&self, place: &LumpedModel, looked: &mut [Looked<'g>]) -> f64 {
+    fn search_from(&self, place: &LumpedModel, candidates: &mut [CandidateFit<'g>]) -> f64 {
         let largest = self.largest();
         let in_largest = |fitted: &Fitted| fitted.problem.over(vec![largest]).square(&fitted.at);
         let without = in_largest(self.base);
-        let known = looked.iter().filter_map(|own| own.fitted.as_ref());
+        let known = candidates.iter().filter_map(|own| own.fitted.as_ref());
         let mut least = known.map(in_largest).fold(without, f64::min);
         let mut rise: f64 = 0.0;
         for found in self.found_in(largest, place) {
-            let own = looked.iter_mut().find(|own| own.effect == found.effect);
+            let own = candidates.iter_mut().find(|own| own.effect == found.effect);
             let (Some(own), Some(fitted)) = (own, found.fitted) else {
                 continue;
             };
@@ -139,8 +153,8 @@ impl<'g> Ground<'_, 'g> {
     }
 
     /// What a search from that place finds in one run: where drives have one shape the others show the same.
-    fn found_in(&self, run: usize, place: &LumpedModel) -> Vec<Looked<'g>> {
-        let problem = Problem::new(self.group, place, Vec::new()).over(vec![run]);
+    fn found_in(&self, run: usize, place: &LumpedModel) -> Vec<CandidateFit<'g>> {
+        let problem = ExtendedProblem::new(self.group, place, Vec::new()).over(vec![run]);
         let at = problem.coordinates(place, &[]);
         let Some(there) = Fitted::unsearched(problem, at) else {
             return Vec::new();
@@ -149,7 +163,7 @@ impl<'g> Ground<'_, 'g> {
         let signatures = signatures(&there.problem, &there.at, &scale);
         let (_, tangent) = there.tangent();
         let directions = directions(&signatures, &tangent);
-        look(&there, &there.residuals(), &signatures, &directions, &[])
+        fit_candidates(&there, &there.residuals(), &signatures, &directions, &[])
     }
 
     /// The run of the largest step.
@@ -175,7 +189,7 @@ impl<'g> Ground<'_, 'g> {
             return Some(fitted);
         }
         let problem = fitted.problem.over((0..runs).collect());
-        Fitted::unsearched(problem, fitted.at).map(|there| there.arrived().in_own_limits())
+        Fitted::unsearched(problem, fitted.at).map(|there| there.converged().in_own_limits())
     }
 }
 

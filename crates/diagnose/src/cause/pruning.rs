@@ -6,9 +6,11 @@
 //! what the pair explained; of 15 pairs and triples that were pieced together for a play of the charge of 16 standard
 //! deviations the least cost was 20 to 98, of 10 for one of 32 it was 20 to 123.
 
+use crate::cause::candidates::{BAYES, PRICE};
 use crate::cause::proof::held_out;
-use crate::cause::select::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
+use crate::fitting::problem::ExtendedProblem;
 
 /// A cause is needed where leaving it out raises the sum of squares by so much ...
 const COST: f64 = 150.0;
@@ -17,9 +19,39 @@ const COST: f64 = 150.0;
 const PART: f64 = 0.3;
 const APART: f64 = 0.7;
 
-impl<'g> Ground<'_, 'g> {
+impl<'g> SelectionInput<'_, 'g> {
+    /// The model without one of its effects, refitted.
+    pub(crate) fn without(&self, model: &Fitted<'g>, place: usize) -> Option<Fitted<'g>> {
+        let mut effects = model.problem.effects.clone();
+        let mut values = model.effect_values();
+        effects.remove(place);
+        values.remove(place);
+        let problem = ExtendedProblem::new(self.group, &model.base(), effects);
+        let start = problem.coordinates(&model.base(), &values);
+        Fitted::search(problem, &[start], &[]).map(Fitted::polished)
+    }
+
+    /// Drops effects that the others have made needless.
+    pub(crate) fn backward(&self, model: Fitted<'g>) -> Fitted<'g> {
+        let count = model.problem.effects.len();
+        if count < 2 {
+            return model;
+        }
+        let mut model = model;
+        for drop in (0..count).rev() {
+            let price = PRICE + BAYES * model.problem.effects[drop].free() as f64;
+            let Some(without) = self.without(&model, drop) else {
+                continue;
+            };
+            if without.square - model.square < price {
+                model = without;
+            }
+        }
+        model
+    }
+
     /// The model without those of several effects that it does not need: the one that costs least is left out first.
-    pub(crate) fn needed(&self, model: Fitted<'g>) -> Fitted<'g> {
+    pub(crate) fn pruned(&self, model: Fitted<'g>) -> Fitted<'g> {
         let mut model = model;
         while let Some(fewer) = self.without_needless(&model) {
             model = fewer;

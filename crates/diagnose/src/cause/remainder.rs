@@ -4,15 +4,15 @@
 //! is louder and remembers longer, and what a right extension leaves looks smaller than it is: of 215 hidden effects of 32
 //! standard deviations, the p of what the truth left was below 0.05 in 2 where 11 are due.
 
-use crate::cause::select::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
+use crate::fitting::problem::ExtendedProblem;
 use crate::misfit::calibration::{Asked, Calibration};
 use crate::misfit::null::{Null, Statistics};
 use crate::misfit::signature::{Signature, directions};
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
-impl Ground<'_, '_> {
+impl SelectionInput<'_, '_> {
     /// How often chance leaves as much as `model` does, from what it leaves in the noise beside the base: found anew in the
     /// noise beside `model`, and calibrated, unless it is clear already.
     pub(crate) fn p_left(&self, model: &Fitted, null: &Null, left: &Statistics, step: u64) -> f64 {
@@ -34,7 +34,7 @@ impl Ground<'_, '_> {
         let (_, tangent) = again.tangent();
         let directions = directions(&signatures, &tangent);
         let seed = self.seed.wrapping_add(step);
-        let null = Null::new(&group, &tangent, &directions, self.stretches, self.draws, seed);
+        let null = Null::new(&group, &tangent, &directions, self.bins, self.draws, seed);
         let left = null.observe(&group, &again.residuals(), &directions);
         if Calibration::is_needless(null.unbounded_p(&left)) {
             return Some(null.p_misfit(&left, None));
@@ -45,7 +45,7 @@ impl Ground<'_, '_> {
             tangent: &tangent,
             signatures: &signatures,
             directions: &directions,
-            stretches: self.stretches,
+            bins: self.bins,
             seed,
         });
         Some(null.p_misfit(&left, Some(&calibration)))
@@ -53,8 +53,8 @@ impl Ground<'_, '_> {
 }
 
 /// The model with its effects fitted to the same readings with another noise, from where it was.
-fn refitted<'g>(group: &'g Group<'g>, from: &Fitted) -> Option<Fitted<'g>> {
-    let problem = Problem::new(group, &from.base(), from.problem.effects.clone());
+fn refitted<'g>(group: &'g RunGroup<'g>, from: &Fitted) -> Option<Fitted<'g>> {
+    let problem = ExtendedProblem::new(group, &from.base(), from.problem.effects.clone());
     let at = problem.coordinates(&from.base(), &from.effect_values());
-    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+    Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }

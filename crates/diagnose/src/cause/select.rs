@@ -1,21 +1,18 @@
 //! Which effects the readings ask for: forward, at most three, then backward.
 
-use crate::cause::between::{TAKEN, p_of};
-use crate::cause::candidates::{AS_GOOD, INEXACT, Looked, PRICE, least_score};
+use crate::cause::between::p_of;
+use crate::cause::candidates::{AS_GOOD, BAYES, CandidateFit, INEXACT, PRICE, rivals};
 use crate::cause::proof::discrepancy;
 use crate::cause::proof::held_out::{self, Part};
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
-use crate::misfit::calibration::{Asked, Calibration};
+use crate::fitting::problem::ExtendedProblem;
+use crate::levels::TAKEN;
 use crate::misfit::null::{Null, Statistics};
-use crate::misfit::signature::{Direction, Signature, directions};
-use crate::misfit::stretch::Stretch;
-use crate::readings::group::Group;
+use crate::misfit::signature::Direction;
 
 /// Effects that are taken at most.
 const MOST_EFFECTS: usize = 3;
-/// A candidate is taken where the Bayes information criterion asks for it this strongly, beside [`TAKEN`].
-const BAYES: f64 = 10.0;
 /// An effect takes another one's place where the sum of squares falls by so much more than for parameters it adds: twice
 /// what two causes that explain as well may differ by.
 const EXCHANGED: f64 = 12.0;
@@ -30,8 +27,8 @@ const NEARLY: f64 = 0.95;
 const TRIED: usize = 5;
 
 /// One step forward.
-pub(crate) struct Step<'g> {
-    pub(crate) looked: Vec<Looked<'g>>,
+pub(crate) struct SelectionStep<'g> {
+    pub(crate) candidates: Vec<CandidateFit<'g>>,
     /// Ids of candidates that explain the readings as well as the one that was taken.
     pub(crate) rivals: Vec<&'static str>,
     pub(crate) p: f64,
@@ -40,7 +37,7 @@ pub(crate) struct Step<'g> {
 
 /// What was selected.
 pub(crate) struct Selection<'g> {
-    pub(crate) steps: Vec<Step<'g>>,
+    pub(crate) steps: Vec<SelectionStep<'g>>,
     /// The model with everything that was taken.
     pub(crate) model: Fitted<'g>,
     pub(crate) p_leftover: f64,
@@ -90,61 +87,11 @@ impl HeldOut {
     }
 }
 
-/// What a selection starts from.
-pub(crate) struct Ground<'a, 'g> {
-    pub(crate) group: &'g Group<'g>,
-    pub(crate) base: &'a Fitted<'g>,
-    pub(crate) signatures: &'a [Signature],
-    pub(crate) stretches: &'a [Stretch],
-    pub(crate) draws: usize,
-    pub(crate) seed: u64,
-    /// As in the options.
-    pub(crate) of_several: bool,
-}
-
-impl<'g> Ground<'_, 'g> {
-    /// Null distribution and directions beside a fitted model.
-    pub(crate) fn null(&self, fitted: &Fitted, step: u64) -> (Null, Vec<Direction>) {
-        let (_, tangent) = fitted.tangent();
-        let directions = directions(self.signatures, &tangent);
-        let seed = self.seed.wrapping_add(step);
-        let null = Null::new(
-            self.group,
-            &tangent,
-            &directions,
-            self.stretches,
-            self.draws,
-            seed,
-        );
-        (null, directions)
-    }
-
-    /// How the p of the base's misfit must be read; none where it is clear without.
-    pub(crate) fn calibration(
-        &self,
-        null: &Null,
-        observed: &Statistics,
-        directions: &[Direction],
-    ) -> Option<Calibration> {
-        if Calibration::is_needless(null.unbounded_p(observed)) {
-            return None;
-        }
-        let (_, tangent) = self.base.tangent();
-        Some(Calibration::of(&Asked {
-            group: self.group,
-            null,
-            tangent: &tangent,
-            signatures: self.signatures,
-            directions,
-            stretches: self.stretches,
-            seed: self.seed,
-        }))
-    }
-
+impl<'g> SelectionInput<'_, 'g> {
     /// Selects, from the null distribution and directions beside the base.
     pub(crate) fn select(&self, null: &Null, beside_base: &[Direction]) -> Selection<'g> {
         let mut model = self.base.clone();
-        let mut steps: Vec<Step<'g>> = Vec::new();
+        let mut steps: Vec<SelectionStep<'g>> = Vec::new();
         let mut later: Option<(Null, Vec<Direction>)> = None;
         let residuals = model.residuals();
         let mut leftover = null.observe(self.group, &residuals, beside_base);
@@ -154,23 +101,23 @@ impl<'g> Ground<'_, 'g> {
             let (null, directions) = later
                 .as_ref()
                 .map_or((null, beside_base), |(null, d)| (null, d.as_slice()));
-            let (mut looked, dealt) = self.looked(&model, directions, steps.len());
-            let step = self.step(null, &model, &mut looked);
-            if step && steps.is_empty() && self.asks_elsewhere(&looked) {
-                looked = self.or_elsewhere(looked);
+            let (mut candidates, dealt) = self.candidates_beside(&model, directions, steps.len());
+            let step = self.step(null, &model, &mut candidates);
+            if step && steps.is_empty() && self.needs_multistart(&candidates) {
+                candidates = self.or_multistart(candidates);
             }
-            let taken = step.then(|| looked[0].fitted.clone()).flatten();
-            let p = looked
+            let taken = step.then(|| candidates[0].fitted.clone()).flatten();
+            let p = candidates
                 .first()
                 .map_or(1.0, |best| p_of(null, best, best.gain.max(best.forecast), &dealt));
             first_dealt.get_or_insert(dealt);
             let rivals = if taken.is_some() {
-                rivals(&looked)
+                rivals(&candidates)
             } else {
                 Vec::new()
             };
-            steps.push(Step {
-                looked,
+            steps.push(SelectionStep {
+                candidates,
                 rivals,
                 p,
                 taken: taken.is_some(),
@@ -194,7 +141,7 @@ impl<'g> Ground<'_, 'g> {
             model = self.backward(better);
         }
         let taken = model.problem.effects.len();
-        let model = self.needed(model);
+        let model = self.pruned(model);
         if is_other || model.problem.effects.len() < taken {
             let (null, directions) = self.null(&model, steps.len() as u64);
             leftover = null.observe(self.group, &model.residuals(), &directions);
@@ -211,16 +158,6 @@ impl<'g> Ground<'_, 'g> {
             dealt: first_dealt.unwrap_or_default(),
         };
         self.or_single(selection)
-    }
-
-    /// Whether the best of `looked` would leave nothing beside it.
-    pub(crate) fn would_explain_all(&self, looked: &[Looked<'g>]) -> bool {
-        let Some(best) = looked.first().and_then(|best| best.fitted.as_ref()) else {
-            return false;
-        };
-        let (null, directions) = self.null(best, 1);
-        let leftover = null.observe(self.group, &best.residuals(), &directions);
-        self.p_left(best, &null, &leftover, 1) >= TAKEN
     }
 
     /// Every held-out part by the base, by `model`, and by what has no name.
@@ -243,23 +180,27 @@ impl<'g> Ground<'_, 'g> {
         if held_out.passed(total) || !step.taken {
             return selection;
         }
-        let best = step.looked.iter().map(Looked::score).fold(0.0, f64::max);
-        let tried = step
-            .looked
+        let best = step
+            .candidates
             .iter()
-            .filter(|looked| looked.fitted.is_some() && looked.score() > NEARLY * best)
+            .map(CandidateFit::score)
+            .fold(0.0, f64::max);
+        let tried = step
+            .candidates
+            .iter()
+            .filter(|candidate| candidate.fitted.is_some() && candidate.score() > NEARLY * best)
             .take(TRIED);
-        let mut passed: Vec<(&Looked, HeldOut, f64)> = Vec::new();
-        for looked in tried {
-            let Some(fitted) = &looked.fitted else { continue };
+        let mut passed: Vec<(&CandidateFit, HeldOut, f64)> = Vec::new();
+        for candidate in tried {
+            let Some(fitted) = &candidate.fitted else { continue };
             let own = HeldOut {
                 before: held_out.before.clone(),
                 after: held_out::parts(fitted, self.group),
                 nameless: held_out.nameless.clone(),
             };
             let fall: f64 = own.falls().iter().sum();
-            if own.passed(looked.gain) {
-                passed.push((looked, own, fall));
+            if own.passed(candidate.gain) {
+                passed.push((candidate, own, fall));
             }
         }
         passed.sort_by(|a, b| b.2.total_cmp(&a.2));
@@ -272,14 +213,18 @@ impl<'g> Ground<'_, 'g> {
         let close = passed
             .iter()
             .filter(|(_, _, fall)| *fall > most - AS_GOOD - (1.0 - NEARLY) * most);
-        let mut proved: Vec<&'static str> = close.map(|(looked, ..)| looked.effect).collect();
+        let mut proved: Vec<&'static str> = close.map(|(candidate, ..)| candidate.effect).collect();
         if self.group.runs.len() == 1 {
             // Two stretches of one run cannot tell a wrong cause from a right one that is loosely known without them.
-            let as_good = |other: &&Looked| {
+            let as_good = |other: &&CandidateFit| {
                 let best = passed[0].0;
                 other.fitted.is_some() && other.score() > best.score() - AS_GOOD - INEXACT * best.gain
             };
-            let others = step.looked.iter().filter(as_good).map(|looked| looked.effect);
+            let others = step
+                .candidates
+                .iter()
+                .filter(as_good)
+                .map(|candidate| candidate.effect);
             let others: Vec<&'static str> = others.filter(|id| !proved.contains(id)).collect();
             proved.extend(others);
         }
@@ -296,9 +241,9 @@ impl<'g> Ground<'_, 'g> {
         }
     }
 
-    /// Whether the best of `looked` is taken.
-    fn step(&self, null: &Null, model: &Fitted<'g>, looked: &mut [Looked<'g>]) -> bool {
-        let Some(best) = looked.first() else {
+    /// Whether the best of `candidates` is taken.
+    fn step(&self, null: &Null, model: &Fitted<'g>, candidates: &mut [CandidateFit<'g>]) -> bool {
+        let Some(best) = candidates.first() else {
             return false;
         };
         let Some(fitted) = &best.fitted else {
@@ -311,7 +256,7 @@ impl<'g> Ground<'_, 'g> {
 
     /// What came first was chosen before the others were known: each effect is left out in turn, and where another one
     /// then fits better by far, it takes the place. None where all stay. The exchange is added to the steps.
-    fn exchanged(&self, model: &Fitted<'g>, steps: &mut Vec<Step<'g>>) -> Option<Fitted<'g>> {
+    fn exchanged(&self, model: &Fitted<'g>, steps: &mut Vec<SelectionStep<'g>>) -> Option<Fitted<'g>> {
         let count = model.problem.effects.len();
         if count < 2 {
             return None;
@@ -325,8 +270,9 @@ impl<'g> Ground<'_, 'g> {
                 continue;
             };
             let (null, directions) = self.null(&without, (MOST_EFFECTS + 1 + place) as u64);
-            let (mut looked, dealt) = self.looked(&without, &directions, MOST_EFFECTS + 1 + place);
-            let better = looked.first().and_then(|best| {
+            let (mut candidates, dealt) =
+                self.candidates_beside(&without, &directions, MOST_EFFECTS + 1 + place);
+            let better = candidates.first().and_then(|best| {
                 let fitted = best.fitted.clone()?;
                 let price = PRICE * (fitted.extra() as f64 - current.extra() as f64);
                 let is_other = best.effect != own && fitted.square + price < current.square - EXCHANGED;
@@ -335,8 +281,8 @@ impl<'g> Ground<'_, 'g> {
             });
             let rotated = match better {
                 Some((fitted, p)) => {
-                    steps.push(Step {
-                        looked: std::mem::take(&mut looked),
+                    steps.push(SelectionStep {
+                        candidates: std::mem::take(&mut candidates),
                         rivals: Vec::new(),
                         p,
                         taken: true,
@@ -359,49 +305,8 @@ impl<'g> Ground<'_, 'g> {
         let mut values = model.effect_values();
         effects.rotate_left(1);
         values.rotate_left(1);
-        let problem = Problem::new(self.group, &model.base(), effects);
+        let problem = ExtendedProblem::new(self.group, &model.base(), effects);
         let start = problem.coordinates(&model.base(), &values);
         Fitted::search(problem, &[start], &[])
     }
-
-    /// The model without one of its effects, refitted.
-    pub(crate) fn without(&self, model: &Fitted<'g>, place: usize) -> Option<Fitted<'g>> {
-        let mut effects = model.problem.effects.clone();
-        let mut values = model.effect_values();
-        effects.remove(place);
-        values.remove(place);
-        let problem = Problem::new(self.group, &model.base(), effects);
-        let start = problem.coordinates(&model.base(), &values);
-        Fitted::search(problem, &[start], &[]).map(Fitted::settled)
-    }
-
-    /// Drops effects that the others have made needless.
-    fn backward(&self, model: Fitted<'g>) -> Fitted<'g> {
-        let count = model.problem.effects.len();
-        if count < 2 {
-            return model;
-        }
-        let mut model = model;
-        for drop in (0..count).rev() {
-            let price = PRICE + BAYES * model.problem.effects[drop].free() as f64;
-            let Some(without) = self.without(&model, drop) else {
-                continue;
-            };
-            if without.square - model.square < price {
-                model = without;
-            }
-        }
-        model
-    }
-}
-
-/// Candidates that explain the readings as well as the best one, the one taken first.
-pub(crate) fn rivals(looked: &[Looked]) -> Vec<&'static str> {
-    let Some(least) = least_score(looked) else {
-        return Vec::new();
-    };
-    let close = looked
-        .iter()
-        .filter(|other| other.fitted.is_some() && other.score() > least);
-    close.map(|other| other.effect).collect()
 }

@@ -8,10 +8,12 @@ use ieap_numerics::student::quantile_95;
 
 use crate::cause::candidates::added;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Sought;
-use crate::misfit::signature::{directions, scale, signatures_of};
-use crate::readings::group::Group;
-use crate::{RunInput, VERSION, with_base};
+use crate::fitting::problem::FreeEffect;
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
+use crate::misfit::signature::{directions, signatures_of};
+use crate::options::VERSION;
+use crate::readings::group::{RunGroup, RunInput};
 
 /// A shift of a base parameter by more standard errors than this is worth a sentence.
 const WORTH: f64 = 3.0;
@@ -22,7 +24,7 @@ const WORTH: f64 = 3.0;
 /// model cannot be fitted to any run, or an effect cannot act in these runs. A pure function of its input: the same readings give the same numbers at any
 /// number of threads.
 pub fn fit_extended(runs: &[RunInput], choice: &ModelChoice) -> Vec<(usize, Fit)> {
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let found = with_base(&raw, choice.base, |group, base| {
         let extended = extend(group, base.clone(), choice);
         extended.map_or_else(Vec::new, |extended| fits(group, &base, &extended, choice, runs))
@@ -32,7 +34,11 @@ pub fn fit_extended(runs: &[RunInput], choice: &ModelChoice) -> Vec<(usize, Fit)
 
 /// Adds the effects one after another, each from its most promising shapes, and settles them together; none where one
 /// has no shape that acts in these runs.
-pub(crate) fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelChoice) -> Option<Fitted<'g>> {
+pub(crate) fn extend<'g>(
+    group: &'g RunGroup<'g>,
+    base: Fitted<'g>,
+    choice: &ModelChoice,
+) -> Option<Fitted<'g>> {
     let scale = scale(group, &base.problem, &base.at);
     choice.effects.iter().try_fold(base, |model, &effect| {
         let signatures = signatures_of(&[effect], &model.problem, &model.at, &scale);
@@ -49,7 +55,7 @@ pub(crate) fn extend<'g>(group: &'g Group<'g>, base: Fitted<'g>, choice: &ModelC
 }
 
 fn fits<'g>(
-    group: &'g Group<'g>,
+    group: &'g RunGroup<'g>,
     base: &Fitted<'g>,
     extended: &Fitted<'g>,
     choice: &ModelChoice,
@@ -105,9 +111,9 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
 
 /// The form that each effect took, where it has several: without it its parameters are not known.
 fn forms(extended: &Fitted) -> String {
-    let of = |sought: &Sought| {
-        let about = sought.effect.about();
-        let form = about.variants.get(sought.variant)?;
+    let of = |free_effect: &FreeEffect| {
+        let about = free_effect.effect.about();
+        let form = about.variants.get(free_effect.variant)?;
         Some(format!("; {} as {form}", about.id))
     };
     extended.problem.effects.iter().filter_map(of).collect()
@@ -155,15 +161,15 @@ fn knowledge(extended: &Fitted, wider: f64, quantile: f64) -> BaseKnowledge {
 }
 
 /// Parameters of the effects, `faradaic-leak.onset_v`.
-fn effect_parameters(extended: &Fitted, group: &Group, wider: f64) -> Vec<Parameter> {
+fn effect_parameters(extended: &Fitted, group: &RunGroup, wider: f64) -> Vec<Parameter> {
     let of_effects = extended.effect_parameters_widened(group, wider);
     let named = extended
         .problem
         .effects
         .iter()
         .zip(of_effects)
-        .flat_map(|(sought, own)| {
-            let id = sought.effect.about().id;
+        .flat_map(|(free_effect, own)| {
+            let id = free_effect.effect.about().id;
             own.into_iter().map(move |parameter| Parameter {
                 key: format!("{id}.{}", parameter.key),
                 estimate: parameter.estimate,
@@ -173,7 +179,13 @@ fn effect_parameters(extended: &Fitted, group: &Group, wider: f64) -> Vec<Parame
 }
 
 /// What a reader of one run's fit must know: what it shares, and how wrong the base model's parameters were.
-fn issues(base: &Fitted, extended: &Fitted, choice: &ModelChoice, group: &Group, wider: f64) -> Vec<Issue> {
+fn issues(
+    base: &Fitted,
+    extended: &Fitted,
+    choice: &ModelChoice,
+    group: &RunGroup,
+    wider: f64,
+) -> Vec<Issue> {
     let mut issues = vec![Issue::note(
         "shared-parameters",
         format!(

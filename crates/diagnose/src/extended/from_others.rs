@@ -4,10 +4,11 @@ use ieap_model::effects::{Limits, effect};
 use ieap_numerics::sums::dot;
 
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::scale;
-use crate::readings::group::Group;
-use crate::{DiagnoseOptions, RunInput, with_base};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
+use crate::options::DiagnoseOptions;
+use crate::readings::group::{RunGroup, RunInput};
 
 /// How much better an effect from elsewhere describes a sample than the base model alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +41,7 @@ pub fn fall_from_others(
     if values.len() != about.parameters.len() {
         return None;
     }
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let found = with_base(&raw, options.model, |group, base| {
         let search = effect.search(variant, &scale(group, &base.problem, &base.at));
         let acts = (0..group.runs.len()).any(|run| effect.acts_in(values, run));
@@ -53,8 +54,8 @@ pub fn fall_from_others(
                 ..*limits
             };
             let limits = search.limits.iter().enumerate().map(held).collect();
-            let sought = Sought::new(effect, variant, limits, values);
-            let problem = Problem::new(group, &base.base(), vec![sought]);
+            let free_effect = FreeEffect::new(effect, variant, limits, values);
+            let problem = ExtendedProblem::new(group, &base.base(), vec![free_effect]);
             let start = problem.coordinates(&base.base(), &[values.to_vec()]);
             let with = Fitted::search(problem, &[start], &[])?.exhausted();
             with.square.is_finite().then_some(with)

@@ -3,13 +3,15 @@
 use ieap_model::effects::{Limits, effect};
 use ieap_model::{Branch, LumpedModel};
 
-use crate::cause::select::Ground;
+use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::{scale, signatures};
-use crate::misfit::stretch::stretches;
-use crate::readings::group::Group;
-use crate::{DiagnoseOptions, RunInput, with_base};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
+use crate::fitting::scale::scale;
+use crate::fitting::without_outliers::with_base;
+use crate::misfit::residual_bins::residual_bins;
+use crate::misfit::signature::signatures;
+use crate::options::DiagnoseOptions;
+use crate::readings::group::{RunGroup, RunInput};
 
 /// Factors on the resistances of the branches from which they are searched: an effect that resists before them has made
 /// those of the base model too large.
@@ -25,7 +27,7 @@ pub(crate) fn p_leftover(
     values: &[f64],
 ) -> Option<f64> {
     let effect = effect(id)?;
-    let raw = Group::new(runs);
+    let raw = RunGroup::new(runs);
     let found = with_base(&raw, options.model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let search = effect.search(0, &scale);
@@ -37,27 +39,27 @@ pub(crate) fn p_leftover(
             ..*limits
         };
         let limits: Vec<Limits> = search.limits.iter().map(held).collect();
-        let sought = || Sought::new(effect, 0, limits.clone(), values);
+        let free_effect = || FreeEffect::new(effect, 0, limits.clone(), values);
         let fitted = STARTS.into_iter().filter_map(|factor| {
             let start = conducting(&base.base(), factor);
-            let problem = Problem::new(group, &start, vec![sought()]);
+            let problem = ExtendedProblem::new(group, &start, vec![free_effect()]);
             let at = problem.coordinates(&start, &[values.to_vec()]);
-            Some(Fitted::search(problem, &[at], &[])?.arrived())
+            Some(Fitted::search(problem, &[at], &[])?.converged())
         });
         let with = fitted
             .filter(|with| with.square.is_finite())
             .min_by(|a, b| a.square.total_cmp(&b.square))?;
         let signatures = signatures(&base.problem, &base.at, &scale);
-        let ground = Ground {
+        let input = SelectionInput {
             group,
             base: &base,
             signatures: &signatures,
-            stretches: &stretches(group, &base),
+            bins: &residual_bins(group, &base),
             draws: options.draws,
             seed: options.seed,
             of_several: options.of_several,
         };
-        let (null, directions) = ground.null(&with, 1);
+        let (null, directions) = input.null(&with, 1);
         let left = null.observe(group, &with.residuals(), &directions);
         Some(null.p_misfit(&left, None))
     });

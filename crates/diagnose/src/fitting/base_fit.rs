@@ -5,30 +5,30 @@ use ieap_fit::{FitOptions, fit_run};
 use ieap_model::{Branch, FitModel, LumpedModel};
 
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
-use crate::readings::group::{Group, GroupRun};
+use crate::fitting::problem::ExtendedProblem;
+use crate::readings::group::{GroupRun, RunGroup};
 
 /// Fits the base: from the parameters of every run alone, and from a guess by the record's length.
-pub(crate) fn base_fit<'g>(group: &'g Group<'g>, model: &'static FitModel) -> Option<Fitted<'g>> {
+pub(crate) fn base_fit<'g>(group: &'g RunGroup<'g>, model: &'static FitModel) -> Option<Fitted<'g>> {
     let is_whole = |start: &LumpedModel| start.branches.len() == model.branches;
     let each = of_each_run(group, model).into_iter().flatten();
     let mut starts: Vec<LumpedModel> = each.filter(is_whole).collect();
     starts.push(guess(group, model.branches)?);
-    let problem = Problem::new(group, starts.first()?, Vec::new());
+    let problem = ExtendedProblem::new(group, starts.first()?, Vec::new());
     let at: Vec<Vec<f64>> = starts
         .iter()
         .map(|start| problem.coordinates(start, &[]))
         .collect();
-    let best = Fitted::search(problem, &at, &[])?.settled();
+    let best = Fitted::search(problem, &at, &[])?.polished();
     // Sizes are measured anew by what was found.
-    let problem = Problem::new(group, &best.base(), Vec::new());
+    let problem = ExtendedProblem::new(group, &best.base(), Vec::new());
     let at = problem.coordinates(&best.base(), &[]);
-    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+    Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }
 
 /// The parameters of every run by itself, in the order of runs, with the branches that its readings show; none where it shows
 /// none.
-pub(crate) fn of_each_run(group: &Group, model: &'static FitModel) -> Vec<Option<LumpedModel>> {
+pub(crate) fn of_each_run(group: &RunGroup, model: &'static FitModel) -> Vec<Option<LumpedModel>> {
     let options = FitOptions {
         model,
         ..FitOptions::default()
@@ -42,10 +42,10 @@ pub(crate) fn of_each_run(group: &Group, model: &'static FitModel) -> Vec<Option
 }
 
 /// The base fitted to the same readings with another noise, from where it was.
-pub(crate) fn refit<'g>(group: &'g Group<'g>, from: &Fitted) -> Option<Fitted<'g>> {
-    let problem = Problem::new(group, &from.base(), Vec::new());
+pub(crate) fn refit<'g>(group: &'g RunGroup<'g>, from: &Fitted) -> Option<Fitted<'g>> {
+    let problem = ExtendedProblem::new(group, &from.base(), Vec::new());
     let at = problem.coordinates(&from.base(), &[]);
-    Fitted::search(problem, &[at], &[]).map(Fitted::settled)
+    Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }
 
 /// The value, or the middle of what an interval leaves.
@@ -79,7 +79,7 @@ fn start_of(value: &dyn Fn(&str) -> Option<f64>, guess: &LumpedModel) -> Option<
 }
 
 /// A model of the record's own sizes: the first current, the length, the bending reached.
-fn guess(group: &Group, branches: usize) -> Option<LumpedModel> {
+fn guess(group: &RunGroup, branches: usize) -> Option<LumpedModel> {
     let longest_s = group.runs.iter().map(|run| run.duration_s).fold(0.0, f64::max);
     let mut per_volt: f64 = 0.0;
     let mut bending = 0.0;

@@ -4,7 +4,7 @@ use ieap_domain::quantiles::{CHI_SQUARE_95, NORMAL_95_ROUNDED};
 use ieap_domain::{Estimate, StrengthProfile};
 use ieap_model::effects::Limits;
 
-use crate::fitting::problem::Sought;
+use crate::fitting::problem::FreeEffect;
 
 /// Rise at the ends of a 95 % interval: chi-square of one degree of freedom.
 pub(crate) const BOUNDS: f64 = CHI_SQUARE_95[0];
@@ -34,10 +34,10 @@ pub(crate) fn told_by(
     estimate: &Estimate,
     profile: &StrengthProfile,
     best: f64,
-    sought: &Sought,
+    free_effect: &FreeEffect,
     logarithmic: bool,
 ) -> Estimate {
-    let rise = together(sought);
+    let rise = together(free_effect);
     let (below, above) = sides(profile, best);
     match (
         crossing(&below, rise, logarithmic),
@@ -73,8 +73,8 @@ pub(crate) fn bounded_by(estimate: Estimate, limits: Limits) -> Estimate {
 /// Rise at the ends of an interval of all parameters of an effect together, where the covariance tells nothing: of so many
 /// degrees of freedom as the effect has parameters, for they make up for each other along valleys that bend, and an end
 /// that a search did not reach must not pass for one.
-pub(crate) fn together(sought: &Sought) -> f64 {
-    CHI_SQUARE_95[sought.free().clamp(1, CHI_SQUARE_95.len()) - 1]
+pub(crate) fn together(free_effect: &FreeEffect) -> f64 {
+    CHI_SQUARE_95[free_effect.free().clamp(1, CHI_SQUARE_95.len()) - 1]
 }
 
 const NO_END: &str = "the readings fit as well with all values from there to the limit of what is sought";
@@ -130,7 +130,7 @@ mod tests {
         let nothing = Estimate::not_determined("flat");
         let effect = ieap_model::effects::effect("current-offset").unwrap();
         let limits = vec![Limits::linear(0.0, 1.0)];
-        let one = Sought::new(effect, 0, limits, &[0.5]);
+        let one = FreeEffect::new(effect, 0, limits, &[0.5]);
         let told =
             |points: &[(f64, f64)], logarithmic| told_by(&nothing, &profile(points), 1.0, &one, logarithmic);
         let both = told(

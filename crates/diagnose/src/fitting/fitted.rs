@@ -6,9 +6,9 @@ use ieap_numerics::dense::Slope;
 use ieap_numerics::levenberg::Stop;
 use ieap_numerics::student::quantile_95;
 
-use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::tangent::Tangent;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 use ieap_model::effects::Limits;
 
 /// A fall of the sum of squares by less than this ends a search ...
@@ -26,7 +26,7 @@ const SEARCHES: usize = 10;
 /// A model at its minimum.
 #[derive(Clone)]
 pub(crate) struct Fitted<'g> {
-    pub(crate) problem: Problem<'g>,
+    pub(crate) problem: ExtendedProblem<'g>,
     pub(crate) at: Vec<f64>,
     pub(crate) square: f64,
     /// Evaluations of all searches that led here.
@@ -38,7 +38,7 @@ pub(crate) struct Fitted<'g> {
 impl<'g> Fitted<'g> {
     /// The lowest place from several starts, each followed shortly; columns of the Jacobian that are `known` are held.
     pub(crate) fn search(
-        problem: Problem<'g>,
+        problem: ExtendedProblem<'g>,
         starts: &[Vec<f64>],
         known: &[Vec<f64>],
     ) -> Option<Fitted<'g>> {
@@ -62,7 +62,7 @@ impl<'g> Fitted<'g> {
     }
 
     /// A place of which nothing was searched yet; none where the model has no finite residuals there.
-    pub(crate) fn unsearched(problem: Problem<'g>, at: Vec<f64>) -> Option<Fitted<'g>> {
+    pub(crate) fn unsearched(problem: ExtendedProblem<'g>, at: Vec<f64>) -> Option<Fitted<'g>> {
         let square = problem.square(&at);
         square.is_finite().then_some(Fitted {
             problem,
@@ -74,7 +74,7 @@ impl<'g> Fitted<'g> {
     }
 
     /// Goes on to the end.
-    pub(crate) fn settled(self) -> Fitted<'g> {
+    pub(crate) fn polished(self) -> Fitted<'g> {
         let settle = settle(&self.problem, self.square);
         let bottom = self.problem.descend(&self.at, LONG, settle, &[]);
         Fitted {
@@ -87,23 +87,23 @@ impl<'g> Fitted<'g> {
     }
 
     /// Goes on to the end, however many steps a curved valley takes.
-    pub(crate) fn arrived(self) -> Fitted<'g> {
-        let mut best = self.settled();
+    pub(crate) fn converged(self) -> Fitted<'g> {
+        let mut best = self.polished();
         for _ in 1..SEARCHES {
             if best.stop != Stop::EvaluationLimit {
                 break;
             }
-            best = best.settled();
+            best = best.polished();
         }
         best
     }
 
     /// Goes on until a whole search no longer lowers the sum of squares noticeably.
     pub(crate) fn exhausted(self) -> Fitted<'g> {
-        let mut best = self.settled();
+        let mut best = self.polished();
         for _ in 0..SEARCHES {
             let before = best.square;
-            best = best.settled();
+            best = best.polished();
             if before - best.square <= SETTLE.max(SETTLE_PART * before) {
                 best.stop = Stop::Converged;
                 return best;
@@ -143,26 +143,26 @@ impl<'g> Fitted<'g> {
 
     /// Number of searched parameters beyond the base.
     pub(crate) fn extra(&self) -> usize {
-        self.problem.effects.iter().map(Sought::free).sum()
+        self.problem.effects.iter().map(FreeEffect::free).sum()
     }
 
     /// Parameters of every effect with their uncertainty: from the covariance, with the noise's own allowed for.
-    pub(crate) fn effect_parameters(&self, group: &Group) -> Vec<Vec<Parameter>> {
+    pub(crate) fn effect_parameters(&self, group: &RunGroup) -> Vec<Vec<Parameter>> {
         self.effect_parameters_widened(group, 1.0)
     }
 
     /// The same with all standard errors `wider`.
-    pub(crate) fn effect_parameters_widened(&self, group: &Group, wider: f64) -> Vec<Vec<Parameter>> {
+    pub(crate) fn effect_parameters_widened(&self, group: &RunGroup, wider: f64) -> Vec<Vec<Parameter>> {
         let (slope, _) = self.problem.slope(&self.at, &[]);
         let inverse = slope.normal.inverse(1e-12);
         let quantile = quantile_95(freedom(group));
         let mut first = self.problem.base_len();
         let values = self.effect_values();
-        let of_effect = |(sought, values): (&Sought, &Vec<f64>)| {
-            let described = sought.effect.about().parameters;
+        let of_effect = |(free_effect, values): (&FreeEffect, &Vec<f64>)| {
+            let described = free_effect.effect.about().parameters;
             let mut parameters = Vec::new();
             for (k, (&value, described)) in values.iter().zip(described).enumerate() {
-                let limits = sought.limits[k];
+                let limits = free_effect.limits[k];
                 let estimate = if limits.held {
                     Estimate {
                         value: Some(value),
@@ -172,7 +172,7 @@ impl<'g> Fitted<'g> {
                     let place = first;
                     first += 1;
                     let sd = wider * inverse.get(place, place).max(0.0).sqrt();
-                    estimate(value, sd, quantile, sought.slope(k, value), limits)
+                    estimate(value, sd, quantile, free_effect.slope(k, value), limits)
                         .at_bound(self.problem.at_limit(place, self.at[place]))
                 };
                 parameters.push(Parameter {
@@ -264,12 +264,12 @@ impl<'g> Fitted<'g> {
 }
 
 /// Fall of the sum of squares that ends a search which stands at `square`.
-fn settle(problem: &Problem, square: f64) -> f64 {
+fn settle(problem: &ExtendedProblem, square: f64) -> f64 {
     SETTLE + SETTLE_PART * (square - problem.group.rows() as f64).max(0.0)
 }
 
 /// Degrees of freedom with which the noise of the group is known.
-fn freedom(group: &Group) -> f64 {
+fn freedom(group: &RunGroup) -> f64 {
     group
         .blocks
         .iter()

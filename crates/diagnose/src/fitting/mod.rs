@@ -11,4 +11,6 @@ pub(crate) mod modes;
 pub(crate) mod own_limits;
 pub(crate) mod problem;
 pub(crate) mod profile;
+pub(crate) mod scale;
 pub(crate) mod tangent;
+pub(crate) mod without_outliers;

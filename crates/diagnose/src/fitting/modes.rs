@@ -6,9 +6,8 @@
 use rayon::prelude::*;
 
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::Problem;
-use crate::fitting::profile::SETTLE;
-use crate::readings::group::Group;
+use crate::fitting::problem::ExtendedProblem;
+use crate::readings::group::RunGroup;
 use ieap_model::effects::Scale;
 use ieap_model::extended::ExtendedModel;
 
@@ -20,6 +19,8 @@ pub(crate) struct Mode {
 
 /// Evaluations of the search from each probe.
 const SEARCH: u64 = 20;
+/// A search has settled where a step lowers the sum of squares by less.
+pub(crate) const SETTLE: f64 = 0.02;
 /// Rise beyond which no interval reaches.
 const BEYOND: f64 = 10.0;
 /// Strengths that each search may start from, in parts of the probe's.
@@ -27,19 +28,19 @@ const PARTS: [f64; 9] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 
 /// Where searches from each probe of effect `number` of the model end, as far as they explain the readings nearly as well as
 /// the model does; none of an effect with one parameter.
-pub(crate) fn modes(group: &Group, fitted: &Fitted, number: usize, scale: &Scale) -> Vec<Mode> {
-    let sought = &fitted.problem.effects[number];
-    if sought.free() < 2 {
+pub(crate) fn modes(group: &RunGroup, fitted: &Fitted, number: usize, scale: &Scale) -> Vec<Mode> {
+    let free_effect = &fitted.problem.effects[number];
+    if free_effect.free() < 2 {
         return Vec::new();
     }
-    let probes = sought.effect.search(sought.variant, scale).probes;
+    let probes = free_effect.effect.search(free_effect.variant, scale).probes;
     let of = |probe: Vec<f64>| from_probe(group, fitted, number, &probe);
     probes.into_par_iter().filter_map(of).collect()
 }
 
-fn from_probe(group: &Group, fitted: &Fitted, number: usize, probe: &[f64]) -> Option<Mode> {
+fn from_probe(group: &RunGroup, fitted: &Fitted, number: usize, probe: &[f64]) -> Option<Mode> {
     let best = fitted.problem.model(&fitted.at);
-    let problem = Problem::new(group, &best.base, fitted.problem.effects.clone());
+    let problem = ExtendedProblem::new(group, &best.base, fitted.problem.effects.clone());
     let start = |part: f64| {
         let mut values: Vec<Vec<f64>> = best.effects.iter().map(|e| e.parameters.clone()).collect();
         values[number] = probe.to_vec();

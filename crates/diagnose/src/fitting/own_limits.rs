@@ -8,8 +8,8 @@
 use ieap_model::effects::Limits;
 
 use crate::fitting::fitted::Fitted;
-use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::scale;
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
+use crate::fitting::scale::scale;
 
 /// Times that limits are drawn anew: each time the base comes nearer to its own.
 const TIMES: usize = 6;
@@ -21,7 +21,7 @@ impl<'g> Fitted<'g> {
         let mut best = self;
         for _ in 0..TIMES {
             let Some(problem) = wider(&best) else { break };
-            let there = Fitted::unsearched(problem, best.at.clone()).map(Fitted::arrived);
+            let there = Fitted::unsearched(problem, best.at.clone()).map(Fitted::converged);
             let Some(there) = there.filter(|there| there.square < best.square) else {
                 break;
             };
@@ -35,15 +35,15 @@ impl<'g> Fitted<'g> {
 }
 
 /// The problem with the limits of every effect that lies at one put farther; none where none is.
-fn wider<'g>(fitted: &Fitted<'g>) -> Option<Problem<'g>> {
+fn wider<'g>(fitted: &Fitted<'g>) -> Option<ExtendedProblem<'g>> {
     let problem = &fitted.problem;
     let mut place = problem.base_len();
     let mut effects = problem.effects.clone();
     let mut is_wider = false;
-    for sought in &mut effects {
-        let end = place + sought.free();
+    for free_effect in &mut effects {
+        let end = place + free_effect.free();
         if (place..end).any(|k| problem.at_limit(k, fitted.at[k])) {
-            is_wider |= put_farther(sought, &of_own_base(fitted, sought));
+            is_wider |= put_farther(free_effect, &of_own_base(fitted, free_effect));
         }
         place = end;
     }
@@ -51,18 +51,18 @@ fn wider<'g>(fitted: &Fitted<'g>) -> Option<Problem<'g>> {
 }
 
 /// Limits of an effect beside the base parameters of the fitted model.
-fn of_own_base(fitted: &Fitted, sought: &Sought) -> Vec<Limits> {
+fn of_own_base(fitted: &Fitted, free_effect: &FreeEffect) -> Vec<Limits> {
     let group = fitted.problem.group;
     let base = fitted.base();
-    let alone = Problem::new(group, &base, Vec::new());
+    let alone = ExtendedProblem::new(group, &base, Vec::new());
     let scale = scale(group, &alone, &alone.coordinates(&base, &[]));
-    sought.effect.search(sought.variant, &scale).limits
+    free_effect.effect.search(free_effect.variant, &scale).limits
 }
 
 /// Puts limits of searched parameters farther where `own` are; whether any was.
-fn put_farther(sought: &mut Sought, own: &[Limits]) -> bool {
+fn put_farther(free_effect: &mut FreeEffect, own: &[Limits]) -> bool {
     let mut is_farther = false;
-    for (limits, own) in sought.limits.iter_mut().zip(own) {
+    for (limits, own) in free_effect.limits.iter_mut().zip(own) {
         if limits.held || own.held {
             continue;
         }

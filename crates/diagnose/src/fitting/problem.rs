@@ -7,16 +7,16 @@ use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::dense::{Bottom, Slope, descend};
 use ieap_numerics::sums::dot;
 
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Step of the difference quotients, in coordinates scaled to be of order one.
 const STEP: f64 = 1e-5;
 /// How far a resistance or capacitance may be from its start, as logarithm.
 const REACH: f64 = 7.0;
 
-/// An effect whose parameters are sought.
+/// An effect whose parameters are free.
 #[derive(Clone)]
-pub(crate) struct Sought {
+pub(crate) struct FreeEffect {
     pub(crate) effect: &'static dyn Effect,
     pub(crate) variant: usize,
     pub(crate) limits: Vec<Limits>,
@@ -26,18 +26,18 @@ pub(crate) struct Sought {
     held: Vec<f64>,
 }
 
-impl Sought {
+impl FreeEffect {
     pub(crate) fn new(
         effect: &'static dyn Effect,
         variant: usize,
         limits: Vec<Limits>,
         probe: &[f64],
-    ) -> Sought {
+    ) -> FreeEffect {
         let unit = |(limits, &value): (&Limits, &f64)| {
             let reach = limits.high.abs().min(limits.low.abs().max(limits.high.abs()));
             if value != 0.0 { value.abs() } else { reach }
         };
-        Sought {
+        FreeEffect {
             effect,
             variant,
             units: limits.iter().zip(probe).map(unit).collect(),
@@ -95,11 +95,11 @@ impl Sought {
 
 /// The sum of squares of some runs of a group.
 #[derive(Clone)]
-pub(crate) struct Problem<'g> {
-    pub(crate) group: &'g Group<'g>,
+pub(crate) struct ExtendedProblem<'g> {
+    pub(crate) group: &'g RunGroup<'g>,
     /// Runs that take part.
     pub(crate) runs: Vec<usize>,
-    pub(crate) effects: Vec<Sought>,
+    pub(crate) effects: Vec<FreeEffect>,
     branches: usize,
     bends: bool,
     units: [f64; 3],
@@ -111,9 +111,13 @@ pub(crate) struct Problem<'g> {
     high: Vec<f64>,
 }
 
-impl<'g> Problem<'g> {
+impl<'g> ExtendedProblem<'g> {
     /// All runs, with `start` as what sizes are measured by.
-    pub(crate) fn new(group: &'g Group<'g>, start: &LumpedModel, effects: Vec<Sought>) -> Problem<'g> {
+    pub(crate) fn new(
+        group: &'g RunGroup<'g>,
+        start: &LumpedModel,
+        effects: Vec<FreeEffect>,
+    ) -> ExtendedProblem<'g> {
         let parallel: f64 = start.branches.iter().map(|b| b.resistance_ohm_cm2.recip()).sum();
         let longest_s = group.runs.iter().map(|run| run.duration_s).fold(1e-9, f64::max);
         let steady = start.steady_state_resistance_ohm_cm2.recip();
@@ -128,7 +132,7 @@ impl<'g> Problem<'g> {
             .iter()
             .map(|b| b.time_constant_s())
             .fold(longest_s, f64::min);
-        let mut problem = Problem {
+        let mut problem = ExtendedProblem {
             group,
             runs: (0..group.runs.len()).collect(),
             effects,
@@ -156,28 +160,28 @@ impl<'g> Problem<'g> {
             self.low.extend([-1e6, 0.0]);
             self.high.extend([1e6, 1e5]);
         }
-        for sought in &self.effects {
-            let lows: Vec<f64> = sought.limits.iter().map(|limits| limits.low).collect();
-            let highs: Vec<f64> = sought.limits.iter().map(|limits| limits.high).collect();
-            self.low.extend(sought.coordinates(&lows));
-            self.high.extend(sought.coordinates(&highs));
+        for free_effect in &self.effects {
+            let lows: Vec<f64> = free_effect.limits.iter().map(|limits| limits.low).collect();
+            let highs: Vec<f64> = free_effect.limits.iter().map(|limits| limits.high).collect();
+            self.low.extend(free_effect.coordinates(&lows));
+            self.high.extend(free_effect.coordinates(&highs));
         }
     }
 
     /// The same with one more effect, its coordinates behind the others.
-    pub(crate) fn with(&self, sought: Sought) -> Problem<'g> {
+    pub(crate) fn with(&self, free_effect: FreeEffect) -> ExtendedProblem<'g> {
         let mut problem = self.clone();
-        let lows: Vec<f64> = sought.limits.iter().map(|limits| limits.low).collect();
-        let highs: Vec<f64> = sought.limits.iter().map(|limits| limits.high).collect();
-        problem.low.extend(sought.coordinates(&lows));
-        problem.high.extend(sought.coordinates(&highs));
-        problem.effects.push(sought);
+        let lows: Vec<f64> = free_effect.limits.iter().map(|limits| limits.low).collect();
+        let highs: Vec<f64> = free_effect.limits.iter().map(|limits| limits.high).collect();
+        problem.low.extend(free_effect.coordinates(&lows));
+        problem.high.extend(free_effect.coordinates(&highs));
+        problem.effects.push(free_effect);
         problem
     }
 
     /// The same with other limits of its effects.
-    pub(crate) fn within_limits_of(&self, effects: Vec<Sought>) -> Problem<'g> {
-        let mut problem = Problem {
+    pub(crate) fn within_limits_of(&self, effects: Vec<FreeEffect>) -> ExtendedProblem<'g> {
+        let mut problem = ExtendedProblem {
             effects,
             ..self.clone()
         };
@@ -186,13 +190,13 @@ impl<'g> Problem<'g> {
     }
 
     /// The same over other runs of the group.
-    pub(crate) fn over(&self, runs: Vec<usize>) -> Problem<'g> {
-        Problem { runs, ..self.clone() }
+    pub(crate) fn over(&self, runs: Vec<usize>) -> ExtendedProblem<'g> {
+        ExtendedProblem { runs, ..self.clone() }
     }
 
     /// The same without some rows of all runs.
-    pub(crate) fn without(&self, rows: &[bool]) -> Problem<'g> {
-        Problem {
+    pub(crate) fn without(&self, rows: &[bool]) -> ExtendedProblem<'g> {
+        ExtendedProblem {
             left_out: rows.to_vec(),
             ..self.clone()
         }
@@ -223,8 +227,8 @@ impl<'g> Problem<'g> {
     /// Coordinates of a base model and of the effects' parameters.
     pub(crate) fn coordinates(&self, base: &LumpedModel, effects: &[Vec<f64>]) -> Vec<f64> {
         let mut at = self.base_coordinates(base);
-        for (sought, values) in self.effects.iter().zip(effects) {
-            at.extend(sought.coordinates(values));
+        for (free_effect, values) in self.effects.iter().zip(effects) {
+            at.extend(free_effect.coordinates(values));
         }
         at
     }
@@ -248,13 +252,13 @@ impl<'g> Problem<'g> {
             relaxation_rate_per_s: bending.1.max(0.0) * self.units[2],
         };
         let mut first = self.base_len();
-        let applied = self.effects.iter().map(|sought| {
-            let end = first + sought.free();
-            let parameters = sought.values(&at[first..end]);
+        let applied = self.effects.iter().map(|free_effect| {
+            let end = first + free_effect.free();
+            let parameters = free_effect.values(&at[first..end]);
             first = end;
             Applied {
-                effect: sought.effect,
-                variant: sought.variant,
+                effect: free_effect.effect,
+                variant: free_effect.variant,
                 parameters,
             }
         });
@@ -332,7 +336,7 @@ impl<'g> Problem<'g> {
 
     /// How whitened residuals follow all resistances of branches at once, and how the size of the bending, both in
     /// logarithms: the shapes of a larger current and of a larger curvature.
-    pub(crate) fn answers(&self, at: &[f64]) -> [Vec<f64>; 2] {
+    pub(crate) fn edge_shapes(&self, at: &[f64]) -> [Vec<f64>; 2] {
         let mut here = Vec::new();
         self.residuals(at, &mut here);
         let mut by_resistance = vec![0.0; here.len()];

@@ -8,17 +8,15 @@ use ieap_numerics::levenberg::Stop;
 
 use crate::fitting::ends::{BOUNDS, together};
 use crate::fitting::fitted::Fitted;
-use crate::fitting::modes::{Mode, modes};
-use crate::fitting::problem::{Problem, Sought};
-use crate::misfit::signature::scale;
-use crate::readings::group::Group;
+use crate::fitting::modes::{Mode, SETTLE, modes};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
+use crate::fitting::scale::scale;
+use crate::readings::group::RunGroup;
 
 /// Strengths that are looked at on either side, in standard errors.
 const AT: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 /// Evaluations of each search, from the place that the covariance expects.
 const SHORT: u64 = 6;
-/// A search has settled where a step lowers the sum of squares by less.
-pub(crate) const SETTLE: f64 = 0.02;
 /// Where three standard errors do not reach it, steps that each go so many times farther, and how many of them.
 const FARTHER: f64 = 1.6;
 const FURTHER: i32 = 9;
@@ -32,7 +30,7 @@ const LEAP: f64 = 4.0;
 const HALVINGS: usize = 5;
 
 /// Profiles of every parameter of the effects that is searched, effect after effect.
-pub(crate) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
+pub(crate) fn profiles(group: &RunGroup, fitted: &Fitted) -> Vec<StrengthProfile> {
     let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
     let inverse = slope.normal.inverse(1e-12);
     let effects = &fitted.problem.effects;
@@ -42,8 +40,8 @@ pub(crate) fn profiles(group: &Group, fitted: &Fitted) -> Vec<StrengthProfile> {
         .collect();
     let mut place = fitted.problem.base_len();
     let mut wanted = Vec::new();
-    for (number, sought) in effects.iter().enumerate() {
-        for parameter in (0..sought.limits.len()).filter(|&k| !sought.limits[k].held) {
+    for (number, free_effect) in effects.iter().enumerate() {
+        for parameter in (0..free_effect.limits.len()).filter(|&k| !free_effect.limits[k].held) {
             wanted.push(Which {
                 number,
                 parameter,
@@ -82,7 +80,7 @@ struct Which {
 
 /// One parameter of a fitted model, on its way.
 struct Along<'a, 'g> {
-    group: &'a Group<'g>,
+    group: &'a RunGroup<'g>,
     fitted: &'a Fitted<'g>,
     which: Which,
     shift: &'a [f64],
@@ -267,8 +265,8 @@ impl Along<'_, '_> {
             parameter,
             place,
         } = self.which;
-        let sought = &self.fitted.problem.effects[number];
-        sought.coordinate(parameter, point.value) - self.fitted.at[place]
+        let free_effect = &self.fitted.problem.effects[number];
+        free_effect.coordinate(parameter, point.value) - self.fitted.at[place]
     }
 
     /// The same from where the search `before` ended, no further than the limit; none where that lies behind.
@@ -294,7 +292,7 @@ impl Along<'_, '_> {
         } = self.which;
         let mut all = self.fitted.problem.effects.clone();
         all[number] = held(&all[number], parameter, &from.effects[number].parameters);
-        let problem = Problem::new(self.group, &from.base, all);
+        let problem = ExtendedProblem::new(self.group, &from.base, all);
         let parameters: Vec<Vec<f64>> = from.effects.iter().map(|e| e.parameters.clone()).collect();
         let start = problem.coordinates(&from.base, &parameters);
         let mut bottom = problem.descend(&start, evaluations, SETTLE, &[]);
@@ -311,8 +309,8 @@ impl Along<'_, '_> {
 }
 
 /// The effect with that parameter held.
-fn held(sought: &Sought, parameter: usize, parameters: &[f64]) -> Sought {
-    let mut limits = sought.limits.clone();
+fn held(free_effect: &FreeEffect, parameter: usize, parameters: &[f64]) -> FreeEffect {
+    let mut limits = free_effect.limits.clone();
     limits[parameter].held = true;
-    Sought::new(sought.effect, sought.variant, limits, parameters)
+    FreeEffect::new(free_effect.effect, free_effect.variant, limits, parameters)
 }

@@ -18,9 +18,9 @@ use ieap_numerics::sums::dot;
 
 use crate::fitting::tangent::Tangent;
 use crate::misfit::null::Null;
+use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
-use crate::misfit::stretch::Stretch;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Draws, and the number of products of rows and candidates that they may cost before there are fewer.
 const DRAWS: usize = 100;
@@ -45,12 +45,12 @@ pub(crate) struct Calibration {
 
 /// What is asked.
 pub(crate) struct Asked<'a> {
-    pub(crate) group: &'a Group<'a>,
+    pub(crate) group: &'a RunGroup<'a>,
     pub(crate) null: &'a Null,
     pub(crate) tangent: &'a Tangent,
     pub(crate) signatures: &'a [Signature],
     pub(crate) directions: &'a [Direction],
-    pub(crate) stretches: &'a [Stretch],
+    pub(crate) bins: &'a [ResidualBin],
     pub(crate) seed: u64,
 }
 
@@ -180,11 +180,11 @@ impl Simulation {
         let mut residuals = whitened(&rest);
         tangent.remove(&mut residuals);
         let means: Vec<f64> = asked
-            .stretches
+            .bins
             .iter()
-            .zip(asked.null.uses_stretch())
+            .zip(asked.null.uses_bin())
             .filter(|(_, used)| *used)
-            .map(|(stretch, _)| mean_of(stretch, &residuals, &tangent))
+            .map(|(bin, _)| mean_of(bin, &residuals, &tangent))
             .collect();
         let answer = transposed(residuals);
         let product = |pairs: &Product| -> f64 {
@@ -213,7 +213,7 @@ impl Simulation {
     }
 
     /// The noise of every channel found again in simulated residuals.
-    fn found(&self, group: &Group, rest: &[f64]) -> Vec<FoundAgain> {
+    fn found(&self, group: &RunGroup, rest: &[f64]) -> Vec<FoundAgain> {
         let of = |place: usize| {
             let block = &group.blocks[place];
             (&self.again[place], &rest[block.first..block.end])
@@ -242,7 +242,7 @@ impl Simulation {
 }
 
 /// White series in the units of the readings.
-fn coloured(group: &Group, mut series: Vec<f64>) -> Vec<f64> {
+fn coloured(group: &RunGroup, mut series: Vec<f64>) -> Vec<f64> {
     for block in &group.blocks {
         if let Some(channel) = group.channel(block) {
             channel.colour(&mut series[block.first..block.end]);
@@ -251,14 +251,14 @@ fn coloured(group: &Group, mut series: Vec<f64>) -> Vec<f64> {
     series
 }
 
-/// Mean of refitted residuals over a stretch, in its standard errors.
-fn mean_of(stretch: &Stretch, residuals: &[f64], tangent: &Tangent) -> f64 {
+/// Mean of refitted residuals over a bin, in its standard errors.
+fn mean_of(bin: &ResidualBin, residuals: &[f64], tangent: &Tangent) -> f64 {
     let absorbed: f64 = tangent
         .basis()
         .iter()
-        .map(|column| stretch.over(column).powi(2))
+        .map(|column| bin.over(column).powi(2))
         .sum();
-    stretch.over(residuals) / (1.0 - absorbed).max(1e-3).sqrt()
+    bin.over(residuals) / (1.0 - absorbed).max(1e-3).sqrt()
 }
 
 #[cfg(test)]

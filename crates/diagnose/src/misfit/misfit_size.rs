@@ -3,10 +3,10 @@
 use ieap_domain::MisfitPercent;
 
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, RunGroup};
 
 /// Of the base model.
-pub(crate) fn misfit_percent(group: &Group, base: &Fitted) -> MisfitPercent {
+pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
     let model = base.problem.model(&base.at);
     let mut charge: Option<f64> = None;
     let mut squares = [(0.0, 0.0); 2];
@@ -50,7 +50,7 @@ fn range(values: &[f64]) -> f64 {
 }
 
 /// Error of the charge at the end of a run, in percent of the largest charge on the way.
-fn charge_error(group: &Group, block: &Block, values: &[f64], off: &[f64]) -> Option<f64> {
+fn charge_error(group: &RunGroup, block: &Block, values: &[f64], off: &[f64]) -> Option<f64> {
     let times = group.runs[block.run].times(block.channel);
     let (mut flowed, mut most, mut missed) = (0.0, 0.0_f64, 0.0);
     for k in 1..times.len() {

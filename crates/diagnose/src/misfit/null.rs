@@ -12,16 +12,16 @@ use ieap_numerics::sums::dot;
 use crate::fitting::tangent::Tangent;
 use crate::misfit::calibration::Calibration;
 use crate::misfit::mixture::Mixture;
+use crate::misfit::residual_bins::{Kind, ResidualBin};
 use crate::misfit::signature::Direction;
-use crate::misfit::stretch::{Kind, Stretch};
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Part of the degrees of freedom of the noise's size that is believed: its memory was found from the same readings, and
 /// an error in it moves slow residuals more than the size alone says.
 const KNOWN: f64 = 0.5;
 /// A direction whose part beyond those before it is smaller than this is drawn with them.
 const DEPENDENT: f64 = 1e-3;
-/// Weights of the statistics in the smallest p: all candidates, the best of them, single stretches, all of them, answers to
+/// Weights of the statistics in the smallest p: all candidates, the best of them, single bins, all of them, answers to
 /// edges, and lines.
 const WEIGHTS: [f64; 6] = [0.70, 0.05, 0.05, 0.10, 0.05, 0.05];
 
@@ -35,13 +35,13 @@ pub(crate) struct Statistics {
     pub(crate) mixture: f64,
     /// Largest forecast gain of any candidate.
     pub(crate) candidate: f64,
-    /// Largest square of a stretch's mean, in its standard errors.
-    pub(crate) stretch: f64,
-    /// Square of all stretches together.
+    /// Largest square of a bin's mean, in its standard errors.
+    pub(crate) bin: f64,
+    /// Square of all bins together.
     pub(crate) together: f64,
     /// Sum of the squares of how much more or less than simulated each edge of a drive of many is answered, in standard
     /// errors: what wanders from edge to edge and leaves no mean.
-    pub(crate) answers: f64,
+    pub(crate) edge_responses: f64,
     /// Largest line in the periodogram of any channel, in units of its mean.
     pub(crate) line: f64,
 }
@@ -51,9 +51,9 @@ impl Statistics {
         [
             self.mixture,
             self.candidate,
-            self.stretch,
+            self.bin,
             self.together,
-            self.answers,
+            self.edge_responses,
         ]
     }
 }
@@ -61,10 +61,10 @@ impl Statistics {
 /// Everything that the residuals are asked, and its distribution where nothing is wrong.
 pub(crate) struct Null {
     mixture: Mixture,
-    stretch_units: Vec<Option<Vec<f64>>>,
-    /// Number of units that are of stretches; those of answers to edges follow.
-    stretched: usize,
-    /// Stretches in the order in which they were found independent.
+    bin_units: Vec<Option<Vec<f64>>>,
+    /// Number of units that are of bins; those of answers to edges follow.
+    timed_bins: usize,
+    /// Bins in the order in which they were found independent.
     pivots: Vec<usize>,
     /// Rows of the factor of the pivots among themselves.
     factor: Vec<Vec<f64>>,
@@ -84,24 +84,25 @@ struct Drawn {
 impl Null {
     /// Draws `count` sets of statistics.
     pub(crate) fn new(
-        group: &Group,
+        group: &RunGroup,
         tangent: &Tangent,
         directions: &[Direction],
-        stretches: &[Stretch],
+        bins: &[ResidualBin],
         count: usize,
         seed: u64,
     ) -> Null {
-        let stretch_units: Vec<Option<Vec<f64>>> = stretches
+        let bin_units: Vec<Option<Vec<f64>>> = bins
             .iter()
-            .map(|stretch| unit_of(stretch, group.rows(), tangent))
+            .map(|bin| unit_of(bin, group.rows(), tangent))
             .collect();
-        let mut columns: Vec<&[f64]> = stretch_units.iter().flatten().map(Vec::as_slice).collect();
+        let mut columns: Vec<&[f64]> = bin_units.iter().flatten().map(Vec::as_slice).collect();
         let whole = columns.len();
-        let is_answer =
-            |(stretch, unit): &(&Stretch, &Option<Vec<f64>>)| unit.is_some() && stretch.kind == Kind::Answer;
-        let stretched = whole - stretches.iter().zip(&stretch_units).filter(is_answer).count();
+        let is_edge_response = |(bin, unit): &(&ResidualBin, &Option<Vec<f64>>)| {
+            unit.is_some() && bin.kind == Kind::EdgeResponse
+        };
+        let timed_bins = whole - bins.iter().zip(&bin_units).filter(is_edge_response).count();
         columns.extend(directions.iter().map(|direction| direction.unit.as_slice()));
-        let (factor, pivots, from_stretches) = pivoted(&columns, stretched);
+        let (factor, pivots, from_bins) = pivoted(&columns, timed_bins);
         let shares: Vec<Vec<f64>> = columns.iter().map(|column| shares(group, column)).collect();
         let freedoms: Vec<f64> = group
             .blocks
@@ -152,10 +153,10 @@ impl Null {
                     (z, z * z * size)
                 };
                 let mut found = Statistics::default();
-                for k in 0..stretched {
-                    found.stretch = found.stretch.max(square(k).1);
+                for k in 0..timed_bins {
+                    found.bin = found.bin.max(square(k).1);
                 }
-                found.answers = (stretched..whole).map(|k| square(k).1).sum();
+                found.edge_responses = (timed_bins..whole).map(|k| square(k).1).sum();
                 for (k, (direction, own)) in directions.iter().zip(&mut gains).enumerate() {
                     let (z, gain) = square(whole + k);
                     *own = if z > 0.0 || !direction.one_sided {
@@ -174,20 +175,20 @@ impl Null {
                         .sum();
                     x * x * size
                 };
-                found.together = pivots[..from_stretches].iter().zip(unit).map(of_pivot).sum();
+                found.together = pivots[..from_bins].iter().zip(unit).map(of_pivot).sum();
                 found.line = *line;
                 found
             })
             .collect::<Vec<Statistics>>();
-        let rows = pivots[..from_stretches]
+        let rows = pivots[..from_bins]
             .iter()
             .map(|&pivot| factor[pivot].clone())
             .collect();
         let mut null = Null {
             mixture,
-            stretch_units,
-            stretched,
-            pivots: pivots[..from_stretches].to_vec(),
+            bin_units,
+            timed_bins,
+            pivots: pivots[..from_bins].to_vec(),
             factor: rows,
             tails: (0..5)
                 .map(|k| Tail::of(draws.iter().map(|draw| draw.all()[k]).collect()))
@@ -202,16 +203,21 @@ impl Null {
     }
 
     /// Statistics of refitted residuals.
-    pub(crate) fn observe(&self, group: &Group, residuals: &[f64], directions: &[Direction]) -> Statistics {
+    pub(crate) fn observe(
+        &self,
+        group: &RunGroup,
+        residuals: &[f64],
+        directions: &[Direction],
+    ) -> Statistics {
         let means: Vec<f64> = self
-            .stretch_units
+            .bin_units
             .iter()
             .flatten()
             .map(|unit| dot(unit, residuals))
             .collect();
         let gains: Vec<f64> = directions
             .iter()
-            .map(|direction| gain(direction, residuals))
+            .map(|direction| direction.gain(residuals))
             .collect();
         let line = group
             .blocks
@@ -221,50 +227,50 @@ impl Null {
         self.statistics(&means, &gains, line)
     }
 
-    /// From the means of the stretches that are used, in their standard errors, and the gain of every direction.
+    /// From the means of the bins that are used, in their standard errors, and the gain of every direction.
     fn statistics(&self, means: &[f64], gains: &[f64], line: f64) -> Statistics {
         let mut solved: Vec<f64> = Vec::with_capacity(self.pivots.len());
         for (&pivot, row) in self.pivots.iter().zip(&self.factor) {
             let known = dot(&row[..solved.len()], &solved);
             solved.push((means[pivot] - known) / row[solved.len()]);
         }
-        let (stretches, answers) = means.split_at(self.stretched);
+        let (bins, edge_responses) = means.split_at(self.timed_bins);
         Statistics {
             mixture: self.mixture.log_ratio(gains),
             candidate: largest(gains),
-            stretch: stretches.iter().map(|z| z * z).fold(0.0, f64::max),
+            bin: bins.iter().map(|z| z * z).fold(0.0, f64::max),
             together: dot(&solved, &solved),
-            answers: dot(answers, answers),
+            edge_responses: dot(edge_responses, edge_responses),
             line,
         }
     }
 
-    /// Whether each stretch is used; a refit takes up the others.
-    pub(crate) fn uses_stretch(&self) -> impl Iterator<Item = bool> {
-        self.stretch_units.iter().map(Option::is_some)
+    /// Whether each bin is used; a refit takes up the others.
+    pub(crate) fn uses_bin(&self) -> impl Iterator<Item = bool> {
+        self.bin_units.iter().map(Option::is_some)
     }
 
-    /// The p of simulated readings: means of the used stretches, and the gain of every direction. Lines of the
+    /// The p of simulated readings: means of the used bins, and the gain of every direction. Lines of the
     /// periodogram do not depend on what is found of the noise, and are drawn.
     pub(crate) fn p_of_simulated(&self, means: &[f64], gains: &[f64], generator: &mut ChaCha8Rng) -> f64 {
         let line = chance_line(self.lines, generator);
         self.unbounded_p(&self.statistics(means, gains, line))
     }
 
-    /// Mean of every stretch in its standard errors, 0 where a refit takes it up.
-    pub(crate) fn stretch_scores(&self, residuals: &[f64]) -> Vec<f64> {
+    /// Mean of every bin in its standard errors, 0 where a refit takes it up.
+    pub(crate) fn bin_scores(&self, residuals: &[f64]) -> Vec<f64> {
         let score = |unit: &Option<Vec<f64>>| unit.as_ref().map_or(0.0, |unit| dot(unit, residuals));
-        self.stretch_units.iter().map(score).collect()
+        self.bin_units.iter().map(score).collect()
     }
 
-    /// Number of stretches that are independent of each other.
-    pub(crate) fn independent_stretches(&self) -> usize {
+    /// Number of bins that are independent of each other.
+    pub(crate) fn independent_bins(&self) -> usize {
         self.pivots.len()
     }
 
     /// Number of answers to edges that are asked.
-    pub(crate) fn answers(&self) -> usize {
-        self.uses_stretch().filter(|used| *used).count() - self.stretched
+    pub(crate) fn edge_responses(&self) -> usize {
+        self.uses_bin().filter(|used| *used).count() - self.timed_bins
     }
 
     /// Probability of a gain at least as large by chance, over all candidates: never 0.
@@ -348,16 +354,6 @@ fn largest(gains: &[f64]) -> f64 {
     gains.iter().copied().fold(0.0, f64::max)
 }
 
-/// Forecast gain of a candidate: the fall of the sum of squares to first order; 0 for a strength of the wrong sign.
-pub(crate) fn gain(direction: &Direction, residuals: &[f64]) -> f64 {
-    let z = dot(&direction.unit, residuals);
-    if z > 0.0 || !direction.one_sided {
-        z * z
-    } else {
-        0.0
-    }
-}
-
 /// True variance over the one that was found, as far as the latter is uncertain.
 fn size_factor(freedom: f64, generator: &mut ChaCha8Rng) -> f64 {
     let nu = freedom.max(4.0);
@@ -396,7 +392,7 @@ fn chance_line(count: usize, generator: &mut ChaCha8Rng) -> f64 {
 }
 
 /// Share of a unit column's square in every block.
-fn shares(group: &Group, column: &[f64]) -> Vec<f64> {
+fn shares(group: &RunGroup, column: &[f64]) -> Vec<f64> {
     group
         .blocks
         .iter()
@@ -404,9 +400,9 @@ fn shares(group: &Group, column: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-fn unit_of(stretch: &Stretch, rows: usize, tangent: &Tangent) -> Option<Vec<f64>> {
+fn unit_of(bin: &ResidualBin, rows: usize, tangent: &Tangent) -> Option<Vec<f64>> {
     let mut unit = vec![0.0; rows];
-    for (&row, weight) in stretch.rows.iter().zip(&stretch.weights) {
+    for (&row, weight) in bin.rows.iter().zip(&bin.weights) {
         unit[row] = *weight;
     }
     tangent.remove(&mut unit);

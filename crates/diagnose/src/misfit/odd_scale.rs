@@ -7,7 +7,7 @@ use ieap_model::{FitModel, LumpedModel};
 use ieap_numerics::sums::dot;
 
 use crate::fitting::base_fit::of_each_run;
-use crate::readings::group::{Group, GroupRun};
+use crate::readings::group::{GroupRun, RunGroup};
 
 /// Runs agree whose readings are those that one of them predicts times a number within this factor of one (strips of the
 /// thesis conduct four times better at 2.5 V than at 1.2 V) ...
@@ -67,7 +67,7 @@ impl Likeness {
 
 /// The runs whose readings are scaled or turned, where more runs agree without that. What a person said is right is not among
 /// them.
-pub(crate) fn odd_runs(group: &Group, model: &'static FitModel) -> Vec<CondemnedRun> {
+pub(crate) fn odd_runs(group: &RunGroup, model: &'static FitModel) -> Vec<CondemnedRun> {
     if group.runs.len() < 3 {
         return Vec::new();
     }
@@ -83,7 +83,7 @@ pub(crate) fn odd_runs(group: &Group, model: &'static FitModel) -> Vec<Condemned
 
 /// The odd runs of a channel, seen from the run with which most others agree; `bases` are the parameters of
 /// each run by itself.
-fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<CondemnedRun> {
+fn of_channel(group: &RunGroup, bases: &[LumpedModel], channel: usize) -> Vec<CondemnedRun> {
     let views = bases.iter().map(|base| {
         let model = ExtendedModel {
             base: base.clone(),
@@ -138,7 +138,7 @@ fn of_channel(group: &Group, bases: &[LumpedModel], channel: usize) -> Vec<Conde
 }
 
 /// Whether a run that agrees steps to the same side.
-fn has_witness(group: &Group, view: &[Option<Likeness>], run: usize) -> bool {
+fn has_witness(group: &RunGroup, view: &[Option<Likeness>], run: usize) -> bool {
     let side = |run: usize| group.runs[run].given.input.drive.nominal_step_v().signum();
     let mut others = view.iter().enumerate();
     others.any(|(other, likeness)| likeness.is_some_and(Likeness::agrees) && side(other) == side(run))

@@ -6,10 +6,10 @@ use ieap_model::effects::{ALL, Applied, Effect, Limits, Scale};
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 
-use crate::cause::between::asked;
-use crate::fitting::problem::{Problem, Sought};
+use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 use crate::fitting::tangent::Tangent;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
+use crate::readings::tags::asked;
 
 /// An effect of which less than this part is left by a refit is said to be absorbed by it.
 const ABSORBED: f64 = 1e-3;
@@ -48,6 +48,14 @@ pub(crate) struct Direction {
     pub(crate) one_sided: bool,
 }
 
+impl Direction {
+    /// Forecast gain of a candidate: the fall of the sum of squares to first order; 0 for a strength of the wrong sign.
+    pub(crate) fn gain(&self, residuals: &[f64]) -> f64 {
+        let z = dot(&self.unit, residuals);
+        if z > 0.0 || !self.one_sided { z * z } else { 0.0 }
+    }
+}
+
 impl Signature {
     /// Whitened readings of the model with the probe's part less those without.
     pub(crate) fn change(&self) -> &[f64] {
@@ -55,7 +63,7 @@ impl Signature {
     }
 
     /// The same change whitened with the noise of `to`, where it was with that of `from`: the same readings in both.
-    pub(crate) fn in_noise_of(&self, from: &Group, to: &Group) -> Signature {
+    pub(crate) fn in_noise_of(&self, from: &RunGroup, to: &RunGroup) -> Signature {
         let mut change = self.change.clone();
         for (block, other) in from.blocks.iter().zip(&to.blocks) {
             if let Some((before, after)) = from.channel(block).zip(to.channel(other)) {
@@ -71,8 +79,8 @@ impl Signature {
     }
 
     /// The effect at this probe as something to search.
-    pub(crate) fn sought(&self) -> Sought {
-        Sought::new(self.effect, self.variant, self.limits.clone(), &self.probe)
+    pub(crate) fn free_effect(&self) -> FreeEffect {
+        FreeEffect::new(self.effect, self.variant, self.limits.clone(), &self.probe)
     }
 }
 
@@ -80,7 +88,7 @@ impl Signature {
 type Wanted = (&'static dyn Effect, usize, Vec<Limits>, Vec<f64>, f64);
 
 /// Signatures of every effect at every probe, at the base model `at`: of the library, and of tags that differ in the group.
-pub(crate) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Signature> {
+pub(crate) fn signatures(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<Signature> {
     let mut effects = ALL.to_vec();
     effects.extend(asked(problem.group));
     signatures_of(&effects, problem, at, scale)
@@ -89,7 +97,7 @@ pub(crate) fn signatures(problem: &Problem, at: &[f64], scale: &Scale) -> Vec<Si
 /// Signatures of these effects.
 pub(crate) fn signatures_of(
     effects: &[&'static dyn Effect],
-    problem: &Problem,
+    problem: &ExtendedProblem,
     at: &[f64],
     scale: &Scale,
 ) -> Vec<Signature> {
@@ -127,7 +135,7 @@ pub(crate) fn signatures_of(
 }
 
 fn change(
-    problem: &Problem,
+    problem: &ExtendedProblem,
     model: &ExtendedModel,
     without: &[f64],
     effect: &'static dyn Effect,
@@ -190,43 +198,4 @@ pub(crate) fn directions(signatures: &[Signature], tangent: &Tangent) -> Vec<Dir
         })
     };
     signatures.par_iter().enumerate().filter_map(of).collect()
-}
-
-/// Sizes of the data and of the base model, from which limits of effects follow.
-pub(crate) fn scale(group: &Group, problem: &Problem, at: &[f64]) -> Scale {
-    let model = problem.model(at);
-    let mut scale = Scale {
-        base: model.base.clone(),
-        area_cm2: group.runs.first().map_or(1.0, |run| run.given.input.area_cm2),
-        length_cm: group
-            .runs
-            .iter()
-            .map(|run| run.given.length_cm)
-            .collect::<Option<Vec<f64>>>()
-            .and_then(|l| l.first().copied()),
-        durations_s: group.runs.iter().map(|run| run.duration_s).collect(),
-        shortest_s: f64::INFINITY,
-        voltage_v: 0.0,
-        current_a: 0.0,
-        curvature_per_cm: 0.0,
-        charge_c: 0.0,
-    };
-    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    for (index, run) in group.runs.iter().enumerate() {
-        let context = run.context(index, None);
-        let found = model.responses(&context, run.times(0), run.times(1));
-        scale.current_a = scale.current_a.max(peak(&found.current_a));
-        scale.curvature_per_cm = scale.curvature_per_cm.max(peak(&found.curvature_per_cm));
-        let drive = run.given.input.drive;
-        scale.voltage_v = scale.voltage_v.max(drive.nominal_step_v().abs());
-        for channel in run.channels.iter().flatten() {
-            let steps = channel.time_s().windows(2).map(|pair| pair[1] - pair[0]);
-            scale.shortest_s = scale.shortest_s.min(steps.fold(f64::INFINITY, f64::min));
-        }
-    }
-    if !scale.shortest_s.is_finite() {
-        scale.shortest_s = 1.0;
-    }
-    scale.charge_c = scale.capacitance_f_per_cm2() * scale.voltage_v * scale.area_cm2;
-    scale
 }

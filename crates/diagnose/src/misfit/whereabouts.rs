@@ -4,26 +4,26 @@ use ieap_domain::seconds::span;
 use ieap_domain::{MisfitStretch, Whereabouts};
 
 use crate::misfit::null::Null;
-use crate::misfit::stretch::{Kind, Stretch};
-use crate::readings::group::Group;
+use crate::misfit::residual_bins::{Kind, ResidualBin};
+use crate::readings::group::{RunGroup, channel_name};
 
-/// A stretch is said to be wrong where its mean is this many standard errors off.
+/// A bin is said to be wrong where its mean is this many standard errors off.
 const WRONG: f64 = 4.0;
 
-/// Stretches in which `residuals` are off, with a sentence on the worst of them.
+/// Bins in which `residuals` are off, with a sentence on the worst of them.
 pub(crate) fn whereabouts(
-    group: &Group,
+    group: &RunGroup,
     null: &Null,
-    stretches: &[Stretch],
+    bins: &[ResidualBin],
     residuals: &[f64],
 ) -> Whereabouts {
-    let scores = null.stretch_scores(residuals);
+    let scores = null.bin_scores(residuals);
     let mut segments: Vec<MisfitStretch> = Vec::new();
-    for (stretch, &sigma) in stretches.iter().zip(&scores) {
-        let (Kind::Clock(from_s, to_s), true) = (stretch.kind, sigma.abs() >= WRONG) else {
+    for (bin, &sigma) in bins.iter().zip(&scores) {
+        let (Kind::Clock(from_s, to_s), true) = (bin.kind, sigma.abs() >= WRONG) else {
             continue;
         };
-        let block = &group.blocks[stretch.block];
+        let block = &group.blocks[bin.block];
         segments.push(MisfitStretch {
             run: group.runs[block.run].given.name.to_owned(),
             channel: channel_name(block.channel).to_owned(),
@@ -36,7 +36,7 @@ pub(crate) fn whereabouts(
     let off = (!segments.is_empty()).then(|| sentence(group, &segments));
     let said: Vec<String> = off
         .into_iter()
-        .chain(unequal_answers(group, stretches, &scores))
+        .chain(unequal_edge_responses(group, bins, &scores))
         .collect();
     let text = match said.is_empty() {
         true => "no single stretch of time stands out".to_owned(),
@@ -46,15 +46,10 @@ pub(crate) fn whereabouts(
 }
 
 /// Says which channel answers the edges of a drive of many most unequally; none where none does beyond chance.
-fn unequal_answers(group: &Group, stretches: &[Stretch], scores: &[f64]) -> Option<String> {
+fn unequal_edge_responses(group: &RunGroup, bins: &[ResidualBin], scores: &[f64]) -> Option<String> {
     let of_block = |place: usize| {
-        let is_its = |(stretch, _): &(&Stretch, &f64)| stretch.kind == Kind::Answer && stretch.block == place;
-        let own: Vec<f64> = stretches
-            .iter()
-            .zip(scores)
-            .filter(is_its)
-            .map(|(_, z)| *z)
-            .collect();
+        let is_its = |(bin, _): &(&ResidualBin, &f64)| bin.kind == Kind::EdgeResponse && bin.block == place;
+        let own: Vec<f64> = bins.iter().zip(scores).filter(is_its).map(|(_, z)| *z).collect();
         let count = own.len() as f64;
         let excess = (own.iter().map(|z| z * z).sum::<f64>() - count) / (2.0 * count).sqrt();
         (!own.is_empty()).then_some((excess, place, own))
@@ -74,12 +69,8 @@ fn unequal_answers(group: &Group, stretches: &[Stretch], scores: &[f64]) -> Opti
     ))
 }
 
-pub(crate) fn channel_name(channel: usize) -> &'static str {
-    ["current", "curvature"][channel]
-}
-
-/// Of stretches that are off, of which there is one at least, the worst first.
-fn sentence(group: &Group, segments: &[MisfitStretch]) -> String {
+/// Of bins that are off, of which there is one at least, the worst first.
+fn sentence(group: &RunGroup, segments: &[MisfitStretch]) -> String {
     let worst = &segments[0];
     let alike: Vec<&MisfitStretch> = segments
         .iter()

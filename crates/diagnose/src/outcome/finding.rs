@@ -5,35 +5,32 @@ mod forms;
 mod sentence;
 mod sets;
 
-use sentence::SPIKED_WORDS;
-
 use ieap_domain::{
     DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve, StrengthProfile,
     Verdict,
 };
 
-use crate::cause::between::{not_asked, refused_in_words};
+use crate::cause::between::refused_in_words;
 use crate::cause::evidence::{Asked, weigh};
 use crate::cause::proof::held_out::Part;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
+use crate::levels::{RIGHT, WRONG};
 use crate::misfit::misfit_size::misfit_percent;
 use crate::misfit::null::Null;
+use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
-use crate::misfit::stretch::Stretch;
-use crate::misfit::whereabouts::{channel_name, whereabouts};
+use crate::misfit::whereabouts::whereabouts;
+use crate::options::DiagnoseOptions;
 use crate::outcome::gain::gain;
 use crate::outcome::next_run::next_run;
 use crate::readings::drawn::{drawn, paired};
-use crate::readings::group::Group;
-use crate::{DiagnoseOptions, RunInput};
+use crate::readings::group::{RunGroup, RunInput, channel_name};
+use crate::readings::tags::not_asked;
 use ieap_model::effects::effect;
 use ieap_numerics::sums::dot;
 
-/// The simulation is called wrong below this p, and right from the second on.
-pub(crate) const WRONG: f64 = 0.01;
-pub(crate) const RIGHT: f64 = 0.05;
 /// Where a misfit is left, a first cause that explains less than this part of everything names nothing: a cause that no
 /// library holds finds a likeness in it. Of 20 plays of the charge of 16 standard deviations 2 were explained to more than
 /// this by one cause; ceramic capacitors and an electrolysis cell, whose causes are known, are to 0.97 and more.
@@ -41,15 +38,18 @@ const MOST_OF_IT: f64 = 0.9;
 /// Spikes beyond this part of the readings make the readings themselves the problem.
 const SPIKED: f64 = 0.05;
 
+const SPIKED_WORDS: &str =
+    "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
+
 /// What is known before a cause is looked for.
-pub(crate) struct Shown<'a, 'g> {
+pub(crate) struct FindingBuilder<'a, 'g> {
     pub(crate) name: &'a str,
-    pub(crate) group: &'g Group<'g>,
+    pub(crate) group: &'g RunGroup<'g>,
     pub(crate) base: &'a Fitted<'g>,
     pub(crate) null: &'a Null,
     pub(crate) directions: &'a [Direction],
     pub(crate) signatures: &'a [Signature],
-    pub(crate) stretches: &'a [Stretch],
+    pub(crate) bins: &'a [ResidualBin],
     pub(crate) residuals: &'a [f64],
     pub(crate) p_misfit: f64,
     pub(crate) options: &'a DiagnoseOptions,
@@ -66,7 +66,7 @@ pub(crate) fn nothing(name: &str, runs: &[RunInput], options: &DiagnoseOptions) 
     )
 }
 
-impl<'g> Shown<'_, 'g> {
+impl<'g> FindingBuilder<'_, 'g> {
     /// Consistent, undecided, or readings that allow no finding.
     pub(crate) fn without_cause(&self) -> GroupDiagnosis {
         let mut found = self.frame();
@@ -112,7 +112,7 @@ impl<'g> Shown<'_, 'g> {
             .problem
             .effects
             .iter()
-            .map(|sought| sought.effect.about().id)
+            .map(|free_effect| free_effect.effect.about().id)
             .collect();
         let total = self.base.square - model.square;
         let passed = selection
@@ -121,20 +121,20 @@ impl<'g> Shown<'_, 'g> {
             .is_some_and(|held_out| held_out.passed(total));
         let sets = self.sets(selection);
         found.candidates = self.candidates(selection, passed);
-        let looked = selection.steps.first().map_or(&[][..], |step| &step.looked);
-        found.confusable = self.confusable(looked.iter().map(|looked| looked.direction));
+        let candidates = selection.steps.first().map_or(&[][..], |step| &step.candidates);
+        found.confusable = self.confusable(candidates.iter().map(|candidate| candidate.direction));
         found.p_leftover = (!taken.is_empty()).then_some(selection.p_leftover);
         let rest = (selection.leftover.together - self.expected_together())
             .max(selection.leftover.candidate)
-            .max(selection.leftover.answers - self.null.answers() as f64)
+            .max(selection.leftover.edge_responses - self.null.edge_responses() as f64)
             .max(0.0);
         let first = match &selection.proved {
             Some(_) => total,
             None => selection
                 .steps
                 .first()
-                .and_then(|step| step.looked.first())
-                .map_or(0.0, |looked| looked.gain),
+                .and_then(|step| step.candidates.first())
+                .map_or(0.0, |candidate| candidate.gain),
         };
         let explained = first / (total + rest).max(1e-300);
         found.verdict = match () {
@@ -189,7 +189,7 @@ impl<'g> Shown<'_, 'g> {
     /// out would not cost much more than chance: a strength that is drawn towards none only by the uncertain shape of
     /// another is no doubt of it.
     fn determines(&self, model: &Fitted) -> bool {
-        let [sought] = model.problem.effects.as_slice() else {
+        let [free_effect] = model.problem.effects.as_slice() else {
             return true;
         };
         let parameters = model.effect_parameters(self.group);
@@ -197,10 +197,10 @@ impl<'g> Shown<'_, 'g> {
         let interval = strength.and_then(|estimate| estimate.low_95.zip(estimate.high_95));
         // A logarithm never reaches none, and where a shape is sought beside the strength it can make up for any strength
         // but none: there the gain alone decides.
-        let limits = sought.limits[0];
+        let limits = free_effect.limits[0];
         limits.held
             || limits.logarithmic
-            || sought.free() > 1
+            || free_effect.free() > 1
             || interval.is_some_and(|(low, high)| low * high > 0.0)
     }
 
@@ -230,7 +230,7 @@ impl<'g> Shown<'_, 'g> {
         }
         GroupDiagnosis {
             p_misfit: Some(self.p_misfit),
-            whereabouts: Some(whereabouts(self.group, self.null, self.stretches, self.residuals)),
+            whereabouts: Some(whereabouts(self.group, self.null, self.bins, self.residuals)),
             gain_at_5_percent: Some(self.null.gain_at_5_percent()),
             noise: self.noise(),
             residuals: self.drawn(self.base),
@@ -276,7 +276,7 @@ impl<'g> Shown<'_, 'g> {
     }
 
     fn expected_together(&self) -> f64 {
-        self.null.independent_stretches() as f64
+        self.null.independent_bins() as f64
     }
 
     fn shifts(&self, model: &Fitted) -> Vec<ParameterShift> {
@@ -300,9 +300,12 @@ impl<'g> Shown<'_, 'g> {
     ) -> Option<ieap_domain::NextRun> {
         let set = sets.iter().find(|set| set.len() > 1)?;
         let step = selection.steps.first()?;
-        let fitted = step.looked.iter().filter(|looked| set.contains(&looked.effect));
+        let fitted = step
+            .candidates
+            .iter()
+            .filter(|candidate| set.contains(&candidate.effect));
         let members: Vec<(&'static str, &Fitted)> = fitted
-            .filter_map(|looked| Some((looked.effect, looked.fitted.as_ref()?)))
+            .filter_map(|candidate| Some((candidate.effect, candidate.fitted.as_ref()?)))
             .take(5)
             .collect();
         next_run(self.group, &members)

@@ -6,11 +6,11 @@ use crate::cause::proof::held_out::{self, Deviations, Part};
 use crate::cause::proof::later::later_parts;
 use crate::cause::select::HeldOut;
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 use crate::readings::quantities::{self, NAMES, Predicted};
 
 /// The gain of `extended` over `base`.
-pub(crate) fn gain(group: &Group, base: &Fitted, extended: &Fitted, held_out: &HeldOut) -> Gain {
+pub(crate) fn gain(group: &RunGroup, base: &Fitted, extended: &Fitted, held_out: &HeldOut) -> Gain {
     let rms = |square: f64| (square / group.rows().max(1) as f64).sqrt();
     let later = [later_parts(base, group), later_parts(extended, group)];
     let [later_before, later_after] = &later;
@@ -26,7 +26,7 @@ pub(crate) fn gain(group: &Group, base: &Fitted, extended: &Fitted, held_out: &H
 }
 
 /// The gain on parts that were held out of both models.
-fn of_parts(group: &Group, before: &[Part], after: &[Part]) -> HeldOutGain {
+fn of_parts(group: &RunGroup, before: &[Part], after: &[Part]) -> HeldOutGain {
     let pairs = before.iter().zip(after);
     let falls: Vec<f64> = pairs.map(|(b, a)| b.deviance - a.deviance).collect();
     let n = falls.len() as f64;
@@ -68,7 +68,7 @@ fn coverage(parts: &[Part]) -> Option<f64> {
 }
 
 /// Root mean square deviation of a channel's held-out readings over its range.
-fn nrmse(group: &Group, parts: &[Part], channel: usize) -> Option<f64> {
+fn nrmse(group: &RunGroup, parts: &[Part], channel: usize) -> Option<f64> {
     let all = sum(parts.iter().map(|part| part.deviations[channel]));
     let range = range(group, channel)?;
     (all.readings > 0).then(|| (all.square / all.readings as f64).sqrt() / range)
@@ -81,7 +81,7 @@ fn sum(deviations: impl Iterator<Item = Deviations>) -> Deviations {
 }
 
 /// Range of all readings of a channel.
-fn range(group: &Group, channel: usize) -> Option<f64> {
+fn range(group: &RunGroup, channel: usize) -> Option<f64> {
     let readings = group.runs.iter().filter_map(|run| run.channels[channel].as_ref());
     let (low, high) = readings.flat_map(|readings| readings.values().to_vec()).fold(
         (f64::INFINITY, f64::NEG_INFINITY),

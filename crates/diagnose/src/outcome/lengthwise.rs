@@ -4,8 +4,10 @@
 //! some follow later, as no cause of the strip as a whole makes them.
 
 use crate::extended::leftover::p_leftover;
-use crate::outcome::finding::{WRONG, one_name};
-use crate::{DiagnoseOptions, RunInput};
+use crate::levels::WRONG;
+use crate::options::DiagnoseOptions;
+use crate::outcome::finding::one_name;
+use crate::readings::group::RunInput;
 use ieap_domain::{EffectFinding, GroupDiagnosis, Parameter, Verdict};
 use ieap_fit::distributed::{Decision, LumpedOrDistributed};
 use ieap_model::effects::effect;

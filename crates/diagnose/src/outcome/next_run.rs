@@ -6,7 +6,7 @@ use ieap_model::extended::ExtendedModel;
 use ieap_numerics::dense::Dense;
 
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Candidates whose predictions differ by this sum of squares after a refit are told apart.
 const APART: f64 = 6.0;
@@ -14,7 +14,7 @@ const APART: f64 = 6.0;
 const READINGS: usize = 400;
 
 /// The best of the known drives for telling `members` (fitted models with their ids) apart.
-pub(crate) fn next_run(group: &Group, members: &[(&'static str, &Fitted)]) -> Option<NextRun> {
+pub(crate) fn next_run(group: &RunGroup, members: &[(&'static str, &Fitted)]) -> Option<NextRun> {
     if members.len() < 2 {
         return None;
     }
@@ -100,7 +100,7 @@ pub fn proposals(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
 
 /// Mean size of the set after that run, and the members that it would split off from the first.
 fn after(
-    group: &Group,
+    group: &RunGroup,
     members: &[(&'static str, &Fitted)],
     drive: &Drive,
     duration_s: f64,
@@ -126,7 +126,7 @@ fn after(
 }
 
 /// Sum of squares by which `rival`, refitted to old and new readings, would miss what `truth` gives on the new run.
-fn distance(group: &Group, truth: &Fitted, rival: &Fitted, drive: &Drive, duration_s: f64) -> f64 {
+fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, duration_s: f64) -> f64 {
     let times: Vec<f64> = (1..=READINGS)
         .map(|k| duration_s * k as f64 / READINGS as f64)
         .collect();

@@ -1,8 +1,5 @@
 //! The runs of a group by themselves, where no cause is found for them together: one parameter set may be too few.
 
-use rayon::prelude::*;
-
-use crate::{DiagnoseOptions, RunInput, diagnose_group};
 use ieap_domain::{RunAlone, Verdict};
 
 /// Part of the runs that must be described alone before it is said that they differ in their parameters.
@@ -10,29 +7,10 @@ const NEARLY_ALL: f64 = 0.75;
 /// Causes that are mentioned at most.
 const MENTIONED: usize = 4;
 
-/// Every run diagnosed as a group of its own.
-pub(crate) fn alone(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlone> {
-    let options = DiagnoseOptions {
-        of_several: true,
-        ..*options
-    };
-    let of_run = |run: &RunInput| {
-        let found = diagnose_group(run.name, &[*run], &options);
-        RunAlone {
-            run: run.name.to_owned(),
-            verdict: found.verdict,
-            gains_clearly: found.gains_clearly(),
-            p_misfit: found.p_misfit,
-            set: found.set,
-        }
-    };
-    runs.par_iter().map(of_run).collect()
-}
-
 /// What the runs have in common by themselves.
-pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {
-    let count = alone.len();
-    let right = alone
+pub(crate) fn in_words(per_run: &[RunAlone]) -> Option<String> {
+    let count = per_run.len();
+    let right = per_run
         .iter()
         .filter(|run| run.verdict == Verdict::Consistent)
         .count();
@@ -43,7 +21,7 @@ pub(crate) fn in_words(alone: &[RunAlone]) -> Option<String> {
         ));
     }
     let mut causes: Vec<(&str, usize)> = Vec::new();
-    for id in alone.iter().flat_map(|run| &run.set) {
+    for id in per_run.iter().flat_map(|run| &run.set) {
         match causes.iter_mut().find(|(known, _)| known == id) {
             Some((_, times)) => *times += 1,
             None => causes.push((id, 1)),

@@ -4,7 +4,7 @@ use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, RunAlone, VaryingParameter, VaryingValue, Verdict};
 
 use crate::cause::evidence::{by_evidence, set_of};
-use crate::outcome::finding::WRONG;
+use crate::levels::WRONG;
 
 /// Whether parameters that differ are what is behind the misfit. A cause that explains it all and clearly predicts runs
 /// which it has not seen stands: what differs freely predicts none. One that leaves a misfit yields to what leaves none.
@@ -22,31 +22,31 @@ const NOT_DESCRIBED: f64 = 1e-3;
 
 /// Whether each run by itself is described: the smallest p of all runs is no smaller than chance makes the smallest of so
 /// many.
-pub(crate) fn are_described(alone: &[RunAlone]) -> bool {
-    let smallest = alone.iter().filter_map(|run| run.p_misfit).fold(1.0, f64::min);
-    alone.iter().all(|run| run.p_misfit.is_some()) && smallest * alone.len() as f64 >= NOT_DESCRIBED
+pub(crate) fn are_described(per_run: &[RunAlone]) -> bool {
+    let smallest = per_run.iter().filter_map(|run| run.p_misfit).fold(1.0, f64::min);
+    per_run.iter().all(|run| run.p_misfit.is_some()) && smallest * per_run.len() as f64 >= NOT_DESCRIBED
 }
 
 /// Runs that by themselves leave more than a single one is called right by, with their p.
-fn doubted(alone: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
+fn doubted(per_run: &[RunAlone]) -> impl Iterator<Item = (&str, f64)> {
     let low = |run: &RunAlone| run.p_misfit.filter(|p| *p < WRONG);
-    alone
+    per_run
         .iter()
         .filter_map(move |run| Some((run.run.as_str(), low(run)?)))
 }
 
-fn doubts(alone: &[RunAlone]) -> Vec<String> {
-    doubted(alone)
+fn doubts(per_run: &[RunAlone]) -> Vec<String> {
+    doubted(per_run)
         .map(|(run, p)| format!("{run} leaves more than noise by itself, or chance did (p = {p:.3})"))
         .collect()
 }
 
 /// Makes it the finding, in the place of what the group as one set would have been said to lack.
-pub(crate) fn say(found: &mut GroupDiagnosis, alone: &[RunAlone]) {
+pub(crate) fn say(found: &mut GroupDiagnosis, per_run: &[RunAlone]) {
     found.verdict = Verdict::Varies;
     found.set = set_of(&found.posterior);
-    found.sentence = sentence(found, doubted(alone).count());
-    found.remarks.extend(doubts(alone));
+    found.sentence = sentence(found, doubted(per_run).count());
+    found.remarks.extend(doubts(per_run));
     found.effects.clear();
     found
         .candidates

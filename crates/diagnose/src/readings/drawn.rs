@@ -2,8 +2,7 @@
 
 use ieap_domain::ResidualCurve;
 
-use crate::misfit::whereabouts::channel_name;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, RunGroup, channel_name};
 
 /// Points of a drawn residual.
 const DRAWN: usize = 160;
@@ -11,7 +10,7 @@ const DRAWN: usize = 160;
 /// Residuals of one channel of one run where the model says `fitted` at its readings; of the readings that `wanted`
 /// tells by their row in the group.
 pub(crate) fn drawn(
-    group: &Group,
+    group: &RunGroup,
     block: &Block,
     fitted: &[f64],
     wanted: &dyn Fn(usize) -> bool,

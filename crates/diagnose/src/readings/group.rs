@@ -68,19 +68,24 @@ pub(crate) struct Block {
 
 /// Runs of one sample in one condition, described by one parameter set.
 #[derive(Debug, Clone)]
-pub(crate) struct Group<'a> {
+pub(crate) struct RunGroup<'a> {
     pub(crate) runs: Vec<GroupRun<'a>>,
     pub(crate) blocks: Vec<Block>,
 }
 
 pub(crate) const QUANTITIES: [Quantity; 2] = [Quantity::Current, Quantity::Curvature];
 
-impl<'a> Group<'a> {
+/// What a channel is called in sentences.
+pub(crate) fn channel_name(channel: usize) -> &'static str {
+    ["current", "curvature"][channel]
+}
+
+impl<'a> RunGroup<'a> {
     /// Runs with at least one usable channel, in the order given.
-    pub(crate) fn new(given: &[RunInput<'a>]) -> Group<'a> {
+    pub(crate) fn new(given: &[RunInput<'a>]) -> RunGroup<'a> {
         let runs: Vec<GroupRun> = given.iter().filter_map(GroupRun::new).collect();
-        let blocks = Group::blocks(&runs);
-        Group { runs, blocks }
+        let blocks = RunGroup::blocks(&runs);
+        RunGroup { runs, blocks }
     }
 
     /// The rows of those runs, one channel after the other.
@@ -105,7 +110,7 @@ impl<'a> Group<'a> {
 
     /// The same readings with the noise that `model` leaves. A channel whose memory cannot be told from its misfit
     /// (short stretches, and a correlation beyond all others of its kind) takes that of the middle run.
-    pub(crate) fn renoised(&self, model: &ExtendedModel) -> Group<'a> {
+    pub(crate) fn renoised(&self, model: &ExtendedModel) -> RunGroup<'a> {
         let mut group = self.clone();
         let fitted: Vec<[Vec<f64>; 2]> = (self.runs.iter().enumerate())
             .map(|(index, run)| {
@@ -165,7 +170,7 @@ impl<'a> Group<'a> {
     }
 
     /// The same readings with even noise that remembers nothing, as large as `model` leaves it.
-    pub(crate) fn memoryless(&self, model: &ExtendedModel) -> Group<'a> {
+    pub(crate) fn memoryless(&self, model: &ExtendedModel) -> RunGroup<'a> {
         let mut group = self.clone();
         for (index, run) in group.runs.iter_mut().enumerate() {
             let context = run.context(index, None);

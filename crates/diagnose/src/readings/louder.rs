@@ -3,8 +3,7 @@
 use ieap_domain::{Channel, Drive};
 use ieap_numerics::robust::sd_on_a_slope;
 
-use crate::misfit::whereabouts::channel_name;
-use crate::readings::group::{Group, QUANTITIES};
+use crate::readings::group::{QUANTITIES, RunGroup, channel_name};
 
 /// Runs that a trend takes at least: seven in order come so by chance in 1 of 5,000 cases.
 const FEWEST: usize = 7;
@@ -16,11 +15,11 @@ const ORDERED: f64 = 3.1;
 const ENOUGH: usize = 20;
 
 /// A sentence for every channel whose noise rises with the voltage over the runs.
-pub(crate) fn remarks(group: &Group) -> Vec<String> {
+pub(crate) fn remarks(group: &RunGroup) -> Vec<String> {
     (0..2).filter_map(|channel| remark(group, channel)).collect()
 }
 
-fn remark(group: &Group, channel: usize) -> Option<String> {
+fn remark(group: &RunGroup, channel: usize) -> Option<String> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     for run in &group.runs {
         let drive = run.given.input.drive;

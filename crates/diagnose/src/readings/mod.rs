@@ -1,7 +1,7 @@
 //! Readings: what the runs of a group say.
 //!
 //! In: runs as they are given, channels with a drive.
-//! Out: a [`group::Group`], the readings of all runs as rows of one whitened vector, block by block, with their noise.
+//! Out: a [`group::RunGroup`], the readings of all runs as rows of one whitened vector, block by block, with their noise.
 //! Spikes and outliers are left out here, and said; no model is fitted in this room.
 
 pub(crate) mod drawn;
@@ -11,3 +11,4 @@ pub(crate) mod outliers;
 pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod spikes;
+pub(crate) mod tags;

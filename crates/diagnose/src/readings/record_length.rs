@@ -5,7 +5,7 @@ use ieap_domain::seconds::seconds;
 use ieap_fit::{FitOptions, fit_run};
 use ieap_model::FitModel;
 
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// A record so many times as long as another is one of another length.
 const LONGER: f64 = 2.0;
@@ -13,7 +13,7 @@ const LONGER: f64 = 2.0;
 const GROWN: f64 = 1.5;
 
 /// A sentence where the slowest determined time constant of every run alone grows with the length of its record.
-pub(crate) fn remark(group: &Group, model: &'static FitModel) -> Option<String> {
+pub(crate) fn remark(group: &RunGroup, model: &'static FitModel) -> Option<String> {
     let options = FitOptions {
         model,
         ..FitOptions::default()

@@ -1,8 +1,9 @@
 //! Which causes are found, and what is said of their parameters.
 
 use super::*;
-use crate::cause::extended_start::Beside;
-use crate::misfit::signature::{directions, scale, signatures};
+use crate::cause::extended_start::ExtendedStart;
+use crate::fitting::scale::scale;
+use crate::misfit::signature::{directions, signatures};
 
 #[test]
 fn a_clean_group_is_consistent_and_says_what_it_could_not_have_seen() {
@@ -25,18 +26,18 @@ fn from_best_probe<'g>(
     let best = directions(&all, &tangent)
         .into_iter()
         .filter(|direction| direction.effect == id)
-        .max_by(|a, b| null::gain(a, &residuals).total_cmp(&null::gain(b, &residuals)))?;
+        .max_by(|a, b| a.gain(&residuals).total_cmp(&b.gain(&residuals)))?;
     let signature = &all[best.signature];
     let strength = signature.part * ieap_numerics::sums::dot(&best.unit, &residuals) / best.norm;
-    let fitted = Beside::of(base).extended(signature, strength)?.arrived();
-    Some((null::gain(&best, &residuals), fitted))
+    let fitted = ExtendedStart::of(base).extended(signature, strength)?.converged();
+    Some((best.gain(&residuals), fitted))
 }
 
 /// Falls of the sum of squares by a full search for each effect, from its best probe to the end: id, forecast,
 /// fall.
 fn searched(runs: &Runs, ids: &[&str]) -> Vec<(String, f64, f64)> {
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let of = |id: &&str| {
@@ -71,7 +72,7 @@ fn a_strength_at_a_limit_of_the_wrong_base_is_sought_beyond_it() {
     let hidden: Hidden = ("noncircular-shape", None, &[("bias_cm", TRUTH_CM)]);
     let runs = Runs::with(Some(hidden), &[STEP, HALF], 8);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     let asked = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let (_, narrow) = from_best_probe(&base, &scale, hidden.0).unwrap();
@@ -233,7 +234,7 @@ fn a_leak_of_two_voltages_has_no_scale() {
 fn searches_from_every_probe_end_in_places_that_explain_as_well() {
     let runs = Runs::with(Some(LEAK), FOUR, 60);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let scale = scale(group, &base.problem, &base.at);
         let fitted = |id: &str| from_best_probe(&base, &scale, id).unwrap().1;

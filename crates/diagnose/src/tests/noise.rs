@@ -51,7 +51,7 @@ fn noise_that_grows_with_the_voltage_is_remarked_and_even_noise_is_not() {
                 tags: &[],
             })
             .collect();
-        let group = group::Group::new(&inputs);
+        let group = group::RunGroup::new(&inputs);
         louder::remarks(&group)
     };
     let [remark] = remarked(100.0).try_into().unwrap();
@@ -65,7 +65,7 @@ fn noise_that_grows_with_the_voltage_is_remarked_and_even_noise_is_not() {
 /// Correlations of the noise of the current in every run, and whether they share it.
 fn correlations(runs: &Runs) -> Vec<(f64, bool)> {
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     let found = with_base(&raw, DiagnoseOptions::default().model, |group, _| {
         let currents = group.runs.iter().filter_map(|run| run.channels[0].as_ref());
         let of = |channel: &ieap_fit::WhitenedChannel| {

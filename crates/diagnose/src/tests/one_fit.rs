@@ -46,7 +46,7 @@ fn hold_together(inputs: &[RunInput], model: &str) {
     let choice = ModelChoice::parse(model).unwrap();
     let fits = fit_extended(inputs, &choice);
     assert_eq!(fits.len(), inputs.len(), "{model}");
-    let group = group::Group::new(inputs);
+    let group = group::RunGroup::new(inputs);
     for (place, fit) in fits {
         let found = stated(&fit, &choice);
         let context = group.runs[place].context(place, None);

@@ -7,7 +7,7 @@ use super::*;
 fn without_a_cause_the_nameless_answer_predicts_no_better_than_the_base() {
     let runs = Runs::with(None, &[STEP, HALF, REVERSED, DISCHARGED], 6);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     let falls = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let before = held_out::parts(&base, group);
         discrepancy::falls(&base, group, &before)
@@ -21,7 +21,7 @@ fn without_a_cause_the_nameless_answer_predicts_no_better_than_the_base() {
 fn held_out_runs(drives: &[Levels]) -> Vec<(String, Vec<usize>)> {
     let runs = Runs::with(None, drives, 61);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     let found = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
         let parts = held_out::parts(&base, group);
         let all_out = |run: usize, rows: &[bool]| {
@@ -69,7 +69,7 @@ fn later_times_are_predicted_from_the_earlier_ones_of_all_runs() {
     let later_of = |hidden: Option<Hidden>| {
         let runs = Runs::with(hidden, FOUR, 62);
         let inputs = runs.inputs();
-        let raw = group::Group::new(&inputs);
+        let raw = group::RunGroup::new(&inputs);
         let found = with_base(&raw, DiagnoseOptions::default().model, |group, base| {
             later::later_parts(&base, group)
         });

@@ -21,7 +21,7 @@ fn a_wrong_unit_and_a_turned_sign_are_faults_of_the_readings() {
     ] {
         let runs = Runs::with(None, FOUR, 7).scaled(run, channel, factor);
         let inputs = runs.inputs();
-        let group = group::Group::new(&inputs);
+        let group = group::RunGroup::new(&inputs);
         let odd = odd_scale::odd_runs(&group, DiagnoseOptions::default().model);
         assert_eq!(odd.len(), 1, "{odd:?}");
         assert!(
@@ -48,7 +48,7 @@ fn the_others_are_diagnosed_as_if_a_condemned_run_were_not_there() {
     // On a person's word it takes part.
     let mut all = runs.inputs();
     all[1].is_right = true;
-    let group = group::Group::new(&all);
+    let group = group::RunGroup::new(&all);
     assert_eq!(odd_scale::odd_runs(&group, DiagnoseOptions::default().model), []);
 }
 
@@ -56,7 +56,7 @@ fn the_others_are_diagnosed_as_if_a_condemned_run_were_not_there() {
 fn what_a_strip_can_do_is_no_fault_of_the_readings() {
     let odd = |runs: &Runs| {
         let inputs = runs.inputs();
-        let group = group::Group::new(&inputs);
+        let group = group::RunGroup::new(&inputs);
         odd_scale::odd_runs(&group, DiagnoseOptions::default().model)
     };
     // Twice as much is no unit; and the only run to the other side may bend as a strip does that bends one way only.

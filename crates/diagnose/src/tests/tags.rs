@@ -1,7 +1,8 @@
 //! Runs of a group that differ as a tag says.
 
 use super::*;
-use crate::cause::between::{not_asked, p_dealt};
+use crate::cause::between::p_dealt;
+use crate::readings::tags::not_asked;
 use ieap_model::effects::{TagAt, tag_places};
 
 /// Readings that are kept of each run: enough for R_ss, and short.
@@ -96,7 +97,7 @@ fn a_tag_beside_which_runs_only_scatter_is_told_at_its_stated_rate() {
     let factors: Vec<f64> = (0..8).map(|_| scatter()).collect();
     let tagged = Tagged::new(&factors, &PRE_CHARGE_S, 2);
     let inputs = tagged.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     let fitted = base_fit::base_fit(&raw, DiagnoseOptions::default().model).unwrap();
     let mut values = PRE_CHARGE_S;
     let mut shuffle = ChaCha8Rng::seed_from_u64(8);
@@ -126,7 +127,7 @@ impl Tagged {
     /// The chance of the tag beside the base.
     fn p(&self, seed: u64) -> f64 {
         let inputs = self.inputs();
-        let raw = group::Group::new(&inputs);
+        let raw = group::RunGroup::new(&inputs);
         let model = DiagnoseOptions::default().model;
         let first = base_fit::base_fit(&raw, model).unwrap();
         let [(_, p)] = p_dealt(&raw, &first, 199, seed).try_into().unwrap();
@@ -164,7 +165,7 @@ fn values_that_go_with_the_voltage_or_differ_in_too_few_runs_are_not_told() {
     assert!(tagged.p(1) > 0.5);
     let few = Tagged::new(&[1.0; 4], &[1.0, 2.0, 3.0, 4.0], 4);
     let inputs = few.inputs();
-    let said = not_asked(&group::Group::new(&inputs));
+    let said = not_asked(&group::RunGroup::new(&inputs));
     assert_eq!(said.len(), 1);
     assert!(said[0].contains("4 runs in 24 orders"), "{said:?}");
 }

@@ -80,7 +80,7 @@ fn holds_together(fit: &Fit, run: &[Channel], drive: &Drive) -> bool {
 type Kind<'a> = ([f64; 8], &'a Arc<[f64]>, f64);
 
 /// Runs of which some are stated by the two steps and some, unevenly sampled ones, by both responses at once.
-pub(super) fn runs() -> Vec<(Vec<Channel>, Drive)> {
+fn runs() -> Vec<(Vec<Channel>, Drive)> {
     let even = times(0.0, 3600.0, 361);
     let uneven: Arc<[f64]> = times(0.0, 60.0, 61)
         .iter()

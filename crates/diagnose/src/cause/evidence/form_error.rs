@@ -3,7 +3,7 @@
 use super::policy::{FORM_ERRORS, FORM_KNOTS_BY_CLOCK, log_sum};
 use super::smooth::{Column, Knots, Process, blocks_of, longest_s, shared_since_edge};
 use crate::fitting::tangent::Tangent;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// What errors of the form do to the evidence for an effect.
 pub(super) struct FormError {
@@ -14,7 +14,7 @@ pub(super) struct FormError {
 }
 
 /// Of an effect whose trace after the refit is `trace`, from what is left of the readings beside it.
-pub(super) fn form_error(group: &Group, tangent: &Tangent, trace: &[f64], left: &[f64]) -> FormError {
+pub(super) fn form_error(group: &RunGroup, tangent: &Tangent, trace: &[f64], left: &[f64]) -> FormError {
     let process = Process::of(&columns(group, trace), tangent, left);
     let parts: Vec<f64> = FORM_ERRORS
         .iter()
@@ -30,7 +30,7 @@ pub(super) fn form_error(group: &Group, tangent: &Tangent, trace: &[f64], left: 
 
 /// The trace times each knot: half of the error shared by all runs, half of each run's own; of runs of several edges half of
 /// that by the time since the edge, half by the clock. Current and curvature err apart.
-fn columns(group: &Group, trace: &[f64]) -> Vec<Column> {
+fn columns(group: &RunGroup, trace: &[f64]) -> Vec<Column> {
     let longest_s = longest_s(group);
     let half = 0.5_f64.sqrt();
     let modulated = |place: usize, weights: &[f64], size: f64| -> (usize, Vec<f64>) {

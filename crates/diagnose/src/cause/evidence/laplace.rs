@@ -18,8 +18,8 @@ pub(super) fn log_evidence(base: &Fitted, base_normal: &Dense, fitted: &Fitted) 
     let widths = 0.5 * (known_before(base_normal, known).log_determinant() - normal.log_determinant());
     let mut at = known;
     let mut prior = 0.0;
-    for sought in &fitted.problem.effects {
-        for (k, limits) in sought.limits.iter().enumerate().filter(|(_, l)| !l.held) {
+    for free_effect in &fitted.problem.effects {
+        for (k, limits) in free_effect.limits.iter().enumerate().filter(|(_, l)| !l.held) {
             let precision = precision_beside(&normal, known, at);
             let (low, high) = fitted.problem.limits_of(at);
             prior += match (k, limits.logarithmic) {

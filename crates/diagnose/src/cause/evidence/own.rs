@@ -5,7 +5,7 @@ use ieap_numerics::dense::{Dense, Slope};
 
 use crate::fitting::base_fit::of_each_run;
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// The base model fitted to each run by itself, in the coordinates of the group's.
 pub(super) struct OwnFits {
@@ -26,7 +26,7 @@ pub(super) struct RunForm {
 
 impl OwnFits {
     /// From the parameters of the group's base, and from those that a fit of the run alone gives.
-    pub(super) fn of(group: &Group, base: &Fitted, model: &'static FitModel) -> Option<OwnFits> {
+    pub(super) fn of(group: &RunGroup, base: &Fitted, model: &'static FitModel) -> Option<OwnFits> {
         let alone = of_each_run(group, model);
         let mut found = OwnFits {
             at: Vec::new(),
@@ -39,7 +39,7 @@ impl OwnFits {
                 .as_ref()
                 .filter(|own| own.branches.len() == base.base().branches.len());
             starts.extend(whole.map(|own| problem.coordinates(own, &[])));
-            let own = Fitted::search(problem, &starts, &[])?.arrived();
+            let own = Fitted::search(problem, &starts, &[])?.converged();
             let (slope, _) = own.problem.slope(&own.at, &[]);
             found.at.push(own.at);
             found.slopes.push(slope);

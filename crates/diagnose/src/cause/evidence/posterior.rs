@@ -12,10 +12,10 @@ use super::policy::{self, SIZES, log_sum};
 use super::shared::{self, Shared};
 use super::unnamed::Nameless;
 use super::varies::{Covariate, Subset, covariates, least, subsets};
-use crate::cause::candidates::Looked;
+use crate::cause::candidates::CandidateFit;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Hypotheses below this mass are not told, but for the leading one of each kind.
 const LEAST: f64 = 1e-3;
@@ -24,7 +24,7 @@ const FITTED: usize = 3;
 
 /// What hypotheses are weighed on.
 pub(crate) struct Asked<'a, 'g> {
-    pub(crate) group: &'g Group<'g>,
+    pub(crate) group: &'g RunGroup<'g>,
     pub(crate) base: &'a Fitted<'g>,
     pub(crate) selection: &'a Selection<'g>,
     pub(crate) model: &'static FitModel,
@@ -44,7 +44,11 @@ pub(crate) fn weigh(asked: &Asked) -> Weighed {
     let (slope, tangent) = base.tangent();
     let residuals = base.residuals();
     let nameless = Nameless::of(asked.group);
-    let effects = asked.selection.steps.first().map_or(0, |step| step.looked.len());
+    let effects = asked
+        .selection
+        .steps
+        .first()
+        .map_or(0, |step| step.candidates.len());
     let mut found = vec![
         weight(HypothesisKind::Base, policy::BASE, 0.0),
         weight(
@@ -115,16 +119,25 @@ fn weight(kind: HypothesisKind, prior: f64, log_evidence: f64) -> Hypothesis {
 /// Every effect and pair that was fitted, each alone and with something unnamed beside it; those that were not fitted by what
 /// they promise.
 fn of_effects(asked: &Asked, normal: &Dense, nameless: &Nameless, residuals: &[f64]) -> Vec<Hypothesis> {
-    let singles = asked.selection.steps.first().map_or(&[][..], |step| &step.looked);
-    let pairs = asked.selection.steps.iter().skip(1).flat_map(|step| &step.looked);
+    let singles = asked
+        .selection
+        .steps
+        .first()
+        .map_or(&[][..], |step| &step.candidates);
+    let pairs = asked
+        .selection
+        .steps
+        .iter()
+        .skip(1)
+        .flat_map(|step| &step.candidates);
     let effects = singles.len().max(1) as f64;
     let mut wanted: Vec<(&Fitted, f64)> = Vec::new();
-    let fitted = |looked: &'_ Looked<'_>| looked.fitted.is_some();
-    for looked in singles.iter().filter(|looked| fitted(looked)) {
-        wanted.extend(looked.fitted.as_ref().map(|own| (own, policy::EFFECT)));
+    let fitted = |candidate: &'_ CandidateFit<'_>| candidate.fitted.is_some();
+    for candidate in singles.iter().filter(|candidate| fitted(candidate)) {
+        wanted.extend(candidate.fitted.as_ref().map(|own| (own, policy::EFFECT)));
     }
-    for looked in pairs.filter(|looked| fitted(looked)) {
-        let of_two = looked
+    for candidate in pairs.filter(|candidate| fitted(candidate)) {
+        let of_two = candidate
             .fitted
             .as_ref()
             .filter(|own| own.problem.effects.len() == 2);
@@ -137,12 +150,12 @@ fn of_effects(asked: &Asked, normal: &Dense, nameless: &Nameless, residuals: &[f
         .par_iter()
         .flat_map_iter(|(fitted, prior)| of_fitted(asked, normal, nameless, residuals, fitted, *prior))
         .collect();
-    for looked in singles.iter().filter(|looked| !fitted(looked)) {
-        let size = looked.forecast.max(0.0).sqrt().max(SIZES.0);
-        let peak = 0.5 * looked.forecast + 0.5 * std::f64::consts::TAU.ln();
+    for candidate in singles.iter().filter(|candidate| !fitted(candidate)) {
+        let size = candidate.forecast.max(0.0).sqrt().max(SIZES.0);
+        let peak = 0.5 * candidate.forecast + 0.5 * std::f64::consts::TAU.ln();
         let prior = -(2.0 * size * (SIZES.1 / SIZES.0).ln()).ln();
         let mut own = weight(HypothesisKind::Effect, policy::EFFECT, peak + prior);
-        own.effects = vec![looked.effect.to_owned()];
+        own.effects = vec![candidate.effect.to_owned()];
         found.push(own);
     }
     found
@@ -171,13 +184,13 @@ fn of_fitted(
         .problem
         .effects
         .iter()
-        .map(|sought| sought.effect.about().id.to_owned())
+        .map(|free_effect| free_effect.effect.about().id.to_owned())
         .collect();
     own.form = fitted
         .problem
         .effects
         .first()
-        .and_then(|sought| sought.effect.about().variants.get(sought.variant))
+        .and_then(|free_effect| free_effect.effect.about().variants.get(free_effect.variant))
         .map(|form| (*form).to_owned());
     let beside = nameless.unnamed(&tangent, &left);
     let with_unnamed = Hypothesis {

@@ -3,7 +3,7 @@
 use ieap_numerics::dense::{Slope, descend};
 
 use crate::fitting::fitted::{Fitted, LONG};
-use crate::fitting::problem::Problem;
+use crate::fitting::problem::ExtendedProblem;
 
 /// Fall of the sum of squares that ends the search.
 const SETTLE: f64 = 1e-2;
@@ -46,7 +46,7 @@ impl Layout<'_> {
 pub(super) fn fit(base: &Fitted, own: &[usize], starts: &[Vec<f64>]) -> Shared {
     let parameters = base.problem.base_len();
     let layout = Layout { parameters, own };
-    let problems: Vec<Problem> = (0..starts.len())
+    let problems: Vec<ExtendedProblem> = (0..starts.len())
         .map(|run| base.problem.over(vec![run]))
         .collect();
     let order = layout.order(starts.len());
@@ -92,7 +92,7 @@ pub(super) fn fit(base: &Fitted, own: &[usize], starts: &[Vec<f64>]) -> Shared {
 }
 
 /// Sum of squares of all runs with its slope.
-fn slope(problems: &[Problem], layout: &Layout, at: &[f64]) -> Slope {
+fn slope(problems: &[ExtendedProblem], layout: &Layout, at: &[f64]) -> Slope {
     let mut all = Slope::zero(at.len());
     for (run, problem) in problems.iter().enumerate() {
         let own = problem.slope(&layout.of_run(run, at), &[]).0;

@@ -5,7 +5,7 @@ use ieap_numerics::sums::dot;
 
 use super::policy::{KNOT_SPACING, KNOTS_FROM_S};
 use crate::fitting::tangent::Tangent;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, RunGroup};
 
 /// A column of whitened readings, as pieces that begin at a row.
 pub(super) struct Column {
@@ -109,14 +109,14 @@ pub(super) struct Knots {
 
 impl Knots {
     /// Over the logarithm of the time since the last edge of the drive.
-    pub(super) fn since_edge(group: &Group, block: usize, longest_s: f64) -> Knots {
+    pub(super) fn since_edge(group: &RunGroup, block: usize, longest_s: f64) -> Knots {
         let place = |t: f64| ((t.max(0.0) + KNOTS_FROM_S) / KNOTS_FROM_S).ln() / KNOT_SPACING;
         let places: Vec<f64> = since_edge(group, block).into_iter().map(place).collect();
         Knots::at(&places, place(longest_s))
     }
 
     /// Over the clock from the start of the record, this many.
-    pub(super) fn by_clock(group: &Group, block: usize, count: usize) -> Knots {
+    pub(super) fn by_clock(group: &RunGroup, block: usize, count: usize) -> Knots {
         let own = &group.blocks[block];
         let run = &group.runs[own.run];
         let longest_s = run.duration_s.max(f64::MIN_POSITIVE);
@@ -147,7 +147,7 @@ impl Knots {
 /// Columns of a channel that its runs share, one for each knot since the edge: `piece` makes a block's part of a column from
 /// the place of the block and the knot's weights.
 pub(super) fn shared_since_edge(
-    group: &Group,
+    group: &RunGroup,
     channel: usize,
     piece: impl Fn(usize, &[f64]) -> (usize, Vec<f64>),
 ) -> Vec<Column> {
@@ -164,13 +164,13 @@ pub(super) fn shared_since_edge(
 }
 
 /// The blocks of a channel, with their places.
-pub(super) fn blocks_of<'g>(group: &'g Group, channel: usize) -> impl Iterator<Item = (usize, &'g Block)> {
+pub(super) fn blocks_of<'g>(group: &'g RunGroup, channel: usize) -> impl Iterator<Item = (usize, &'g Block)> {
     let all = group.blocks.iter().enumerate();
     all.filter(move |(_, block)| block.channel == channel)
 }
 
 /// Time since the last edge of the drive at every reading of a block, s; below 0 before the first.
-fn since_edge(group: &Group, block: usize) -> Vec<f64> {
+fn since_edge(group: &RunGroup, block: usize) -> Vec<f64> {
     let own = &group.blocks[block];
     let run = &group.runs[own.run];
     let segments = &run.given.input.drive.segments;
@@ -188,7 +188,7 @@ fn since_edge(group: &Group, block: usize) -> Vec<f64> {
 }
 
 /// The longest record of the group, s.
-pub(super) fn longest_s(group: &Group) -> f64 {
+pub(super) fn longest_s(group: &RunGroup) -> f64 {
     group.runs.iter().map(|run| run.duration_s).fold(0.0, f64::max)
 }
 

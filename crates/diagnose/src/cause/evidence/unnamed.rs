@@ -3,7 +3,7 @@
 use super::policy::{KNOTS_BY_CLOCK, MOST_BY_CLOCK, SIZES, WAVES, grid, log_mean};
 use super::smooth::{Column, Knots, Process, shared_since_edge};
 use crate::fitting::tangent::Tangent;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 use ieap_domain::Level;
 
 /// Hypotheses without a name beside which every effect is held, as columns that do not depend on the model.
@@ -14,7 +14,7 @@ pub(super) struct Nameless {
 }
 
 impl Nameless {
-    pub(super) fn of(group: &Group) -> Nameless {
+    pub(super) fn of(group: &RunGroup) -> Nameless {
         Nameless {
             unnamed: [answers(group), wandering(group)],
             slow_noise: slow(group),
@@ -46,7 +46,7 @@ fn evidence(columns: &[Column], tangent: &Tangent, left: &[f64]) -> f64 {
 }
 
 /// Whitened pieces of a block from a series in units of its noise.
-fn whitened(group: &Group, place: usize, mut series: Vec<f64>) -> (usize, Vec<f64>) {
+fn whitened(group: &RunGroup, place: usize, mut series: Vec<f64>) -> (usize, Vec<f64>) {
     let block = &group.blocks[place];
     if let Some(channel) = group.channel(block) {
         let sd = channel.standard_deviation();
@@ -58,7 +58,7 @@ fn whitened(group: &Group, place: usize, mut series: Vec<f64>) -> (usize, Vec<f6
 }
 
 /// One answer for all runs, by the voltage that is on: a column for each knot since the edge, of current and curvature.
-fn answers(group: &Group) -> Vec<Column> {
+fn answers(group: &RunGroup) -> Vec<Column> {
     let piece = |place: usize, weights: &[f64]| {
         let steps = step_v(group, place);
         whitened(
@@ -73,7 +73,7 @@ fn answers(group: &Group) -> Vec<Column> {
 }
 
 /// Size of the last step of the voltage at every reading of a block, V; 0 before the first.
-fn step_v(group: &Group, place: usize) -> Vec<f64> {
+fn step_v(group: &RunGroup, place: usize) -> Vec<f64> {
     let block = &group.blocks[place];
     let run = &group.runs[block.run];
     let drive = run.given.input.drive;
@@ -93,7 +93,7 @@ fn step_v(group: &Group, place: usize) -> Vec<f64> {
 }
 
 /// Every channel of every run by itself: a smooth course over the clock.
-fn wandering(group: &Group) -> Vec<Column> {
+fn wandering(group: &RunGroup) -> Vec<Column> {
     let count = (MOST_BY_CLOCK / group.blocks.len().max(1)).clamp(2, KNOTS_BY_CLOCK);
     let of_block = |place: usize| Knots::by_clock(group, place, count).weights;
     let blocks = 0..group.blocks.len();
@@ -107,7 +107,7 @@ fn wandering(group: &Group) -> Vec<Column> {
 }
 
 /// Every channel of every run by itself: waves of the record's length and shorter, the slower the larger.
-fn slow(group: &Group) -> Vec<Column> {
+fn slow(group: &RunGroup) -> Vec<Column> {
     let count = (MOST_BY_CLOCK / group.blocks.len().max(1)).clamp(2, WAVES);
     let mut columns = Vec::new();
     for (place, block) in group.blocks.iter().enumerate() {

@@ -8,7 +8,7 @@ use ieap_numerics::dense::Dense;
 
 use super::own::RunForm;
 use super::policy::{KNOWN_BEFORE, SPREADS, VARIES, grid, log_mean};
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Parameters of which all subsets are asked; of more only singles, pairs and all.
 const ALL_SUBSETS: usize = 11;
@@ -36,7 +36,7 @@ pub(super) struct Subset {
 }
 
 /// What the runs of a group carry that differs between them: the voltage, and numbers that are tags.
-pub(super) fn covariates(group: &Group) -> Vec<Covariate> {
+pub(super) fn covariates(group: &RunGroup) -> Vec<Covariate> {
     let volts: Vec<f64> = group
         .runs
         .iter()

@@ -9,7 +9,7 @@ use ieap_numerics::sums::dot;
 use crate::cause::proof::held_out::{self, Part};
 use crate::cause::proof::predictive::{BEFORE, kept, normal};
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 
 /// Knots of the answer to a step, evenly in the logarithm of the time since it.
 const KNOTS: usize = 8;
@@ -17,7 +17,7 @@ const KNOTS: usize = 8;
 /// The fall of the deviance on every held-out part, from what the base leaves there (`before`). Base parameters and the
 /// answer are found to first order about the base fitted to all; what the base to first order leaves is no place to
 /// count from, for it predicts otherwise than in full.
-pub(crate) fn falls(base: &Fitted, group: &Group, before: &[Part]) -> Vec<f64> {
+pub(crate) fn falls(base: &Fitted, group: &RunGroup, before: &[Part]) -> Vec<f64> {
     let residuals = base.residuals();
     let (_, mut columns) = base.problem.slope(&base.at, &[]);
     let searched = columns.len();
@@ -76,7 +76,7 @@ impl Answer {
 }
 
 /// Whitened answers of current and curvature to the steps of every drive, a column for each knot of each.
-fn shapes(group: &Group) -> Vec<Vec<f64>> {
+fn shapes(group: &RunGroup) -> Vec<Vec<f64>> {
     let longest_s = group.runs.iter().map(|run| run.duration_s).fold(0.0, f64::max);
     let times = group.blocks.iter().flat_map(|block| {
         let times = group.runs[block.run].times(block.channel);

@@ -11,7 +11,7 @@ use ieap_model::extended::Responses;
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
 use crate::readings::drawn::drawn;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, RunGroup};
 use crate::readings::quantities::{Predicted, predicted};
 
 /// Evaluations of a refit without the held-out part; it starts from the fit to everything.
@@ -19,23 +19,26 @@ pub(crate) const REFIT: u64 = 6;
 pub(crate) const SETTLE: f64 = 0.05;
 /// Parts of a single run's time that are held out in turn: the middle of its logarithm by what surrounds it, for what
 /// happens after a step happens there, and the end by the rest.
-const OF_TIME: [Stretch; 2] = [Stretch::OfLogarithm(0.5, 0.75), Stretch::OfTime(EARLIER, 1.0)];
+const OF_TIME: [HeldOutTime; 2] = [
+    HeldOutTime::OfLogarithm(0.5, 0.75),
+    HeldOutTime::OfTime(EARLIER, 1.0),
+];
 /// Part of a run's time that is earlier, and predicts the later.
 pub(crate) const EARLIER: f64 = 0.6;
 
 /// A stretch of a run's time, as parts of it or of its logarithm.
 #[derive(Debug, Clone, Copy)]
-enum Stretch {
+enum HeldOutTime {
     OfLogarithm(f64, f64),
     OfTime(f64, f64),
 }
 
-impl Stretch {
+impl HeldOutTime {
     /// First and last time, s after the start of a run of that length whose readings follow each other that closely.
     fn ends_s(self, shortest_s: f64, duration_s: f64) -> (f64, f64) {
         match self {
-            Stretch::OfTime(from, to) => (from * duration_s, to * duration_s),
-            Stretch::OfLogarithm(from, to) => {
+            HeldOutTime::OfTime(from, to) => (from * duration_s, to * duration_s),
+            HeldOutTime::OfLogarithm(from, to) => {
                 let span = (duration_s / shortest_s).max(1.0).ln();
                 let at = |part: f64| shortest_s * (part * span).exp();
                 (at(from), at(to))
@@ -90,12 +93,12 @@ impl Deviations {
 }
 
 /// Runs or times that are held out.
-pub(crate) fn kind(group: &Group) -> &'static str {
+pub(crate) fn kind(group: &RunGroup) -> &'static str {
     if group.runs.len() > 1 { "run" } else { "time" }
 }
 
 /// Every part predicted by the model refitted without it.
-pub(crate) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
+pub(crate) fn parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
     let predictive = Predictive::of(fitted);
     if group.runs.len() > 1 {
         drives(group)
@@ -105,27 +108,27 @@ pub(crate) fn parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
     } else {
         OF_TIME
             .par_iter()
-            .map(|&stretch| out_of_time(fitted, &predictive, group, stretch))
+            .map(|&held_out_time| out_of_time(fitted, &predictive, group, held_out_time))
             .collect()
     }
 }
 
 /// Rows that each part leaves out, in the order of [`parts`].
-pub(crate) fn rows(group: &Group) -> Vec<Vec<bool>> {
+pub(crate) fn rows(group: &RunGroup) -> Vec<Vec<bool>> {
     if group.runs.len() > 1 {
         let parts = drives(group);
         parts.iter().map(|runs| rows_of_runs(group, runs)).collect()
     } else {
         OF_TIME
             .iter()
-            .map(|&stretch| rows_of_time(group, 0, stretch).0)
+            .map(|&held_out_time| rows_of_time(group, 0, held_out_time).0)
             .collect()
     }
 }
 
 /// The runs of each drive: left in, a repeat would tell what a left-out run is like whatever the model. Every run by
 /// itself where all are of one drive.
-fn drives(group: &Group) -> Vec<Vec<usize>> {
+fn drives(group: &RunGroup) -> Vec<Vec<usize>> {
     let of = |run: usize| group.runs[run].given.input.drive;
     let mut drives: Vec<Vec<usize>> = Vec::new();
     for run in 0..group.runs.len() {
@@ -140,7 +143,7 @@ fn drives(group: &Group) -> Vec<Vec<usize>> {
     }
 }
 
-fn rows_of_runs(group: &Group, runs: &[usize]) -> Vec<bool> {
+fn rows_of_runs(group: &RunGroup, runs: &[usize]) -> Vec<bool> {
     let mut out = vec![false; group.rows()];
     for block in group.blocks.iter().filter(|block| runs.contains(&block.run)) {
         out[block.first..block.end].fill(true);
@@ -149,24 +152,24 @@ fn rows_of_runs(group: &Group, runs: &[usize]) -> Vec<bool> {
 }
 
 /// The rows of the later part of those runs.
-pub(crate) fn later_rows(group: &Group, runs: &[usize]) -> Vec<bool> {
+pub(crate) fn later_rows(group: &RunGroup, runs: &[usize]) -> Vec<bool> {
     let mut out = vec![false; group.rows()];
     for &run in runs {
-        let (rows, _) = rows_of_time(group, run, Stretch::OfTime(EARLIER, 1.0));
+        let (rows, _) = rows_of_time(group, run, HeldOutTime::OfTime(EARLIER, 1.0));
         out.iter_mut().zip(rows).for_each(|(out, is_out)| *out |= is_out);
     }
     out
 }
 
 /// The rows of a stretch of a run, and its ends, s after the start of the drive.
-fn rows_of_time(group: &Group, run: usize, stretch: Stretch) -> (Vec<bool>, (f64, f64)) {
+fn rows_of_time(group: &RunGroup, run: usize, held_out_time: HeldOutTime) -> (Vec<bool>, (f64, f64)) {
     let group_run = &group.runs[run];
     let start_s = group_run.context(run, None).start_s();
     let times = |channel: usize| group_run.times(channel).iter().map(|t| t - start_s);
     let shortest_s = (0..2)
         .flat_map(|channel| times(channel).find(|t| *t > 0.0))
         .fold(f64::INFINITY, f64::min);
-    let (from_s, to_s) = stretch.ends_s(shortest_s, group_run.duration_s - start_s);
+    let (from_s, to_s) = held_out_time.ends_s(shortest_s, group_run.duration_s - start_s);
     let mut out = vec![false; group.rows()];
     for block in group.blocks.iter().filter(|block| block.run == run) {
         for (k, t) in times(block.channel).enumerate() {
@@ -176,7 +179,7 @@ fn rows_of_time(group: &Group, run: usize, stretch: Stretch) -> (Vec<bool>, (f64
     (out, (from_s, to_s))
 }
 
-fn left_out(fitted: &Fitted, predictive: &Predictive, group: &Group, runs: &[usize]) -> Part {
+fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[usize]) -> Part {
     let others: Vec<usize> = (0..group.runs.len())
         .filter(|other| !runs.contains(other))
         .collect();
@@ -199,7 +202,7 @@ fn left_out(fitted: &Fitted, predictive: &Predictive, group: &Group, runs: &[usi
 }
 
 /// What a part is called: its run, or the first of several.
-fn name(group: &Group, runs: &[usize]) -> String {
+fn name(group: &RunGroup, runs: &[usize]) -> String {
     let first = group.runs[runs[0]].given.name;
     match runs.len() {
         1 => first.to_owned(),
@@ -211,7 +214,7 @@ fn name(group: &Group, runs: &[usize]) -> String {
 /// Adds to the part the wanted readings of a run beside what was predicted of them.
 pub(crate) fn compare(
     part: &mut Part,
-    group: &Group,
+    group: &RunGroup,
     run: usize,
     found: &Responses,
     wanted: &dyn Fn(usize) -> bool,
@@ -224,7 +227,7 @@ pub(crate) fn compare(
     }
 }
 
-fn deviations(group: &Group, block: &Block, fitted: &[f64], wanted: &dyn Fn(usize) -> bool) -> Deviations {
+fn deviations(group: &RunGroup, block: &Block, fitted: &[f64], wanted: &dyn Fn(usize) -> bool) -> Deviations {
     let mut sum = Deviations::default();
     let Some(channel) = group.channel(block) else {
         return sum;
@@ -240,9 +243,14 @@ fn deviations(group: &Group, block: &Block, fitted: &[f64], wanted: &dyn Fn(usiz
     sum
 }
 
-fn out_of_time(fitted: &Fitted, predictive: &Predictive, group: &Group, stretch: Stretch) -> Part {
+fn out_of_time(
+    fitted: &Fitted,
+    predictive: &Predictive,
+    group: &RunGroup,
+    held_out_time: HeldOutTime,
+) -> Part {
     let run = &group.runs[0];
-    let (out, (from_s, to_s)) = rows_of_time(group, 0, stretch);
+    let (out, (from_s, to_s)) = rows_of_time(group, 0, held_out_time);
     let bottom = fitted
         .problem
         .without(&out)

@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use crate::cause::proof::held_out::{EARLIER, Part, REFIT, SETTLE, compare, later_rows};
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::Group;
+use crate::readings::group::RunGroup;
 use ieap_domain::seconds::seconds;
 
 /// The later time of every run, predicted by the model refitted to the earlier time of all; none for a single run.
 ///
 /// The deviance of a run's part is what it adds to the earlier readings of all runs, whatever the later ones of the
 /// others are.
-pub(crate) fn later_parts(fitted: &Fitted, group: &Group) -> Vec<Part> {
+pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
     let runs: Vec<usize> = (0..group.runs.len()).collect();
     if runs.len() < 2 {
         return Vec::new();

@@ -1,9 +1,8 @@
 //! Candidates as they are reported: by forecast, by fit, and how alike they are.
 
-use super::Shown;
-use crate::cause::candidates::Looked;
+use super::FindingBuilder;
+use crate::cause::candidates::CandidateFit;
 use crate::cause::select::Selection;
-use crate::misfit::null;
 use crate::misfit::signature::{Direction, Signature};
 use ieap_domain::{Candidate, Confusable};
 use ieap_numerics::sums::dot;
@@ -13,7 +12,7 @@ const REPORTED: usize = 20;
 /// Candidates whose traces are compared with each other.
 const COMPARED: usize = 10;
 
-impl Shown<'_, '_> {
+impl FindingBuilder<'_, '_> {
     /// How alike the traces of the leading candidates are.
     pub(crate) fn confusable(&self, places: impl Iterator<Item = usize>) -> Confusable {
         let leading: Vec<&Direction> = places
@@ -38,7 +37,7 @@ impl Shown<'_, '_> {
         let mut best: Vec<(usize, f64)> = Vec::new();
         for (place, direction) in self.directions.iter().enumerate() {
             let id = self.signatures[direction.signature].effect.about().id;
-            let forecast = null::gain(direction, self.residuals);
+            let forecast = direction.gain(self.residuals);
             let same = |(other, _): &&mut (usize, f64)| {
                 self.signatures[self.directions[*other].signature]
                     .effect
@@ -80,7 +79,7 @@ impl Shown<'_, '_> {
             variant: about.variants.get(signature.variant).map(|v| (*v).to_owned()),
             forecast_gain,
             fitted_gain: None,
-            extra_parameters: signature.sought().free(),
+            extra_parameters: signature.free_effect().free(),
             held_out_gain: None,
             left_after_refit: direction.left,
             detectable_strength: detectable(signature, seen / direction.norm),
@@ -93,25 +92,25 @@ impl Shown<'_, '_> {
         let Some(step) = selection.steps.first() else {
             return self.forecasts();
         };
-        let first = step.looked.first().map(|looked| looked.direction);
+        let first = step.candidates.first().map(|candidate| candidate.direction);
         let taken: Vec<&str> = selection
             .model
             .problem
             .effects
             .iter()
-            .map(|sought| sought.effect.about().id)
+            .map(|free_effect| free_effect.effect.about().id)
             .collect();
         let held_out: Option<f64> = selection.held_out.as_ref().map(|h| h.falls().iter().sum());
-        let of = |looked: &Looked| {
-            let accepted = passed && taken.contains(&looked.effect);
+        let of = |candidate: &CandidateFit| {
+            let accepted = passed && taken.contains(&candidate.effect);
             Candidate {
-                fitted_gain: looked.fitted.as_ref().map(|_| looked.gain),
-                held_out_gain: held_out.filter(|_| taken == [looked.effect]),
+                fitted_gain: candidate.fitted.as_ref().map(|_| candidate.gain),
+                held_out_gain: held_out.filter(|_| taken == [candidate.effect]),
                 accepted,
-                ..self.candidate(looked.direction, first, looked.forecast)
+                ..self.candidate(candidate.direction, first, candidate.forecast)
             }
         };
-        step.looked.iter().take(REPORTED).map(of).collect()
+        step.candidates.iter().take(REPORTED).map(of).collect()
     }
 }
 

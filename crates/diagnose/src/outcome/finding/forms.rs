@@ -1,29 +1,31 @@
 //! Forms of one cause that the readings do not tell apart: its strength is as uncertain as they differ.
 
-use super::Shown;
+use super::FindingBuilder;
 use crate::cause::candidates::{AS_GOOD, PRICE};
-use crate::cause::extended_start::Beside;
+use crate::cause::extended_start::ExtendedStart;
 use crate::fitting::fitted::Fitted;
-use crate::misfit::null;
 use crate::misfit::signature::Direction;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::{Estimate, Parameter};
 use ieap_numerics::sums::dot;
 
-impl Shown<'_, '_> {
+impl FindingBuilder<'_, '_> {
     /// Other forms of the only effect of `model` that explain the readings as well: name and parameters.
     pub(crate) fn other_forms(&self, model: &Fitted) -> Vec<(&'static str, Vec<Parameter>)> {
-        let [sought] = model.problem.effects.as_slice() else {
+        let [free_effect] = model.problem.effects.as_slice() else {
             return Vec::new();
         };
-        let about = sought.effect.about();
-        let beside = Beside::of(self.base);
-        let others = (0..about.variants.len()).filter(|&variant| variant != sought.variant);
+        let about = free_effect.effect.about();
+        let extended_start = ExtendedStart::of(self.base);
+        let others = (0..about.variants.len()).filter(|&variant| variant != free_effect.variant);
         let fitted = others.filter_map(|variant| {
             let direction = self.best_of(about.id, variant)?;
             let signature = &self.signatures[direction.signature];
             let strength = signature.part * dot(&direction.unit, self.residuals) / direction.norm;
-            let other = beside.extended(signature, strength)?.arrived().in_own_limits();
+            let other = extended_start
+                .extended(signature, strength)?
+                .converged()
+                .in_own_limits();
             let price = PRICE * (other.extra() as f64 - model.extra() as f64);
             let is_as_good = other.square + price < model.square + AS_GOOD;
             let parameters = other.effect_parameters(self.group).pop()?;
@@ -38,7 +40,7 @@ impl Shown<'_, '_> {
             let signature = &self.signatures[direction.signature];
             signature.effect.about().id == id && signature.variant == variant
         });
-        own.max_by(|a, b| null::gain(a, self.residuals).total_cmp(&null::gain(b, self.residuals)))
+        own.max_by(|a, b| a.gain(self.residuals).total_cmp(&b.gain(self.residuals)))
     }
 }
 

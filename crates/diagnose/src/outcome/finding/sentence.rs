@@ -1,12 +1,13 @@
 //! The finding in one plain sentence.
 
-use super::{RIGHT, Shown, WRONG};
+use super::{FindingBuilder, SPIKED_WORDS};
 use crate::cause::select::BEATEN;
+use crate::levels::{RIGHT, WRONG};
 use ieap_domain::diagnosis::follows_a_tag;
 use ieap_domain::{GroupDiagnosis, Verdict};
 use ieap_model::effects::effect;
 
-impl Shown<'_, '_> {
+impl FindingBuilder<'_, '_> {
     pub(crate) fn sentence(&self, found: &GroupDiagnosis, taken: &[&str], passed: bool) -> String {
         let place = found.whereabouts.as_ref().map_or("", |w| &w.text);
         let summary = |id: &str| {
@@ -113,9 +114,6 @@ fn is_beaten(found: &GroupDiagnosis) -> bool {
         .as_ref()
         .is_some_and(|gain| gain.nameless_deviance > gain.proof.deviance + BEATEN)
 }
-
-pub(crate) const SPIKED_WORDS: &str =
-    "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
 
 #[cfg(test)]
 mod tests {

@@ -26,13 +26,15 @@ fn what_wanders_from_edge_to_edge_is_seen_and_not_named() {
 fn every_reading_after_an_edge_is_of_one_answer() {
     let runs = Runs::with(None, &[DISCHARGED, PULSES], 1);
     let inputs = runs.inputs();
-    let raw = group::Group::new(&inputs);
+    let raw = group::RunGroup::new(&inputs);
     with_base(&raw, DiagnoseOptions::default().model, |group, base| {
-        let all = stretch::stretches(group, &base);
-        let answers = all.iter().filter(|own| own.kind == stretch::Kind::Answer);
-        let mut rows: Vec<usize> = answers.clone().flat_map(|own| own.rows.clone()).collect();
-        assert_eq!(answers.clone().count(), 60);
-        assert!(answers.clone().all(|own| group.blocks[own.block].run == 1));
+        let all = residual_bins::residual_bins(group, &base);
+        let edge_responses = all
+            .iter()
+            .filter(|own| own.kind == residual_bins::Kind::EdgeResponse);
+        let mut rows: Vec<usize> = edge_responses.clone().flat_map(|own| own.rows.clone()).collect();
+        assert_eq!(edge_responses.clone().count(), 60);
+        assert!(edge_responses.clone().all(|own| group.blocks[own.block].run == 1));
         let squares = all
             .iter()
             .map(|own| own.weights.iter().map(|w| w * w).sum::<f64>());

@@ -1,21 +1,21 @@
-//! Stretches of time over which residuals are averaged: where the simulation is wrong, whatever the cause.
+//! Bins of time over which residuals are averaged: where the simulation is wrong, whatever the cause.
 
 use ieap_domain::Level;
 use ieap_numerics::sums::dot;
 
 use crate::fitting::fitted::Fitted;
-use crate::readings::group::{Block, Group};
+use crate::readings::group::{Block, RunGroup};
 
-/// Stretches of the clock per run, and of the time since an edge per level of the drive.
+/// Bins of the clock per run, and of the time since an edge per level of the drive.
 const BY_CLOCK: usize = 8;
 const BY_PHASE: usize = 4;
-/// Readings that a stretch needs.
+/// Readings that a bin needs.
 const FEWEST: usize = 4;
 
 /// A run with so many edges of its drive is asked whether it answers all of them alike; ...
 const EDGES: usize = 4;
 /// ... neighbours are taken together where there are more than this.
-const MOST_ANSWERS: usize = 32;
+const MOST_EDGE_RESPONSES: usize = 32;
 
 /// Which rows belong together.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,12 +25,12 @@ pub(crate) enum Kind {
     /// Those as long after every edge to the same level.
     Phase,
     /// The answer to one edge, or to some that follow one another.
-    Answer,
+    EdgeResponse,
 }
 
 /// Rows of one channel of one run that are averaged.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Stretch {
+pub(crate) struct ResidualBin {
     pub(crate) kind: Kind,
     pub(crate) block: usize,
     pub(crate) rows: Vec<usize>,
@@ -38,11 +38,11 @@ pub(crate) struct Stretch {
     pub(crate) weights: Vec<f64>,
 }
 
-impl Stretch {
+impl ResidualBin {
     /// All rows alike.
-    fn even(kind: Kind, block: usize, rows: Vec<usize>) -> Stretch {
+    fn even(kind: Kind, block: usize, rows: Vec<usize>) -> ResidualBin {
         let weights = vec![(rows.len() as f64).sqrt().recip(); rows.len()];
-        Stretch {
+        ResidualBin {
             kind,
             block,
             rows,
@@ -57,28 +57,28 @@ impl Stretch {
     }
 }
 
-/// Stretches of every channel of every run; then how much each run answers to each of many edges, by the shape in which
+/// Bins of every channel of every run; then how much each run answers to each of many edges, by the shape in which
 /// the fitted current follows the resistances and the fitted curvature its size.
-pub(crate) fn stretches(group: &Group, base: &Fitted) -> Vec<Stretch> {
+pub(crate) fn residual_bins(group: &RunGroup, base: &Fitted) -> Vec<ResidualBin> {
     let mut found = Vec::new();
     for (place, block) in group.blocks.iter().enumerate() {
         of_block(group, place, block, &mut found);
     }
-    let shapes = base.problem.answers(&base.at);
+    let shapes = base.problem.edge_shapes(&base.at);
     for (place, block) in group.blocks.iter().enumerate() {
-        found.extend(answers(group, place, block, &shapes[block.channel]));
+        found.extend(edge_responses(group, place, block, &shapes[block.channel]));
     }
     found
 }
 
-fn answers(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Stretch> {
+fn edge_responses(group: &RunGroup, place: usize, block: &Block, shape: &[f64]) -> Vec<ResidualBin> {
     let run = &group.runs[block.run];
     let segments = &run.given.input.drive.segments;
     if segments.len() < EDGES {
         return Vec::new();
     }
     let times = run.times(block.channel);
-    let together = segments.len().div_ceil(MOST_ANSWERS);
+    let together = segments.len().div_ceil(MOST_EDGE_RESPONSES);
     let row_at = |time_s: f64| block.first + times.partition_point(|&t| t < time_s);
     let starts: Vec<usize> = segments
         .chunks(together)
@@ -88,8 +88,8 @@ fn answers(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Str
     let of = |ends: &[usize]| {
         let rows: Vec<usize> = (ends[0]..ends[1]).collect();
         let norm = dot(&shape[ends[0]..ends[1]], &shape[ends[0]..ends[1]]).sqrt();
-        (norm > 0.0 && norm.is_finite()).then(|| Stretch {
-            kind: Kind::Answer,
+        (norm > 0.0 && norm.is_finite()).then(|| ResidualBin {
+            kind: Kind::EdgeResponse,
             block: place,
             weights: rows.iter().map(|&row| shape[row] / norm).collect(),
             rows,
@@ -98,7 +98,7 @@ fn answers(group: &Group, place: usize, block: &Block, shape: &[f64]) -> Vec<Str
     starts.windows(2).filter_map(of).collect()
 }
 
-fn of_block(group: &Group, place: usize, block: &Block, found: &mut Vec<Stretch>) {
+fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<ResidualBin>) {
     let run = &group.runs[block.run];
     let drive = run.given.input.drive;
     let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
@@ -133,10 +133,10 @@ fn of_block(group: &Group, place: usize, block: &Block, found: &mut Vec<Stretch>
     let at = |row: usize| times[row - block.first] - start_s;
     for rows in clock.into_iter().filter(|rows| rows.len() >= FEWEST) {
         let kind = Kind::Clock(at(rows[0]), at(rows[rows.len() - 1]));
-        found.push(Stretch::even(kind, place, rows));
+        found.push(ResidualBin::even(kind, place, rows));
     }
     for rows in phase.into_iter().filter(|rows| rows.len() >= FEWEST) {
-        found.push(Stretch::even(Kind::Phase, place, rows));
+        found.push(ResidualBin::even(Kind::Phase, place, rows));
     }
 }
 
@@ -148,7 +148,7 @@ fn same(left: Level, right: Level) -> bool {
 }
 
 /// Different levels of a run's drive.
-fn levels(group: &Group, block: &Block) -> Vec<Level> {
+fn levels(group: &RunGroup, block: &Block) -> Vec<Level> {
     let mut levels: Vec<Level> = Vec::new();
     for segment in &group.runs[block.run].given.input.drive.segments {
         if levels.len() < 4 && !levels.iter().any(|level| same(*level, segment.level)) {

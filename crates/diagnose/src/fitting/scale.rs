@@ -1,0 +1,45 @@
+//! Sizes of the data and of a fitted model.
+
+use ieap_model::effects::Scale;
+
+use crate::fitting::problem::ExtendedProblem;
+use crate::readings::group::RunGroup;
+
+/// Sizes of the data and of the base model, from which limits of effects follow.
+pub(crate) fn scale(group: &RunGroup, problem: &ExtendedProblem, at: &[f64]) -> Scale {
+    let model = problem.model(at);
+    let mut scale = Scale {
+        base: model.base.clone(),
+        area_cm2: group.runs.first().map_or(1.0, |run| run.given.input.area_cm2),
+        length_cm: group
+            .runs
+            .iter()
+            .map(|run| run.given.length_cm)
+            .collect::<Option<Vec<f64>>>()
+            .and_then(|l| l.first().copied()),
+        durations_s: group.runs.iter().map(|run| run.duration_s).collect(),
+        shortest_s: f64::INFINITY,
+        voltage_v: 0.0,
+        current_a: 0.0,
+        curvature_per_cm: 0.0,
+        charge_c: 0.0,
+    };
+    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    for (index, run) in group.runs.iter().enumerate() {
+        let context = run.context(index, None);
+        let found = model.responses(&context, run.times(0), run.times(1));
+        scale.current_a = scale.current_a.max(peak(&found.current_a));
+        scale.curvature_per_cm = scale.curvature_per_cm.max(peak(&found.curvature_per_cm));
+        let drive = run.given.input.drive;
+        scale.voltage_v = scale.voltage_v.max(drive.nominal_step_v().abs());
+        for channel in run.channels.iter().flatten() {
+            let steps = channel.time_s().windows(2).map(|pair| pair[1] - pair[0]);
+            scale.shortest_s = scale.shortest_s.min(steps.fold(f64::INFINITY, f64::min));
+        }
+    }
+    if !scale.shortest_s.is_finite() {
+        scale.shortest_s = 1.0;
+    }
+    scale.charge_c = scale.capacitance_f_per_cm2() * scale.voltage_v * scale.area_cm2;
+    scale
+}
