@@ -81,7 +81,11 @@ fn imports_of(name: &str) -> Imports {
 fn no_more_than_two_files_import_each_other() {
     for name in ["diagnose", "fit"] {
         let imports = imports_of(name);
-        assert!(imports.of.len() > 50, "{name}: {} files were read", imports.of.len());
+        assert!(
+            imports.of.len() > 50,
+            "{name}: {} files were read",
+            imports.of.len()
+        );
         for circle in imports.circles() {
             let files: Vec<String> = circle.iter().map(|module| module.join("::")).collect();
             assert!(files.len() <= 2, "{name}: files import each other: {files:?}");
@@ -95,7 +99,11 @@ const STAGES: [&str; 6] = ["readings", "fitting", "misfit", "cause", "extended",
 #[test]
 fn the_stages_of_a_diagnosis_follow_each_other() {
     let imports = imports_of("diagnose");
-    let stage = |module: &Module| STAGES.iter().position(|stage| module.first().is_some_and(|own| own == stage));
+    let stage = |module: &Module| {
+        STAGES
+            .iter()
+            .position(|stage| module.first().is_some_and(|own| own == stage))
+    };
     let mut arrows = 0;
     for (module, others) in &imports.of {
         for other in others {

@@ -26,14 +26,19 @@ impl Imports {
             .iter()
             .map(|(path, text)| (module_of(path), text.as_str()))
             .collect();
-        let tests: Vec<Module> = all.iter().flat_map(|(module, text)| test_modules(module, text)).collect();
+        let tests: Vec<Module> = all
+            .iter()
+            .flat_map(|(module, text)| test_modules(module, text))
+            .collect();
         let is_test = |module: &Module| tests.iter().any(|test| module.starts_with(test));
         let read: BTreeMap<Module, File> = all
             .into_iter()
             .filter(|(module, _)| !is_test(module))
             .map(|(module, text)| (module, File::read(text)))
             .collect();
-        let of = read.keys().map(|module| (module.clone(), imported(&read, module)));
+        let of = read
+            .keys()
+            .map(|module| (module.clone(), imported(&read, module)));
         Imports { of: of.collect() }
     }
 
@@ -52,7 +57,8 @@ impl Imports {
 
     /// Files from which each leads back to itself by way of the others, two at least.
     pub fn circles(&self) -> Vec<Vec<Module>> {
-        let reach: BTreeMap<&Module, BTreeSet<&Module>> = self.of.keys().map(|m| (m, self.reached(m))).collect();
+        let reach: BTreeMap<&Module, BTreeSet<&Module>> =
+            self.of.keys().map(|m| (m, self.reached(m))).collect();
         let mut circles: Vec<Vec<Module>> = Vec::new();
         for from in self.of.keys() {
             let both = |other: &&Module| reach[from].contains(*other) && reach[*other].contains(from);
@@ -101,7 +107,10 @@ fn test_modules(of: &Module, text: &str) -> Vec<Module> {
 impl File {
     fn read(text: &str) -> File {
         let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-        let code: Vec<&str> = text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
+        let code: Vec<&str> = text
+            .lines()
+            .map(|line| line.split("//").next().unwrap_or_default())
+            .collect();
         let (mut names, mut rest, mut statement) = (Vec::new(), String::new(), String::new());
         for line in code {
             let start = line.trim_start();
@@ -156,12 +165,16 @@ fn expand(before: &[String], tree: &str, names: &mut Vec<(String, Vec<String>)>)
         }
         return;
     }
-    let (path, alias) = tree.split_once(" as ").map_or((tree, None), |(path, alias)| (path, Some(alias)));
+    let (path, alias) = tree
+        .split_once(" as ")
+        .map_or((tree, None), |(path, alias)| (path, Some(alias)));
     let mut path: Vec<String> = before.iter().cloned().chain(segments(path)).collect();
     if path.last().is_some_and(|last| last == "self") {
         path.pop();
     }
-    let name = alias.map(|alias| alias.trim().to_owned()).or_else(|| path.last().cloned());
+    let name = alias
+        .map(|alias| alias.trim().to_owned())
+        .or_else(|| path.last().cloned());
     names.extend(name.map(|name| (name, path)));
 }
 
@@ -195,7 +208,10 @@ fn absolute(files: &BTreeMap<Module, File>, module: &Module, path: &[String]) ->
         return Some(module.iter().chain(path).cloned().collect());
     }
     // A module that a `use` line names.
-    let (_, used) = files[module].names.iter().find(|(name, used)| name == first && used.as_slice() != path)?;
+    let (_, used) = files[module]
+        .names
+        .iter()
+        .find(|(name, used)| name == first && used.as_slice() != path)?;
     let used = absolute(files, module, used)?;
     files
         .contains_key(&used)
@@ -204,7 +220,9 @@ fn absolute(files: &BTreeMap<Module, File>, module: &Module, path: &[String]) ->
 
 /// The file that a name is written in: where one hands it on, the one that it has it from.
 fn target(files: &BTreeMap<Module, File>, path: &[String], depth: usize) -> Module {
-    let known = (0..=path.len()).rev().find(|&count| files.contains_key(&path[..count]));
+    let known = (0..=path.len())
+        .rev()
+        .find(|&count| files.contains_key(&path[..count]));
     let count = known.unwrap_or(0);
     let module = path[..count].to_vec();
     let Some(name) = path.get(count).filter(|_| depth < 8) else {
@@ -224,11 +242,23 @@ fn target(files: &BTreeMap<Module, File>, path: &[String], depth: usize) -> Modu
 fn a_circle_of_files_is_seen_through_nested_imports_and_names_that_are_handed_on() {
     let file = |path: &str, text: &str| (path.to_owned(), text.to_owned());
     let files = [
-        file("lib.rs", "mod room;\npub use room::{one::One, two};\n#[cfg(test)]\nmod tests;\n"),
-        file("room/mod.rs", "pub mod one;\npub mod two;\npub mod three;\npub use three::Three;\n"),
-        file("room/one.rs", "use super::{\n    two::Two,\n};\n// use crate::room::three::Not;\n"),
+        file(
+            "lib.rs",
+            "mod room;\npub use room::{one::One, two};\n#[cfg(test)]\nmod tests;\n",
+        ),
+        file(
+            "room/mod.rs",
+            "pub mod one;\npub mod two;\npub mod three;\npub use three::Three;\n",
+        ),
+        file(
+            "room/one.rs",
+            "use super::{\n    two::Two,\n};\n// use crate::room::three::Not;\n",
+        ),
         file("room/two.rs", "fn f() { crate::room::Three::new(); }\n"),
-        file("room/three.rs", "use crate::One;\n#[cfg(test)]\nmod tests {\n    use super::super::two::Two;\n}\n"),
+        file(
+            "room/three.rs",
+            "use crate::One;\n#[cfg(test)]\nmod tests {\n    use super::super::two::Two;\n}\n",
+        ),
         file("tests.rs", "use super::room::two::Two;\n"),
     ];
     let imports = Imports::of_files(&files);
