@@ -99,7 +99,11 @@ const STAGES: [&str; 6] = ["readings", "fitting", "misfit", "cause", "extended",
 #[test]
 fn the_stages_of_a_diagnosis_follow_each_other() {
     let imports = imports_of("diagnose");
-    let stage = |module: &Module| STAGES.iter().position(|stage| module.first().is_some_and(|own| own == stage));
+    let stage = |module: &Module| {
+        STAGES
+            .iter()
+            .position(|stage| module.first().is_some_and(|own| own == stage))
+    };
     let mut arrows = 0;
     for (module, others) in &imports.of {
         for other in others {
