@@ -142,6 +142,12 @@ impl Output {
         io::stdout().is_terminal()
     }
 
+    /// Characters to a line of the terminal that stdout is; none where it is none.
+    pub fn width(&self) -> Option<usize> {
+        let (width, _) = terminal_size::terminal_size_of(io::stdout())?;
+        Some(usize::from(width.0))
+    }
+
     /// The result for machines: the one document on stdout. Nothing where JSON is not asked for.
     ///
     /// # Errors

@@ -11,10 +11,10 @@ use super::output::Output;
 use super::printable::printable;
 use crate::pipeline::tables::{
     MovedDocument, chosen_columns, find_format, find_table, listed, moment, moved_since, table,
+    write_with_decimal_comma, write_within,
 };
 use crate::pipeline::whole_file::put_bytes;
 use crate::pipeline::{Context, Earlier};
-use crate::report::tables::{write_with_decimal_comma, write_within};
 
 /// Print a table of the thesis, or of the campaign, with uncertainties: as text, CSV, Markdown, LaTeX, Typst, HTML
 /// or JSON
@@ -99,20 +99,18 @@ fn text_of(args: &TableArgs, context: &Context, name: &str, output: &Output) -> 
     }
     Ok(match format.name {
         "csv" if args.decimal_comma => write_with_decimal_comma(&table),
-        "text" => write_within(&table, width(args)),
+        "text" => write_within(&table, width(args, output)),
         _ => (format.write)(&table),
     })
 }
 
 /// Characters to a line: as asked for, else the terminal's, else without end.
-fn width(args: &TableArgs) -> usize {
-    let terminal =
-        || terminal_size::terminal_size_of(std::io::stdout()).map(|(width, _)| usize::from(width.0));
+fn width(args: &TableArgs, output: &Output) -> usize {
     let is_file = args.output.is_some();
     match (args.width, is_file) {
         (Some(0), _) | (None, true) => usize::MAX,
         (Some(width), _) => width,
-        (None, false) => terminal().unwrap_or(usize::MAX),
+        (None, false) => output.width().unwrap_or(usize::MAX),
     }
 }
 

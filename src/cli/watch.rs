@@ -9,7 +9,6 @@ use super::fit_choice::FitChoiceArgs;
 use super::output::Output;
 use super::{CampaignArg, Global, ingest, report, run, signals};
 use crate::pipeline::{Run, Watch, WatchSettings, Watched};
-use crate::report::zone::Zone;
 
 /// Do what `run` does, then the same for every file that arrives, until stopped (Ctrl-C)
 #[derive(Debug, Args)]
@@ -39,7 +38,7 @@ pub fn run(args: &WatchArgs, global: &Global, output: &Output) -> Result<u8, Cli
     };
     let stop = signals::listen(global.quiet, DONE, CUT_OFF)?;
     let mut context = args.campaign.open(global, output)?;
-    output.time_lines(Zone::of(&context.campaign).zone().clone());
+    output.time_lines(crate::pipeline::Zone::of(&context.campaign).zone().clone());
     output.message(&format!(
         "Watching {}; stop with Ctrl-C.",
         context.folder.join(&context.campaign.runs_folder).display()

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::context::CODE_VERSION;
 use super::whole_file::put_file;
 use super::{Context, PipelineError, standing};
-use crate::analysis::{self, About, ExportError, TableFormat};
+pub use crate::analysis::TableFormat;
+use crate::analysis::{self, About, ExportError};
 use crate::domain::RunRecord;
 
 /// What can be written.
@@ -125,7 +126,7 @@ impl Export {
             overwrite: false,
         };
         let rows = export.run(context)?;
-        Ok((std::fs::read(&export.path).map_err(failed)?, rows))
+        Ok((crate::system::fs::read(&export.path).map_err(failed)?, rows))
     }
 
     fn write(&self, context: &Context, format: TableFormat, path: &Path) -> Result<usize, PipelineError> {

@@ -98,4 +98,5 @@ pub use run::{Made, Run, RunSummary};
 pub use tag::{SetTags, TagSummary};
 pub use watch::{Intake, Look, Watch, WatchSettings, Watched};
 
+pub use crate::report::zone::Zone;
 pub use crate::store::Earlier;

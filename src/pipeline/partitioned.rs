@@ -2,7 +2,6 @@
 //! `material=CNaf/environment=air/part-0.parquet`.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -83,7 +82,11 @@ impl ExportPartitioned {
                 source,
             })
         };
-        let file = File::create(path).map_err(|source| self.failed(source))?;
+        let file = fs::OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(path)
+            .map_err(|source| self.failed(source))?;
         let mut writer =
             RunRowWriter::begin(BufWriter::new(file), &about(context, "traces")).map_err(encoding)?;
         for batch in runs.chunks(BATCH) {

@@ -11,6 +11,7 @@ use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
 use crate::domain::{GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
+pub use crate::report::tables::{write_with_decimal_comma, write_within};
 use crate::store::Earlier;
 
 /// What tables are made from, read from the database.

@@ -357,8 +357,11 @@ fn what_each_verb_prints_is_as_its_schema_says() {
     ] {
         schemas.push(seen(folder.ieap(&[words, &["--json"]].concat())));
     }
-    schemas.push(seen(folder.ieap(&["backup", "copy", "--json"])));
-    schemas.push(seen(folder.ieap(&["restore", "copy", "restored", "--json"])));
+    let elsewhere = tempfile::tempdir().unwrap();
+    let [copy, restored] = ["copy", "restored"].map(|name| elsewhere.path().join(name));
+    let (copy, restored) = (copy.to_str().unwrap(), restored.to_str().unwrap());
+    schemas.push(seen(folder.ieap(&["backup", copy, "--json"])));
+    schemas.push(seen(folder.ieap(&["restore", copy, restored, "--json"])));
     schemas.push(seen(folder.ieap(&["rebuild", "--json"])));
     schemas.push(seen(folder.ieap(&["init", "made", "--json"])));
     schemas.push(seen(folder.ieap(&[

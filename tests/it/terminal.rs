@@ -6,9 +6,7 @@ use crate::campaign::{CampaignFolder, Ended, command, ieap, run_table};
 
 fn with_environment(folder: &Path, words: &[&str], variables: &[(&str, &str)]) -> Ended {
     let mut command = command(folder, words);
-    variables
-        .iter()
-        .for_each(|(name, value)| drop(command.env(name, value)));
+    command.envs(variables.iter().copied());
     let output = command.output().unwrap();
     Ended {
         status: output.status.code().unwrap_or(-1),

@@ -27,7 +27,7 @@ mod origin;
 mod run_climate;
 mod runs;
 #[cfg(test)]
-mod schema_page;
+mod schema_page_tests;
 mod seal;
 mod standing;
 mod tags;
