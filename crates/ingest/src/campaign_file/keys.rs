@@ -8,7 +8,7 @@ use super::nearest;
 use ieap_domain::Issue;
 
 /// Each table with the keys that it may hold.
-const KNOWN: [(&str, &[&str]); 15] = [
+const KNOWN: [(&str, &[&str]); 16] = [
     (
         "campaign",
         &[
