@@ -28,7 +28,7 @@ const KEYWORDS: [&str; 16] = [
 /// Files, not documents of `--json`, that name a schema of their own.
 const FILES: [&str; 3] = ["simulation-truth", "backup-contents", "fit-result"];
 /// Documents whose verbs are being written: each leaves this list with its schema.
-const TO_COME: [&str; 5] = ["compare", "convert", "drive", "impedance", "predict"];
+const TO_COME: [&str; 5] = ["comparison", "convert", "drive", "impedance", "prediction"];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas")

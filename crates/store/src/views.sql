@@ -81,6 +81,8 @@ SELECT
         WHEN key LIKE '%\_bytes' ESCAPE '\' THEN 'bytes'
         WHEN key LIKE '%\_cm2' ESCAPE '\' THEN 'cm2'
         WHEN key LIKE '%\_mpa' ESCAPE '\' THEN 'MPa'
+        WHEN key LIKE '%\_ohm' ESCAPE '\' THEN 'Ohm'
+        WHEN key LIKE '%\_degree' ESCAPE '\' THEN 'degree'
         WHEN key LIKE '%\_rad' ESCAPE '\' THEN 'rad'
         WHEN key LIKE '%\_cm' ESCAPE '\' THEN 'cm'
         WHEN key LIKE '%\_hz' ESCAPE '\' THEN 'Hz'
@@ -155,7 +157,9 @@ SELECT
         WHEN 'current_density' THEN 'A/cm2' WHEN 'curvature' THEN '1/cm' WHEN 'tip_displacement' THEN 'mm'
         WHEN 'blocking_force' THEN 'mN' WHEN 'temperature' THEN '°C' WHEN 'relative_humidity' THEN '%'
         WHEN 'pressure' THEN 'Pa' WHEN 'storage_modulus' THEN 'MPa' WHEN 'loss_modulus' THEN 'MPa'
-        WHEN 'complex_modulus' THEN 'MPa' WHEN 'frequency' THEN 'Hz' WHEN 'time' THEN 's' ELSE ''
+        WHEN 'complex_modulus' THEN 'MPa' WHEN 'frequency' THEN 'Hz' WHEN 'time' THEN 's'
+        WHEN 'impedance_real' THEN 'Ohm' WHEN 'impedance_imaginary' THEN 'Ohm' WHEN 'impedance_magnitude' THEN 'Ohm'
+        WHEN 'impedance_phase' THEN 'degree' ELSE ''
     END AS unit,
     channel.position_mm,
     channel.readings,

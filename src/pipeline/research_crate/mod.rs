@@ -196,7 +196,7 @@ impl<W: Write + Seek> Filled<'_, W> {
 
     /// Every figure that the campaign has the data for.
     fn figures(&mut self, context: &Context) -> Result<(), PipelineError> {
-        for (name, _, _, about) in figures::listed() {
+        for (name, _, _, about) in figures::listed().filter(|(name, ..)| !figures::needs_no_campaign(name)) {
             let figure = MakeFigure {
                 name: name.to_owned(),
                 format: "svg".to_owned(),

@@ -139,13 +139,16 @@ enum Dependence {
 
 fn dependence(key: &str) -> Option<Dependence> {
     match key {
-        "alpha_per_c_cm" => Some(Dependence::InverseArea),
         "mu_per_c" => Some(Dependence::InverseWidth),
         "re_ohm_per_sq" => Some(Dependence::None),
         // R per area times C per area: the area cancels.
         "tau_s" | "tau1_s" | "tau2_s" | "tau3_s" | "tau4_s" => Some(Dependence::None),
         // Found as ratios, from the shape of the responses.
         "re_l2_per_rc" | "re_l2_per_rss" => Some(Dependence::None),
+        // Of the laminate and the ions in it, whose thickness is the same: times, and parts of a whole.
+        "retardation_s" | "transport_s" | "kept_part" | "e2_per_e0" => Some(Dependence::None),
+        // Couplings to the charge of the whole sample: alpha, and those of the rival models.
+        _ if key.ends_with("_per_c_cm") => Some(Dependence::InverseArea),
         _ if key.ends_with("_per_s") => Some(Dependence::None),
         _ if key.ends_with("_ohm_cm2") || key.ends_with("_f_per_cm2") => Some(Dependence::ThroughArea),
         _ => None,

@@ -45,10 +45,16 @@ pub fn profile(
     if points.len() < 3 || ends.0 >= ends.1 {
         return Ok(None);
     }
-    let (points, ends, quantity) = in_short_numbers(points, ends, quantity, unit);
+    let over_decades = ends.0 > 0.0 && ends.1 > DECADES * ends.0;
+    // Decades are short by themselves.
+    let exponent = match over_decades {
+        true => 0,
+        false => decimal_exponent(ends.0.abs().max(ends.1.abs())),
+    };
+    let (points, ends, quantity) = in_short_numbers(points, ends, quantity, unit, exponent);
     let most = points.iter().fold(2.0 * BOUND, |most, (_, y)| most.max(*y));
     let most = most.min(HIGHEST * BOUND);
-    let x = match ends.0 > 0.0 && ends.1 > DECADES * ends.0 {
+    let x = match over_decades {
         true => Axis::log(ends.0, ends.1, &quantity, ""),
         false => {
             let margin = 0.04 * (ends.1 - ends.0);
@@ -92,14 +98,14 @@ pub fn profile(
     Ok(Some(drawn))
 }
 
-/// Points and ends over a power of ten, where numbers would have many digits, and the title that says so.
+/// Points and ends over a power of ten, where numbers of that exponent would have many digits, and the title that says so.
 fn in_short_numbers(
     points: Vec<(f64, f64)>,
     ends: (f64, f64),
     quantity: &str,
     unit: &str,
+    exponent: i32,
 ) -> (Vec<(f64, f64)>, (f64, f64), String) {
-    let exponent = decimal_exponent(ends.0.abs().max(ends.1.abs()));
     let (factor, power) = match exponent {
         -2..=3 => (1.0, String::new()),
         far => (10f64.powi(-far), format!("10{}", superscript(far))),
