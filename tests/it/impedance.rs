@@ -98,8 +98,12 @@ fn a_spectrum_and_a_step_of_one_strip_tell_one_circuit() {
     let keys = ["r1_ohm", "c1_f", "r2_ohm", "c2_f", "rss_ohm"];
     for (key, truth) in keys.into_iter().zip(STRIP) {
         let own = &fit["parameters"][key];
-        let (low, high) = (own["low_95"].as_f64().unwrap(), own["high_95"].as_f64().unwrap());
-        assert!(low < truth && truth < high, "{key}: {own:#}");
+        // One draw of five numbers: how often intervals hold is counted in ieap-fit, over 400.
+        let (value, error) = (
+            own["value"].as_f64().unwrap(),
+            own["standard_error"].as_f64().unwrap(),
+        );
+        assert!((value - truth).abs() < 4.0 * error, "{key}: {own:#}");
     }
     let beside = &document["beside_steps"][0];
     assert_eq!(beside["steps"]["runs"], serde_json::json!(["runs/low.csv"]));
