@@ -204,7 +204,7 @@ fn a_run_on_a_page_stays_small() {
             .filter(|svg| svg.contains(" class=figure>"))
             .filter_map(|rest| rest.split("</svg>").next())
             .collect();
-        assert_eq!(figures.len(), 6, "{name}");
+        assert_eq!(figures.len(), 8, "{name}");
         assert!(figures.iter().all(|svg| svg.len() < 3_000), "{name}");
         assert!(html.len() < 3 * 8_000, "{name}: {} bytes", html.len());
     }

@@ -47,11 +47,12 @@ fn about(name: &str, kind: &str) -> String {
     let texts = history.chain([super::views::VIEWS]);
     let head = format!("CREATE {} {name} ", kind.to_uppercase());
     let renamed = format!("CREATE {} {name}_2 ", kind.to_uppercase());
-    let found = texts.filter_map(|text| {
+    let mut found = texts.filter_map(|text| {
         let at = text.find(&head).or_else(|| text.find(&renamed))?;
         let above: Vec<&str> = text[..at]
             .lines()
             .rev()
+            .skip_while(|line| line.is_empty())
             .take_while(|line| line.starts_with("--"))
             .collect();
         let words = above
@@ -61,7 +62,7 @@ fn about(name: &str, kind: &str) -> String {
         Some(words.collect::<Vec<_>>().join(" "))
     });
     // Made anew for another CHECK, a table is still what it was first said to be.
-    found.filter(|words| !words.is_empty()).next().unwrap_or_default()
+    found.find(|words| !words.is_empty()).unwrap_or_default()
 }
 
 fn section(connection: &Connection, kind: &str, name: &str, sql: &str, page: &mut String) -> Vec<String> {

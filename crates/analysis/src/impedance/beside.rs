@@ -1,6 +1,6 @@
 //! The numbers of a spectrum's circuit held against those of the steps of the same sample and condition.
 
-use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::quantiles::{NORMAL_95, NORMAL_95_OF_SEVEN};
 use ieap_domain::tag::keys;
 use ieap_domain::{CircuitFit, Estimate, Fit, RunRecord, SpectrumAnalysis, SpectrumRun};
 
@@ -261,10 +261,13 @@ fn ratio(step: &Estimate, spectrum: &Estimate) -> Estimate {
     Estimate::determined(value, value * error, value / width, value * width)
 }
 
-/// Whether two numbers can be one: their quotient's interval holds 1; of bounds, whether the intervals meet.
+/// Whether two numbers can be one: 1 lies within what chance gives their quotient, where all seven are asked at once; of
+/// bounds, whether the intervals meet.
 pub(super) fn can_be_same(step: &Estimate, spectrum: &Estimate) -> Option<bool> {
-    if let (Some(low), Some(high)) = (ratio(step, spectrum).low_95, ratio(step, spectrum).high_95) {
-        return Some(low <= 1.0 && 1.0 <= high);
+    let ratio = ratio(step, spectrum);
+    if let (Some(low), Some(high)) = (ratio.low_95, ratio.high_95) {
+        let (middle, half) = (0.5 * (low * high).ln(), 0.5 * (high / low).ln());
+        return Some(middle.abs() <= half * NORMAL_95_OF_SEVEN / NORMAL_95);
     }
     let says = |estimate: &Estimate| estimate.low_95.is_some() || estimate.high_95.is_some();
     if !says(step) || !says(spectrum) {
