@@ -857,7 +857,7 @@
     const upward = (panel) => panel.element.querySelector("text.up");
     const shapesOf = (panel) => panel.series.flatMap((series) => series.shapes.map(({ shape }) => shape));
     const keep = (panel) => ({ y: panel.y, quantity: panel.quantity, unit: panel.unit, title: upward(panel).textContent, axes: panel.axes.innerHTML, lines: shapesOf(panel).map((shape) => shape.getAttribute("d")) });
-    const first = own.map((chart) => chart.panels.map(keep));
+    let first = [];
     // Keys hold the series, which stay what they are.
     const take = (panel, { y, quantity, unit, title, axes, lines }) => {
       shapesOf(panel).forEach((shape, k) => shape.setAttribute("d", lines[k]));
@@ -880,8 +880,9 @@
     button.addEventListener("click", () => {
       const on = button.getAttribute("aria-pressed") !== "true";
       button.setAttribute("aria-pressed", String(on));
+      own.filter((chart) => chart.panels.some((panel) => panel.view)).forEach((chart) => chart.zoom(null));
+      if (on) first = own.map((chart) => chart.panels.map(keep));
       own.forEach((chart, k) => {
-        if (chart.panels.some((panel) => panel.view)) chart.zoom(null);
         chart.panels.forEach((panel, j) => take(panel, on ? divided(panel) : first[k][j]));
       });
       say(on ? "divided by the voltage" : "as measured");

@@ -82,7 +82,8 @@ fn print(document: &PredictionDocument, output: &Output) {
         document.model,
         document.sources.len()
     ));
-    let columns: [(&str, f64, fn(&PredictedRow) -> Option<Predicted>); 5] = [
+    type Column = fn(&PredictedRow) -> Option<Predicted>;
+    let columns: [(&str, f64, Column); 5] = [
         ("current, mA", 1e3, |row| Some(row.current_a)),
         ("charge, mC", 1e3, |row| Some(row.charge_c)),
         ("curvature, 1/cm", 1.0, |row| row.curvature_per_cm),

@@ -138,10 +138,10 @@ fn number(text: &str) -> Option<(f64, &str)> {
     let ends = text.char_indices().map(|(at, _)| at).skip(1).chain([text.len()]);
     let mut found = None;
     for end in ends {
-        if let Ok(number) = text[..end].parse::<f64>() {
-            if number.is_finite() {
-                found = Some((number, text[end..].trim()));
-            }
+        if let Ok(number) = text[..end].parse::<f64>()
+            && number.is_finite()
+        {
+            found = Some((number, text[end..].trim()));
         }
     }
     found

@@ -89,13 +89,8 @@ fn forward(pulse: &[f64], wanted: &[f64], limits: &VoltageLimits) -> (Vec<f64>, 
 fn search(pulse: &[f64], wanted: &[f64], limits: &VoltageLimits, start: &[f64]) -> Vec<f64> {
     let n = wanted.len();
     let column = |k: usize, j: usize| if j >= k { pulse[j - k] } else { 0.0 };
-    let mut normal = vec![vec![0.0; n]; n];
-    for a in 0..n {
-        for b in 0..=a {
-            let sum: f64 = (a..n).map(|j| column(a, j) * column(b, j)).sum();
-            (normal[a][b], normal[b][a]) = (sum, sum);
-        }
-    }
+    let product = |a: usize, b: usize| -> f64 { (a.max(b)..n).map(|j| column(a, j) * column(b, j)).sum() };
+    let mut normal: Vec<Vec<f64>> = (0..n).map(|a| (0..n).map(|b| product(a, b)).collect()).collect();
     let scale = (0..n).map(|k| normal[k][k]).fold(0.0, f64::max);
     let weight = PENALTY * scale;
     let steered = limits.change_v.is_finite();

@@ -354,8 +354,8 @@ mod tests {
         let times = [0.5, 2.0, 4.0, 9.0];
         let found = strip(&model, 0.0).respond(&pulses(), &[1.0], &times).unwrap();
         let expected = model.curvature_per_cm(&pulses(), OF.area_cm2(), &times);
-        for k in 0..times.len() {
-            assert!((found.curvature_per_cm.at(k, 0) - expected[k]).abs() < 1e-12);
+        for (k, expected) in expected.iter().enumerate() {
+            assert!((found.curvature_per_cm.at(k, 0) - expected).abs() < 1e-12);
         }
         let mut open = pulses();
         open.segments[1].level = Level::OpenCircuit;

@@ -52,9 +52,12 @@ pub fn contrast_tables(contrasts: &[Contrast]) -> Vec<ContrastTable> {
     materials.map(table).collect()
 }
 
+/// Cells of a row by head and column.
+type Cells = BTreeMap<(usize, usize), Cell>;
+
 fn table(contrasts: &[Contrast]) -> ContrastTable {
     let mut heads: Vec<Head> = Vec::new();
-    let mut rows: Vec<(&str, BTreeMap<(usize, usize), Cell>)> = Vec::new();
+    let mut rows: Vec<(&str, Cells)> = Vec::new();
     for contrast in contrasts {
         let what = what(&contrast.over);
         let group = heads
