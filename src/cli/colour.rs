@@ -1,4 +1,4 @@
-//! Colour for people: only where it is asked for or a person looks on, and never against NO_COLOR (https://no-color.org).
+//! Colour for people: only where it is asked for or a person looks on, and never against NO_COLOR (<https://no-color.org>).
 
 use std::borrow::Cow;
 use std::ffi::OsString;

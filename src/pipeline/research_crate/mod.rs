@@ -1,5 +1,5 @@
 //! `ieap export --what crate`: a campaign as one ZIP that a repository takes: raw files, tables, figures, campaign.toml, and what
-//! all of it is, as an RO-Crate 1.2 (https://w3id.org/ro/crate/1.2) and for DataCite.
+//! all of it is, as an RO-Crate 1.2 (<https://w3id.org/ro/crate/1.2>) and for DataCite.
 
 mod datacite;
 mod metadata;
