@@ -3,7 +3,7 @@
 //!
 //! A law is linear in its couplings: the curvature is the sum of each coupling times a course that follows from the
 //! charge and from the law's shapes (rates, ratios). The charge comes from the equivalent circuit of the thesis; none
-//! of the rivals has an electrical part of its own. A law is one file here and one row in [`LAWS`].
+//! of the rivals has an electrical part of its own. A law is one file here and one row in `LAWS`.
 
 mod back_relaxation;
 mod bao_two_way;
