@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Estimate, GroupDiagnosis, HypothesisKind};
 use rand::RngExt;
 
@@ -18,8 +19,6 @@ const STRENGTHS: [f64; 4] = [8.0, 16.0, 32.0, 64.0];
 const BINS: [f64; 6] = [0.02, 0.2, 0.5, 0.8, 0.95, 1.0 + 1e-9];
 /// Where p is looked at.
 const LEVELS: [f64; 7] = [0.01, 0.05, 0.1, 0.2, 0.5, 0.8, 0.95];
-/// Standard normal quantile of a 95 % interval of a share.
-const Z: f64 = 1.96;
 
 /// Where the cause of a group comes from.
 const KINDS: [&str; 4] = ["own", "foreign", "outside", "none"];
@@ -53,9 +52,9 @@ impl Share {
     /// Wilson's 95 % interval.
     fn interval(self) -> (f64, f64) {
         let n = self.of.max(1) as f64;
-        let (p, z2) = (self.value(), Z * Z / n);
+        let (p, z2) = (self.value(), NORMAL_95 * NORMAL_95 / n);
         let middle = (p + z2 / 2.0) / (1.0 + z2);
-        let half = (p * (1.0 - p) / n + z2 / (4.0 * n)).sqrt() * Z / (1.0 + z2);
+        let half = (p * (1.0 - p) / n + z2 / (4.0 * n)).sqrt() * NORMAL_95 / (1.0 + z2);
         (middle - half, middle + half)
     }
 
