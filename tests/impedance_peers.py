@@ -1,7 +1,7 @@
 """Holds the spectra of `ieap impedance` against impedance.py and pyimpspec on the same files.
 
-    python3 -m venv /tmp/peers && /tmp/peers/bin/pip install -r tests/impedance_peers.requirements.txt
-    /tmp/peers/bin/python tests/impedance_peers.py target/debug/ieap [FILE ...]
+    python3 -m venv target/peers && target/peers/bin/pip install -r tests/impedance_peers.requirements.txt
+    target/peers/bin/python tests/impedance_peers.py target/debug/ieap [FILE ...]
 
 It makes a campaign in a temporary folder: spectra simulated from the circuits of the thesis's figures 7 and 8 and from a
 constant-phase element, with noise and a fixed seed, and the FILEs, read by ieap as they are. The peers get the readings as
