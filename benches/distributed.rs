@@ -85,6 +85,7 @@ fn fit(criterion: &mut Criterion) {
             length_cm: PTNAF.length_cm,
             width_cm: 0.3,
             electrode_resistance_ohm_per_sq: None,
+            electrode_resistance_error_ohm_per_sq: None,
         },
     };
     criterion.bench_function(

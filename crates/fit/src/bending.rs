@@ -6,19 +6,17 @@
 use ieap_domain::Drive;
 use ieap_numerics::column_memory::LongColumn;
 use ieap_numerics::global::Landscape;
-use ieap_numerics::levenberg::{Local, Stop};
-use ieap_numerics::sums;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::gram::CAPACITY;
+use ieap_numerics::least_squares::{Bounds, Local, Problem, Stop};
+use ieap_numerics::symmetric::Symmetric;
 
+use super::carried::moved_by_circuit;
 use super::electrical::Electrical;
 use super::sampled::Sampled;
 use super::search::Search;
 use super::strain::{Charged, Strain};
 use super::uncertainty::{CovarianceSums, Residuals};
 
-/// A bending response must lower the sum of squares by this many long-run variances: chance does so in about
-/// one of 500 runs.
-const BENDING_EVIDENCE: f64 = 12.0;
 /// Rates in the coarse look.
 const GRID: usize = 16;
 /// Part of the sum of squares at which the search settles.
@@ -62,21 +60,23 @@ impl Rate<'_> {
     }
 }
 
-impl Landscape for Rate<'_> {
-    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
-        (vec![0.0], vec![self.high])
+impl Problem for Rate<'_> {
+    fn bounds(&self) -> Bounds {
+        Bounds::even(1, 0.0, self.high)
     }
 
-    fn square(&self, at: &[f64]) -> f64 {
-        self.strain.projected_square(self.rate_per_s(at[0]))
-    }
-
-    fn local(&self, at: &[f64]) -> Local {
+    fn local(&self, at: &[f64], _: f64) -> Local {
         let mut local = self.strain.projected(self.rate_per_s(at[0]), self.unit_s);
         let stretch = at[0].exp();
         local.descent[0] *= stretch;
         local.normal.set(0, 0, local.normal.get(0, 0) * stretch * stretch);
         local
+    }
+}
+
+impl Landscape for Rate<'_> {
+    fn square(&self, at: &[f64]) -> f64 {
+        self.strain.projected_square(self.rate_per_s(at[0]))
     }
 
     /// The best of no relaxation and rates spread over the record.
@@ -123,7 +123,7 @@ pub(super) fn identify(drive: &Drive, electrical: &Electrical, sampled: &Sampled
     let rate_per_s = landscape.rate_per_s(found.at[0]);
     let (x, _) = short.solve(&short.gram(rate_per_s));
     let residuals = residuals(&full, rate_per_s, &x);
-    let evident = response_is_evident(&full, &residuals);
+    let evident = residuals.show_response(sampled, full.with_offset);
     Bending {
         coupling_per_c_cm: x[0],
         rate_per_s,
@@ -144,18 +144,6 @@ fn residuals(full: &Strain, rate_per_s: f64, x: &[f64; CAPACITY]) -> Residuals {
         fitted.extend(columns[0][..block.len].iter().map(|h| x[0] * h + offset));
     });
     Residuals::new(full.sampled, fitted, if full.with_offset { 3 } else { 2 })
-}
-
-fn response_is_evident(full: &Strain, residuals: &Residuals) -> bool {
-    let values = &full.sampled.values;
-    let mean = if full.with_offset {
-        sums::sum(values) / values.len() as f64
-    } else {
-        0.0
-    };
-    let without = sums::square_about(values, mean);
-    let peak = sums::peak(values);
-    without - residuals.square > BENDING_EVIDENCE * residuals.long_run_variance(peak)
 }
 
 /// Covariance of [alpha, lambda]: noise of the curvature, plus what the uncertainty of the electrical
@@ -180,64 +168,26 @@ fn covariance(
         sums.add(block.len, columns, &scales)
     });
     let own = sums.covariance(residuals);
-    let moves = moved_by_circuit(drive, electrical, short, rate_per_s, x, &scales);
-    Symmetric::from_fn(2, |row, column| {
-        own.get(row, column) + electrical.covariance.form(&moves[row], &moves[column])
-    })
-}
-
-/// How far alpha and lambda move per unit of each electrical parameter: rows alpha and lambda.
-///
-/// The fit answers a change of the strain by `-(J'J)^-1 J' (change of the curvature)`; the change is taken as
-/// a difference over the nodes that stand for the readings.
-fn moved_by_circuit(
-    drive: &Drive,
-    electrical: &Electrical,
-    short: &Strain,
-    rate_per_s: f64,
-    x: &[f64; CAPACITY],
-    scales: &[f64; CAPACITY],
-) -> [[f64; CAPACITY]; 2] {
-    const STEP: f64 = 1e-5;
     let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); if short.with_offset { 3 } else { 2 }];
     short.each_block(rate_per_s, |block, columns, _| {
         for (k, column) in columns.iter().enumerate() {
             jacobian[k].extend(column[..block.len].iter().map(|value| scales[k] * value));
         }
     });
-    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let normal = Symmetric::from_fn(jacobian.len(), |a, b| inner(&jacobian[a], &jacobian[b]));
-    let inverse = normal.floored_inverse(1e-13);
-    let mut moves = [[0.0; CAPACITY]; 2];
-    for parameter in 0..electrical.covariance.order() {
-        let mut by = [0.0; CAPACITY];
-        let is_steady = parameter == electrical.conductances_a_per_v.len();
-        by[parameter] = if is_steady {
-            STEP * electrical.steady_a_per_v.max(electrical.conductances_a_per_v[0])
-        } else {
-            STEP
-        };
-        let responses = electrical.moved(&by).model(1.0, 0.0).segment_responses(drive);
+    let base: Vec<f64> = jacobian[0].iter().map(|strain| x[0] * strain).collect();
+    let moves = moved_by_circuit(electrical, &jacobian, &base, |circuit| {
         let moved = Strain {
-            responses: &responses,
+            responses: &circuit.model(1.0, 0.0).segment_responses(drive),
             charged: None,
             ..*short
         };
-        let mut change = Vec::with_capacity(jacobian[0].len());
+        let mut bent = Vec::with_capacity(base.len());
         moved.each_block(rate_per_s, |block, columns, _| {
-            change.extend(columns[0][..block.len].iter().map(|value| x[0] * value));
+            bent.extend(columns[0][..block.len].iter().map(|strain| x[0] * strain));
         });
-        for (value, base) in change.iter_mut().zip(&jacobian[0]) {
-            *value = (*value - x[0] * base) / by[parameter];
-        }
-        let mut projected = [0.0; CAPACITY];
-        for (out, column) in projected.iter_mut().zip(&jacobian) {
-            *out = inner(column, &change);
-        }
-        let answer = inverse.times(&projected);
-        for row in 0..2 {
-            moves[row][parameter] = -answer[row];
-        }
-    }
-    moves
+        bent
+    });
+    Symmetric::from_fn(2, |row, column| {
+        own.get(row, column) + electrical.covariance.form(&moves[row], &moves[column])
+    })
 }

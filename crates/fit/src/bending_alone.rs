@@ -4,10 +4,10 @@
 
 use ieap_domain::{Drive, Estimate, Fit, Issue, Level, Parameter, Quantity};
 use ieap_model::{Branch, LumpedModel};
+use ieap_numerics::least_squares::Minimum;
 
 use super::electrical::{BRANCH_DOUBT, BRANCH_EVIDENCE};
 use super::joint::branch_evidence::{Branches, Evidence};
-use super::joint::dense::Bottom;
 use super::joint::feature::Feature;
 use super::joint::minimum::{excess, minimum};
 use super::joint::problem::{JointProblem, Layout};
@@ -17,6 +17,7 @@ use super::joint::start::Start;
 use super::joint_estimates::{choice_in_words, judged_estimate};
 use super::outcome::{judged_response, not_converged, parameter_issues};
 use super::sampled::Sampled;
+use crate::interval_rule;
 use crate::options::{FitInput, FitOptions};
 
 /// Branches that bending alone is asked for: with the relaxation a third one makes four rates, which no record tells.
@@ -31,7 +32,6 @@ const PER_VOLT: [&str; MOST_BRANCHES] = ["curvature1_per_cm_v", "curvature2_per_
 const PER_VOLT_TOTAL: &str = "curvature_total_per_cm_v";
 
 const NO_CHARGE: &str = "the bending alone does not tell how much charge flows: it needs the current, and";
-const FLAT: &str = "the curvature does not differ from its noise";
 
 /// Fits the curvature alone; `why` says what is wrong with the current. None where the drive moves nothing.
 pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why: &str) -> Option<Fit> {
@@ -175,24 +175,24 @@ fn starts(run: &RunReadings, per_volt: f64, branches: usize) -> Vec<Start> {
 }
 
 /// How far the sum of squares falls below that of a strip that does not bend, in variances of what is left.
-fn gain_over_nothing((problem, bottom): &(JointProblem, Bottom)) -> f64 {
+fn gain_over_nothing((problem, bottom): &(JointProblem, Minimum)) -> f64 {
     let mut local = problem.local(0, &bottom.at);
     local[problem.layout.coupling()] = 0.0;
     let mut out = Vec::new();
     problem.runs[0].condensed(&problem.model(&local), problem.offsets(&local), &mut out);
     let without: f64 = out.iter().map(|r| r * r).sum();
-    (without - bottom.slope.square) / excess(problem, bottom).powi(2)
+    (without - bottom.local.square) / excess(problem, bottom).powi(2)
 }
 
 /// The fit with all branches, or with one where the others describe nothing beyond noise; and how that was weighed.
 fn weighed<'a>(
     run: &RunReadings<'a>,
-    one: (JointProblem<'a>, Bottom),
+    one: (JointProblem<'a>, Minimum),
     starts: &[Start],
-) -> Option<((JointProblem<'a>, Bottom), Option<Evidence>)> {
+) -> Option<((JointProblem<'a>, Minimum), Option<Evidence>)> {
     let two = minimum(run, starts)?;
     let effective_readings = run.curvature.as_ref()?.effective_readings();
-    let gain = ((one.1.slope.square - two.1.slope.square) / excess(&two.0, &two.1).powi(2)).max(0.0);
+    let gain = ((one.1.local.square - two.1.local.square) / excess(&two.0, &two.1).powi(2)).max(0.0);
     let branches = match gain {
         gain if gain > BRANCH_EVIDENCE => Branches::All,
         gain if gain > BRANCH_DOUBT => Branches::Doubtful,
@@ -215,8 +215,8 @@ fn weighed<'a>(
 /// bending does not tell. At an open circuit it does, so that what comes out must describe the readings as well.
 fn with_slowest_relaxing<'a>(
     run: &RunReadings<'a>,
-    found: (JointProblem<'a>, Bottom),
-) -> (JointProblem<'a>, Bottom) {
+    found: (JointProblem<'a>, Minimum),
+) -> (JointProblem<'a>, Minimum) {
     let (problem, bottom) = &found;
     let local = problem.local(0, &bottom.at);
     let exchanged = exchanged(problem.layout, &local).and_then(|exchanged| {
@@ -227,12 +227,12 @@ fn with_slowest_relaxing<'a>(
         minimum(run, &[start])
     });
     match exchanged {
-        Some(other) if other.1.slope.square < bottom.slope.square + SAME && is_slowest(&other) => other,
+        Some(other) if other.1.local.square < bottom.local.square + SAME && is_slowest(&other) => other,
         _ => found,
     }
 }
 
-fn is_slowest((problem, bottom): &(JointProblem, Bottom)) -> bool {
+fn is_slowest((problem, bottom): &(JointProblem, Minimum)) -> bool {
     let model = problem.model(&problem.local(0, &bottom.at));
     model
         .branches
@@ -310,7 +310,7 @@ impl Known<'_> {
 
     fn estimate(&self, feature: Feature, drive: &Drive) -> Estimate {
         if self.is_flat {
-            return Estimate::not_determined(FLAT);
+            return Estimate::not_determined(interval_rule::FLAT);
         }
         match feature.branch() {
             Some(k) if k >= MOST_BRANCHES => {

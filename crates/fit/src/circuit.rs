@@ -5,10 +5,10 @@
 
 use ieap_domain::{Drive, Level};
 use ieap_numerics::decay::{BLOCK, Block, Column, Decay};
-use ieap_numerics::gram::Gram;
-use ieap_numerics::levenberg::Local;
+use ieap_numerics::gram::{CAPACITY, Gram};
+use ieap_numerics::least_squares::Local;
 use ieap_numerics::nonnegative::nonnegative_least_squares;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::{Remainder, Sampled};
 
@@ -161,8 +161,8 @@ impl Circuit<'_> {
         let residual = gram.matrix.times(&x);
         let active: Vec<usize> = (0..=n).filter(|&k| x[k] > 0.0).collect();
         let factor = gram.matrix.part(&active).cholesky(0.0);
-        let mut descent = [0.0; CAPACITY];
-        let mut solved = [[0.0; CAPACITY]; CAPACITY];
+        let mut descent = vec![0.0; n];
+        let mut solved = vec![vec![0.0; active.len()]; n];
         for k in 0..n {
             descent[k] = x[k] * (gram.right[n + 1 + k] - residual[n + 1 + k]);
             let coupling: Vec<f64> = active.iter().map(|&a| gram.matrix.get(a, n + 1 + k)).collect();
@@ -222,7 +222,19 @@ mod tests {
     use super::*;
     use ieap_domain::{Channel, Quantity, Segment};
     use ieap_model::{Branch, LumpedModel};
-    use ieap_numerics::levenberg::minimise;
+    use ieap_numerics::least_squares::{Bounds, Levenberg, Problem};
+
+    struct OneBranch<'a>(&'a Circuit<'a>);
+
+    impl Problem for OneBranch<'_> {
+        fn bounds(&self) -> Bounds {
+            Bounds::even(1, -5.0, 10.0)
+        }
+
+        fn local(&self, at: &[f64], _: f64) -> Local {
+            self.0.projected(at)
+        }
+    }
 
     fn drive() -> Drive {
         let segment = |start_s, level_v| Segment {
@@ -271,12 +283,9 @@ mod tests {
             assert!((built - current_a[k]).abs() < 1e-15_f64, "{k}");
             assert!((slope[k] - (above[k] - below[k]) / 2e-5).abs() < 1e-8, "{k}");
         }
-        let start = [12.0_f64.ln()];
-        let found = minimise(&start, &[-5.0], &[10.0], 60, 1e-10, 0.0, |at| {
-            circuit.projected(at)
-        });
+        let found = Levenberg::by_region(60, 1e-10, 0.0).search(&OneBranch(&circuit), &[12.0_f64.ln()]);
         assert!((found.at[0] - log_tau).abs() < 1e-8, "{found:?}");
-        let solution = circuit.solve(&found.at[..1]);
+        let solution = circuit.solve(&found.at);
         assert!((solution.conductances_a_per_v[0] / (0.2 / 300.0) - 1.0).abs() < 1e-8);
     }
 }

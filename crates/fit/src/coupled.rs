@@ -3,8 +3,7 @@
 
 use ieap_domain::{Drive, Level};
 use ieap_model::{Branch, LumpedModel};
-use ieap_numerics::levenberg::{Local, Stop, minimise};
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem, Stop};
 
 use super::circuit::Solution;
 use super::sampled::Sampled;
@@ -48,6 +47,7 @@ struct Current<'a> {
     sampled: &'a Sampled,
     branches: usize,
     unit_a_per_v: f64,
+    bounds: Bounds,
 }
 
 impl Current<'_> {
@@ -78,27 +78,19 @@ impl Current<'_> {
         };
         (0..2 * self.branches + 1).map(column).collect()
     }
+}
 
-    fn local(&self, place: &[f64]) -> Local {
+impl Problem for Current<'_> {
+    fn bounds(&self) -> Bounds {
+        self.bounds.clone()
+    }
+
+    fn local(&self, place: &[f64], _: f64) -> Local {
         let here = self.at(place);
         let jacobian = self.jacobian(place, &here);
-        let residuals: Vec<f64> = self
-            .sampled
-            .values
-            .iter()
-            .zip(&here)
-            .map(|(y, f)| y - f)
-            .collect();
-        let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut descent = [0.0; CAPACITY];
-        for (out, column) in descent.iter_mut().zip(&jacobian) {
-            *out = inner(column, &residuals);
-        }
-        Local {
-            square: inner(&residuals, &residuals),
-            descent,
-            normal: Symmetric::from_fn(jacobian.len(), |a, b| inner(&jacobian[a], &jacobian[b])),
-        }
+        let pairs = self.sampled.values.iter().zip(&here);
+        let residuals: Vec<f64> = pairs.map(|(y, f)| y - f).collect();
+        Local::of(&residuals, &jacobian)
     }
 }
 
@@ -107,28 +99,24 @@ impl Current<'_> {
 pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64, high: f64) -> Refined {
     let n = from.log_time_constants.len();
     let unit_a_per_v: f64 = from.conductances_a_per_v.iter().sum();
-    let current = Current {
-        drive,
-        sampled,
-        branches: n,
-        unit_a_per_v,
-    };
     // A branch that was given no current starts small, so that the search may still raise it.
     let logs = |k: usize| from.conductances_a_per_v[k].max(1e-3 * unit_a_per_v).ln();
     let mut start: Vec<f64> = (0..n).map(logs).collect();
     start.push(from.conductances_a_per_v[n] / unit_a_per_v);
     start.extend(&from.log_time_constants);
-    let mut lowest = vec![unit_a_per_v.ln() - 20.0; n];
-    lowest.push(0.0);
-    lowest.extend(vec![low; n]);
-    let mut highest = vec![unit_a_per_v.ln() + 10.0; n];
-    highest.push(1e3);
-    highest.extend(vec![high; n]);
+    let mut bounds = Bounds::even(n, unit_a_per_v.ln() - 20.0, unit_a_per_v.ln() + 10.0);
+    bounds.push(0.0, 1e3);
+    (0..n).for_each(|_| bounds.push(low, high));
+    let current = Current {
+        drive,
+        sampled,
+        branches: n,
+        unit_a_per_v,
+        bounds,
+    };
     let rounding = 4.0 * f64::EPSILON * sampled.square();
-    let found = minimise(&start, &lowest, &highest, LIMIT, 1e-10, rounding, |place| {
-        current.local(place)
-    });
-    let place = &found.at[..2 * n + 1];
+    let found = Levenberg::by_region(LIMIT, 1e-10, rounding).search(&current, &start);
+    let place = &found.at;
     let fitted = current.at(place);
     let mut jacobian = current.jacobian(place, &fitted);
     jacobian[n].iter_mut().for_each(|value| *value /= unit_a_per_v);

@@ -6,9 +6,10 @@ use ieap_domain::{Drive, Level};
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::column_memory::LongColumn;
 use ieap_numerics::correlation::Autoregression;
-use ieap_numerics::levenberg::Stop;
+use ieap_numerics::gram::CAPACITY;
+use ieap_numerics::least_squares::Stop;
 use ieap_numerics::sums;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::symmetric::Symmetric;
 
 use super::circuit::{Circuit, Solution};
 use super::coupled::{is_coupled, refine};

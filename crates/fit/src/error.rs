@@ -50,6 +50,17 @@ pub enum FitError {
         /// Model id.
         found: &'static str,
     },
+    /// A model that no effect extends, where one is to be extended.
+    #[error(
+        "{found} cannot be diagnosed: a diagnosis extends a lumped model by the effects that it may be missing, {known}. \
+         Which of several models describes the runs, `ieap compare` answers."
+    )]
+    NotExtended {
+        /// Model id.
+        found: &'static str,
+        /// Ids of the models that a diagnosis extends, with commas.
+        known: String,
+    },
     /// No current, so that the charge that bends the strip is not known.
     #[error("the run has no current to fit, so that the charge that bends the strip is not known")]
     NoCharge,

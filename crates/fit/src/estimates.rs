@@ -2,15 +2,12 @@
 //! reasons where they do not.
 
 use ieap_domain::{Drive, Estimate, Level};
-use ieap_numerics::symmetric::CAPACITY;
+use ieap_numerics::gram::CAPACITY;
 
 use super::bending::Bending;
 use super::electrical::{Bound, Electrical};
 use super::joint::feature::Feature;
-
-/// A positive parameter whose 95 % interval spans more than this factor to either side is not determined:
-/// linear error propagation means nothing there.
-const WIDEST_FACTOR: f64 = 5.0;
+use crate::interval_rule;
 
 /// Estimates of the electrical parameters.
 pub(super) fn electrical_estimate(
@@ -179,20 +176,14 @@ fn derived(
 fn logarithmic(part: Feature, value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
     let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
     let half = electrical.residuals.quantile * relative;
-    if !(value.is_finite() && value > 0.0 && half <= WIDEST_FACTOR.ln()) {
-        return Estimate::not_determined(
-            "the current does not separate it from the other electrical parameters: \
-             its 95 % interval would span more than a factor of five to either side",
-        );
-    }
     let ends = electrical.ends.iter().find(|ends| ends.feature == part);
-    let (low, high) = ends.map_or((1.0, 1.0), |ends| (ends.low, ends.high));
-    Estimate::determined(
-        value,
-        value * relative,
-        value * (-low * half).exp(),
-        value * (high * half).exp(),
-    )
+    let parts = ends.map_or([1.0, 1.0], |ends| [ends.low, ends.high]);
+    interval_rule::positive(value, relative, half, parts).unwrap_or_else(|| {
+        Estimate::not_determined(format!(
+            "the current does not separate it from the other electrical parameters: {}",
+            interval_rule::TOO_WIDE
+        ))
+    })
 }
 
 /// R_ss from its conductance, in which the current is linear: where the interval of the conductance reaches
@@ -206,7 +197,7 @@ fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
         return Estimate::not_determined(if held {
             "no current was read while a voltage was held"
         } else {
-            "no voltage other than zero was held, so no steady current could flow"
+            interval_rule::NO_HELD_VOLTAGE
         });
     }
     let index = electrical.conductances_a_per_v.len();
@@ -224,17 +215,14 @@ fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
             "a branch that hardly decays within the record carries a part of the lasting current, and the two cannot be told apart",
         );
     }
-    if low <= electrical.steady_a_per_v / 10.0 {
-        let mut estimate = Estimate::above(area / high, "the steady current cannot be told from zero");
-        estimate.at_bound = electrical.steady_a_per_v == 0.0;
-        return estimate;
-    }
-    let value = area / electrical.steady_a_per_v;
-    Estimate::determined(
-        value,
-        value * error / electrical.steady_a_per_v,
-        area / high,
-        area / low,
+    let conductance = electrical.steady_a_per_v;
+    interval_rule::resistance(
+        area,
+        conductance,
+        error,
+        low,
+        high,
+        interval_rule::NO_STEADY_CURRENT,
     )
 }
 
@@ -251,9 +239,7 @@ pub(super) fn bending_estimate(feature: Feature, bending: Result<&Bending, &str>
     };
     if !bending.evident {
         // A coupling near zero leaves the rate open, and its own size depends on that rate.
-        return Some(Estimate::not_determined(
-            "the curvature does not differ from its noise",
-        ));
+        return Some(Estimate::not_determined(interval_rule::FLAT));
     }
     let error = bending.covariance.get(index, index).max(0.0).sqrt();
     let half = bending.residuals.quantile * error;
@@ -265,11 +251,10 @@ pub(super) fn bending_estimate(feature: Feature, bending: Result<&Bending, &str>
 }
 
 fn coupling(bending: &Bending, error: f64, half: f64) -> Estimate {
-    let value = bending.coupling_per_c_cm;
-    if coupling_is_open(bending) {
-        return Estimate::not_determined(OPEN_COUPLING);
-    }
-    Estimate::determined(value, error, value - half, value + half)
+    let stated = interval_rule::signed(bending.coupling_per_c_cm, error, half);
+    stated
+        .filter(|_| !bending.at_upper_bound)
+        .unwrap_or_else(|| Estimate::not_determined(OPEN_COUPLING))
 }
 
 const OPEN_COUPLING: &str = "coupling and rate cannot be told apart, or the charge is not known well enough: \
@@ -293,13 +278,5 @@ fn rate(bending: &Bending, error: f64, half: f64) -> Estimate {
     if coupling_is_open(bending) || !half.is_finite() {
         return Estimate::not_determined(OPEN_COUPLING);
     }
-    if value - half <= 0.0 {
-        let mut estimate = Estimate::below(
-            value + half,
-            "relaxation is too slow for this record: the rate cannot be told from zero",
-        );
-        estimate.at_bound = value == 0.0;
-        return estimate;
-    }
-    Estimate::determined(value, error, value - half, value + half)
+    interval_rule::from_zero(value, error, value - half, value + half, interval_rule::TOO_SLOW)
 }

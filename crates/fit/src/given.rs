@@ -3,7 +3,7 @@
 
 use ieap_domain::{Channel, Drive, Fit, Parameter, Quantity};
 use ieap_model::{FitModel, LumpedModel};
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::joint::feature::Feature;
 use super::joint::problem::Layout;
@@ -24,7 +24,7 @@ pub struct BaseKnowledge {
     /// Values of the local parameters.
     pub local: Vec<f64>,
     /// Their covariance.
-    pub covariance: Dense,
+    pub covariance: Symmetric,
     /// Half width of a 95 % interval in standard errors.
     pub quantile: f64,
 }

@@ -7,8 +7,8 @@ mod search;
 use ieap_domain::{Fit, Issue, Parameter};
 use ieap_model::{FitModel, ParameterDescription};
 use ieap_numerics::chance::chi_square_chance;
+use ieap_numerics::least_squares::{Local, Minimum};
 
-use super::joint::dense::{Bottom, Slope};
 use super::joint::feature::Feature;
 use super::joint::minimum::excess;
 use super::joint::problem::{JointProblem, Layout, Over};
@@ -113,14 +113,14 @@ fn weigh_sharing(problem: &JointProblem, starts: &[Start], judged: &mut JudgedGr
     let (mut square, mut parameters, mut misfit) = (0.0, 0, 1.0_f64);
     for (run, start) in problem.runs.iter().zip(starts) {
         let (own, bottom, evaluations) = search(vec![run.clone()], std::slice::from_ref(start), &[]);
-        square += bottom.slope.square;
-        parameters += own.low.len();
+        square += bottom.local.square;
+        parameters += own.bounds.count();
         judged.evaluations += evaluations;
-        let slope = Slope {
+        let local = Local {
             square: own.square(&bottom.at, Over::Condensed),
-            ..bottom.slope.clone()
+            ..bottom.local.clone()
         };
-        misfit = misfit.max(excess(&own, &Bottom { slope, ..bottom }).powi(2));
+        misfit = misfit.max(excess(&own, &Minimum { local, ..bottom }).powi(2));
     }
     let shared = problem.square(&judged.bottom.at, Over::Whole);
     let parameters_saved = parameters.saturating_sub(judged.bottom.at.len());

@@ -9,9 +9,7 @@ use super::joint::branch_evidence::{Branches, Evidence};
 use super::joint::feature::Feature;
 use super::joint::profile::Interval;
 use super::joint::single::Judged;
-
-/// A positive parameter whose 95 % interval spans more than this factor to either side has no value.
-const WIDEST_FACTOR: f64 = 5.0;
+use crate::interval_rule;
 
 /// The estimate that an interval stands for. `partner` names what the feature trades off against.
 pub(super) fn estimate(
@@ -44,13 +42,12 @@ fn trade_off(partner: Option<(Feature, f64)>) -> String {
 }
 
 fn logarithm(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
-    let widest = WIDEST_FACTOR.ln();
-    let within = |end: Option<f64>| end.filter(|end| (end - interval.value).abs() <= widest);
+    let narrow = |end: &f64| interval_rule::is_narrow_enough((end - interval.value).abs());
+    let within = |end: Option<f64>| end.filter(narrow);
     let value = interval.value.exp();
     match (within(interval.low), within(interval.high)) {
         (Some(low), Some(high)) => {
-            // Half of the interval in 95 % units: what a table may print as the standard error.
-            let relative = (interval.standard_error).min((high - low) / (2.0 * NORMAL_95_ROUNDED));
+            let relative = as_printed(interval, low, high);
             Estimate::determined(
                 value,
                 value * relative,
@@ -58,56 +55,35 @@ fn logarithm(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
                 high.exp().max(value),
             )
         }
-        (Some(low), None) => Estimate::above(
-            low.exp(),
-            format!("the data set it no upper limit{}", trade_off(partner)),
-        ),
-        (None, Some(high)) => Estimate::below(
-            high.exp(),
-            format!("the data set it no lower limit{}", trade_off(partner)),
-        ),
-        (None, None) => Estimate::not_determined(format!(
-            "its 95 % interval would span more than a factor of five to either side{}",
-            trade_off(partner)
-        )),
+        (Some(low), None) => open_above(low.exp(), partner),
+        (None, Some(high)) => open_below(high.exp(), partner),
+        (None, None) => open(interval_rule::TOO_WIDE, partner),
     }
 }
 
 fn steady(interval: &Interval, drive: &Drive, partner: Option<(Feature, f64)>) -> Estimate {
     let held = |level: Level| matches!(level, Level::Voltage(v) if v != 0.0);
     if drive.baseline_v == 0.0 && !drive.segments.iter().any(|segment| held(segment.level)) {
-        return Estimate::not_determined(
-            "no voltage other than zero was held, so no steady current could flow",
-        );
+        return Estimate::not_determined(interval_rule::NO_HELD_VOLTAGE);
     }
     let Some(high) = interval.high.filter(|high| *high > 0.0) else {
-        return Estimate::not_determined(format!(
-            "the current leaves the steady part open{}",
-            trade_off(partner)
-        ));
+        return open("the current leaves the steady part open", partner);
     };
-    let low = interval.low.unwrap_or(0.0);
-    if low <= interval.value / 10.0 {
-        let reason = format!(
-            "the steady current cannot be told from zero{}",
-            trade_off(partner)
-        );
-        let mut estimate = Estimate::above(high.recip(), reason);
-        estimate.at_bound = interval.value <= 0.0;
-        return estimate;
-    }
-    let value = interval.value.recip();
-    let error = value * interval.standard_error / interval.value;
-    Estimate::determined(value, error, high.recip().min(value), low.recip().max(value))
+    interval_rule::resistance(
+        1.0,
+        interval.value,
+        interval.standard_error,
+        interval.low.unwrap_or(0.0),
+        high,
+        format!("{}{}", interval_rule::NO_STEADY_CURRENT, trade_off(partner)),
+    )
 }
 
 fn coupling(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     let away = |end: f64| end * interval.value > 0.0;
     match (interval.low, interval.high) {
         (Some(low), Some(high)) if away(low) && away(high) => {
-            let error = interval
-                .standard_error
-                .min((high - low) / (2.0 * NORMAL_95_ROUNDED));
+            let error = as_printed(interval, low, high);
             Estimate::determined(
                 interval.value,
                 error,
@@ -115,49 +91,55 @@ fn coupling(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
                 high.max(interval.value),
             )
         }
-        (Some(low), None) if low > 0.0 => Estimate::above(
-            low,
-            format!("the data set it no upper limit{}", trade_off(partner)),
+        (Some(low), None) if low > 0.0 => open_above(low, partner),
+        (None, Some(high)) if high < 0.0 => open_below(high, partner),
+        _ => open(
+            "the 95 % interval of the coupling would contain zero or have no end",
+            partner,
         ),
-        (None, Some(high)) if high < 0.0 => Estimate::below(
-            high,
-            format!("the data set it no lower limit{}", trade_off(partner)),
-        ),
-        _ => Estimate::not_determined(format!(
-            "the 95 % interval of the coupling would contain zero or have no end{}",
-            trade_off(partner)
-        )),
     }
 }
 
 fn rate(interval: &Interval, partner: Option<(Feature, f64)>) -> Estimate {
     let low = interval.low.filter(|low| *low > 0.0);
+    let value = interval.value;
     match (low, interval.high) {
         (Some(low), Some(high)) => {
-            let error = interval
-                .standard_error
-                .min((high - low) / (2.0 * NORMAL_95_ROUNDED));
-            Estimate::determined(
-                interval.value,
-                error,
-                low.min(interval.value),
-                high.max(interval.value),
-            )
+            let error = as_printed(interval, low, high);
+            Estimate::determined(value, error, low.min(value), high.max(value))
         }
         (None, Some(high)) => {
-            let reason = format!(
-                "relaxation is too slow for this record: the rate cannot be told from zero{}",
-                trade_off(partner)
-            );
-            let mut estimate = Estimate::below(high, reason);
-            estimate.at_bound = interval.value <= 0.0;
-            estimate
+            let reason = format!("{}{}", interval_rule::TOO_SLOW, trade_off(partner));
+            interval_rule::from_zero(value, interval.standard_error, 0.0, high, reason)
         }
         (Some(low), None) => Estimate::above(low, "relaxation is faster than the readings tell".to_owned()),
-        (None, None) => {
-            Estimate::not_determined(format!("the data leave the rate open{}", trade_off(partner)))
-        }
+        (None, None) => open("the data leave the rate open", partner),
     }
+}
+
+/// Half of the interval in 95 % units: what a table may print as the standard error.
+fn as_printed(interval: &Interval, low: f64, high: f64) -> f64 {
+    interval
+        .standard_error
+        .min((high - low) / (2.0 * NORMAL_95_ROUNDED))
+}
+
+fn open(why: &str, partner: Option<(Feature, f64)>) -> Estimate {
+    Estimate::not_determined(format!("{why}{}", trade_off(partner)))
+}
+
+fn open_above(low: f64, partner: Option<(Feature, f64)>) -> Estimate {
+    Estimate::above(
+        low,
+        format!("the data set it no upper limit{}", trade_off(partner)),
+    )
+}
+
+fn open_below(high: f64, partner: Option<(Feature, f64)>) -> Estimate {
+    Estimate::below(
+        high,
+        format!("the data set it no lower limit{}", trade_off(partner)),
+    )
 }
 
 /// The estimate of a judged run; none where it was not judged.

@@ -6,6 +6,7 @@
 
 mod bending;
 mod bending_alone;
+mod carried;
 mod circuit;
 mod coupled;
 mod described;
@@ -16,6 +17,7 @@ mod estimates;
 mod given;
 mod group;
 pub mod impedance;
+mod interval_rule;
 mod joint;
 mod joint_estimates;
 mod law;

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use ieap_domain::{ChannelNoise, Drive, Estimate, Fit, Parameter, Quantity, RunCurve};
 use ieap_model::FitModel;
-use ieap_numerics::levenberg::Stop;
+use ieap_numerics::least_squares::Stop;
 
 use super::estimates::{bending_estimate, electrical_estimate};
 use super::group::Found;

@@ -1,9 +1,9 @@
 //! Whether the covariance tells the 95 % intervals, or how far the sum of squares bends away from its parabola.
 
 use ieap_domain::Drive;
-use ieap_numerics::gram::Gram;
-use ieap_numerics::levenberg::Local;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::gram::{CAPACITY, Gram};
+use ieap_numerics::least_squares::Local;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::bending::Bending;
 use super::circuit::Circuit;
@@ -83,11 +83,7 @@ impl<'a> Bowl<'a> {
             drive,
             compressed: sampled.compressed(),
             branches: electrical.conductances_a_per_v.len(),
-            there: Local {
-                square: 0.0,
-                descent: [0.0; CAPACITY],
-                normal: Symmetric::zero(bottom.len()),
-            },
+            there: Local::zero(bottom.len()),
             inverse: Symmetric::zero(bottom.len()),
             bottom,
         };
@@ -127,7 +123,7 @@ impl<'a> Bowl<'a> {
         });
         Local {
             square: gram.square,
-            descent: std::array::from_fn(|k| scales[k] * gram.right[k]),
+            descent: (0..at.len()).map(|k| scales[k] * gram.right[k]).collect(),
             normal: Symmetric::from_fn(at.len(), |row, column| {
                 scales[row] * scales[column] * gram.matrix.get(row, column)
             }),

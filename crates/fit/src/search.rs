@@ -1,9 +1,9 @@
 //! Where the time constants lie: a coarse look at every pair, then descent from the best few places.
 
 use ieap_numerics::global::{Effort, Landscape, Method, methods};
-use ieap_numerics::levenberg::{Local, Minimum, Stop};
+use ieap_numerics::gram::CAPACITY;
+use ieap_numerics::least_squares::{Bounds, Local, Minimum, Problem, Stop};
 use ieap_numerics::sums;
-use ieap_numerics::symmetric::CAPACITY;
 
 use super::circuit::{Circuit, Solution};
 use super::sampled::Sampled;
@@ -51,20 +51,19 @@ struct TimeConstants<'a> {
     look: &'a CoarseLook,
 }
 
-impl Landscape for TimeConstants<'_> {
-    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
-        (
-            vec![self.look.limits.low; self.branches],
-            vec![self.look.limits.high; self.branches],
-        )
+impl Problem for TimeConstants<'_> {
+    fn bounds(&self) -> Bounds {
+        Bounds::even(self.branches, self.look.limits.low, self.look.limits.high)
     }
 
+    fn local(&self, at: &[f64], _: f64) -> Local {
+        self.circuit.projected(at)
+    }
+}
+
+impl Landscape for TimeConstants<'_> {
     fn square(&self, at: &[f64]) -> f64 {
         self.circuit.projected_square(at)
-    }
-
-    fn local(&self, at: &[f64]) -> Local {
-        self.circuit.projected(at)
     }
 
     fn starts(&self) -> Vec<Vec<f64>> {
@@ -124,7 +123,7 @@ pub(super) fn search(
     };
     let found = how.minimise(&landscape, settle);
     Found {
-        solution: circuit.solve(&found.at[..branches]),
+        solution: circuit.solve(&found.at),
         stop: found.stop,
         evaluations: found.evaluations,
     }
@@ -330,7 +329,7 @@ mod tests {
     use super::*;
     use ieap_domain::{Channel, Drive, Level, Quantity, Segment};
     use ieap_model::{Branch, LumpedModel};
-    use ieap_numerics::levenberg::{Stopping, search as descend};
+    use ieap_numerics::least_squares::Levenberg;
 
     /// A drive of three levels with a break in the sampling, noise included.
     fn measured(drive: &Drive, uneven: bool) -> Channel {
@@ -381,18 +380,21 @@ mod tests {
                 sampled,
                 with_offset: false,
             };
-            let stopping = Stopping {
-                limit: 200,
-                settle: 0.0,
-                resolution: 4.0 * f64::EPSILON * sampled.square(),
+            let method = Levenberg {
                 smallest_move: 0.0,
-                first_radius: f64::INFINITY,
+                ..Levenberg::by_region(200, 0.0, 4.0 * f64::EPSILON * sampled.square())
+            };
+            let limits = Limits {
+                low: -5.0,
+                high: 12.0,
             };
             let bottom = |circuit: Circuit| {
-                let start = [30.0_f64.ln(), 500.0_f64.ln()];
-                descend(&start, &[-5.0; 2], &[12.0; 2], stopping, |at| {
-                    circuit.projected(at)
-                })
+                let problem = TimeConstants {
+                    circuit: &circuit,
+                    branches: 2,
+                    look: &CoarseLook::new(&circuit, limits),
+                };
+                method.search(&problem, &[30.0_f64.ln(), 500.0_f64.ln()])
             };
             let (all, nodes) = (bottom(circuit(&sampled)), bottom(circuit(&compressed)));
             // Only noise times what a polynomial leaves of a response is lost: Cauchy and Schwarz bound it.

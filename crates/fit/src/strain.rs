@@ -4,9 +4,9 @@
 use ieap_model::lumped::SegmentResponse;
 use ieap_model::relaxation::spring_response;
 use ieap_numerics::decay::{BLOCK, Block, Column, Decay};
-use ieap_numerics::gram::Gram;
-use ieap_numerics::levenberg::Local;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::gram::{CAPACITY, Gram};
+use ieap_numerics::least_squares::Local;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::{Remainder, Sampled};
 
@@ -220,11 +220,9 @@ impl Strain<'_> {
             coupling.iter().zip(solved).map(|(a, b)| a * b).sum()
         });
         let scale = x[0] / unit_s;
-        let mut descent = [0.0; CAPACITY];
-        descent[0] = scale * (gram.right[1] - residual[1]);
         Local {
             square,
-            descent,
+            descent: vec![scale * (gram.right[1] - residual[1])],
             normal: Symmetric::from_fn(1, |_, _| {
                 scale * scale * (gram.matrix.get(1, 1) - explained).max(0.0)
             }),

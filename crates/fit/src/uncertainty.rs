@@ -3,15 +3,18 @@
 use ieap_numerics::column_memory::LongColumn;
 use ieap_numerics::correlation::{Autoregression, HigherOrder, slow_excess};
 use ieap_numerics::decay::{BLOCK, Column};
-use ieap_numerics::gram::{Gram, dot};
+use ieap_numerics::gram::{CAPACITY, Gram, dot};
 use ieap_numerics::student::quantile_95;
 use ieap_numerics::sums;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::Sampled;
 
 /// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
 const LOST: f64 = 1e-13;
+/// A bending response must lower the sum of squares by this many long-run variances: chance does so in about
+/// one of 500 runs.
+const BENDING_EVIDENCE: f64 = 12.0;
 
 /// Residuals of one response with what they say of the noise.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,6 +70,19 @@ impl Residuals {
     pub(super) fn long_run_variance(&self, peak: f64) -> f64 {
         let all = self.noise.variance * self.long_run_ratio() * self.excess;
         all.max((1e-9 * peak).powi(2))
+    }
+
+    /// Whether they show any response to what bends the strip: against a constant where an offset was fitted, else
+    /// against nothing.
+    pub(super) fn show_response(&self, sampled: &Sampled, with_offset: bool) -> bool {
+        let values = &sampled.values;
+        let mean = if with_offset {
+            sums::sum(values) / values.len() as f64
+        } else {
+            0.0
+        };
+        let without = sums::square_about(values, mean);
+        without - self.square > BENDING_EVIDENCE * self.long_run_variance(sums::peak(values))
     }
 
     /// Variance of a long sum per reading in variances of the noise, 1 at least.
@@ -203,7 +219,7 @@ impl CovarianceSums {
                 (1.0 - square) * self.remembering.get(row, column) + square * last(row) * last(column)
             });
         }
-        let mut sums = self.remembering;
+        let mut sums = self.remembering.clone();
         let mut last = self.remembered;
         // The slowest memory that is taken has coefficients that sum to 0.985.
         for _ in 0..2000 {

@@ -27,7 +27,7 @@ impl Autoregression {
         };
         let (mut correlation, mut removed) = (raw, parameters / readings);
         for _ in 0..20 {
-            removed = (parameters * memory(correlation) / readings).clamp(0.0, 0.5);
+            removed = (parameters * readings_per_independent(correlation) / readings).clamp(0.0, 0.5);
             correlation = (raw * (1.0 - removed) + removed + raw / readings).clamp(-0.95, 0.9999);
         }
         Autoregression {
@@ -38,12 +38,12 @@ impl Autoregression {
 
     /// Variance of a long sum per reading: variance times (1+rho)/(1-rho).
     pub fn long_run_variance(&self) -> f64 {
-        self.variance * memory(self.correlation)
+        self.variance * readings_per_independent(self.correlation)
     }
 
     /// Independent readings that carry as much as `readings` of these; never more than there are.
     pub fn effective_readings(&self, readings: f64) -> f64 {
-        readings / memory(self.correlation).max(1.0)
+        readings / readings_per_independent(self.correlation).max(1.0)
     }
 }
 
@@ -71,7 +71,7 @@ impl HigherOrder {
         let n = residuals.len() as f64;
         let lag = |k: usize| sums::dot(&residuals[k..], &residuals[..residuals.len() - k]) / n;
         // The smooth terms took the slow part of the noise out of every lag alike (see `Autoregression::from_sums`).
-        let removed = (parameters * memory(first.correlation) / n).clamp(0.0, 0.5);
+        let removed = (parameters * readings_per_independent(first.correlation) / n).clamp(0.0, 0.5);
         let variance = lag(0) / (1.0 - removed);
         let lags: [f64; 4] = std::array::from_fn(|k| lag(k) + removed * variance);
         let (_, of_first) = yule_walker(&lags[..2])?;
@@ -123,8 +123,8 @@ pub fn yule_walker(lags: &[f64]) -> Option<(Vec<f64>, f64)> {
     (coefficients.iter().sum::<f64>() < 0.985 && share > 0.0).then_some((coefficients, share))
 }
 
-/// (1+rho)/(1-rho).
-fn memory(correlation: f64) -> f64 {
+/// Readings that carry as much as one independent one where neighbours have that correlation: (1+rho)/(1-rho).
+pub fn readings_per_independent(correlation: f64) -> f64 {
     (1.0 + correlation) / (1.0 - correlation)
 }
 

@@ -2,7 +2,10 @@
 
 use super::decay::{BLOCK, Column};
 use super::sums;
-use super::symmetric::{CAPACITY, Symmetric};
+use super::symmetric::Symmetric;
+
+/// Most columns of a design.
+pub const CAPACITY: usize = 10;
 
 /// X'X, X'y and y'y of least squares. Summing block by block also keeps rounding small.
 #[derive(Debug, Clone)]

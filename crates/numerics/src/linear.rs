@@ -2,7 +2,7 @@
 
 use super::correlation::Autoregression;
 use super::sums;
-use super::symmetric::{CAPACITY, Cholesky, Symmetric};
+use super::symmetric::{Cholesky, Symmetric};
 
 /// A least-squares solution.
 #[derive(Debug, Clone)]
@@ -16,17 +16,17 @@ pub struct LeastSquares {
 }
 
 impl LeastSquares {
-    /// Fits `readings` by `columns` of equal length, at most eight. None where columns depend on each other or
+    /// Fits `readings` by `columns` of equal length. None where columns depend on each other or
     /// there are more of them than readings.
     pub fn of(columns: Vec<Vec<f64>>, readings: &[f64]) -> Option<LeastSquares> {
         let n = columns.len();
-        if n > CAPACITY || readings.len() < n {
+        if readings.len() < n {
             return None;
         }
         let normal = Symmetric::from_fn(n, |row, column| sums::dot(&columns[row], &columns[column]));
         let factor = normal.cholesky(1e-12)?;
         let right: Vec<f64> = columns.iter().map(|column| sums::dot(column, readings)).collect();
-        let coefficients = factor.solve(&right)[..n].to_vec();
+        let coefficients = factor.solve(&right);
         let mut residuals = readings.to_vec();
         for (column, coefficient) in columns.iter().zip(&coefficients) {
             for (rest, value) in residuals.iter_mut().zip(column) {
@@ -66,7 +66,7 @@ impl LeastSquares {
 
     /// Entry k, k of the inverse of the normal matrix: variance of a coefficient under white noise of variance 1.
     pub fn inverse_diagonal(&self, k: usize) -> f64 {
-        let mut unit = [0.0; CAPACITY];
+        let mut unit = vec![0.0; self.columns.len()];
         unit[k] = 1.0;
         self.factor.solve(&unit)[k]
     }

@@ -1,7 +1,6 @@
 //! Least squares with coefficients that may not be negative, for a few columns.
 
-use super::gram::Gram;
-use super::symmetric::CAPACITY;
+use super::gram::{CAPACITY, Gram};
 
 /// Pivot, relative to the diagonal, below which columns count as dependent.
 const DEPENDENT: f64 = 1e-11;

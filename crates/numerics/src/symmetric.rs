@@ -1,29 +1,25 @@
-//! Small symmetric matrices on the stack: Cholesky solution, eigenvalues by Jacobi rotations.
+//! Symmetric matrices of any order: Cholesky solutions, inverses that lose no direction, eigenvalues by Jacobi rotations.
 
-/// Largest order that fits.
-pub const CAPACITY: usize = 10;
-
-/// A symmetric matrix of order `n` up to [`CAPACITY`]; both triangles are kept.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A symmetric matrix, row by row; both triangles are kept.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Symmetric {
-    n: usize,
-    entries: [[f64; CAPACITY]; CAPACITY],
+    order: usize,
+    entries: Vec<f64>,
 }
 
 impl Symmetric {
-    /// The zero matrix of order `n`, at most [`CAPACITY`].
-    pub fn zero(n: usize) -> Symmetric {
-        debug_assert!(n <= CAPACITY);
+    /// All entries zero.
+    pub fn zero(order: usize) -> Symmetric {
         Symmetric {
-            n: n.min(CAPACITY),
-            entries: [[0.0; CAPACITY]; CAPACITY],
+            order,
+            entries: vec![0.0; order * order],
         }
     }
 
     /// The matrix whose entries `entry(row, column)` gives; asked for the lower triangle only.
-    pub fn from_fn(n: usize, entry: impl Fn(usize, usize) -> f64) -> Symmetric {
-        let mut matrix = Symmetric::zero(n);
-        for row in 0..matrix.n {
+    pub fn from_fn(order: usize, entry: impl Fn(usize, usize) -> f64) -> Symmetric {
+        let mut matrix = Symmetric::zero(order);
+        for row in 0..order {
             for column in 0..=row {
                 matrix.set(row, column, entry(row, column));
             }
@@ -31,39 +27,43 @@ impl Symmetric {
         matrix
     }
 
-    /// Order of the matrix.
+    /// Number of rows, and of columns.
     pub fn order(&self) -> usize {
-        self.n
+        self.order
     }
 
-    /// One entry.
+    /// The entry in `row` and `column`, both from 0.
     #[inline]
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        self.entries[row][column]
+        self.entries[row * self.order + column]
     }
 
     /// Sets an entry and its mirror image.
     #[inline]
     pub fn set(&mut self, row: usize, column: usize, value: f64) {
-        self.entries[row][column] = value;
-        self.entries[column][row] = value;
+        self.entries[row * self.order + column] = value;
+        self.entries[column * self.order + row] = value;
+    }
+
+    /// Adds to one entry; the caller adds to its mirror image as well.
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.entries[row * self.order + column] += value;
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        &self.entries[row * self.order..(row + 1) * self.order]
     }
 
     /// Product with a vector; entries of `x` beyond the order are not read.
-    pub fn times(&self, x: &[f64]) -> [f64; CAPACITY] {
-        let mut product = [0.0; CAPACITY];
-        for (row, out) in product.iter_mut().enumerate().take(self.n) {
-            *out = (0..self.n)
-                .map(|column| self.entries[row][column] * x[column])
-                .sum();
-        }
-        product
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        let of_row = |row: usize| self.row(row).iter().zip(x).map(|(a, x)| a * x).sum();
+        (0..self.order).map(of_row).collect()
     }
 
     /// `x` transposed times the matrix times `y`.
     pub fn form(&self, x: &[f64], y: &[f64]) -> f64 {
-        let product = self.times(y);
-        (0..self.n).map(|row| x[row] * product[row]).sum()
+        let of_row = |row: usize| -> f64 { self.row(row).iter().zip(y).map(|(a, y)| a * y).sum() };
+        (0..self.order).map(|row| x[row] * of_row(row)).sum()
     }
 
     /// The rows and columns in `keep`.
@@ -73,52 +73,94 @@ impl Symmetric {
 
     /// Product of two symmetric matrices with a third between them: `self * middle * self`.
     pub fn sandwich(&self, middle: &Symmetric) -> Symmetric {
-        let columns: [[f64; CAPACITY]; CAPACITY] = std::array::from_fn(|column| {
-            if column < self.n {
-                middle.times(&self.entries[column])
-            } else {
-                [0.0; CAPACITY]
-            }
-        });
-        Symmetric::from_fn(self.n, |row, column| {
-            (0..self.n)
-                .map(|k| self.entries[row][k] * columns[column][k])
-                .sum()
+        let columns: Vec<Vec<f64>> = (0..self.order).map(|k| middle.times(self.row(k))).collect();
+        Symmetric::from_fn(self.order, |row, column| {
+            let products = self.row(row).iter().zip(&columns[column]);
+            products.map(|(a, b)| a * b).sum()
         })
     }
 
     /// Lower Cholesky factor, or none where a pivot falls below `relative` times its diagonal entry: the
     /// column is then a combination of earlier ones to that precision.
     pub fn cholesky(&self, relative: f64) -> Option<Cholesky> {
-        let mut factor = [[0.0; CAPACITY]; CAPACITY];
-        for row in 0..self.n {
-            for column in 0..=row {
-                let dot: f64 = (0..column).map(|k| factor[row][k] * factor[column][k]).sum();
-                let rest = self.entries[row][column] - dot;
-                if row > column {
-                    factor[row][column] = rest / factor[column][column];
-                } else if rest > relative * self.entries[row][row] && rest > 0.0 && rest.is_finite() {
-                    factor[row][row] = rest.sqrt();
-                } else {
-                    return None;
-                }
-            }
-        }
-        Some(Cholesky { n: self.n, factor })
+        Cholesky::of(
+            self.order,
+            |row, column| self.get(row, column),
+            |row, rest| {
+                let holds = rest > relative * self.get(row, row) && rest > 0.0 && rest.is_finite();
+                holds.then(|| rest.sqrt())
+            },
+        )
     }
 
-    /// Eigenvalues and eigenvectors by cyclic Jacobi rotations: column `m` of the vectors belongs to value `m`.
-    pub fn eigen(&self) -> ([f64; CAPACITY], [[f64; CAPACITY]; CAPACITY]) {
-        let mut work = *self;
-        let mut vectors = [[0.0; CAPACITY]; CAPACITY];
-        for (k, row) in vectors.iter_mut().enumerate() {
-            row[k] = 1.0;
+    /// One over the roots of the diagonal; zero where that is no positive number.
+    fn scale(&self) -> Vec<f64> {
+        let root = |k: usize| {
+            let diagonal = self.get(k, k);
+            if diagonal > 0.0 && diagonal.is_finite() {
+                diagonal.sqrt().recip()
+            } else {
+                0.0
+            }
+        };
+        (0..self.order).map(root).collect()
+    }
+
+    /// The factor of the matrix scaled to a unit diagonal, each pivot held at `floor` at least.
+    fn scaled(&self, floor: f64) -> Scaled {
+        let scale = self.scale();
+        let factor = Cholesky::of(
+            self.order,
+            |row, column| self.get(row, column) * scale[row] * scale[column],
+            |_, rest| Some(rest.max(floor).sqrt()),
+        );
+        Scaled {
+            factor: factor.unwrap_or_default(),
+            scale,
         }
-        // Convergence is quadratic: a handful of sweeps reaches rounding for these orders.
-        for _ in 0..30 {
+    }
+
+    /// Solution of `A x = right`; directions that the matrix loses are held at the relative pivot `floor`.
+    pub fn solve(&self, right: &[f64], floor: f64) -> Vec<f64> {
+        self.scaled(floor).solve(right)
+    }
+
+    /// The inverse, with directions that the matrix loses held at the relative pivot `floor`.
+    pub fn inverse(&self, floor: f64) -> Symmetric {
+        let scaled = self.scaled(floor);
+        let mut inverse = Symmetric::zero(self.order);
+        let mut unit = vec![0.0; self.order];
+        for column in 0..self.order {
+            unit[column] = 1.0;
+            let x = scaled.solve(&unit);
+            unit[column] = 0.0;
+            for (row, value) in x.into_iter().enumerate() {
+                inverse.entries[row * self.order + column] = value;
+            }
+        }
+        inverse
+    }
+
+    /// Logarithm of the determinant.
+    pub fn log_determinant(&self) -> f64 {
+        let Scaled { factor, scale } = self.scaled(1e-14);
+        (0..self.order)
+            .map(|k| 2.0 * (factor.get(k, k) / scale[k].max(f64::MIN_POSITIVE)).ln())
+            .sum()
+    }
+
+    /// Eigenvalues and eigenvectors by cyclic Jacobi rotations, in no particular order: `vectors[row][m]` belongs to
+    /// value `m`.
+    pub fn eigen(&self) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let n = self.order;
+        let mut work = self.clone();
+        let unit = |row: usize| (0..n).map(|column| f64::from(u8::from(row == column))).collect();
+        let mut vectors: Vec<Vec<f64>> = (0..n).map(unit).collect();
+        // Convergence is quadratic after a few sweeps; the limit only stops a matrix that holds no numbers.
+        for _ in 0..60 {
             let mut rotated = false;
-            for p in 0..self.n {
-                for q in p + 1..self.n {
+            for p in 0..n {
+                for q in p + 1..n {
                     rotated |= work.rotate(p, q, &mut vectors);
                 }
             }
@@ -126,11 +168,11 @@ impl Symmetric {
                 break;
             }
         }
-        (std::array::from_fn(|k| work.entries[k][k]), vectors)
+        ((0..n).map(|k| work.get(k, k)).collect(), vectors)
     }
 
     /// One rotation that makes entry (p, q) zero; false where it is negligible already.
-    fn rotate(&mut self, p: usize, q: usize, vectors: &mut [[f64; CAPACITY]; CAPACITY]) -> bool {
+    fn rotate(&mut self, p: usize, q: usize, vectors: &mut [Vec<f64>]) -> bool {
         let (app, aqq, apq) = (self.get(p, p), self.get(q, q), self.get(p, q));
         let negligible = apq.abs() <= f64::EPSILON * 0.01 * (app.abs() * aqq.abs()).sqrt();
         if negligible || !apq.is_finite() {
@@ -140,20 +182,17 @@ impl Symmetric {
         let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
         let c = 1.0 / t.hypot(1.0);
         let s = t * c;
-        for k in 0..self.n {
-            if k != p && k != q {
-                let (akp, akq) = (self.get(k, p), self.get(k, q));
-                self.set(k, p, c * akp - s * akq);
-                self.set(k, q, s * akp + c * akq);
-            }
+        for k in (0..self.order).filter(|&k| k != p && k != q) {
+            let (akp, akq) = (self.get(k, p), self.get(k, q));
+            self.set(k, p, c * akp - s * akq);
+            self.set(k, q, s * akp + c * akq);
         }
         self.set(p, p, app - t * apq);
         self.set(q, q, aqq + t * apq);
         self.set(p, q, 0.0);
-        for row in vectors.iter_mut().take(self.n) {
+        for row in vectors {
             let (vp, vq) = (row[p], row[q]);
-            row[p] = c * vp - s * vq;
-            row[q] = s * vp + c * vq;
+            (row[p], row[q]) = (c * vp - s * vq, s * vp + c * vq);
         }
         true
     }
@@ -161,24 +200,17 @@ impl Symmetric {
     /// Inverse of a Gram matrix, with directions that it does not determine held at the relative precision
     /// `floor` of the scaled matrix instead of being lost: their variances come out huge, not absent.
     pub fn floored_inverse(&self, floor: f64) -> Symmetric {
-        let scale: [f64; CAPACITY] = std::array::from_fn(|k| {
-            let diagonal = self.entries[k][k];
-            if diagonal > 0.0 && diagonal.is_finite() {
-                diagonal.sqrt().recip()
-            } else {
-                0.0
-            }
-        });
-        let scaled = Symmetric::from_fn(self.n, |row, column| {
+        let scale = self.scale();
+        let scaled = Symmetric::from_fn(self.order, |row, column| {
             if scale[row] == 0.0 || scale[column] == 0.0 {
                 return 0.0;
             }
             self.get(row, column) * scale[row] * scale[column]
         });
         let (values, vectors) = scaled.eigen();
-        let inverse: [f64; CAPACITY] = std::array::from_fn(|k| values[k].max(floor).recip());
-        Symmetric::from_fn(self.n, |row, column| {
-            let sum: f64 = (0..self.n)
+        let inverse: Vec<f64> = values.iter().map(|value| value.max(floor).recip()).collect();
+        Symmetric::from_fn(self.order, |row, column| {
+            let sum: f64 = (0..self.order)
                 .map(|k| vectors[row][k] * vectors[column][k] * inverse[k])
                 .sum();
             sum * scale[row] * scale[column]
@@ -186,26 +218,73 @@ impl Symmetric {
     }
 }
 
-/// A Cholesky factor, ready to solve.
-#[derive(Debug, Clone, Copy)]
+/// A lower Cholesky factor, ready to solve.
+#[derive(Debug, Clone, Default)]
 pub struct Cholesky {
-    n: usize,
-    factor: [[f64; CAPACITY]; CAPACITY],
+    order: usize,
+    entries: Vec<f64>,
 }
 
 impl Cholesky {
-    /// Solution of `A x = right`; entries beyond the order are zero.
-    pub fn solve(&self, right: &[f64]) -> [f64; CAPACITY] {
-        let mut x = [0.0; CAPACITY];
-        for row in 0..self.n {
-            let dot: f64 = (0..row).map(|k| self.factor[row][k] * x[k]).sum();
-            x[row] = (right[row] - dot) / self.factor[row][row];
+    /// Of the matrix with these entries; `pivot` gives the root of what is left of a diagonal entry, or none.
+    fn of(
+        order: usize,
+        entry: impl Fn(usize, usize) -> f64,
+        pivot: impl Fn(usize, f64) -> Option<f64>,
+    ) -> Option<Cholesky> {
+        let mut factor = Cholesky {
+            order,
+            entries: vec![0.0; order * order],
+        };
+        for row in 0..order {
+            for column in 0..=row {
+                let known: f64 = (0..column)
+                    .map(|k| factor.get(row, k) * factor.get(column, k))
+                    .sum();
+                let rest = entry(row, column) - known;
+                factor.entries[row * order + column] = if row == column {
+                    pivot(row, rest)?
+                } else {
+                    rest / factor.get(column, column)
+                };
+            }
         }
-        for row in (0..self.n).rev() {
-            let dot: f64 = (row + 1..self.n).map(|k| self.factor[k][row] * x[k]).sum();
-            x[row] = (x[row] - dot) / self.factor[row][row];
+        Some(factor)
+    }
+
+    fn get(&self, row: usize, column: usize) -> f64 {
+        self.entries[row * self.order + column]
+    }
+
+    /// Solution of `A x = right`.
+    pub fn solve(&self, right: &[f64]) -> Vec<f64> {
+        let n = self.order;
+        let mut x = right[..n].to_vec();
+        for row in 0..n {
+            let known: f64 = (0..row).map(|k| self.get(row, k) * x[k]).sum();
+            x[row] = (x[row] - known) / self.get(row, row);
+        }
+        for row in (0..n).rev() {
+            let known: f64 = (row + 1..n).map(|k| self.get(k, row) * x[k]).sum();
+            x[row] = (x[row] - known) / self.get(row, row);
         }
         x
+    }
+}
+
+/// The factor of a matrix scaled to a unit diagonal, with the scale.
+struct Scaled {
+    factor: Cholesky,
+    scale: Vec<f64>,
+}
+
+impl Scaled {
+    fn solve(&self, right: &[f64]) -> Vec<f64> {
+        let by_scale = |values: &[f64]| -> Vec<f64> {
+            let pairs = values.iter().zip(&self.scale);
+            pairs.map(|(value, scale)| value * scale).collect()
+        };
+        by_scale(&self.factor.solve(&by_scale(right)))
     }
 }
 
@@ -230,15 +309,17 @@ mod tests {
     }
 
     #[test]
-    fn eigenvectors_rebuild_the_matrix() {
-        let matrix = hilbert(5);
+    fn eigenvectors_rebuild_the_matrix_and_are_orthonormal() {
+        let matrix = hilbert(15);
         let (values, vectors) = matrix.eigen();
-        for row in 0..5 {
-            for column in 0..5 {
-                let sum: f64 = (0..5)
-                    .map(|k| values[k] * vectors[row][k] * vectors[column][k])
+        for row in 0..15 {
+            for column in 0..15 {
+                let rebuilt: f64 = (0..15)
+                    .map(|k| vectors[row][k] * vectors[column][k] * values[k])
                     .sum();
-                assert!((sum - matrix.get(row, column)).abs() < 1e-15);
+                assert!((rebuilt - matrix.get(row, column)).abs() < 1e-14);
+                let product: f64 = (0..15).map(|k| vectors[k][row] * vectors[k][column]).sum();
+                assert!((product - f64::from(u8::from(row == column))).abs() < 1e-14);
             }
         }
     }
@@ -255,5 +336,15 @@ mod tests {
         }
         let singular = Symmetric::from_fn(2, |_, _| 4.0);
         assert!(singular.floored_inverse(1e-12).get(0, 0) > 1e10);
+    }
+
+    #[test]
+    fn inverse_and_determinant_of_hilbert_matrices() {
+        // det H_3 = 1/2160; the inverse of a Hilbert matrix has whole numbers.
+        assert!((hilbert(3).log_determinant() + 2160.0_f64.ln()).abs() < 1e-10);
+        let inverse = hilbert(4).inverse(1e-14);
+        assert!(
+            (inverse.get(0, 0) / 16.0 - 1.0).abs() < 1e-9 && (inverse.get(2, 3) / -4200.0 - 1.0).abs() < 1e-9
+        );
     }
 }

@@ -9,8 +9,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use ieap_numerics::jacobi;
 use ieap_numerics::sums::{dot, square};
+use ieap_numerics::symmetric::Symmetric;
 
 use super::contact_break::{ContactBreak, PLACES};
 use super::described::{self, Break, Described, electrical_parameters};
@@ -165,11 +165,11 @@ fn search(
     sign: f64,
 ) -> Fitted {
     let within = |problem: &StripProblem, start: &[f64]| {
-        let (mut low, mut high) = problem.limits(start);
+        let mut bounds = problem.limits(start);
         let last = start.len() - 1;
-        (low[last - 1], high[last - 1]) = (-5.0, 5.0);
-        (low[last], high[last]) = (0.01, 0.99);
-        problem.search_within(start, &low, &high)
+        bounds.set(last - 1, -5.0, 5.0);
+        bounds.set(last, 0.01, 0.99);
+        problem.search_within(start, &bounds)
     };
     let coarse_readings = readings.thinned();
     let coarse = problem(input, &coarse_readings, scale, at.len() + 2);
@@ -193,7 +193,7 @@ struct Asked {
     patterns: Vec<Option<Vec<f64>>>,
     times: Vec<usize>,
     slopes: Vec<Vec<Vec<f64>>>,
-    inverse: ieap_numerics::symmetric::Symmetric,
+    inverse: Symmetric,
 }
 
 impl Asked {
@@ -207,7 +207,7 @@ impl Asked {
                 .collect(),
             times: even.groups.iter().map(|group| group.time_s.len()).collect(),
             slopes: Vec::new(),
-            inverse: ieap_numerics::symmetric::Symmetric::zero(0),
+            inverse: Symmetric::zero(0),
         };
         let slopes = even.slopes(at);
         asked.slopes = slopes
@@ -256,7 +256,7 @@ impl Asked {
 
 /// Chance that the largest of answers with these correlations, their noise known with `freedom`, reaches `largest`.
 fn chance(largest: f64, alike: impl Fn(usize, usize) -> f64, freedom: f64) -> f64 {
-    let (values, vectors) = jacobi::eigen(PLACES, alike);
+    let (values, vectors) = Symmetric::from_fn(PLACES, alike).eigen();
     let factors: Vec<f64> = values.iter().map(|value| value.max(0.0).sqrt()).collect();
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let known = ChiSquared::new(freedom.max(1.0)).ok();

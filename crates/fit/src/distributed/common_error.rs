@@ -2,7 +2,7 @@
 //! smoothing along the strip takes off a bend.
 //!
 //! Noise averages down over the frames of a run, such errors do not. They are seen in the residuals: what these hold in
-//! the first half waves over the record is more than noise with its memory gives. Between places they are taken to be
+//! the first half waves over the record is more than noise with its autocorrelation gives. Between places they are taken to be
 //! alike as the noise is, for both come through the same smoothing, and their size in the half waves to fall as 1/(1+m),
 //! as that of things does that change with the strip's shape.
 
@@ -68,13 +68,13 @@ impl Waves {
         self.waves.len()
     }
 
-    /// The errors beyond noise of that variance in each place, its memory and the number of places that are
+    /// The errors beyond noise of that variance in each place, its autocorrelation and the number of places that are
     /// independent in it; the fit has taken `parameters` amplitudes. None where nothing is beyond noise, or too little
     /// is known of it.
     pub fn beyond(
         &self,
         variances: &[f64],
-        memory: f64,
+        autocorrelation: f64,
         places: f64,
         parameters: f64,
     ) -> Option<CommonError> {
@@ -91,7 +91,8 @@ impl Waves {
         }
         let noise = |m: usize| {
             let angle = std::f64::consts::PI * m as f64 / times;
-            (1.0 - memory * memory) / (1.0 - 2.0 * memory * angle.cos() + memory * memory)
+            (1.0 - autocorrelation * autocorrelation)
+                / (1.0 - 2.0 * autocorrelation * angle.cos() + autocorrelation * autocorrelation)
         };
         // What the fit has taken is a small part of the noise in all waves, and a larger one of what few waves hold.
         let kept = (1.0 - parameters / (WAVES as f64 * places)).max(0.5);

@@ -8,16 +8,14 @@ use super::contact_break::ContactBreak;
 use super::decision::CLAIMED;
 use super::described::electrical_parameters;
 use super::electrical;
+use super::given_error::given_resistance;
 use super::identified::Identified;
 use super::input::DistributedInput;
 use super::mechanical::Mechanical;
 use super::squares::Fitted;
 use super::unevenness::unevenness;
+use crate::interval_rule;
 
-/// A 95 % interval wider than this factor to either side says nothing worth a value.
-const WIDEST_FACTOR: f64 = 5.0;
-
-const NOT_SEPARATED: &str = "what was measured does not separate it: its 95 % interval would span more than a factor of five to either side";
 const NO_SCALE: &str = "without a current and without the electrodes' resistance only products and ratios are known: tau_s, re_l2_per_rc, re_l2_per_rss";
 const NO_BENDING: &str = "the run has no curvature along the strip";
 
@@ -85,7 +83,7 @@ pub(super) fn tells_electrodes(found: &Identified) -> bool {
         .map(|(w, inflation)| w / inflation.max(1.0).sqrt())
         .collect();
     let error = fitted.covariance.form(&alone, &alone).max(0.0).sqrt();
-    quantile_95(fitted.freedom) * error < WIDEST_FACTOR.ln()
+    interval_rule::is_narrow_enough(quantile_95(fitted.freedom) * error)
 }
 
 /// A parameter whose logarithm was fitted, times `factor`.
@@ -101,10 +99,12 @@ fn product(fitted: &Fitted, weights: &[f64], log_factor: f64) -> Estimate {
     let error = fitted.covariance.form(weights, weights).max(0.0).sqrt();
     let half = quantile_95(fitted.freedom) * error;
     let value = (log + log_factor).exp();
-    if !half.is_finite() || half > WIDEST_FACTOR.ln() {
-        return Estimate::not_determined(NOT_SEPARATED);
-    }
-    Estimate::determined(value, value * error, value * (-half).exp(), value * half.exp())
+    interval_rule::positive(value, error, half, [1.0, 1.0]).unwrap_or_else(|| {
+        Estimate::not_determined(format!(
+            "what was measured does not separate it: {}",
+            interval_rule::TOO_WIDE
+        ))
+    })
 }
 
 /// R_ss has a lower bound where no steady current is seen.
@@ -115,7 +115,7 @@ fn steady(estimate: Estimate, fitted: &Fitted, width_cm: f64) -> Estimate {
     let error = fitted.covariance.get(2, 2).max(0.0).sqrt();
     let low = (fitted.at[2] - quantile_95(fitted.freedom) * error).exp() * width_cm;
     match low.is_finite() && low > 0.0 {
-        true => Estimate::above(low, "the steady current cannot be told from zero"),
+        true => Estimate::above(low, interval_rule::NO_STEADY_CURRENT),
         false => estimate,
     }
 }
@@ -124,10 +124,7 @@ fn steady(estimate: Estimate, fitted: &Fitted, width_cm: f64) -> Estimate {
 pub(super) fn electrode_resistance(found: &Identified) -> Estimate {
     match found.input.strip.electrode_resistance_ohm_per_sq {
         _ if found.is_relative => Estimate::not_determined(NO_SCALE),
-        Some(given) => Estimate {
-            value: Some(given),
-            ..Estimate::not_determined("given with the sample, not fitted")
-        },
+        Some(given) => given_resistance(given, found.input.strip.electrode_resistance_error_ohm_per_sq),
         None => along(found, positive(&found.electrical, 3, found.input.strip.width_cm)),
     }
 }
@@ -181,18 +178,12 @@ fn mechanical_estimates(mechanical: Option<&Mechanical>, length_cm: f64) -> (Est
     let error = found.fitted.covariance.get(0, 0).max(0.0).sqrt() * found.scale.abs();
     let signed = |factor: f64| {
         let (value, error) = (found.mu_per_c * factor, error * factor);
-        match error.is_finite() && quantile * error < value.abs() {
-            true => Estimate::determined(value, error, value - quantile * error, value + quantile * error),
-            false => {
-                Estimate::not_determined("the curvature cannot be told from noise, or not what drives it")
-            }
-        }
+        interval_rule::signed(value, error, quantile * error).unwrap_or_else(|| {
+            Estimate::not_determined("the curvature cannot be told from noise, or not what drives it")
+        })
     };
     let rate = match found.rate_below_per_s {
-        Some(bound) => Estimate::below(
-            bound,
-            "relaxation is too slow for this record: the rate cannot be told from zero",
-        ),
+        Some(bound) => Estimate::below(bound, interval_rule::TOO_SLOW),
         None => positive(&found.fitted, 1, 1.0),
     };
     (signed(1.0), rate, signed(1.0 / length_cm))

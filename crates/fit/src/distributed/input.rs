@@ -11,6 +11,8 @@ pub struct Strip {
     pub width_cm: f64,
     /// Resistance of both electrodes along the strip, Ohm per square, as measured by a probe; none: fitted.
     pub electrode_resistance_ohm_per_sq: Option<f64>,
+    /// Standard error of that resistance, Ohm per square; none: taken as exact.
+    pub electrode_resistance_error_ohm_per_sq: Option<f64>,
 }
 
 /// What one run gives to a distributed fit.

@@ -59,7 +59,7 @@ pub(super) fn from_curvatures(input: &DistributedInput, readings: &Readings) -> 
             let rate = low + (high - low) * k as f64 / (RATES - 1) as f64;
             let mut at = electrical.clone();
             at.extend([1.0, rate]);
-            let (mu, square) = best_scale(&unit, &at);
+            let (mu, square) = unit.best_scale(&at);
             if square.is_finite() && mu != 0.0 {
                 tried.push((square, mu, at));
             }
@@ -78,24 +78,6 @@ pub(super) fn from_curvatures(input: &DistributedInput, readings: &Readings) -> 
     });
     let fitted = problem(input, readings, scale).search(&start);
     parts(input, readings, &fitted, scale)
-}
-
-/// The mu that fits best with the other parameters as they are, and the sum of squares with it.
-fn best_scale(unit: &StripProblem, at: &[f64]) -> (f64, f64) {
-    let predicted = unit.predicted(at);
-    let (mut cross, mut own, mut all) = (0.0, 0.0, 0.0);
-    for (group, predicted) in unit.groups.iter().zip(&predicted) {
-        for (place, row) in predicted.chunks_exact(group.time_s.len()).enumerate() {
-            let weight = group.noise[place].powi(-2);
-            for (predicted, measured) in row.iter().zip(group.values[place].iter()) {
-                cross += weight * predicted * measured;
-                own += weight * predicted * predicted;
-                all += weight * measured * measured;
-            }
-        }
-    }
-    let scale = if own > 0.0 { cross / own } else { 0.0 };
-    (scale, all - scale * cross)
 }
 
 /// The electrical and the mechanical parameters of a minimum in all of them; parameters beyond these are left out.

@@ -73,6 +73,6 @@ impl Columns<'_> {
         let gone: Vec<f64> = (0..order)
             .map(|k| -part(slope(k), &self.residuals[group]))
             .collect();
-        rest.floored_inverse(floor).times(&gone)[..order].to_vec()
+        rest.floored_inverse(floor).times(&gone)
     }
 }

@@ -1,7 +1,6 @@
 //! Phase 3: mu and lambda from the curvatures, with the electrical parameters fixed and their uncertainty carried along.
 
 use ieap_domain::quantiles::CHI_SQUARE_95;
-use ieap_numerics::sums::{dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::described::{Described, model_of};
@@ -90,27 +89,11 @@ fn start(input: &DistributedInput, readings: &Readings, electrical: &[f64]) -> (
     let (low, high) = rates(readings);
     let tried = (0..RATES).map(|k| {
         let rate = low + (high - low) * k as f64 / (RATES - 1) as f64;
-        let (mu, square) = best_factor(&problem, rate);
+        let (mu, square) = problem.best_scale(&[1.0, rate]);
         (square, mu, rate)
     });
     let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
     best.map_or((0.0, low), |(_, mu, rate)| (mu, rate))
-}
-
-/// The factor that fits best at a rate, and the sum of squares with it.
-fn best_factor(problem: &StripProblem, rate: f64) -> (f64, f64) {
-    let unit = problem.predicted(&[1.0, rate]);
-    let (mut cross, mut own, mut all) = (0.0, 0.0, 0.0);
-    for (group, unit) in problem.groups.iter().zip(&unit) {
-        for (place, row) in unit.chunks_exact(group.time_s.len()).enumerate() {
-            let weight = group.noise[place].powi(-2);
-            cross += weight * dot(row, &group.values[place]);
-            own += weight * square(row);
-            all += weight * square(&group.values[place]);
-        }
-    }
-    let factor = if own > 0.0 { cross / own } else { 0.0 };
-    (factor, all - factor * cross)
 }
 
 /// The covariance with what the uncertainty of the electrical parameters does to the mechanical ones: with J the slopes
@@ -156,15 +139,15 @@ fn bound_of_rate(
 ) -> Option<f64> {
     let (low, _) = rates(readings);
     let problem = problem(input, readings, electrical, 1.0);
-    let least = best_factor(&problem, fitted.at[1]).1;
+    let least = problem.best_scale(&[1.0, fitted.at[1]]).1;
     let limit = least + CHI_SQUARE_95[0] * fitted.inflation[1];
-    if best_factor(&problem, low).1 > limit {
+    if problem.best_scale(&[1.0, low]).1 > limit {
         return None;
     }
     let (mut inside, mut outside) = (low, fitted.at[1].max(low) + 12.0);
     for _ in 0..40 {
         let middle = 0.5 * (inside + outside);
-        if best_factor(&problem, middle).1 <= limit {
+        if problem.best_scale(&[1.0, middle]).1 <= limit {
             inside = middle
         } else {
             outside = middle

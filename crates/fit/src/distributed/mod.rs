@@ -13,6 +13,7 @@ mod decision;
 mod described;
 mod electrical;
 mod estimates;
+mod given_error;
 mod identified;
 mod input;
 mod jointly;
@@ -34,6 +35,7 @@ use ieap_domain::{Fit, Level};
 use crate::error::FitError;
 use crate::options::Steps;
 pub use decision::{Bounded, CLAIMED, Decision, LumpedOrDistributed};
+pub use given_error::given_resistance;
 use identified::{Identified, RELATIVE_OHM_PER_SQ};
 pub use input::{DistributedInput, Strip};
 use readings::{Kind, Readings};
@@ -54,6 +56,27 @@ const LEAST_READINGS: usize = 12;
 /// [`FitError`] where there is nothing along the strip to fit, the strip has no size, or the drive is not one of
 /// held voltages.
 pub fn fit_distributed(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
+    let fit = fit_as_given(input, steps)?;
+    let strip = input.strip;
+    let (given, error) = (
+        strip.electrode_resistance_ohm_per_sq,
+        strip.electrode_resistance_error_ohm_per_sq,
+    );
+    let Some((given, error)) = given.zip(error.filter(|error| error.is_finite() && *error > 0.0)) else {
+        return Ok(fit);
+    };
+    let with = |factor: f64| {
+        let mut moved = *input;
+        moved.strip.electrode_resistance_ohm_per_sq = Some(given * factor);
+        fit_as_given(&moved, steps)
+    };
+    let factor = (error / given).exp();
+    let (lower, higher) = (with(factor.recip())?, with(factor)?);
+    Ok(given_error::widened(fit, given, error, [&lower, &higher]))
+}
+
+/// The fit with the resistance taken as exact where it is given.
+fn fit_as_given(input: &DistributedInput, steps: Steps) -> Result<Fit, FitError> {
     let found = identify(input, steps)?;
     // Places tell of the electrodes through curvatures, too, which the phases do not ask for it.
     let mut joint = match (steps, &found.mechanical) {
@@ -128,6 +151,7 @@ fn check(input: &DistributedInput) -> Result<(), FitError> {
         length_cm,
         width_cm,
         electrode_resistance_ohm_per_sq,
+        ..
     } = input.strip;
     let positive = |x: f64| x.is_finite() && x > 0.0;
     if !positive(length_cm) || !positive(width_cm) {

@@ -34,7 +34,7 @@ struct Case {
     /// Noise, as a share of the largest reading.
     noise: f64,
     /// Its correlation in time, and between neighbouring places.
-    memory: f64,
+    autocorrelation: f64,
     neighbours: f64,
     voltages: bool,
 }
@@ -43,16 +43,16 @@ const CLEAN: Case = Case {
     contact_break: None,
     uneven_coupling: 0.0,
     noise: 0.01,
-    memory: 0.0,
+    autocorrelation: 0.0,
     neighbours: 0.0,
     voltages: false,
 };
 
-fn autoregressive(memory: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
+fn autoregressive(autocorrelation: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
     let mut last: f64 = StandardNormal.sample(random);
     let mut next = || {
         let fresh: f64 = StandardNormal.sample(random);
-        last = memory * last + (1.0 - memory * memory).sqrt() * fresh;
+        last = autocorrelation * last + (1.0 - autocorrelation * autocorrelation).sqrt() * fresh;
         last
     };
     (0..TIMES).map(|_| next()).collect()
@@ -74,9 +74,9 @@ fn channels(model: &DistributedModel, case: &Case, seed: u64) -> Vec<Channel> {
     let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     let sd = case.noise * largest(&field.values);
     let mut channels = Vec::new();
-    let mut neighbour = autoregressive(case.memory, &mut random);
+    let mut neighbour = autoregressive(case.autocorrelation, &mut random);
     for (k, s) in places.iter().enumerate() {
-        let own = autoregressive(case.memory, &mut random);
+        let own = autoregressive(case.autocorrelation, &mut random);
         let (a, b) = (case.neighbours, (1.0 - case.neighbours.powi(2)).sqrt());
         neighbour = neighbour.iter().zip(&own).map(|(n, o)| a * n + b * o).collect();
         let coupling = 1.0 + case.uneven_coupling * ((k * 7 % 5) as f64 - 2.0) / 2.0;
@@ -87,7 +87,7 @@ fn channels(model: &DistributedModel, case: &Case, seed: u64) -> Vec<Channel> {
     }
     let current = strip.clamp_current_a(1.5, &time_s);
     let sd = case.noise * largest(&current);
-    let noise = autoregressive(case.memory, &mut random);
+    let noise = autoregressive(case.autocorrelation, &mut random);
     let values = current.iter().zip(noise).map(|(i, n)| i + sd * n).collect();
     channels.push(Channel::new(Quantity::Current, time_s, values));
     channels
@@ -108,6 +108,7 @@ fn with_input<R>(
             length_cm: model.length_cm,
             width_cm: 0.5,
             electrode_resistance_ohm_per_sq: None,
+            electrode_resistance_error_ohm_per_sq: None,
         },
     })
 }
@@ -135,10 +136,10 @@ const EVEN: DistributedModel = DistributedModel {
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn even_strips_are_called_uneven_no_more_often_than_stated() {
-    for (memory, neighbours) in [(0.0, 0.0), (0.6, 0.0), (0.6, 0.7)] {
+    for (autocorrelation, neighbours) in [(0.0, 0.0), (0.6, 0.0), (0.6, 0.7)] {
         for voltages in [false, true] {
             let case = Case {
-                memory,
+                autocorrelation,
                 neighbours,
                 voltages,
                 ..CLEAN
@@ -151,10 +152,12 @@ fn even_strips_are_called_uneven_no_more_often_than_stated() {
                     })
                 })
                 .count() as u64;
-            eprintln!("correlation {memory}, neighbours {neighbours}, voltages {voltages}: {uneven} of {n}");
+            eprintln!(
+                "correlation {autocorrelation}, neighbours {neighbours}, voltages {voltages}: {uneven} of {n}"
+            );
             assert!(
                 uneven <= at_most(CLAIMED, n),
-                "{memory} {neighbours} {voltages}: {uneven} of {n}"
+                "{autocorrelation} {neighbours} {voltages}: {uneven} of {n}"
             );
         }
     }
@@ -166,7 +169,7 @@ fn resistance_is_told_from_a_coupling_that_differs_from_place_to_place() {
     for seed in 0..draws(4) {
         let case = Case {
             noise: 0.003,
-            memory: 0.6,
+            autocorrelation: 0.6,
             neighbours: 0.7,
             ..CLEAN
         };
@@ -198,7 +201,7 @@ fn a_break_is_found_and_placed_from_voltages_and_from_curvatures() {
             let case = Case {
                 contact_break: Some((1.3, 3.0)),
                 noise: 0.005,
-                memory: 0.3,
+                autocorrelation: 0.3,
                 voltages,
                 ..CLEAN
             };
@@ -224,10 +227,10 @@ fn a_break_is_found_and_placed_from_voltages_and_from_curvatures() {
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn clean_strips_break_no_more_often_than_stated() {
-    for (model, memory) in [(&CNAF, 0.0), (&CNAF, 0.6), (&EVEN, 0.6)] {
+    for (model, autocorrelation) in [(&CNAF, 0.0), (&CNAF, 0.6), (&EVEN, 0.6)] {
         for voltages in [false, true] {
             let case = Case {
-                memory,
+                autocorrelation,
                 neighbours: 0.5,
                 voltages,
                 ..CLEAN
@@ -241,8 +244,11 @@ fn clean_strips_break_no_more_often_than_stated() {
                     })
                 })
                 .count() as u64;
-            eprintln!("correlation {memory}, voltages {voltages}: {broken} of {n}");
-            assert!(broken <= at_most(0.02, n), "{memory} {voltages}: {broken} of {n}");
+            eprintln!("correlation {autocorrelation}, voltages {voltages}: {broken} of {n}");
+            assert!(
+                broken <= at_most(0.02, n),
+                "{autocorrelation} {voltages}: {broken} of {n}"
+            );
         }
     }
 }

@@ -1,11 +1,11 @@
-//! Noise of the series of a group as residuals show it: its memory in time, and what places have in common.
+//! Noise of the series of a group as residuals show it: its autocorrelation in time, and what places have in common.
 //!
 //! The covariance is that between places times that in time: neighbouring joints of a traced strip share their noise,
 //! and what the model gets wrong at all places at once is shared as well. A sum over many series is then known no
 //! better than the few that are independent among them.
 
 use super::common_error::{CommonError, Waves};
-use ieap_numerics::correlation::{Autoregression, slow_excess};
+use ieap_numerics::correlation::{Autoregression, readings_per_independent, slow_excess};
 use ieap_numerics::sums::{dot, lagged, square};
 
 /// Part of the record to either side over which the noise's size is taken for one, and the fewest readings.
@@ -22,10 +22,10 @@ pub(super) struct ResidualNoise {
     /// tracer rounds off is more while a strip bends.
     size: Vec<f64>,
     /// Lag-1 correlation by order of reading.
-    memory: f64,
+    autocorrelation: f64,
     /// Covariance between places at one time.
     between: Vec<Vec<f64>>,
-    /// Factor by which slow misfit makes long sums vary more than that memory says.
+    /// Factor by which slow misfit makes long sums vary more than that.
     slow: f64,
     /// What all times have in common beyond that.
     common: Option<CommonError>,
@@ -45,7 +45,12 @@ impl ResidualNoise {
                 let fast = ResidualNoise::without_common(&waves.taken_off(&even), times, taken);
                 let variances: Vec<f64> = (0..fast.between.len()).map(|k| fast.between[k][k]).collect();
                 let parameters = terms * variances.len() as f64;
-                match waves.beyond(&variances, fast.memory, fast.independent_places(), parameters) {
+                match waves.beyond(
+                    &variances,
+                    fast.autocorrelation,
+                    fast.independent_places(),
+                    parameters,
+                ) {
                     None => without(),
                     common => ResidualNoise { common, ..fast },
                 }
@@ -62,7 +67,7 @@ impl ResidualNoise {
         let count = series.len().max(1) as f64;
         let readings = times as f64;
         let found = Autoregression::from_sums(sums.0 / count, sums.1 / count, readings, terms);
-        let memory = found.correlation.max(0.0);
+        let autocorrelation = found.correlation.max(0.0);
         // What the smooth terms took out of every series is put back into all covariances alike.
         let raw = sums.0 / count / readings.max(1.0);
         let restored = if raw > 0.0 { found.variance / raw } else { 1.0 };
@@ -71,7 +76,7 @@ impl ResidualNoise {
             .iter()
             .map(|a| series.iter().map(|b| covariance(a, b)).collect())
             .collect();
-        let long_run = (1.0 + memory) / (1.0 - memory);
+        let long_run = readings_per_independent(autocorrelation);
         let terms = terms.ceil().max(1.0) as usize;
         let excess = series
             .iter()
@@ -79,7 +84,7 @@ impl ResidualNoise {
         ResidualNoise {
             times,
             size: vec![1.0; times],
-            memory,
+            autocorrelation,
             between,
             slow: excess.sum::<f64>() / count,
             common: None,
@@ -130,19 +135,19 @@ impl ResidualNoise {
         let mut carried = 0.0;
         for (out, value) in product.iter_mut().zip(row) {
             *out += carried;
-            carried = self.memory * (carried + value);
+            carried = self.autocorrelation * (carried + value);
         }
         carried = 0.0;
         for (out, value) in product.iter_mut().zip(row).rev() {
             *out += carried;
-            carried = self.memory * (carried + value);
+            carried = self.autocorrelation * (carried + value);
         }
         product
     }
 
     /// Independent readings that the group is worth, what all times have in common aside.
     pub fn independent_readings(&self) -> f64 {
-        let long_run = (1.0 + self.memory) / (1.0 - self.memory) * self.slow;
+        let long_run = readings_per_independent(self.autocorrelation) * self.slow;
         self.times as f64 * self.independent_places() / long_run
     }
 
@@ -205,13 +210,19 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Series with a memory in time and a part that all have in common.
-    fn draw(places: usize, times: usize, memory: f64, common: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
+    /// Series with an autocorrelation in time and a part that all have in common.
+    fn draw(
+        places: usize,
+        times: usize,
+        autocorrelation: f64,
+        common: f64,
+        random: &mut ChaCha8Rng,
+    ) -> Vec<f64> {
         let mut series = |share: f64| -> Vec<f64> {
             let mut last: f64 = StandardNormal.sample(random);
             let mut next = || {
                 let fresh: f64 = StandardNormal.sample(random);
-                last = memory * last + (1.0 - memory * memory).sqrt() * fresh;
+                last = autocorrelation * last + (1.0 - autocorrelation * autocorrelation).sqrt() * fresh;
                 share * last
             };
             (0..times).map(|_| next()).collect()
@@ -230,16 +241,19 @@ mod tests {
         let slope: Vec<f64> = (0..places * times)
             .map(|k| ((k % times) as f64 / 40.0).sin() + (k / times) as f64 * 0.2)
             .collect();
-        for (memory, common) in [(0.0, 0.0), (0.7, 0.0), (0.7, 0.5)] {
+        for (autocorrelation, common) in [(0.0, 0.0), (0.7, 0.0), (0.7, 0.5)] {
             let (mut stated, mut made) = (0.0, 0.0);
             for _ in 0..200 {
-                let noise = draw(places, times, memory, common, &mut random);
+                let noise = draw(places, times, autocorrelation, common, &mut random);
                 made += dot(&slope, &noise).powi(2) / 200.0;
                 let found = ResidualNoise::of(&noise, times, 0.0);
                 stated += dot(&slope, &found.times(&slope)) / 200.0;
             }
             let ratio = stated / made;
-            assert!((0.75..1.3).contains(&ratio), "{memory} {common}: {ratio}");
+            assert!(
+                (0.75..1.3).contains(&ratio),
+                "{autocorrelation} {common}: {ratio}"
+            );
         }
     }
 
@@ -276,7 +290,7 @@ mod tests {
             }
             let ratio = stated / made;
             assert!((0.75..1.6).contains(&ratio), "{share}: {ratio}");
-            // Noise with memory alone would be far too sure.
+            // Noise with autocorrelation alone would be far too sure.
             assert!(share < 1.0 || plain < 0.2 * made, "{share}: {}", plain / made);
         }
     }
@@ -301,8 +315,8 @@ mod tests {
     #[test]
     fn shared_noise_is_worth_fewer_readings() {
         let mut random = ChaCha8Rng::seed_from_u64(8);
-        let worth = |memory, common, random: &mut ChaCha8Rng| {
-            ResidualNoise::of(&draw(8, 400, memory, common, random), 400, 2.0).independent_readings()
+        let worth = |autocorrelation, common, random: &mut ChaCha8Rng| {
+            ResidualNoise::of(&draw(8, 400, autocorrelation, common, random), 400, 2.0).independent_readings()
         };
         let (free, shared, slow) = (
             worth(0.0, 0.0, &mut random),

@@ -1,8 +1,8 @@
 //! Least squares over all series at once, with derivatives by differences: the series is cheap and smooth.
 
-use ieap_numerics::levenberg::{self, Local, Stop};
+use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem, Stop};
 use ieap_numerics::sums::{dot, square};
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::symmetric::Symmetric;
 
 use super::described::Described;
 use super::input::DistributedInput;
@@ -118,6 +118,21 @@ impl<'a> StripProblem<'a> {
         self.groups.iter().map(of).collect()
     }
 
+    /// The factor on what a place predicts that fits best, and the sum of squares with it.
+    pub fn best_scale(&self, at: &[f64]) -> (f64, f64) {
+        let (mut cross, mut own, mut all) = (0.0, 0.0, 0.0);
+        for (group, predicted) in self.groups.iter().zip(&self.predicted(at)) {
+            for (place, row) in predicted.chunks_exact(group.time_s.len()).enumerate() {
+                let weight = group.noise[place].powi(-2);
+                cross += weight * dot(row, &group.values[place]);
+                own += weight * square(row);
+                all += weight * square(&group.values[place]);
+            }
+        }
+        let scale = if own > 0.0 { cross / own } else { 0.0 };
+        (scale, all - scale * cross)
+    }
+
     /// Residuals of every group over the noise.
     pub fn residuals(&self, at: &[f64]) -> Vec<Vec<f64>> {
         let mut all = self.predicted(at);
@@ -153,43 +168,27 @@ impl<'a> StripProblem<'a> {
         up
     }
 
-    fn local(&self, at: &[f64]) -> Local {
-        let n = self.parameters;
-        let (residuals, slopes) = (self.residuals(at), self.slopes(at));
-        let mut descent = [0.0; CAPACITY];
-        for (row, out) in descent.iter_mut().enumerate().take(n) {
-            *out = product(&slopes[row], &residuals);
-        }
-        Local {
-            square: product(&residuals, &residuals),
-            descent,
-            normal: Symmetric::from_fn(n, |row, column| product(&slopes[row], &slopes[column])),
-        }
-    }
-
     /// Searches from `start` and forms the covariance at the minimum.
     pub fn search(&self, start: &[f64]) -> Fitted {
-        let (low, high) = self.limits(start);
-        self.search_within(start, &low, &high)
+        self.search_within(start, &self.limits(start))
     }
 
     /// A wide box around a start. A fitted R_e stays above what could be noticed, where its logarithm still moves
     /// something.
-    pub fn limits(&self, start: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let mut low: Vec<f64> = start.iter().map(|x| x - HALF_BOX).collect();
-        let high: Vec<f64> = start.iter().map(|x| x + HALF_BOX).collect();
+    pub fn limits(&self, start: &[f64]) -> Bounds {
+        let mut bounds = Bounds::about(start, HALF_BOX);
         let strip = &self.input.strip;
         if strip.electrode_resistance_ohm_per_sq.is_none() && self.fits_electrodes {
-            low[3] = (LEAST_REACH / strip.length_cm.powi(2)).ln() + start[0];
+            bounds.low[3] = (LEAST_REACH / strip.length_cm.powi(2)).ln() + start[0];
         }
-        (low, high)
+        bounds
     }
 
     /// The same within a box.
-    pub fn search_within(&self, start: &[f64], low: &[f64], high: &[f64]) -> Fitted {
+    pub fn search_within(&self, start: &[f64], bounds: &Bounds) -> Fitted {
         let n = self.parameters;
-        let found = levenberg::minimise(start, low, high, LIMIT, SETTLED, 0.0, |at| self.local(at));
-        let at = found.at[..n].to_vec();
+        let found = Levenberg::by_region(LIMIT, SETTLED, 0.0).search_within(self, bounds, start);
+        let at = found.at;
         let (residuals, slopes) = (self.residuals(&at), self.slopes(&at));
         let noise = self.noise(&residuals);
         let scattered: Vec<Vec<Vec<f64>>> = slopes.iter().map(|slope| scatter(&noise, slope)).collect();
@@ -255,6 +254,27 @@ impl<'a> StripProblem<'a> {
     pub fn inverse_normal(&self, slopes: &[Vec<Vec<f64>>]) -> Symmetric {
         let entry = |row: usize, column: usize| product(&slopes[row], &slopes[column]);
         Symmetric::from_fn(slopes.len(), entry).floored_inverse(FLOOR)
+    }
+}
+
+impl Problem for StripProblem<'_> {
+    /// None of its own: they follow from where a search begins.
+    fn bounds(&self) -> Bounds {
+        Bounds::even(self.parameters, f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    fn local(&self, at: &[f64], most: f64) -> Local {
+        let residuals = self.residuals(at);
+        let square = product(&residuals, &residuals);
+        if square > most {
+            return Local::refused(square, at.len());
+        }
+        let slopes = self.slopes(at);
+        Local {
+            square,
+            descent: slopes.iter().map(|slope| product(slope, &residuals)).collect(),
+            normal: Symmetric::from_fn(at.len(), |row, column| product(&slopes[row], &slopes[column])),
+        }
     }
 }
 

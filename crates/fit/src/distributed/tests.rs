@@ -100,6 +100,7 @@ fn fitted(sample: &Sample, given: bool, noise: f64, seed: u64) -> Fit {
         length_cm: sample.length_cm,
         width_cm: sample.width_cm,
         electrode_resistance_ohm_per_sq: given.then_some(sample.re),
+        electrode_resistance_error_ohm_per_sq: None,
     };
     let input = DistributedInput {
         channels: &channels,
@@ -170,6 +171,7 @@ fn drives_add_up_and_a_discharge_begins_at_rest() {
         length_cm: 2.8,
         width_cm: 0.5,
         electrode_resistance_ohm_per_sq: Some(2.5),
+        electrode_resistance_error_ohm_per_sq: None,
     };
     let model = model_of(&strip, &[9f64.ln(), 0.0655f64.ln(), 45.4f64.ln()], 0.01);
     let time_s: Arc<[f64]> = (-20..200).map(|k| k as f64).collect();
@@ -205,6 +207,7 @@ fn what_cannot_be_described_is_told() {
         length_cm: 2.8,
         width_cm: 0.5,
         electrode_resistance_ohm_per_sq: None,
+        electrode_resistance_error_ohm_per_sq: None,
     };
     let drive = Drive::step(1.5);
     let fit = |strip| {
@@ -257,6 +260,7 @@ fn of_kinds(sample: &Sample, kinds: &[Quantity], given: bool, steps: Steps, seed
         length_cm: sample.length_cm,
         width_cm: sample.width_cm,
         electrode_resistance_ohm_per_sq: given.then_some(sample.re),
+        electrode_resistance_error_ohm_per_sq: None,
     };
     let drive = Drive::step(1.5);
     let input = DistributedInput {
@@ -371,5 +375,76 @@ fn the_stated_parameters_leave_the_stated_residuals() {
             noise.quantity,
             noise.residual_rms
         );
+    }
+}
+
+/// Error of the probe in the tests below, as a part of the resistance.
+const PROBE_ERROR: f64 = 0.05;
+
+/// Fits with a probe that reads `off` standard errors too much: its error given, and not; and what it read, Ohm/sq.
+fn fits_with_probe(off: f64, seed: u64) -> (Fit, Fit, f64) {
+    let read = PTNAF.re * (PROBE_ERROR * off).exp();
+    let channels = simulated(&PTNAF, false, 0.002, seed);
+    let fit = |error: Option<f64>| {
+        let strip = Strip {
+            length_cm: PTNAF.length_cm,
+            width_cm: PTNAF.width_cm,
+            electrode_resistance_ohm_per_sq: Some(read),
+            electrode_resistance_error_ohm_per_sq: error,
+        };
+        let input = DistributedInput {
+            channels: &channels,
+            drive: &Drive::step(1.5),
+            strip,
+        };
+        fit_distributed(&input, Steps::TwoStep).unwrap()
+    };
+    (fit(Some(PROBE_ERROR * read)), fit(None), read)
+}
+
+fn holds(fit: &Fit, key: &str, truth: f64) -> bool {
+    let found = fit.parameter(key).unwrap();
+    found.low_95.unwrap() <= truth && truth <= found.high_95.unwrap()
+}
+
+/// What is fitted with the resistance, and its truth.
+const WITH_RESISTANCE: [(&str, f64); 2] = [("rc_ohm_cm2", PTNAF.rc), ("c_f_per_cm2", PTNAF.c)];
+
+/// A probe that reads 5 % off moves what is fitted with it by more than the readings' noise: with its error given, the
+/// intervals hold the truth again. Without it they are what they were.
+#[test]
+fn the_error_of_a_given_resistance_is_in_the_intervals() {
+    let (with, without, read) = fits_with_probe(1.0, 900);
+    for (key, truth) in WITH_RESISTANCE {
+        assert!(holds(&with, key, truth), "{key}: {:?}", with.parameter(key));
+        assert!(
+            !holds(&without, key, truth),
+            "{key}: {:?}",
+            without.parameter(key)
+        );
+        let value = |fit: &Fit| fit.parameter(key).unwrap().value;
+        assert_eq!(value(&with), value(&without));
+    }
+    assert!(holds(&with, "re_ohm_per_sq", read));
+    assert!(without.parameter("re_ohm_per_sq").unwrap().low_95.is_none());
+}
+
+#[test]
+#[ignore = "slow: cargo test -- --ignored"]
+fn intervals_with_the_error_of_the_probe_hold_the_truth_as_often_as_they_say() {
+    let runs = 60;
+    let (mut held, mut held_without) = ([0u32; 2], [0u32; 2]);
+    for seed in 0..runs {
+        let mut random = ChaCha8Rng::seed_from_u64(900 + seed);
+        let (with, without, _) = fits_with_probe(StandardNormal.sample(&mut random), seed);
+        for (at, (key, truth)) in WITH_RESISTANCE.into_iter().enumerate() {
+            held[at] += u32::from(holds(&with, key, truth));
+            held_without[at] += u32::from(holds(&without, key, truth));
+        }
+    }
+    // 95 % of 60 runs are 57; fewer than 52 are found in one of 100 tries.
+    for (held, without) in held.into_iter().zip(held_without) {
+        assert!(held >= 52, "{held} of {runs}");
+        assert!(without < 30, "{without} of {runs} without the error");
     }
 }

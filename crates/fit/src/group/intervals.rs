@@ -1,12 +1,12 @@
 //! Intervals of the parameters of a group: covariance where it is narrow, else profile likelihood, and a bootstrap.
 
 use crate::joint::bootstrap::{replicate, spread};
-use crate::joint::dense::Bottom;
 use crate::joint::feature::Feature;
 use crate::joint::minimum::excess;
 use crate::joint::problem::{JointProblem, Over};
 use crate::joint::profile::{Deeper, Interval, Solved};
 use crate::joint::single::{REACH, partner, reach};
+use ieap_numerics::least_squares::{Minimum, Problem};
 use ieap_numerics::student::quantile_95;
 
 use super::options::{Bootstrap, GroupOptions, Intervals, LIMIT, Resampled};
@@ -21,7 +21,7 @@ pub(crate) type Found = (Feature, Interval, Option<(Feature, f64)>);
 
 /// Intervals of every parameter of every run.
 pub(super) struct JudgedGroup {
-    pub(super) bottom: Bottom,
+    pub(super) bottom: Minimum,
     pub(super) features: Vec<Vec<Found>>,
     pub(super) resampled: Vec<Vec<Resampled>>,
     pub(super) evaluations: u64,
@@ -34,7 +34,7 @@ fn features(problem: &JointProblem, run: usize) -> impl Iterator<Item = Feature>
 
 pub(super) fn judge(
     problem: &JointProblem,
-    mut bottom: Bottom,
+    mut bottom: Minimum,
     options: &GroupOptions,
     mut evaluations: u64,
 ) -> JudgedGroup {
@@ -43,7 +43,7 @@ pub(super) fn judge(
         match try_intervals(problem, &bottom, options, &mut evaluations) {
             Err(Deeper(at)) if restarts < RESTARTS => {
                 restarts += 1;
-                bottom = problem.descend(&at, LIMIT, 1e-4);
+                bottom = problem.search(Over::Condensed, &at, LIMIT, 1e-4);
             }
             Ok(found) => break found,
             Err(_) => break Vec::new(),
@@ -62,7 +62,7 @@ pub(super) fn judge(
 
 fn try_intervals(
     problem: &JointProblem,
-    bottom: &Bottom,
+    bottom: &Minimum,
     options: &GroupOptions,
     evaluations: &mut u64,
 ) -> Result<Vec<Vec<Found>>, Deeper> {
@@ -73,8 +73,8 @@ fn try_intervals(
         .flatten()
         .map(|response| response.noise.freedom)
         .sum();
-    let condensed = Bottom {
-        slope: problem.slope(&bottom.at, Over::Condensed),
+    let condensed = Minimum {
+        local: problem.over(Over::Condensed).local(&bottom.at, f64::INFINITY),
         ..bottom.clone()
     };
     // What the circuit leaves beyond noise widens standard errors and intervals alike.
@@ -101,8 +101,9 @@ fn try_intervals(
                 own.push((feature, widened(linear), None));
                 continue;
             }
-            let solved =
-                along.get_or_insert_with(|| Solved::new(problem, problem.descend(&bottom.at, LIMIT, 1e-5)));
+            let solved = along.get_or_insert_with(|| {
+                Solved::new(problem, problem.search(Over::Condensed, &bottom.at, LIMIT, 1e-5))
+            });
             let reach = if feature.is_logarithm() {
                 REACH
             } else {
@@ -118,7 +119,7 @@ fn try_intervals(
     Ok(found)
 }
 
-fn resample(problem: &JointProblem, bottom: &Bottom, bootstrap: Bootstrap) -> Vec<Vec<Resampled>> {
+fn resample(problem: &JointProblem, bottom: &Minimum, bootstrap: Bootstrap) -> Vec<Vec<Resampled>> {
     let own = |run: usize| features(problem, run).map(move |feature| (run, feature));
     let wanted: Vec<(usize, Feature)> = (0..problem.runs.len()).flat_map(own).collect();
     let refits = replicate(problem, &bottom.at, &wanted, bootstrap.seed, bootstrap.replicates);

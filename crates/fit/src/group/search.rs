@@ -1,10 +1,9 @@
 //! The deepest minimum of a group of runs.
 
-use crate::joint::dense::{Bottom, descend};
 use crate::joint::problem::{JointProblem, Over, Slot};
 use crate::joint::readings::RunReadings;
 use crate::joint::start::{Start, problem};
-use ieap_numerics::levenberg::Stop;
+use ieap_numerics::least_squares::{Minimum, Stop};
 
 use super::options::LIMIT;
 
@@ -18,38 +17,26 @@ pub(super) fn search<'a>(
     runs: Vec<RunReadings<'a>>,
     starts: &[Start],
     shared: &[usize],
-) -> (JointProblem<'a>, Bottom, u64) {
+) -> (JointProblem<'a>, Minimum, u64) {
     let (problem, first) = problem(runs, starts, shared);
     let mut evaluations = 0;
-    let mut best: Option<Bottom> = None;
-    for at in start_places(&problem, starts, first).iter().take(STARTS) {
-        let found = problem.descend(at, LIMIT, 1e-4);
-        evaluations += found.evaluations;
-        if best
-            .as_ref()
-            .is_none_or(|best| found.slope.square < best.slope.square)
-        {
-            best = Some(found);
-        }
-    }
-    let at = best.map(|best| best.at).unwrap_or_default();
-    let mut bottom = descend(&at, &problem.low, &problem.high, POLISH_LIMIT, 1e-6, |at| {
-        problem.slope(at, Over::Whole)
-    });
+    let places = start_places(&problem, starts, &first);
+    let searched = places.iter().take(STARTS);
+    let searched = searched.map(|at| problem.search(Over::Condensed, at, LIMIT, 1e-4));
+    let best = Minimum::lowest(searched.inspect(|found| evaluations += found.evaluations));
+    let at = best.map_or(first, |best| best.at);
+    let mut bottom = problem.search(Over::Whole, &at, POLISH_LIMIT, 1e-6);
     evaluations += bottom.evaluations;
     if bottom.stop == Stop::EvaluationLimit {
         // What is left is below the accuracy of the condensed search, which converged.
-        let further = descend(&bottom.at, &problem.low, &problem.high, LIMIT, 1e-4, |at| {
-            problem.slope(at, Over::Whole)
-        });
-        evaluations += further.evaluations;
-        bottom = further;
+        bottom = problem.search(Over::Whole, &bottom.at, LIMIT, 1e-4);
+        evaluations += bottom.evaluations;
     }
     (problem, bottom, evaluations)
 }
 
 /// Places to start from: the shared parameters as each of the runs has them, and their mean.
-fn start_places(problem: &JointProblem, starts: &[Start], first: Vec<f64>) -> Vec<Vec<f64>> {
+fn start_places(problem: &JointProblem, starts: &[Start], first: &[f64]) -> Vec<Vec<f64>> {
     let value = |run: usize, local: usize| starts[run].local[local] / problem.units[local];
     let with = |base: &[f64], run: usize| {
         let mut at = base.to_vec();
@@ -60,7 +47,7 @@ fn start_places(problem: &JointProblem, starts: &[Start], first: Vec<f64>) -> Ve
         }
         at
     };
-    let places: Vec<Vec<f64>> = (0..starts.len()).map(|run| with(&first, run)).collect();
+    let places: Vec<Vec<f64>> = (0..starts.len()).map(|run| with(first, run)).collect();
     let mut sums = vec![(0.0, 0.0); first.len()];
     for (run, slots) in problem.slots.iter().enumerate() {
         for (local, slot) in slots.iter().enumerate() {
@@ -74,7 +61,7 @@ fn start_places(problem: &JointProblem, starts: &[Start], first: Vec<f64>) -> Ve
     }
     let mean = sums
         .iter()
-        .zip(&first)
+        .zip(first)
         .map(|((sum, count), v)| if *count > 0.0 { sum / count } else { *v });
     let mut all = vec![mean.collect::<Vec<f64>>()];
     all.extend(places);

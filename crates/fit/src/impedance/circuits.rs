@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use ieap_domain::{CircuitFit, Parameter, Spectrum};
 use ieap_model::impedance::{Scale, SpectrumCircuit};
-use ieap_numerics::levenberg::Minimum;
+use ieap_numerics::least_squares::Minimum;
 
 use super::intervals;
-use super::search::Problem;
+use super::search::Simulated;
 
 /// Starts that are searched from: those with the lowest sum of squares among all that are tried.
 const STARTS: usize = 4;
@@ -16,11 +16,10 @@ const PER_DECADE: f64 = 1.5;
 
 /// Fits a circuit; gives it with its Bayesian information criterion. None where no start gives a number.
 pub(super) fn fit(circuit: &'static SpectrumCircuit, spectrum: &Spectrum) -> Option<(CircuitFit, f64)> {
-    let problem = Problem::new(circuit, spectrum);
+    let problem = Simulated::new(circuit, spectrum);
     let mut found = best_of(&problem)?;
     order_chains(&problem, &mut found);
-    let at = &found.at[..circuit.parameters.len()];
-    let values = problem.values(at);
+    let values = problem.values(&found.at);
     let readings = problem.readings() as f64;
     let mean_square = (found.local.square / readings).max(f64::MIN_POSITIVE);
     let bic = readings * mean_square.ln() + values.len() as f64 * readings.ln();
@@ -41,7 +40,7 @@ pub(super) fn fit(circuit: &'static SpectrumCircuit, spectrum: &Spectrum) -> Opt
     Some((fit, bic))
 }
 
-fn best_of(problem: &Problem<'_>) -> Option<Minimum> {
+fn best_of(problem: &Simulated<'_>) -> Option<Minimum> {
     let mut starts: Vec<(f64, Vec<f64>)> = starts(problem)
         .into_iter()
         .map(|values| {
@@ -51,16 +50,11 @@ fn best_of(problem: &Problem<'_>) -> Option<Minimum> {
         .filter(|(square, _)| square.is_finite())
         .collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    starts
-        .iter()
-        .take(STARTS)
-        .map(|(_, at)| problem.lowest(at))
-        .filter(|found| found.local.square.is_finite())
-        .reduce(|a, b| if b.local.square < a.local.square { b } else { a })
+    Minimum::lowest(starts.iter().take(STARTS).map(|(_, at)| problem.lowest(at)))
 }
 
 /// Values to begin from: resistances between those seen, capacitances from time constants over the range.
-fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
+fn starts(problem: &Simulated<'_>) -> Vec<Vec<f64>> {
     let spectrum = problem.spectrum;
     let magnitude = spectrum.magnitude_ohm();
     let (least, most) = ieap_domain::range_of(magnitude);
@@ -106,9 +100,9 @@ fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
 }
 
 /// Chains in order of their time constants, as fits of steps have them.
-fn order_chains(problem: &Problem<'_>, found: &mut Minimum) {
+fn order_chains(problem: &Simulated<'_>, found: &mut Minimum) {
     if problem.circuit.id == "lumped-2" && found.at[0] + found.at[1] > found.at[2] + found.at[3] {
-        let mut at = found.at[..5].to_vec();
+        let mut at = found.at.clone();
         at.rotate_left(2);
         // R2, C2, R_ss, R1, C1 becomes R2, C2, R1, C1, R_ss.
         at[2..5].rotate_left(1);
@@ -117,7 +111,7 @@ fn order_chains(problem: &Problem<'_>, found: &mut Minimum) {
 }
 
 /// Total capacitance and the resistance of the first current, where their parts are determined.
-fn derived(problem: &Problem<'_>, found: &Minimum, parameters: &[Parameter]) -> Vec<Parameter> {
+fn derived(problem: &Simulated<'_>, found: &Minimum, parameters: &[Parameter]) -> Vec<Parameter> {
     let circuit = problem.circuit;
     let known = |scale: Scale| {
         let of_scale = circuit.parameters.iter().zip(parameters);
@@ -125,8 +119,7 @@ fn derived(problem: &Problem<'_>, found: &Minimum, parameters: &[Parameter]) -> 
         of_scale.all(|(_, estimate)| estimate.estimate.value.is_some())
     };
     let mut all = Vec::new();
-    let at = &found.at[..circuit.parameters.len()];
-    if (circuit.total_capacitance_f)(&problem.values(at)).is_some() && known(Scale::Storage) {
+    if (circuit.total_capacitance_f)(&problem.values(&found.at)).is_some() && known(Scale::Storage) {
         let total = |at: &[f64]| (circuit.total_capacitance_f)(&problem.values(at)).unwrap_or(f64::NAN);
         all.push(intervals::of_function(problem, found, "c_total_f", &total));
     }

@@ -3,10 +3,10 @@
 
 use ieap_domain::{Estimate, Parameter};
 use ieap_model::impedance::Scale;
-use ieap_numerics::levenberg::Minimum;
+use ieap_numerics::least_squares::Minimum;
 use ieap_numerics::student::quantile_95;
 
-use super::search::Problem;
+use super::search::Simulated;
 
 /// Widest first step of the search for an end.
 const WIDEST_STEP: f64 = 1.0;
@@ -22,7 +22,7 @@ const OPEN_LOW: &str = "the spectrum only says that it is smaller: less does not
 const OPEN_BOTH: &str = "the spectrum does not determine it";
 
 /// Every parameter of the circuit.
-pub(super) fn of_parameters(problem: &Problem<'_>, found: &Minimum) -> Vec<Parameter> {
+pub(super) fn of_parameters(problem: &Simulated<'_>, found: &Minimum) -> Vec<Parameter> {
     let parameters = problem.circuit.parameters.iter().enumerate();
     parameters
         .map(|(k, parameter)| {
@@ -69,27 +69,27 @@ fn estimate(value: f64, error: f64, ends: [Option<f64>; 2], has_limits: bool) ->
 }
 
 /// Degrees of freedom that are left.
-fn freedom(problem: &Problem<'_>) -> f64 {
+fn freedom(problem: &Simulated<'_>) -> f64 {
     (problem.readings() as f64 - problem.circuit.parameters.len() as f64).max(1.0)
 }
 
-fn standard_error(problem: &Problem<'_>, found: &Minimum, k: usize) -> f64 {
+fn standard_error(problem: &Simulated<'_>, found: &Minimum, k: usize) -> f64 {
     let variance = found.local.normal.floored_inverse(FLOOR).get(k, k);
     (variance * found.local.square / freedom(problem)).sqrt()
 }
 
 /// The end of the interval of coordinate `k` in a direction; none where the bound of the search comes first.
-fn end(problem: &Problem<'_>, found: &Minimum, k: usize, direction: f64) -> Option<f64> {
-    let n = problem.circuit.parameters.len();
+fn end(problem: &Simulated<'_>, found: &Minimum, k: usize, direction: f64) -> Option<f64> {
     let quantile = quantile_95(freedom(problem));
     let limit = found.local.square * (1.0 + quantile * quantile / freedom(problem));
+    let bounds = &problem.bounds;
     let bound = if direction > 0.0 {
-        problem.high[k]
+        bounds.high[k]
     } else {
-        problem.low[k]
+        bounds.low[k]
     };
     let room = (bound - found.at[k]).abs();
-    let mut at = found.at;
+    let mut at = found.at.clone();
     let mut step = (quantile * standard_error(problem, found, k)).clamp(1e-9, WIDEST_STEP);
     let (mut inside, mut outside) = (0.0, None);
     while outside.is_none() {
@@ -97,7 +97,7 @@ fn end(problem: &Problem<'_>, found: &Minimum, k: usize, direction: f64) -> Opti
             return None;
         }
         let far = (inside + step).min(room);
-        let there = problem.lowest_with(&at[..n], k, found.at[k] + direction * far);
+        let there = problem.lowest_with(&at, k, found.at[k] + direction * far);
         if there.local.square > limit {
             outside = Some(far);
         } else {
@@ -111,7 +111,7 @@ fn end(problem: &Problem<'_>, found: &Minimum, k: usize, direction: f64) -> Opti
             break;
         }
         let middle = 0.5 * (inside + outside);
-        let there = problem.lowest_with(&at[..n], k, found.at[k] + direction * middle);
+        let there = problem.lowest_with(&at, k, found.at[k] + direction * middle);
         if there.local.square > limit {
             outside = middle;
         } else {
@@ -123,16 +123,16 @@ fn end(problem: &Problem<'_>, found: &Minimum, k: usize, direction: f64) -> Opti
 
 /// A positive function of the parameters: its interval follows from the slopes of its logarithm.
 pub(super) fn of_function(
-    problem: &Problem<'_>,
+    problem: &Simulated<'_>,
     found: &Minimum,
     key: &str,
     function: &dyn Fn(&[f64]) -> f64,
 ) -> Parameter {
     const STEP: f64 = 1e-5;
     let n = problem.circuit.parameters.len();
-    let mut at = found.at[..n].to_vec();
+    let mut at = found.at.clone();
     let value = function(&at);
-    let mut slopes = [0.0; ieap_numerics::symmetric::CAPACITY];
+    let mut slopes = vec![0.0; n];
     for k in 0..n {
         at[k] = found.at[k] + STEP;
         let above = function(&at).ln();

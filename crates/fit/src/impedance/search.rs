@@ -2,29 +2,32 @@
 
 use ieap_domain::Spectrum;
 use ieap_model::impedance::{LEAST_EXPONENT, Scale, SpectrumCircuit};
-use ieap_numerics::levenberg::{Local, Minimum, Stopping, search};
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::least_squares::{Bounds, Damping, Levenberg, Local, Minimum, Problem, Settle};
+use ieap_numerics::sums::dot;
 
-/// Evaluations that one search may take.
-const LIMIT: u64 = 400;
-/// A search settles where a step lowers the sum of squares by less than this part.
-const SETTLE: f64 = 1e-12;
+/// A search settles where a step lowers the sum of squares by less than a part in 10^12.
+const METHOD: Levenberg = Levenberg {
+    damping: Damping::Region { first_radius: 1.0 },
+    limit: 400,
+    settle: Settle::Part(1e-12),
+    resolution: 0.0,
+    smallest_move: 1e-10,
+};
 /// How far beyond what was measured a parameter may lie.
 const BEYOND: f64 = 1e4;
 /// Step of the differences that stand for slopes, in natural logarithms (cube root of the rounding error).
 const SLOPE_STEP: f64 = 6e-6;
 
 /// A circuit held against a spectrum; coordinates are logarithms, but for exponents.
-pub(super) struct Problem<'a> {
+pub(super) struct Simulated<'a> {
     pub(super) circuit: &'static SpectrumCircuit,
     pub(super) spectrum: &'a Spectrum,
     weights: Vec<f64>,
-    pub(super) low: Vec<f64>,
-    pub(super) high: Vec<f64>,
+    pub(super) bounds: Bounds,
 }
 
-impl<'a> Problem<'a> {
-    pub(super) fn new(circuit: &'static SpectrumCircuit, spectrum: &'a Spectrum) -> Problem<'a> {
+impl<'a> Simulated<'a> {
+    pub(super) fn new(circuit: &'static SpectrumCircuit, spectrum: &'a Spectrum) -> Simulated<'a> {
         let magnitude = spectrum.magnitude_ohm();
         let (least, most) = ieap_domain::range_of(magnitude.iter().copied());
         let (slow, fast) = ieap_domain::range_of(spectrum.frequency_hz.iter().copied());
@@ -37,12 +40,11 @@ impl<'a> Problem<'a> {
             Scale::Exponent => (LEAST_EXPONENT, 1.0),
         };
         let (low, high) = circuit.parameters.iter().map(|p| bounds(p.scale)).unzip();
-        Problem {
+        Simulated {
             circuit,
             spectrum,
             weights: magnitude.iter().map(|size| size.recip()).collect(),
-            low,
-            high,
+            bounds: Bounds { low, high },
         }
     }
 
@@ -69,9 +71,8 @@ impl<'a> Problem<'a> {
             Scale::Exponent => *value,
             _ => value.max(f64::MIN_POSITIVE).ln(),
         });
-        at.zip(self.low.iter().zip(&self.high))
-            .map(|(x, (low, high))| x.clamp(*low, *high))
-            .collect()
+        let at = at.enumerate();
+        at.map(|(k, x)| self.bounds.nearest(k, x)).collect()
     }
 
     /// Simulated impedance at a place: real parts, then imaginary ones, each over |Z| as measured.
@@ -98,12 +99,33 @@ impl<'a> Problem<'a> {
     /// Sum of squares at a place.
     pub(super) fn square(&self, at: &[f64]) -> f64 {
         let residuals = self.residuals(&self.simulated(at));
-        residuals.iter().map(|r| r * r).sum()
+        dot(&residuals, &residuals)
     }
 
-    /// Sum of squares with its slopes.
-    fn local(&self, at: &[f64]) -> Local {
+    /// The lowest place near `start`.
+    pub(super) fn lowest(&self, start: &[f64]) -> Minimum {
+        METHOD.search(self, start)
+    }
+
+    /// The same with coordinate `held` at `at`.
+    pub(super) fn lowest_with(&self, start: &[f64], held: usize, at: f64) -> Minimum {
+        let mut bounds = self.bounds.clone();
+        bounds.set(held, at, at);
+        METHOD.search_within(self, &bounds, start)
+    }
+}
+
+impl Problem for Simulated<'_> {
+    fn bounds(&self) -> Bounds {
+        self.bounds.clone()
+    }
+
+    fn local(&self, at: &[f64], most: f64) -> Local {
         let residuals = self.residuals(&self.simulated(at));
+        let square = dot(&residuals, &residuals);
+        if square > most {
+            return Local::refused(square, at.len());
+        }
         let mut moved = at.to_vec();
         let slopes: Vec<Vec<f64>> = (0..at.len())
             .map(|k| {
@@ -116,38 +138,6 @@ impl<'a> Problem<'a> {
                 above.into_iter().zip(below).map(slope).collect()
             })
             .collect();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut descent = [0.0; CAPACITY];
-        for (entry, slope) in descent.iter_mut().zip(&slopes) {
-            *entry = dot(slope, &residuals);
-        }
-        Local {
-            square: dot(&residuals, &residuals),
-            descent,
-            normal: Symmetric::from_fn(at.len(), |a, b| dot(&slopes[a], &slopes[b])),
-        }
-    }
-
-    /// The lowest place near `start`.
-    pub(super) fn lowest(&self, start: &[f64]) -> Minimum {
-        self.lowest_in(start, &self.low, &self.high)
-    }
-
-    /// The same with coordinate `held` at `at`.
-    pub(super) fn lowest_with(&self, start: &[f64], held: usize, at: f64) -> Minimum {
-        let (mut low, mut high, mut start) = (self.low.clone(), self.high.clone(), start.to_vec());
-        (low[held], high[held], start[held]) = (at, at, at);
-        self.lowest_in(&start, &low, &high)
-    }
-
-    fn lowest_in(&self, start: &[f64], low: &[f64], high: &[f64]) -> Minimum {
-        let stopping = Stopping {
-            limit: LIMIT,
-            settle: SETTLE,
-            resolution: 0.0,
-            smallest_move: 1e-10,
-            first_radius: 1.0,
-        };
-        search(start, low, high, stopping, |at| self.local(at))
+        Local::of(&residuals, &slopes)
     }
 }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::feature::Feature;
-use super::problem::JointProblem;
+use super::problem::{JointProblem, Over};
 use super::readings::{Response, RunReadings};
 
 /// Draws residuals anew in circular blocks of length `block` and adds them to the fitted values, every
@@ -34,11 +34,11 @@ pub(crate) fn replicate(
         for (run, fitted) in again.runs.iter_mut().zip(&fitted) {
             redraw(run, fitted, &mut rng);
         }
-        let found = again.descend(at, 60, 1e-3);
+        let found = again.search(Over::Condensed, at, 60, 1e-3);
         let of =
             |&(run, feature): &(usize, Feature)| feature.of(problem.layout, &problem.local(run, &found.at));
         let values: Vec<f64> = features.iter().map(of).collect();
-        (found.slope.square.is_finite() && values.iter().all(|v| v.is_finite())).then_some(values)
+        (found.local.square.is_finite() && values.iter().all(|v| v.is_finite())).then_some(values)
     };
     let refits: Vec<Option<Vec<f64>>> = (0..replicates).into_par_iter().map(one).collect();
     refits.into_iter().flatten().collect()

@@ -3,14 +3,17 @@
 use crate::electrical::{BRANCH_DOUBT, BRANCH_EVIDENCE, Electrical};
 
 use ieap_domain::quantiles::CHI_SQUARE_95;
+use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
+use ieap_numerics::sums::dot;
 
-use super::dense::{Bottom, Dense, Slope, descend};
 use super::minimum::{electrical_starts, excess, minimum};
 use super::problem::{JointProblem, Layout};
 use super::readings::RunReadings;
 
 /// Rise of the sum of squares beyond which a hidden branch is ruled out (95 %).
 const RULED_OUT: f64 = CHI_SQUARE_95[0];
+/// Step of the difference quotients, in logarithms.
+const STEP: f64 = 1e-4;
 
 /// What the current says of the number of branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +46,7 @@ pub(crate) struct Evidence {
 pub(super) fn evidence(
     current: &RunReadings,
     electrical: &Electrical,
-    full: &(JointProblem, Bottom),
+    full: &(JointProblem, Minimum),
 ) -> Evidence {
     let weighed = full.0.layout.branches;
     let effective_readings = current
@@ -65,7 +68,7 @@ pub(super) fn evidence(
         return evidence;
     };
     let scale = excess(&full.0, &full.1).powi(2);
-    evidence.gain = ((bottom.slope.square - full.1.slope.square) / scale).max(0.0);
+    evidence.gain = ((bottom.local.square - full.1.local.square) / scale).max(0.0);
     evidence.branches = if evidence.gain > BRANCH_EVIDENCE {
         Branches::All
     } else if evidence.gain > BRANCH_DOUBT {
@@ -81,7 +84,7 @@ pub(super) fn evidence(
 /// How far the sum of squares must rise above that of one branch to make room for a second one that would
 /// matter: a tenth of the conductance where it is the fast one, a twentieth where it is the slow one, and a time
 /// constant three times apart, from a tenth of the sampling interval to the length of the record.
-fn hidden_rise(one: &JointProblem, bottom: &Bottom) -> f64 {
+fn hidden_rise(one: &JointProblem, bottom: &Minimum) -> f64 {
     let local = one.local(0, &bottom.at);
     let layout = Layout { branches: 2 };
     let Some(response) = &one.runs[0].current else {
@@ -126,7 +129,14 @@ fn hidden_rise(one: &JointProblem, bottom: &Bottom) -> f64 {
         two.runs[0].condensed(&two.model(&local), two.offsets(&local), &mut out);
         out
     };
-    let slope = |at: &[f64]| numeric_slope(at, &residuals);
+    let hidden = Hidden {
+        bounds: Bounds {
+            low: low.to_vec(),
+            high: high.to_vec(),
+        },
+        residuals,
+    };
+    let method = Levenberg::by_diagonal(60, 1e-3);
     let third = 3.0_f64.ln();
     let starts = [
         [-local[0], 0.95, tau, third],
@@ -138,34 +148,35 @@ fn hidden_rise(one: &JointProblem, bottom: &Bottom) -> f64 {
     ];
     let found = starts.iter().map(|start| {
         let at = [start[0], start[1], start[2], start[3], steady];
-        descend(&at, &low, &high, 60, 1e-3, slope).slope.square
+        method.search(&hidden, &at).local.square
     });
-    found.fold(f64::INFINITY, f64::min) - bottom.slope.square
+    found.fold(f64::INFINITY, f64::min) - bottom.local.square
 }
 
-/// Sum of squares and slope of any residuals, by differences.
-fn numeric_slope(at: &[f64], residuals: &impl Fn(&[f64]) -> Vec<f64>) -> Slope {
-    const STEP: f64 = 1e-4;
-    let here = residuals(at);
-    let column = |k: usize| -> Vec<f64> {
-        let mut moved = at.to_vec();
-        moved[k] += STEP;
-        here.iter()
-            .zip(residuals(&moved))
-            .map(|(h, m)| (h - m) / STEP)
-            .collect()
-    };
-    let columns: Vec<Vec<f64>> = (0..at.len()).map(column).collect();
-    let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut normal = Dense::zero(at.len());
-    for (row, left) in columns.iter().enumerate() {
-        for (column, right) in columns.iter().enumerate() {
-            normal.add(row, column, inner(left, right));
-        }
+/// Residuals of a model, with forward differences for derivatives.
+struct Hidden<R> {
+    bounds: Bounds,
+    residuals: R,
+}
+
+impl<R: Fn(&[f64]) -> Vec<f64>> Problem for Hidden<R> {
+    fn bounds(&self) -> Bounds {
+        self.bounds.clone()
     }
-    Slope {
-        square: inner(&here, &here),
-        descent: columns.iter().map(|column| inner(column, &here)).collect(),
-        normal,
+
+    fn local(&self, at: &[f64], most: f64) -> Local {
+        let here = (self.residuals)(at);
+        let square = dot(&here, &here);
+        if square > most {
+            return Local::refused(square, at.len());
+        }
+        let column = |k: usize| -> Vec<f64> {
+            let mut moved = at.to_vec();
+            moved[k] += STEP;
+            let there = (self.residuals)(&moved);
+            here.iter().zip(there).map(|(h, m)| (h - m) / STEP).collect()
+        };
+        let columns: Vec<Vec<f64>> = (0..at.len()).map(column).collect();
+        Local::of(&here, &columns)
     }
 }

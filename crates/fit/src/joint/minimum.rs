@@ -6,9 +6,9 @@ use crate::search::{CoarseLook, Limits, Search, search};
 
 use ieap_domain::quantiles::NORMAL_ONE_SIDED_99;
 use ieap_numerics::chance::reduced_chi_square_limit;
+use ieap_numerics::least_squares::Minimum;
 
-use super::dense::Bottom;
-use super::problem::{JointProblem, Slot};
+use super::problem::{JointProblem, Over, Slot};
 use super::readings::RunReadings;
 use super::start::{Start, problem};
 
@@ -62,26 +62,16 @@ pub(super) fn electrical_starts(
 }
 
 /// The deepest minimum from any of the starts, branches in order of their time constants.
-pub(crate) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(JointProblem<'a>, Bottom)> {
+pub(crate) fn minimum<'a>(run: &RunReadings<'a>, starts: &[Start]) -> Option<(JointProblem<'a>, Minimum)> {
     let (problem, _) = problem(vec![run.clone()], &starts[..1], &[]);
-    let mut best: Option<Bottom> = None;
-    for start in starts {
-        let at = coordinates(&problem, start);
-        let found = problem.descend(&at, LIMIT, SETTLE);
-        if best
-            .as_ref()
-            .is_none_or(|best| found.slope.square < best.slope.square)
-        {
-            best = Some(found);
-        }
-    }
-    let best = best.filter(|best| best.slope.square.is_finite())?;
+    let places = starts.iter().map(|start| coordinates(&problem, start));
+    let best = Minimum::lowest(places.map(|at| problem.search(Over::Condensed, &at, LIMIT, SETTLE)))?;
     Some((problem, best))
 }
 
 /// Coordinates of a start within an existing problem of one run.
 fn coordinates(problem: &JointProblem, start: &Start) -> Vec<f64> {
-    let mut at = vec![0.0; problem.low.len()];
+    let mut at = vec![0.0; problem.bounds.count()];
     for (local, slot) in problem.slots[0].iter().enumerate() {
         if let Slot::Searched(k) = *slot {
             at[k] = start.local[local] / problem.units[local];
@@ -92,7 +82,7 @@ fn coordinates(problem: &JointProblem, start: &Start) -> Vec<f64> {
 
 /// Factor (1 at least) on standard errors: root of the sum of squares that the circuit leaves of what sums of
 /// exponentials could explain, per degree of freedom, where it is beyond chance.
-pub(crate) fn excess(problem: &JointProblem, bottom: &Bottom) -> f64 {
+pub(crate) fn excess(problem: &JointProblem, bottom: &Minimum) -> f64 {
     let mut out = Vec::new();
     let mut rows = 0;
     for run in 0..problem.runs.len() {
@@ -105,7 +95,7 @@ pub(crate) fn excess(problem: &JointProblem, bottom: &Bottom) -> f64 {
     if freedom < 1.0 {
         return 1.0;
     }
-    let ratio = bottom.slope.square / freedom;
+    let ratio = bottom.local.square / freedom;
     let limit = reduced_chi_square_limit(freedom, NORMAL_ONE_SIDED_99);
     if ratio > limit { ratio.sqrt() } else { 1.0 }
 }

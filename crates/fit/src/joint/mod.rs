@@ -4,7 +4,6 @@
 pub(super) mod bootstrap;
 pub(super) mod branch_evidence;
 mod compressed;
-pub(crate) use ieap_numerics::dense;
 pub(super) mod feature;
 pub(super) mod minimum;
 pub(super) mod noise;

@@ -6,6 +6,7 @@
 mod again;
 mod autocorrelation;
 mod growth;
+mod lagged;
 mod shared;
 mod smooth;
 #[cfg(test)]
@@ -16,8 +17,9 @@ use crate::sampled::Sampled;
 
 use super::whitening::{Autocorrelation, Whitener};
 
-pub(crate) use again::{Again, Products, products, white};
+pub(crate) use again::Again;
 use growth::growth;
+pub(crate) use lagged::{Products, products, white};
 use smooth::Smooth;
 
 /// Noise of one channel.
@@ -111,42 +113,40 @@ impl Noise {
     ) -> Noise {
         let smooth = Smooth::of(rest);
         let variance = smooth.deviance(rest, scale, autocorrelation).1;
-        let floor = variance.sqrt().max(least);
-        let (shortest_s, _) = rest.time_scales_s();
-        let crowding = autocorrelation.readings_per_independent(shortest_s).max(1.0);
-        Noise {
-            sd: scale.iter().map(|scale| floor * scale).collect(),
-            floor,
-            proportional: 0.0,
-            autocorrelation: autocorrelation.clone(),
-            quantum: 0.0,
-            by_correlation: Vec::new(),
-            freedom: ((rest.len() as f64 - smooth.terms()) / (1.0 + 2.0 * crowding)).max(1.0),
-        }
+        let crowding = crowding(rest, autocorrelation);
+        Noise::sized(
+            scale,
+            variance.sqrt().max(least),
+            autocorrelation.clone(),
+            (rest.len() as f64 - smooth.terms()) / (1.0 + 2.0 * crowding),
+        )
     }
 
     fn of_smoothed(smooth: &Smooth, sampled: &Sampled, scale: &[f64], least: f64) -> Noise {
         let found = smooth.autocorrelation(sampled, scale);
-        let (autocorrelation, terms) = (found.autocorrelation, smooth.terms());
-        let floor = found.standard_deviation.max(least);
-        let n = sampled.len() as f64;
-        let (shortest_s, _) = sampled.time_scales_s();
-        let crowding = autocorrelation.readings_per_independent(shortest_s).max(1.0);
         // The logarithm of slow noise's variance is known to 2/n from its size and, the correlation being
         // known to (1-rho2)/n, to 4 (1+rho)/(1-rho)/n from its memory.
-        let from_size = (n - terms).max(1.0);
-        let freedom = if autocorrelation == Autocorrelation::Order(Vec::new()) {
-            from_size
-        } else {
-            from_size / (1.0 + 2.0 * crowding)
+        let from_size = (sampled.len() as f64 - smooth.terms()).max(1.0);
+        let freedom = match found.autocorrelation == Autocorrelation::Order(Vec::new()) {
+            true => from_size,
+            false => from_size / (1.0 + 2.0 * crowding(sampled, &found.autocorrelation)),
         };
+        let floor = found.standard_deviation.max(least);
+        Noise {
+            by_correlation: found.by_correlation,
+            ..Noise::sized(scale, floor, found.autocorrelation, freedom)
+        }
+    }
+
+    /// Of that size at no signal and that memory, growing as `scale` says.
+    fn sized(scale: &[f64], floor: f64, autocorrelation: Autocorrelation, freedom: f64) -> Noise {
         Noise {
             sd: scale.iter().map(|scale| floor * scale).collect(),
             floor,
             proportional: 0.0,
             autocorrelation,
             quantum: 0.0,
-            by_correlation: found.by_correlation,
+            by_correlation: Vec::new(),
             freedom: freedom.max(1.0),
         }
     }
@@ -155,6 +155,12 @@ impl Noise {
     pub(crate) fn whitener(&self, sampled: &Sampled) -> Whitener {
         Whitener::new(sampled, &self.sd, &self.autocorrelation)
     }
+}
+
+/// How many readings carry as much as one independent one.
+pub(crate) fn crowding(sampled: &Sampled, autocorrelation: &Autocorrelation) -> f64 {
+    let (shortest_s, _) = sampled.time_scales_s();
+    autocorrelation.readings_per_independent(shortest_s).max(1.0)
 }
 
 /// Step of the converter: the readings are whole multiples of it and few levels are taken; 0 where they are not.

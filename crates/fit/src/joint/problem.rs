@@ -1,8 +1,8 @@
 //! Several runs with parameters shared or free: one sum of squares over one list of coordinates.
 
 use ieap_model::{Branch, LumpedModel};
+use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 
-use super::dense::{Bottom, Slope, descend};
 use super::readings::{Offsets, RunReadings};
 
 /// Step of the difference quotients, in coordinates scaled to be of order one.
@@ -70,8 +70,7 @@ pub(crate) struct JointProblem<'a> {
     pub(crate) slots: Vec<Vec<Slot>>,
     /// Size of a local parameter of one coordinate unit.
     pub(crate) units: Vec<f64>,
-    pub(crate) low: Vec<f64>,
-    pub(crate) high: Vec<f64>,
+    pub(crate) bounds: Bounds,
 }
 
 /// Which readings a sum goes over.
@@ -83,7 +82,7 @@ pub(crate) enum Over {
     Whole,
 }
 
-impl JointProblem<'_> {
+impl<'a> JointProblem<'a> {
     /// Local parameters of a run, in their own units.
     pub(crate) fn local(&self, run: usize, at: &[f64]) -> Vec<f64> {
         let value = |(local, slot): (usize, &Slot)| match *slot {
@@ -129,24 +128,25 @@ impl JointProblem<'_> {
         let mut out = Vec::new();
         let of_run = |run: usize| {
             self.residuals(run, &self.local(run, at), over, &mut out);
-            out.iter().map(|r| r * r).sum::<f64>()
+            inner(&out, &out)
         };
         (0..self.runs.len()).map(of_run).sum()
     }
 
-    /// Sum of squares with its slope; derivatives are central differences, one-sided at a limit at zero.
-    pub(crate) fn slope(&self, at: &[f64], over: Over) -> Slope {
-        let mut slope = Slope::zero(at.len());
-        for run in 0..self.runs.len() {
-            self.add_run(run, at, over, &mut slope);
-        }
-        slope
+    /// The problem over some of the readings.
+    pub(crate) fn over<'p>(&'p self, over: Over) -> Weighed<'p, 'a> {
+        Weighed { problem: self, over }
     }
 
-    fn add_run(&self, run: usize, at: &[f64], over: Over, slope: &mut Slope) {
+    /// Searches from `start`, until a further step would lower the sum of squares by less than `settle`.
+    pub(crate) fn search(&self, over: Over, start: &[f64], limit: u64, settle: f64) -> Minimum {
+        Levenberg::by_diagonal(limit, settle).search(&self.over(over), start)
+    }
+
+    /// Adds what a run, whose weighted residuals are `here`, says of the derivatives: central differences, one-sided at a
+    /// limit at zero.
+    fn add_run(&self, run: usize, at: &[f64], here: &[f64], over: Over, all: &mut Local) {
         let local = self.local(run, at);
-        let mut here = Vec::new();
-        self.residuals(run, &local, over, &mut here);
         let (mut above, mut below) = (Vec::new(), Vec::new());
         let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
         for (index, slot) in self.slots[run].iter().enumerate() {
@@ -154,37 +154,61 @@ impl JointProblem<'_> {
             let mut moved = local.clone();
             moved[index] = local[index] + STEP * self.units[index];
             self.residuals(run, &moved, over, &mut above);
-            let one_sided = at[k] - STEP < self.low[k];
+            let one_sided = at[k] - STEP < self.bounds.low[k];
             if !one_sided {
                 moved[index] = local[index] - STEP * self.units[index];
                 self.residuals(run, &moved, over, &mut below);
             }
             let (from, width) = if one_sided {
-                (&here, STEP)
+                (here, STEP)
             } else {
-                (&below, 2.0 * STEP)
+                (below.as_slice(), 2.0 * STEP)
             };
             // Residual is measured minus model: the model's derivative has the other sign.
             columns.push((k, from.iter().zip(&above).map(|(b, a)| (b - a) / width).collect()));
         }
-        let inner = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        slope.square += inner(&here, &here);
         for (j, (row, left)) in columns.iter().enumerate() {
-            slope.descent[*row] += inner(left, &here);
+            all.descent[*row] += inner(left, here);
             for (column, right) in &columns[..=j] {
-                let product = inner(left, right);
-                slope.normal.add(*row, *column, product);
-                if row != column {
-                    slope.normal.add(*column, *row, product);
-                }
+                let sum = all.normal.get(*row, *column) + inner(left, right);
+                all.normal.set(*row, *column, sum);
             }
         }
     }
+}
 
-    /// Searches from `start` over the condensed readings.
-    pub(crate) fn descend(&self, start: &[f64], limit: u64, settle: f64) -> Bottom {
-        descend(start, &self.low, &self.high, limit, settle, |at| {
-            self.slope(at, Over::Condensed)
-        })
+/// A problem of a group over some of its readings.
+pub(crate) struct Weighed<'p, 'a> {
+    problem: &'p JointProblem<'a>,
+    over: Over,
+}
+
+impl Problem for Weighed<'_, '_> {
+    fn bounds(&self) -> Bounds {
+        self.problem.bounds.clone()
     }
+
+    fn local(&self, at: &[f64], most: f64) -> Local {
+        let problem = self.problem;
+        let of_run = |run: usize| {
+            let mut here = Vec::new();
+            problem.residuals(run, &problem.local(run, at), self.over, &mut here);
+            here
+        };
+        let residuals: Vec<Vec<f64>> = (0..problem.runs.len()).map(of_run).collect();
+        let mut all = Local::zero(at.len());
+        all.square = residuals.iter().map(|here| inner(here, here)).sum();
+        if all.square > most {
+            return all;
+        }
+        for (run, here) in residuals.iter().enumerate() {
+            problem.add_run(run, at, here, self.over, &mut all);
+        }
+        all
+    }
+}
+
+/// Inner product, summed in order: ends of profiles along flat valleys show in how it is rounded.
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -1,6 +1,8 @@
 //! Intervals: from the covariance where the sum of squares is a parabola, else from the profile likelihood.
 
-use super::dense::{Bottom, Dense, Slope, descend};
+use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
+use ieap_numerics::symmetric::Symmetric;
+
 use super::feature::Feature;
 use super::problem::{JointProblem, Over};
 
@@ -41,8 +43,8 @@ impl Interval {
 /// A minimum with its covariance, ready to be asked for intervals.
 pub(crate) struct Solved<'p, 'a> {
     pub(crate) problem: &'p JointProblem<'a>,
-    pub(crate) bottom: Bottom,
-    pub(crate) inverse: Dense,
+    pub(crate) bottom: Minimum,
+    pub(crate) inverse: Symmetric,
     /// Evaluations of all searches.
     pub(crate) evaluations: u64,
 }
@@ -51,8 +53,8 @@ pub(crate) struct Solved<'p, 'a> {
 pub(crate) struct Deeper(pub(crate) Vec<f64>);
 
 impl<'p, 'a> Solved<'p, 'a> {
-    pub(crate) fn new(problem: &'p JointProblem<'a>, bottom: Bottom) -> Solved<'p, 'a> {
-        let inverse = bottom.slope.normal.inverse(1e-13);
+    pub(crate) fn new(problem: &'p JointProblem<'a>, bottom: Minimum) -> Solved<'p, 'a> {
+        let inverse = bottom.local.normal.inverse(1e-13);
         Solved {
             problem,
             evaluations: bottom.evaluations,
@@ -124,7 +126,7 @@ impl<'p, 'a> Solved<'p, 'a> {
         centre: &Interval,
         sign: f64,
     ) -> Result<Option<f64>, Deeper> {
-        let least = self.bottom.slope.square;
+        let least = self.bottom.local.square;
         let error = centre.standard_error.min(reach / quantile).max(1e-12 * reach);
         let stiffness = STIFFNESS / error;
         let mut at = self.bottom.at.clone();
@@ -174,29 +176,48 @@ impl<'p, 'a> Solved<'p, 'a> {
 
     /// The best place where the feature lies near `target`: the sum of squares with a stiff spring on the
     /// feature. Wherever it ends, it is the best place for the feature's value there.
-    fn held_near(&self, feature: Feature, run: usize, from: &[f64], target: f64, stiffness: f64) -> Bottom {
-        let evaluate = |at: &[f64]| -> Slope {
-            let mut slope = self.problem.slope(at, Over::Condensed);
-            let gap = stiffness * (target - self.feature(feature, run, at));
-            let gradient = self.gradient(feature, run, at);
-            slope.square += gap * gap;
-            for (row, left) in gradient.iter().enumerate() {
-                slope.descent[row] += stiffness * left * gap;
-                for (column, right) in gradient.iter().enumerate() {
-                    slope
-                        .normal
-                        .add(row, column, stiffness * stiffness * left * right);
-                }
-            }
-            slope
+    fn held_near(&self, feature: Feature, run: usize, from: &[f64], target: f64, stiffness: f64) -> Minimum {
+        let held = HeldNear {
+            solved: self,
+            feature,
+            run,
+            target,
+            stiffness,
         };
-        descend(
-            from,
-            &self.problem.low,
-            &self.problem.high,
-            LIMIT,
-            SETTLE,
-            evaluate,
-        )
+        Levenberg::by_diagonal(LIMIT, SETTLE).search(&held, from)
+    }
+}
+
+/// The condensed problem with a spring on a feature.
+struct HeldNear<'s, 'p, 'a> {
+    solved: &'s Solved<'p, 'a>,
+    feature: Feature,
+    run: usize,
+    target: f64,
+    stiffness: f64,
+}
+
+impl Problem for HeldNear<'_, '_, '_> {
+    fn bounds(&self) -> Bounds {
+        self.solved.problem.bounds.clone()
+    }
+
+    fn local(&self, at: &[f64], most: f64) -> Local {
+        let (solved, stiffness) = (self.solved, self.stiffness);
+        let gap = stiffness * (self.target - solved.feature(self.feature, self.run, at));
+        // Rounding of the difference must not refuse what is taken.
+        let without = most - gap * gap + 1e-12 * most.abs();
+        let mut local = solved.problem.over(Over::Condensed).local(at, without);
+        local.square += gap * gap;
+        let gradient = solved.gradient(self.feature, self.run, at);
+        for (row, left) in gradient.iter().enumerate() {
+            local.descent[row] += stiffness * left * gap;
+            for (column, right) in gradient.iter().enumerate() {
+                local
+                    .normal
+                    .add(row, column, stiffness * stiffness * left * right);
+            }
+        }
+        local
     }
 }

@@ -7,7 +7,7 @@ use ieap_model::lumped::SegmentResponse;
 use ieap_numerics::noise::local_scatter;
 
 use super::compressed::{Compressed, Mode};
-use super::noise::Noise;
+use super::noise::{Noise, crowding};
 use super::whitening::Whitener;
 
 /// Relative distance of lambda from a charging rate within which the response is taken as a straight line in lambda.
@@ -58,13 +58,7 @@ impl Response {
 
     /// Independent readings that carry as much as these.
     pub(crate) fn effective_readings(&self) -> f64 {
-        let (shortest_s, _) = self.sampled.time_scales_s();
-        self.sampled.len() as f64
-            / self
-                .noise
-                .autocorrelation
-                .readings_per_independent(shortest_s)
-                .max(1.0)
+        self.sampled.len() as f64 / crowding(&self.sampled, &self.noise.autocorrelation)
     }
 
     /// Measured minus `fitted`, white and in standard deviations.

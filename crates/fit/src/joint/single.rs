@@ -3,11 +3,10 @@
 
 use crate::bending::Bending;
 use crate::electrical::{BRANCH_EVIDENCE, CLEAR, Electrical};
-use ieap_numerics::levenberg::Stop;
+use ieap_numerics::least_squares::{Minimum, Problem, Stop};
 use ieap_numerics::student::quantile_95;
 
 use super::branch_evidence::{Branches, Evidence, evidence};
-use super::dense::{Bottom, descend};
 use super::feature::Feature;
 use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
 use super::problem::{JointProblem, Over};
@@ -112,7 +111,7 @@ pub(crate) fn judge(
 
 impl Judged {
     /// Of so many branches, before anything is said of the features.
-    fn unsettled(branches: usize, bottom: &Bottom) -> Judged {
+    fn unsettled(branches: usize, bottom: &Minimum) -> Judged {
         Judged {
             branches,
             weighings: Vec::new(),
@@ -132,7 +131,7 @@ impl Judged {
     }
 
     /// Takes curves and zeros from that place.
-    fn take_place(&mut self, problem: &JointProblem, bottom: &Bottom) {
+    fn take_place(&mut self, problem: &JointProblem, bottom: &Minimum) {
         let local = problem.local(0, &bottom.at);
         self.stop = bottom.stop;
         self.offsets = problem.offsets(&local);
@@ -150,7 +149,7 @@ impl Judged {
 /// The fit at that minimum of one run, with intervals by profile likelihood where they are asked for by the freedom of
 /// the readings.
 pub(crate) fn settled(
-    found: (JointProblem, Bottom),
+    found: (JointProblem, Minimum),
     freedom: Option<f64>,
     weighing: Option<Evidence>,
 ) -> Judged {
@@ -167,7 +166,7 @@ pub(crate) fn settled(
 
 /// Settles the fit at the minimum, started anew where the search for intervals meets a deeper one. `freedom` is that of
 /// the circuit's parameters and of the bending's.
-fn settle(found: (JointProblem, Bottom), freedom: [f64; 2], judged: &mut Judged) {
+fn settle(found: (JointProblem, Minimum), freedom: [f64; 2], judged: &mut Judged) {
     let (problem, mut bottom) = found;
     for restart in 0.. {
         sort_branches(&problem, &mut bottom);
@@ -181,7 +180,9 @@ fn settle(found: (JointProblem, Bottom), freedom: [f64; 2], judged: &mut Judged)
         let outcome = intervals(&mut solved, freedom.map(|of| quantile_95(of) * factor), judged);
         judged.evaluations += solved.evaluations;
         match outcome {
-            Err(Deeper(at)) if restart < RESTARTS => bottom = problem.descend(&at, LIMIT, SETTLE),
+            Err(Deeper(at)) if restart < RESTARTS => {
+                bottom = problem.search(Over::Condensed, &at, LIMIT, SETTLE);
+            }
             outcome => {
                 judged.features = outcome.unwrap_or_else(|_| wanted(&problem).map(|f| (f, None)).collect());
                 let partner = |feature| partner(&solved, feature, 0).map(|(other, by)| (feature, other, by));
@@ -209,14 +210,11 @@ fn wanted(problem: &JointProblem) -> impl Iterator<Item = Feature> + use<> {
 }
 
 /// The minimum over all readings, from that over the condensed ones.
-fn polished(problem: &JointProblem, from: Bottom) -> Bottom {
-    let (low, high) = (&problem.low, &problem.high);
-    let found = descend(&from.at, low, high, POLISH_LIMIT, 1e-9, |at| {
-        problem.slope(at, Over::Whole)
-    });
+fn polished(problem: &JointProblem, from: Minimum) -> Minimum {
+    let found = problem.search(Over::Whole, &from.at, POLISH_LIMIT, 1e-9);
     match found.stop {
         // What is left is below the accuracy of the condensed search, whose outcome holds.
-        Stop::EvaluationLimit => Bottom {
+        Stop::EvaluationLimit => Minimum {
             stop: from.stop,
             ..found
         },
@@ -271,7 +269,7 @@ pub(crate) fn reach(solved: &Solved, feature: Feature, run: usize, quantile: f64
 }
 
 /// The branches in order of their time constants.
-fn sort_branches(problem: &JointProblem, bottom: &mut Bottom) {
+fn sort_branches(problem: &JointProblem, bottom: &mut Minimum) {
     let layout = problem.layout;
     let local = problem.local(0, &bottom.at);
     let tau = |k: usize| local[layout.resistance(k)] + local[layout.capacitance(k)];
@@ -286,7 +284,7 @@ fn sort_branches(problem: &JointProblem, bottom: &mut Bottom) {
         bottom.at[layout.resistance(to)] = before[layout.resistance(from)];
         bottom.at[layout.capacitance(to)] = before[layout.capacitance(from)];
     }
-    bottom.slope = problem.slope(&bottom.at, Over::Condensed);
+    bottom.local = problem.over(Over::Condensed).local(&bottom.at, f64::INFINITY);
 }
 
 /// The feature of another kind with which `feature` is most strongly correlated.

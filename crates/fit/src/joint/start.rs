@@ -2,6 +2,7 @@
 
 use crate::bending::Bending;
 use crate::electrical::Electrical;
+use ieap_numerics::least_squares::Bounds;
 
 use super::problem::{JointProblem, Layout, Slot};
 use super::readings::RunReadings;
@@ -105,8 +106,7 @@ pub(crate) fn problem<'a>(
         runs,
         layout,
         slots: Vec::new(),
-        low: Vec::new(),
-        high: Vec::new(),
+        bounds: Bounds::default(),
     };
     let mut at = Vec::new();
     let mut common: Vec<Option<usize>> = vec![None; layout.len()];
@@ -128,8 +128,7 @@ pub(crate) fn problem<'a>(
             let k = at.len();
             at.push(value / problem.units[local]);
             let (low, high) = limits(&problem, local, at[k]);
-            problem.low.push(low);
-            problem.high.push(high);
+            problem.bounds.push(low, high);
             if is_shared {
                 common[local] = Some(k);
             }

@@ -3,26 +3,21 @@
 
 use ieap_domain::Drive;
 use ieap_model::bending::{BendingLaw, ChargeCourse, Shape};
-use ieap_numerics::levenberg::Stop;
-use ieap_numerics::sums;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::gram::CAPACITY;
+use ieap_numerics::least_squares::Stop;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::landscape::{Coordinates, Shapes, combined};
+use crate::carried::moved_by_circuit;
 use crate::electrical::Electrical;
 use crate::sampled::Sampled;
 use crate::search::Search;
 use crate::uncertainty::{CovarianceSums, Residuals};
 
-/// A bending response must lower the sum of squares by this many long-run variances: chance does so in about one of
-/// 500 runs.
-const BENDING_EVIDENCE: f64 = 12.0;
 /// Part of the sum of squares at which the search settles.
 const SETTLE: f64 = 1e-12;
-/// Steps of derivatives: of shapes, relative, and of the logarithms of the circuit's parameters.
+/// Step of derivatives by a shape, relative.
 const SHAPE_STEP: f64 = 1e-4;
-const CIRCUIT_STEP: f64 = 1e-5;
-/// Eigenvalue of the scaled normal matrix below which a direction counts as lost.
-const LOST: f64 = 1e-13;
 
 /// What the curvature says of a law.
 #[derive(Debug, Clone)]
@@ -92,7 +87,7 @@ pub(crate) fn identify_law(
         coordinates,
     };
     let found = how.minimise(&landscape, SETTLE);
-    let at = &found.at[..law.shapes().len()];
+    let at = &found.at;
     let shapes = coordinates.values(law.shapes(), at);
     let solved = landscape.solve(&shapes);
     let couplings = law.couplings();
@@ -122,20 +117,9 @@ pub(crate) fn identify_law(
         stop: found.stop,
         evaluations: found.evaluations + 1,
     };
-    bent.evident = is_evident(sampled, &bent);
+    bent.evident = bent.residuals.show_response(sampled, seen.with_offset);
     bent.covariance = seen.covariance(&bent, (&full, sampled), (&charge, &nodes));
     bent
-}
-
-fn is_evident(sampled: &Sampled, bent: &Bent) -> bool {
-    let values = &sampled.values;
-    let mean = match bent.offset_per_cm {
-        Some(_) => sums::sum(values) / values.len() as f64,
-        None => 0.0,
-    };
-    let without = sums::square_about(values, mean);
-    let chance = bent.residuals.long_run_variance(sums::peak(values));
-    without - bent.residuals.square > BENDING_EVIDENCE * chance
 }
 
 impl Seen<'_> {
@@ -209,49 +193,18 @@ impl Seen<'_> {
         })
     }
 
-    /// How far every free parameter moves per unit of each of the circuit's: the fit answers a change of the curvature by
-    /// `-(J'J)^-1 J' change`, taken over the nodes that stand for the readings.
+    /// How far every free parameter moves per unit of each of the circuit's, over the nodes that stand for the readings.
     fn moved_by_circuit(&self, bent: &Bent, charge: &ChargeCourse, nodes: &Sampled) -> Vec<[f64; CAPACITY]> {
         let mut jacobian = self.jacobian(bent, charge);
         jacobian.iter_mut().for_each(|column| nodes.weigh_all(column));
-        let count = jacobian.len();
-        let normal = Symmetric::from_fn(count, |a, b| sums::dot(&jacobian[a], &jacobian[b]));
-        let inverse = normal.floored_inverse(LOST);
         let (couplings, shapes) = bent.natural.split_at(bent.couplings);
         let bend = |charge: &ChargeCourse| {
             let mut bent = combined(&self.law.courses(charge, shapes), couplings);
             nodes.weigh_all(&mut bent);
             bent
         };
-        let base = bend(charge);
-        let mut moves = vec![[0.0; CAPACITY]; count];
-        let branches = self.electrical.conductances_a_per_v.len();
-        for parameter in 0..=2 * branches {
-            let mut by = [0.0; CAPACITY];
-            by[parameter] = match parameter == branches {
-                true => {
-                    CIRCUIT_STEP
-                        * self
-                            .electrical
-                            .steady_a_per_v
-                            .max(self.electrical.conductances_a_per_v[0])
-                }
-                false => CIRCUIT_STEP,
-            };
-            let moved = bend(&self.charge(&self.electrical.moved(&by), nodes));
-            let change: Vec<f64> = moved
-                .iter()
-                .zip(&base)
-                .map(|(a, b)| (a - b) / by[parameter])
-                .collect();
-            let projected: Vec<f64> = jacobian.iter().map(|column| sums::dot(column, &change)).collect();
-            let mut right = [0.0; CAPACITY];
-            right[..count].copy_from_slice(&projected);
-            let answer = inverse.times(&right);
-            for (row, own) in moves.iter_mut().enumerate() {
-                own[parameter] = -answer[row];
-            }
-        }
-        moves
+        moved_by_circuit(self.electrical, &jacobian, &bend(charge), |circuit| {
+            bend(&self.charge(circuit, nodes))
+        })
     }
 }

@@ -2,9 +2,9 @@
 
 use ieap_model::bending::{BendingLaw, ChargeCourse, Shape};
 use ieap_numerics::global::Landscape;
-use ieap_numerics::levenberg::Local;
+use ieap_numerics::least_squares::{Bounds, Local, Problem};
 use ieap_numerics::sums;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::sampled::Sampled;
 
@@ -120,7 +120,7 @@ impl Shapes<'_> {
             .map(|column| sums::dot(column, &self.values))
             .collect();
         let coefficients = match normal.cholesky(ALIKE) {
-            Some(factor) => factor.solve(&right)[..columns.len()].to_vec(),
+            Some(factor) => factor.solve(&right),
             // Courses that are alike: the first alone says what there is.
             None => alone(&normal, &right),
         };
@@ -187,23 +187,15 @@ fn subtract(from: &mut [f64], coefficient: f64, column: &[f64]) {
         .for_each(|(out, value)| *out -= coefficient * value);
 }
 
-impl Landscape for Shapes<'_> {
-    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
-        let limits = self
-            .law
-            .shapes()
-            .iter()
-            .map(|&shape| self.coordinates.limits(shape));
-        limits.unzip()
-    }
-
-    fn square(&self, at: &[f64]) -> f64 {
-        let solved = self.solve(&self.coordinates.values(self.law.shapes(), at));
-        self.square_left(&solved.left)
+impl Problem for Shapes<'_> {
+    fn bounds(&self) -> Bounds {
+        let shapes = self.law.shapes().iter();
+        let (low, high) = shapes.map(|&shape| self.coordinates.limits(shape)).unzip();
+        Bounds { low, high }
     }
 
     /// Slopes with the couplings held, made orthogonal to the courses: Kaufman's form of variable projection.
-    fn local(&self, at: &[f64]) -> Local {
+    fn local(&self, at: &[f64], _: f64) -> Local {
         let solved = self.solve(&self.coordinates.values(self.law.shapes(), at));
         let count = self.law.shapes().len();
         let slopes: Vec<Vec<f64>> = (0..count)
@@ -223,15 +215,17 @@ impl Landscape for Shapes<'_> {
                 slope
             })
             .collect();
-        let mut descent = [0.0; CAPACITY];
-        for (out, slope) in descent.iter_mut().zip(&slopes) {
-            *out = sums::dot(slope, &solved.left);
-        }
         Local {
             square: self.square_left(&solved.left),
-            descent,
-            normal: Symmetric::from_fn(count, |a, b| sums::dot(&slopes[a], &slopes[b])),
+            ..Local::of(&solved.left, &slopes)
         }
+    }
+}
+
+impl Landscape for Shapes<'_> {
+    fn square(&self, at: &[f64]) -> f64 {
+        let solved = self.solve(&self.coordinates.values(self.law.shapes(), at));
+        self.square_left(&solved.left)
     }
 
     fn starts(&self) -> Vec<Vec<f64>> {

@@ -20,6 +20,9 @@ use stated::{not_known, stated};
 /// The law with the readings that it was fitted to, or why there is none with the readings to draw.
 type Outcome = Result<(Sampled, Bent), Box<Unfitted>>;
 
+/// What a fit says of the intervals of its bending: those of lumped models may be of another kind.
+const INTERVALS: &str = "; intervals of the bending from the covariance at the minimum";
+
 /// Readings that no law was fitted to, and why.
 struct Unfitted {
     sampled: Option<Sampled>,
@@ -47,6 +50,7 @@ pub(super) fn fit(
     let judged = judge(input, options, &mut identified);
     let mut fit = outcome::fit(input, options, &identified, judged.as_ref());
     add_law(&mut fit, input, law, &identified, &outcome);
+    fit.method.push_str(INTERVALS);
     fit.parameters = in_order(fit.parameters, options);
     if options.steps == Steps::Simultaneous {
         let words = format!(

@@ -4,11 +4,10 @@
 use ieap_domain::{Estimate, Parameter};
 use ieap_model::BendingLaw;
 use ieap_model::bending::{Reported, Shape, Stated};
-use ieap_numerics::symmetric::CAPACITY;
 
 use super::identified::Bent;
+use crate::interval_rule;
 
-const FLAT: &str = "the curvature does not differ from its noise";
 const OPEN: &str = "the law's parameters cannot be told apart, or the charge is not known well enough: \
                     the 95 % interval of its coupling would contain zero although the strip bends";
 const IDLE: &str = "the strip does not creep on under its charge, so that nothing is there to be shaped";
@@ -33,7 +32,7 @@ pub(super) fn stated(law: &dyn BendingLaw, bent: &Bent) -> Vec<Parameter> {
     let of = |reported: &Reported| Parameter {
         key: reported.key.to_owned(),
         estimate: match open {
-            true => Estimate::not_determined(if bent.evident { OPEN } else { FLAT }),
+            true => Estimate::not_determined(if bent.evident { OPEN } else { interval_rule::FLAT }),
             false => estimate(law, reported, bent),
         },
     };
@@ -64,14 +63,11 @@ fn estimate(law: &dyn BendingLaw, reported: &Reported, bent: &Bent) -> Estimate 
         return Estimate::not_determined(WIDE);
     }
     match reported.stated {
-        Stated::Coupling if half >= value.abs() => Estimate::not_determined(OPEN),
-        Stated::Coupling | Stated::Signed => Estimate::determined(value, error, low, high),
-        Stated::FromZero if low <= 0.0 => {
-            let mut estimate = Estimate::below(high, FROM_ZERO);
-            estimate.at_bound = value == 0.0;
-            estimate
+        Stated::Coupling => {
+            interval_rule::signed(value, error, half).unwrap_or_else(|| Estimate::not_determined(OPEN))
         }
-        Stated::FromZero => Estimate::determined(value, error, low, high),
+        Stated::Signed => Estimate::determined(value, error, low, high),
+        Stated::FromZero => interval_rule::from_zero(value, error, low, high, FROM_ZERO),
         Stated::Time if high <= 0.0 => Estimate::not_determined(WIDE),
         Stated::Time if low <= 0.0 => {
             let mut estimate = Estimate::above(high.recip(), TOO_SLOW);
@@ -94,9 +90,8 @@ fn beyond(shape: Shape) -> &'static str {
 }
 
 /// Derivatives of a reported number by the natural parameters.
-fn gradient(reported: &Reported, bent: &Bent) -> [f64; CAPACITY] {
-    let mut gradient = [0.0; CAPACITY];
-    for k in 0..bent.natural.len() {
+fn gradient(reported: &Reported, bent: &Bent) -> Vec<f64> {
+    let along = |k: usize| {
         let error = bent.covariance.get(k, k).max(0.0).sqrt();
         let size = bent.natural[k].abs();
         let step = STEP * if size > 0.0 { size } else { error.max(1e-12) };
@@ -105,7 +100,7 @@ fn gradient(reported: &Reported, bent: &Bent) -> [f64; CAPACITY] {
             moved[k] += by;
             (reported.of)(&moved)
         };
-        gradient[k] = (at(step) - at(-step)) / (2.0 * step);
-    }
-    gradient
+        (at(step) - at(-step)) / (2.0 * step)
+    };
+    (0..bent.natural.len()).map(along).collect()
 }

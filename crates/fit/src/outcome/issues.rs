@@ -5,7 +5,7 @@ use crate::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::sampled::Sampled;
 use crate::two_steps::Identified;
 use ieap_domain::{Drive, Issue, Level, Parameter};
-use ieap_numerics::levenberg::Stop;
+use ieap_numerics::least_squares::Stop;
 
 pub(crate) fn not_converged(stop: Stop) -> Issue {
     Issue::warning(

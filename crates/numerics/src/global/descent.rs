@@ -1,7 +1,7 @@
 //! Damped Gauss-Newton descent from the promising places of a coarse look.
 
 use super::{Effort, Landscape, Method};
-use crate::levenberg::{Minimum, Stop, minimise};
+use crate::least_squares::{Levenberg, Minimum, Stop};
 
 /// Part of the sum of squares at which descents settle that only compare valleys.
 const SETTLE_COARSE: f64 = 1e-3;
@@ -30,21 +30,17 @@ impl Method for Descent {
     }
 
     fn minimise(&self, landscape: &dyn Landscape, effort: Effort) -> Minimum {
-        let (low, high) = landscape.bounds();
-        let n = low.len();
         let resolution = 4.0 * f64::EPSILON * landscape.size();
         let mut evaluations = 0;
         let mut descend = |start: &[f64], settle: f64| {
-            let found = minimise(start, &low, &high, LIMIT, settle, resolution, |at| {
-                landscape.local(at)
-            });
+            let found = Levenberg::by_region(LIMIT, settle, resolution).search(landscape, start);
             evaluations += found.evaluations;
             found
         };
         let mut best: Option<Minimum> = None;
         for start in landscape.starts() {
             let found = descend(&start, SETTLE_COARSE.max(effort.settle));
-            if best.is_none_or(|least| found.local.square < least.local.square) {
+            if (best.as_ref()).is_none_or(|least| found.local.square < least.local.square) {
                 best = Some(found);
             }
         }
@@ -53,12 +49,8 @@ impl Method for Descent {
             Some(found) if effort.settle >= SETTLE_COARSE || found.stop == Stop::NotFinite => {
                 return Minimum { evaluations, ..found };
             }
-            Some(found) => found.at[..n].to_vec(),
-            None => low
-                .iter()
-                .zip(&high)
-                .map(|(low, high)| 0.5 * (low + high))
-                .collect(),
+            Some(found) => found.at,
+            None => landscape.bounds().middle(),
         };
         let found = descend(&start, effort.settle);
         Minimum { evaluations, ..found }

@@ -6,8 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{Effort, Landscape, Method};
 use crate::interrupt;
-use crate::levenberg::{Minimum, Stop};
-use crate::symmetric::CAPACITY;
+use crate::least_squares::{Bounds, Minimum, Stop};
 
 /// Strategy `rand/1/bin` with dither: the mixing factor is drawn anew for every generation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,9 +32,9 @@ impl DifferentialEvolution {
 }
 
 /// A place with its sum of squares.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Member {
-    at: [f64; CAPACITY],
+    at: Vec<f64>,
     square: f64,
 }
 
@@ -57,18 +56,18 @@ impl Method for DifferentialEvolution {
     }
 
     fn minimise(&self, landscape: &dyn Landscape, effort: Effort) -> Minimum {
-        let (low, high) = landscape.bounds();
+        let bounds = landscape.bounds();
         let mut random = ChaCha8Rng::seed_from_u64(effort.seed);
         let mut evaluations = 0;
-        let mut judge = |at: [f64; CAPACITY]| {
+        let mut judge = |at: Vec<f64>| {
             interrupt::check();
             evaluations += 1;
-            let square = landscape.square(&at[..low.len()]);
+            let square = landscape.square(&at);
             let square = if square.is_finite() { square } else { f64::INFINITY };
             Member { at, square }
         };
-        let count = (self.places_per_coordinate * low.len()).max(5);
-        let mut population: Vec<Member> = (spread(&low, &high, count, &mut random).into_iter())
+        let count = (self.places_per_coordinate * bounds.count()).max(5);
+        let mut population: Vec<Member> = (spread(&bounds, count, &mut random).into_iter())
             .map(&mut judge)
             .collect();
         let mut stop = Stop::EvaluationLimit;
@@ -78,8 +77,8 @@ impl Method for DifferentialEvolution {
                 break;
             }
             let factor = random.random_range(self.mixing.0..=self.mixing.1);
-            let challengers: Vec<[f64; CAPACITY]> = (0..count)
-                .map(|k| self.challenger(&population, k, factor, &low, &high, &mut random))
+            let challengers: Vec<Vec<f64>> = (0..count)
+                .map(|k| self.challenger(&population, k, factor, &bounds, &mut random))
                 .collect();
             for (member, at) in population.iter_mut().zip(challengers) {
                 let challenger = judge(at);
@@ -89,11 +88,10 @@ impl Method for DifferentialEvolution {
             }
         }
         let best = population
-            .iter()
-            .copied()
+            .into_iter()
             .min_by(|a, b| a.square.total_cmp(&b.square));
-        let at = best.map_or([0.0; CAPACITY], |best| best.at);
-        let local = landscape.local(&at[..low.len()]);
+        let at = best.map_or_else(|| bounds.middle(), |best| best.at);
+        let local = landscape.local(&at, f64::INFINITY);
         if !local.square.is_finite() {
             stop = Stop::NotFinite;
         }
@@ -113,10 +111,9 @@ impl DifferentialEvolution {
         population: &[Member],
         k: usize,
         factor: f64,
-        low: &[f64],
-        high: &[f64],
+        bounds: &Bounds,
         random: &mut impl Rng,
-    ) -> [f64; CAPACITY] {
+    ) -> Vec<f64> {
         let mut others = [k; 4];
         for chosen in 1..4 {
             others[chosen] = loop {
@@ -126,19 +123,19 @@ impl DifferentialEvolution {
                 }
             };
         }
-        let [_, base, plus, minus] = others.map(|other| population[other].at);
-        let always = random.random_range(0..low.len());
-        let mut at = population[k].at;
-        for c in 0..low.len() {
+        let [_, base, plus, minus] = others.map(|other| &population[other].at);
+        let always = random.random_range(0..bounds.count());
+        let mut at = population[k].at.clone();
+        for c in 0..bounds.count() {
             if c != always && !random.random_bool(self.crossover) {
                 continue;
             }
             let mixed = base[c] + factor * (plus[c] - minus[c]);
             // A mixture outside goes half way from its base to the limit, so that no limit attracts.
-            at[c] = if mixed < low[c] {
-                0.5 * (base[c] + low[c])
-            } else if mixed > high[c] {
-                0.5 * (base[c] + high[c])
+            at[c] = if mixed < bounds.low[c] {
+                0.5 * (base[c] + bounds.low[c])
+            } else if mixed > bounds.high[c] {
+                0.5 * (base[c] + bounds.high[c])
             } else {
                 mixed
             };
@@ -148,16 +145,16 @@ impl DifferentialEvolution {
 }
 
 /// Places spread over the box so that each coordinate has one in every slice (Latin hypercube).
-fn spread(low: &[f64], high: &[f64], count: usize, random: &mut impl Rng) -> Vec<[f64; CAPACITY]> {
-    let mut places = vec![[0.0; CAPACITY]; count];
-    for c in 0..low.len() {
+fn spread(bounds: &Bounds, count: usize, random: &mut impl Rng) -> Vec<Vec<f64>> {
+    let mut places = vec![vec![0.0; bounds.count()]; count];
+    for (c, (low, high)) in bounds.low.iter().zip(&bounds.high).enumerate() {
         let mut slices: Vec<usize> = (0..count).collect();
         for k in (1..count).rev() {
             slices.swap(k, random.random_range(0..=k));
         }
         for (place, slice) in places.iter_mut().zip(slices) {
             let part = (slice as f64 + random.random::<f64>()) / count as f64;
-            place[c] = low[c] + (high[c] - low[c]) * part;
+            place[c] = low + (high - low) * part;
         }
     }
     places

@@ -1,24 +1,28 @@
 //! How many digits of the certified values the kernel finds, from both official starts.
 
 use super::{Difficulty, Problem, problems};
-use crate::levenberg::{Local, Minimum, Stopping, search};
-use crate::symmetric::{CAPACITY, Symmetric};
+use crate::least_squares::{Bounds, Damping, Levenberg, Local, Minimum, Problem as LeastSquares, Settle};
 
 /// Digits to which NIST states its values.
 const STATED: f64 = 11.0;
 
-impl Problem {
-    /// Sum of squares and its local model at `b`.
-    fn local(&self, rows: &[(Vec<f64>, f64)], b: &[f64]) -> Local {
+/// A problem over its readings.
+struct Searched {
+    problem: &'static Problem,
+    rows: Vec<(Vec<f64>, f64)>,
+}
+
+impl LeastSquares for Searched {
+    fn bounds(&self) -> Bounds {
+        Bounds::even(self.problem.certified.len(), -1e9, 1e9)
+    }
+
+    fn local(&self, b: &[f64], _: f64) -> Local {
         let n = b.len();
-        let mut local = Local {
-            square: 0.0,
-            descent: [0.0; CAPACITY],
-            normal: Symmetric::zero(n),
-        };
-        let mut slopes = [0.0; CAPACITY];
-        for (x, y) in rows {
-            let residual = y - self.model.at(b, x, &mut slopes);
+        let mut local = Local::zero(n);
+        let mut slopes = vec![0.0; n];
+        for (x, y) in &self.rows {
+            let residual = y - self.problem.model.at(b, x, &mut slopes);
             local.square += residual * residual;
             for row in 0..n {
                 local.descent[row] += slopes[row] * residual;
@@ -30,28 +34,33 @@ impl Problem {
         }
         local
     }
+}
+
+impl Searched {
+    fn new(problem: &'static Problem) -> Searched {
+        Searched {
+            rows: problem.readings.rows(),
+            problem,
+        }
+    }
 
     fn solve(&self, start: &[f64]) -> Minimum {
-        let rows = self.readings.rows();
-        let size: f64 = rows.iter().map(|(_, y)| y * y).sum();
+        let size: f64 = self.rows.iter().map(|(_, y)| y * y).sum();
         let from = |start: &[f64], resolution: f64| {
-            let stopping = Stopping {
+            let method = Levenberg {
+                damping: Damping::Region { first_radius: 10.0 },
                 limit: 3000,
-                settle: 0.0,
+                settle: Settle::Part(0.0),
                 resolution,
                 smallest_move: 0.0,
-                first_radius: 10.0,
             };
-            let n = start.len();
-            search(start, &vec![-1e9; n], &vec![1e9; n], stopping, |b| {
-                self.local(&rows, b)
-            })
+            method.search(self, start)
         };
         let coarse = from(start, size * f64::EPSILON);
         // Rounded readings, of relative error epsilon, move a sum S of squared residuals by 2 epsilon sqrt(S size):
         // known only where the search has come down.
         let rounding = 2.0 * f64::EPSILON * (coarse.local.square * size).sqrt();
-        let fine = from(&coarse.at[..start.len()], rounding.min(size * f64::EPSILON));
+        let fine = from(&coarse.at, rounding.min(size * f64::EPSILON));
         Minimum {
             evaluations: coarse.evaluations + fine.evaluations,
             ..fine
@@ -72,13 +81,14 @@ fn digits(found: &[f64], certified: &[f64]) -> f64 {
 fn certified_values_are_found_from_both_starts() {
     let mut short = Vec::new();
     for problem in problems() {
+        let searched = Searched::new(problem);
         let needed = if problem.difficulty == Difficulty::Higher {
             6.0
         } else {
             8.0
         };
         for (which, start) in problem.starts.into_iter().enumerate() {
-            let found = problem.solve(start);
+            let found = searched.solve(start);
             let digits = digits(&found.at, problem.certified);
             let line = format!(
                 "{:22} {:?} start {}: {digits:4.1} digits, {} evaluations, {:?}",
@@ -90,7 +100,7 @@ fn certified_values_are_found_from_both_starts() {
             );
             println!("{line}");
             if digits < needed {
-                short.push(format!("{line}\n{:?}", &found.at[..start.len()]));
+                short.push(format!("{line}\n{:?}", found.at));
             }
         }
     }
@@ -104,7 +114,9 @@ fn the_data_give_the_certified_sum_of_squares() {
         if problem.square < 1e-20 {
             continue;
         }
-        let square = problem.local(&problem.readings.rows(), problem.certified).square;
+        let square = Searched::new(problem)
+            .local(problem.certified, f64::INFINITY)
+            .square;
         assert!(
             (square / problem.square - 1.0).abs() < 1e-8,
             "{}: {square} {}",
@@ -118,7 +130,7 @@ fn the_data_give_the_certified_sum_of_squares() {
 fn derivatives_are_differences() {
     for problem in problems() {
         let b = problem.starts[1];
-        let (mut slopes, mut unused) = ([0.0; CAPACITY], [0.0; CAPACITY]);
+        let (mut slopes, mut unused) = (vec![0.0; b.len()], vec![0.0; b.len()]);
         for (x, _) in problem.readings.rows() {
             problem.model.at(b, &x, &mut slopes);
             for k in 0..b.len() {

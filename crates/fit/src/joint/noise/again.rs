@@ -1,11 +1,12 @@
 //! The noise found again in other residuals at the same readings: what a simulation of the whole procedure needs many
 //! times, with everything that does not change made once.
 
-use crate::joint::dense::Dense;
 use crate::joint::whitening::{Autocorrelation, Whitener};
 use crate::sampled::{Sampled, Span};
+use ieap_numerics::symmetric::Symmetric;
 
 use super::Noise;
+use super::lagged::{Products, among, normal, normal_of, products, scaled, white};
 use super::shared::together;
 use super::smooth::{Smooth, inner};
 use super::tried::{CORRELATIONS, FROM, TO, correlation_at, lowest};
@@ -33,7 +34,7 @@ enum How {
     Size {
         autocorrelation: Autocorrelation,
         whitener: Whitener,
-        inverses: Vec<Dense>,
+        inverses: Vec<Symmetric>,
         white: Vec<Vec<Vec<f64>>>,
     },
 }
@@ -41,13 +42,9 @@ enum How {
 /// One correlation that is tried.
 struct Tried {
     place: f64,
-    inverses: Vec<Dense>,
+    inverses: Vec<Symmetric>,
     determinant: f64,
 }
-
-/// Products of the shapes with the residuals at the same reading and at neighbours: at the first, at later ones, at those
-/// before them, and across.
-pub(crate) type Products = [f64; 4];
 
 impl Again {
     /// For the readings that `noise` was found in.
@@ -62,7 +59,10 @@ impl Again {
             .zip(&smooth.shapes)
             .map(|(span, shapes)| SpanShapes {
                 span: *span,
-                shapes: shapes.iter().map(|shape| scaled(shape, &scale, span)).collect(),
+                shapes: shapes
+                    .iter()
+                    .map(|shape| scaled(shape, &scale[span.first..span.end]))
+                    .collect(),
             })
             .collect();
         let how = match &noise.autocorrelation {
@@ -103,7 +103,7 @@ impl Again {
             } => {
                 let mut square = 0.0;
                 for ((span, inverse), shapes) in self.spans.iter().zip(inverses).zip(white) {
-                    let mut own = scaled(&rest[span.span.first..span.span.end], &self.scale, &span.span);
+                    let mut own = self.rest_of(span, rest);
                     whitener.whiten(&span.span, &mut own);
                     let right: Vec<f64> = shapes.iter().map(|shape| inner(shape, &own)).collect();
                     square += inner(&own, &own) - inverse.form(&right, &right);
@@ -135,7 +135,7 @@ impl Again {
             .spans
             .iter()
             .map(|span| {
-                let own = scaled(&rest[span.span.first..span.span.end], &self.scale, &span.span);
+                let own = self.rest_of(span, rest);
                 let with = span.shapes.iter().map(|shape| products(shape, &own)).collect();
                 (with, products(&own, &own))
             })
@@ -165,6 +165,12 @@ impl Again {
         )
     }
 
+    /// What a fit has left of a span, scaled.
+    fn rest_of(&self, span: &SpanShapes, rest: &[f64]) -> Vec<f64> {
+        let Span { first, end, .. } = span.span;
+        scaled(&rest[first..end], &self.scale[first..end])
+    }
+
     fn sized(&self, variance: f64) -> Vec<f64> {
         let floor = variance.max(f64::MIN_POSITIVE).sqrt();
         self.scale.iter().map(|scale| floor * scale).collect()
@@ -176,25 +182,14 @@ fn deviances(looked: &[(f64, f64)]) -> Vec<f64> {
 }
 
 fn tried(spans: &[SpanShapes]) -> Vec<Tried> {
-    let among: Vec<Vec<Vec<Products>>> = spans
-        .iter()
-        .map(|span| {
-            let row = |a: &Vec<f64>| span.shapes.iter().map(|b| products(a, b)).collect();
-            span.shapes.iter().map(row).collect()
-        })
-        .collect();
+    let among: Vec<Vec<Vec<Products>>> = spans.iter().map(|span| among(&span.shapes)).collect();
     let one = |k: usize| {
         let place = FROM + (TO - FROM) * k as f64 / CORRELATIONS as f64;
         let rho = place.tanh();
         let mut determinant = 0.0;
         let mut inverses = Vec::with_capacity(spans.len());
         for (span, among) in spans.iter().zip(&among) {
-            let mut normal = Dense::zero(among.len());
-            for (a, row) in among.iter().enumerate() {
-                for (b, products) in row.iter().enumerate() {
-                    normal.add(a, b, white(products, rho));
-                }
-            }
+            let normal = normal(among, among.len(), rho);
             let pairs = (span.span.end - span.span.first - 1) as f64;
             determinant += normal.log_determinant() + pairs * (1.0 - rho * rho).ln();
             inverses.push(normal.inverse(1e-14));
@@ -222,40 +217,15 @@ fn of_size(sampled: &Sampled, spans: &[SpanShapes], autocorrelation: &Autocorrel
             span.shapes.iter().map(whitened).collect()
         })
         .collect();
-    let inverse = |shapes: &Vec<Vec<f64>>| {
-        let mut normal = Dense::zero(shapes.len());
-        for (a, left) in shapes.iter().enumerate() {
-            for (b, right) in shapes.iter().enumerate() {
-                normal.add(a, b, inner(left, right));
-            }
-        }
-        normal.inverse(1e-14)
-    };
     How::Size {
         autocorrelation: autocorrelation.clone(),
-        inverses: white.iter().map(inverse).collect(),
+        inverses: white
+            .iter()
+            .map(|shapes| normal_of(shapes).inverse(1e-14))
+            .collect(),
         whitener,
         white,
     }
-}
-
-fn scaled(column: &[f64], scale: &[f64], span: &Span) -> Vec<f64> {
-    let own = &scale[span.first..span.end];
-    column.iter().zip(own).map(|(v, s)| v / s).collect()
-}
-
-/// See [`Products`].
-pub(crate) fn products(x: &[f64], y: &[f64]) -> Products {
-    let last = x.len() - 1;
-    let later = inner(&x[1..], &y[1..]);
-    let ends = x[0] * y[0] - x[last] * y[last];
-    let across = inner(&x[1..], &y[..last]) + inner(&x[..last], &y[1..]);
-    [x[0] * y[0], later, later + ends, across]
-}
-
-/// The product of both series made white by that correlation.
-pub(crate) fn white([first, later, earlier, across]: &Products, rho: f64) -> f64 {
-    first + (later + rho * rho * earlier - rho * across) / (1.0 - rho * rho)
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! The memory of noise, by restricted likelihood beside the smooth part, so that the smooth part costs no bias.
 
-use crate::joint::dense::Dense;
 use crate::joint::whitening::{Autocorrelation, Whitener};
 use crate::sampled::{Sampled, Span};
 use ieap_numerics::correlation::yule_walker;
 
+use super::lagged::{Products, among, normal, normal_of, scaled, white};
 use super::smooth::{Smooth, inner};
 use super::tried::{CORRELATIONS, EVIDENCE, FROM, TO, lowest};
 
@@ -32,16 +32,7 @@ impl Smooth {
             };
             let columns: Vec<Vec<f64>> = shapes.iter().map(|shape| white(shape)).collect();
             let rest = white(&self.rest[span.first..span.end]);
-            let mut normal = Dense::zero(columns.len());
-            for (a, left) in columns.iter().enumerate() {
-                for (b, right) in columns[..=a].iter().enumerate() {
-                    let product = inner(left, right);
-                    normal.add(a, b, product);
-                    if a != b {
-                        normal.add(b, a, product);
-                    }
-                }
-            }
+            let normal = normal_of(&columns);
             let right: Vec<f64> = columns.iter().map(|column| inner(column, &rest)).collect();
             let solved = normal.solve(&right, 1e-14);
             square += inner(&rest, &rest) - inner(&right, &solved);
@@ -82,68 +73,33 @@ impl Smooth {
         FoundAutocorrelation::of(best, by_correlation)
     }
 
-    /// Products of the scaled shapes and rest with each other, at the same reading and at neighbours.
+    /// Products of the scaled shapes and rest with each other.
     fn lagged(&self, sampled: &Sampled, scale: &[f64]) -> Lagged {
-        let scaled = |column: &[f64], span: &Span| -> Vec<f64> {
-            column
-                .iter()
-                .zip(&scale[span.first..span.end])
-                .map(|(v, s)| v / s)
-                .collect()
+        let of_span = |(span, shapes): (&Span, &Vec<Vec<f64>>)| {
+            let scale = &scale[span.first..span.end];
+            let rest = &self.rest[span.first..span.end];
+            let mut columns: Vec<Vec<f64>> = shapes.iter().map(|shape| scaled(shape, scale)).collect();
+            columns.push(scaled(rest, scale));
+            (among(&columns), (span.end - span.first - 1) as f64)
         };
-        let mut lagged = Lagged {
-            spans: Vec::new(),
+        Lagged {
+            spans: sampled.spans.iter().zip(&self.shapes).map(of_span).collect(),
             readings: sampled.len() as f64,
             determinant: scale.iter().map(|s| 2.0 * s.ln()).sum(),
-        };
-        for (span, shapes) in sampled.spans.iter().zip(&self.shapes) {
-            let mut columns: Vec<Vec<f64>> = shapes.iter().map(|shape| scaled(shape, span)).collect();
-            columns.push(scaled(&self.rest[span.first..span.end], span));
-            let last = span.end - span.first - 1;
-            let mut products = [(); 4].map(|()| Dense::zero(columns.len()));
-            for (a, x) in columns.iter().enumerate() {
-                for (b, y) in columns[..=a].iter().enumerate() {
-                    let later = inner(&x[1..], &y[1..]);
-                    let ends = x[0] * y[0] - x[last] * y[last];
-                    let across = inner(&x[1..], &y[..last]) + inner(&x[..last], &y[1..]);
-                    for (product, value) in
-                        products
-                            .iter_mut()
-                            .zip([x[0] * y[0], later, later + ends, across])
-                    {
-                        product.add(a, b, value);
-                        if a != b {
-                            product.add(b, a, value);
-                        }
-                    }
-                }
-            }
-            lagged.spans.push((products, last as f64));
         }
-        lagged
     }
 
     /// As [`Smooth::deviance`] for a first-order autoregression by reading order, from sums made before.
     fn deviance_of(&self, lagged: &Lagged, rho: f64) -> (f64, f64) {
-        let new = 1.0 - rho * rho;
         let mut square = 0.0;
         let mut determinant = lagged.determinant;
-        for ([first, later, earlier, both], pairs) in &lagged.spans {
-            let white = |a: usize, b: usize| {
-                let after = later.get(a, b) + rho * rho * earlier.get(a, b) - rho * both.get(a, b);
-                first.get(a, b) + after / new
-            };
-            let count = first.order() - 1;
-            let mut normal = Dense::zero(count);
-            for a in 0..count {
-                for b in 0..count {
-                    normal.add(a, b, white(a, b));
-                }
-            }
-            let right: Vec<f64> = (0..count).map(|a| white(a, count)).collect();
+        for (products, pairs) in &lagged.spans {
+            let count = products.len() - 1;
+            let normal = normal(products, count, rho);
+            let right: Vec<f64> = products[count][..count].iter().map(|p| white(p, rho)).collect();
             let solved = normal.solve(&right, 1e-14);
-            square += white(count, count) - inner(&right, &solved);
-            determinant += normal.log_determinant() + pairs * new.ln();
+            square += white(&products[count][count], rho) - inner(&right, &solved);
+            determinant += normal.log_determinant() + pairs * (1.0 - rho * rho).ln();
         }
         let freedom = (lagged.readings - self.terms()).max(1.0);
         let variance = (square / freedom).max(f64::MIN_POSITIVE);
@@ -235,9 +191,8 @@ impl FoundAutocorrelation {
 
 /// Sums from which the likelihood of any first-order autoregression follows.
 struct Lagged {
-    /// Per span the products at the first reading, at later ones, at those before them, and across; and the
-    /// number of pairs of neighbours.
-    spans: Vec<([Dense; 4], f64)>,
+    /// Per span the products of shapes and rest, the rest last, and the number of pairs of neighbours.
+    spans: Vec<(Vec<Vec<Products>>, f64)>,
     readings: f64,
     determinant: f64,
 }
