@@ -224,6 +224,7 @@ fn judged(case: &Case, errors: &[Vec<f64>]) -> Option<(f64, f64, LumpedOrDistrib
             length_cm: case.kind.length_cm,
             width_cm: case.kind.width_cm,
             electrode_resistance_ohm_per_sq: None,
+            electrode_resistance_error_ohm_per_sq: None,
         },
     })?;
     let found = decided.unevenness?;

@@ -194,6 +194,7 @@ impl Sample {
                 length_cm: self.length_cm,
                 width_cm: self.width_cm,
                 electrode_resistance_ohm_per_sq: given.then_some(self.electrode_ohm_per_sq),
+                electrode_resistance_error_ohm_per_sq: None,
             },
         };
         fit_distributed(&input, Steps::Simultaneous).ok()

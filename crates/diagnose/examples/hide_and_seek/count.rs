@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::case::{Plan, case, diagnose, responses, true_responses};
 use crate::hidden::{HIDEABLE, Outside, apart, hidden, outside};
 use crate::oracle::oracle;
-use crate::verdicts::Count;
+use crate::verdicts::{Count, both};
 
 /// Groups with p below 0.05, and groups that were given a name, among so many clean ones from seed `first` on.
 pub fn nulls(first: u64, count: u64) -> (usize, usize) {
@@ -158,10 +158,9 @@ pub fn effects(first: u64, count: u64, strengths: &[f64], only: &[String]) -> [u
                 };
                 if shown {
                     println!(
-                        "    {:?} -> {} {:?} {} {:?}",
+                        "    {id} d = {d} {:?} -> {}; {} {:?}",
                         applied.parameters,
-                        found.verdict.key(),
-                        found.set,
+                        both(found),
                         found.sentence,
                         found
                             .gain

@@ -16,7 +16,7 @@ use crate::case::{Case, Plan, case, diagnose, truly};
 use crate::hidden::{HIDEABLE, OUTSIDE, Outside, hidden_variants, scale, strength_bounds};
 use crate::nearness::cosine;
 use crate::reach::{Range, reach};
-use crate::verdicts::Count;
+use crate::verdicts::{Count, both};
 
 /// A foreign trace is near where its cosine with one of its own effect's is above this.
 const NEAR: f64 = 0.95;
@@ -143,10 +143,9 @@ impl Cause {
         let found = diagnose(&mut case, &with);
         if std::env::var_os("SHOW").is_some() {
             eprintln!(
-                "{} {form} {kind}, d = {d}, seed {seed}: {} {:?} {}",
+                "{} {form} {kind}, d = {d}, seed {seed}: {}; {}",
                 self.id(),
-                found.verdict.key(),
-                found.set,
+                both(&found),
                 found.sentence
             );
         }

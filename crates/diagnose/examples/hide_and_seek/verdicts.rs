@@ -7,6 +7,17 @@ use ieap_domain::{GroupDiagnosis, Verdict};
 
 use crate::benchmark::percent;
 
+/// What the rules and the probabilities say, for a line of a log.
+pub fn both(found: &GroupDiagnosis) -> String {
+    format!(
+        "by rules {} {:?}, by probability {} {:?}",
+        found.verdict.key(),
+        found.set,
+        by_evidence(&found.posterior).key(),
+        set_of(&found.posterior)
+    )
+}
+
 /// Groups of a row.
 #[derive(Debug, Clone, Default)]
 pub struct Count {

@@ -5,7 +5,7 @@ use ieap_model::LumpedModel;
 use ieap_model::extended::Responses;
 use ieap_numerics::sums::dot;
 
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 /// Relative step of the difference quotients.
 const STEP: f64 = 1e-5;
@@ -92,7 +92,7 @@ pub fn base_columns(model: &LumpedModel, design: &[DesignRun], noise: KnownNoise
 /// Gauss-Newton step in the logarithms of the base parameters.
 fn step(model: &LumpedModel, design: &[DesignRun], noise: KnownNoise, left: &[f64]) -> Vec<f64> {
     let columns = base_columns(model, design, noise);
-    let mut normal = Dense::zero(columns.len());
+    let mut normal = Symmetric::zero(columns.len());
     for (a, x) in columns.iter().enumerate() {
         for (b, y) in columns.iter().enumerate() {
             normal.add(a, b, dot(x, y));

@@ -179,7 +179,7 @@ impl Form {
 
 /// The forms in which a base parameter may differ, those of [`ieap_model::effects::tag_places`]' effects.
 fn forms(group: &RunGroup, fitted: &Fitted) -> Vec<Form> {
-    let (_, jacobian) = fitted.problem.slope(&fitted.at, &[]);
+    let (_, jacobian) = fitted.problem.slope(&fitted.at);
     let tangent = Tangent::of(&jacobian);
     let residuals = fitted.residuals();
     let branches = fitted.base().branches.len();

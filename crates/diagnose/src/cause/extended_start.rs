@@ -1,7 +1,7 @@
 //! Where the search for one more effect beside a fitted model begins.
 
-use ieap_numerics::dense::Dense;
 use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::fitted::Fitted;
 use crate::misfit::signature::Signature;
@@ -17,12 +17,12 @@ pub(crate) struct ExtendedStart<'a, 'g> {
     pub(crate) current: &'a Fitted<'g>,
     /// Columns of its Jacobian.
     columns: Vec<Vec<f64>>,
-    normal: Dense,
+    normal: Symmetric,
 }
 
 impl<'a, 'g> ExtendedStart<'a, 'g> {
     pub(crate) fn of(current: &'a Fitted<'g>) -> ExtendedStart<'a, 'g> {
-        let (slope, columns) = current.problem.slope(&current.at, &[]);
+        let (slope, columns) = current.problem.slope(&current.at);
         ExtendedStart {
             current,
             columns,

@@ -3,8 +3,8 @@
 use ieap_domain::{Fit, Issue, Parameter};
 use ieap_fit::{BaseKnowledge, FitInput, fit_of_run};
 use ieap_model::{FitModel, ModelChoice};
-use ieap_numerics::dense::Dense;
 use ieap_numerics::student::quantile_95;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::cause::candidates::added;
 use crate::fitting::fitted::Fitted;
@@ -126,7 +126,7 @@ pub fn model_version(base: &FitModel) -> u32 {
 
 /// Place and covariance of the base parameters, branches by time constant.
 fn knowledge(extended: &Fitted, wider: f64, quantile: f64) -> BaseKnowledge {
-    let (slope, _) = extended.problem.slope(&extended.at, &[]);
+    let (slope, _) = extended.problem.slope(&extended.at);
     let inverse = slope.normal.inverse(1e-12);
     let mut base = extended.base();
     let n = base.branches.len();
@@ -145,7 +145,7 @@ fn knowledge(extended: &Fitted, wider: f64, quantile: f64) -> BaseKnowledge {
         k if k < 2 * n => (n + order[k - n], 1.0),
         k => (k, units[k - 2 * n]),
     };
-    let mut covariance = Dense::zero(len);
+    let mut covariance = Symmetric::zero(len);
     for a in 0..len {
         for b in 0..len {
             let ((i, by_i), (j, by_j)) = (coordinate(a), coordinate(b));

@@ -2,8 +2,7 @@
 
 use ieap_domain::{Estimate, Parameter};
 use ieap_model::LumpedModel;
-use ieap_numerics::dense::Slope;
-use ieap_numerics::levenberg::Stop;
+use ieap_numerics::least_squares::{Local, Minimum, Stop};
 use ieap_numerics::student::quantile_95;
 
 use crate::fitting::problem::{ExtendedProblem, FreeEffect};
@@ -44,17 +43,13 @@ impl<'g> Fitted<'g> {
     ) -> Option<Fitted<'g>> {
         let settle = settle(&problem, problem.square(starts.first()?));
         let mut evaluations = 0;
-        let short = starts.iter().map(|start| {
-            let bottom = problem.descend(start, SHORT, settle, known);
-            evaluations += bottom.evaluations;
-            bottom
-        });
-        let best = short
-            .filter(|bottom| bottom.slope.square.is_finite())
-            .min_by(|a, b| a.slope.square.total_cmp(&b.slope.square))?;
+        let short = starts
+            .iter()
+            .map(|start| problem.search(start, SHORT, settle, known));
+        let best = Minimum::lowest(short.inspect(|bottom| evaluations += bottom.evaluations))?;
         Some(Fitted {
             at: best.at,
-            square: best.slope.square,
+            square: best.local.square,
             evaluations,
             stop: best.stop,
             problem,
@@ -76,10 +71,10 @@ impl<'g> Fitted<'g> {
     /// Goes on to the end.
     pub(crate) fn polished(self) -> Fitted<'g> {
         let settle = settle(&self.problem, self.square);
-        let bottom = self.problem.descend(&self.at, LONG, settle, &[]);
+        let bottom = self.problem.search(&self.at, LONG, settle, &[]);
         Fitted {
             at: bottom.at,
-            square: bottom.slope.square,
+            square: bottom.local.square,
             evaluations: self.evaluations + bottom.evaluations,
             stop: bottom.stop,
             problem: self.problem,
@@ -121,8 +116,8 @@ impl<'g> Fitted<'g> {
     }
 
     /// Sum of squares with its slope, and what a refit of all parameters absorbs.
-    pub(crate) fn tangent(&self) -> (Slope, Tangent) {
-        let (slope, jacobian) = self.problem.slope(&self.at, &[]);
+    pub(crate) fn tangent(&self) -> (Local, Tangent) {
+        let (slope, jacobian) = self.problem.slope(&self.at);
         (slope, Tangent::of(&jacobian))
     }
 
@@ -153,7 +148,7 @@ impl<'g> Fitted<'g> {
 
     /// The same with all standard errors `wider`.
     pub(crate) fn effect_parameters_widened(&self, group: &RunGroup, wider: f64) -> Vec<Vec<Parameter>> {
-        let (slope, _) = self.problem.slope(&self.at, &[]);
+        let (slope, _) = self.problem.slope(&self.at);
         let inverse = slope.normal.inverse(1e-12);
         let quantile = quantile_95(freedom(group));
         let mut first = self.problem.base_len();
@@ -228,7 +223,7 @@ impl<'g> Fitted<'g> {
 
     /// Base parameters by their stored keys with their standard errors.
     pub(crate) fn base_parameters(&self) -> Vec<(String, f64, f64)> {
-        let (slope, _) = self.problem.slope(&self.at, &[]);
+        let (slope, _) = self.problem.slope(&self.at);
         let inverse = slope.normal.inverse(1e-12);
         let sd = |k: usize| inverse.get(k, k).max(0.0).sqrt();
         let base = self.base();

@@ -51,8 +51,8 @@ fn from_probe(group: &RunGroup, fitted: &Fitted, number: usize, probe: &[f64]) -
         .map(|at| (problem.square(&at), at))
         .filter(|(square, _)| square.is_finite())
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let bottom = problem.descend(&nearest.1, SEARCH, SETTLE, &[]);
-    let rise = (bottom.slope.square - fitted.square).max(0.0);
+    let bottom = problem.search(&nearest.1, SEARCH, SETTLE, &[]);
+    let rise = (bottom.local.square - fitted.square).max(0.0);
     (rise < BEYOND).then(|| Mode {
         model: problem.model(&bottom.at),
         rise,

@@ -4,7 +4,7 @@ use ieap_fit::WhitenedChannel;
 use ieap_model::effects::{Applied, Effect, Limits};
 use ieap_model::extended::ExtendedModel;
 use ieap_model::{Branch, LumpedModel};
-use ieap_numerics::dense::{Bottom, Slope, descend};
+use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 use ieap_numerics::sums::dot;
 
 use crate::readings::group::RunGroup;
@@ -66,6 +66,14 @@ impl FreeEffect {
         free.map(|k| self.coordinate(k, values[k])).collect()
     }
 
+    /// Adds the limits of the free parameters.
+    fn bound(&self, bounds: &mut Bounds) {
+        let lows: Vec<f64> = self.limits.iter().map(|limits| limits.low).collect();
+        let highs: Vec<f64> = self.limits.iter().map(|limits| limits.high).collect();
+        bounds.low.extend(self.coordinates(&lows));
+        bounds.high.extend(self.coordinates(&highs));
+    }
+
     /// Parameters at `coordinates` of the free ones.
     pub(crate) fn values(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut next = coordinates.iter();
@@ -107,8 +115,7 @@ pub(crate) struct ExtendedProblem<'g> {
     resolved_s: Option<f64>,
     /// Rows that take no part; empty where all do.
     left_out: Vec<bool>,
-    low: Vec<f64>,
-    high: Vec<f64>,
+    bounds: Bounds,
 }
 
 impl<'g> ExtendedProblem<'g> {
@@ -142,8 +149,7 @@ impl<'g> ExtendedProblem<'g> {
             start: start.clone(),
             resolved_s: Some(shortest_s),
             left_out: Vec::new(),
-            low: Vec::new(),
-            high: Vec::new(),
+            bounds: Bounds::default(),
         };
         problem.bound();
         problem
@@ -151,30 +157,21 @@ impl<'g> ExtendedProblem<'g> {
 
     fn bound(&mut self) {
         let at = self.base_coordinates(&self.start);
-        let logs = 2 * self.branches;
-        self.low = at[..logs].iter().map(|x| x - REACH).collect();
-        self.high = at[..logs].iter().map(|x| x + REACH).collect();
-        self.low.push(0.0);
-        self.high.push(1e6);
+        self.bounds = Bounds::about(&at[..2 * self.branches], REACH);
+        self.bounds.push(0.0, 1e6);
         if self.bends {
-            self.low.extend([-1e6, 0.0]);
-            self.high.extend([1e6, 1e5]);
+            self.bounds.push(-1e6, 1e6);
+            self.bounds.push(0.0, 1e5);
         }
         for free_effect in &self.effects {
-            let lows: Vec<f64> = free_effect.limits.iter().map(|limits| limits.low).collect();
-            let highs: Vec<f64> = free_effect.limits.iter().map(|limits| limits.high).collect();
-            self.low.extend(free_effect.coordinates(&lows));
-            self.high.extend(free_effect.coordinates(&highs));
+            free_effect.bound(&mut self.bounds);
         }
     }
 
     /// The same with one more effect, its coordinates behind the others.
     pub(crate) fn with(&self, free_effect: FreeEffect) -> ExtendedProblem<'g> {
         let mut problem = self.clone();
-        let lows: Vec<f64> = free_effect.limits.iter().map(|limits| limits.low).collect();
-        let highs: Vec<f64> = free_effect.limits.iter().map(|limits| limits.high).collect();
-        problem.low.extend(free_effect.coordinates(&lows));
-        problem.high.extend(free_effect.coordinates(&highs));
+        free_effect.bound(&mut problem.bounds);
         problem.effects.push(free_effect);
         problem
     }
@@ -310,28 +307,12 @@ impl<'g> ExtendedProblem<'g> {
         }
     }
 
-    /// Sum of squares with its slope, and the Jacobian of the residuals column by column; the first columns are
-    /// taken from `known` as far as it goes.
-    pub(crate) fn slope(&self, at: &[f64], known: &[Vec<f64>]) -> (Slope, Vec<Vec<f64>>) {
+    /// Sum of squares with its slope, and the Jacobian of the residuals column by column.
+    pub(crate) fn slope(&self, at: &[f64]) -> (Local, Vec<Vec<f64>>) {
         let mut here = Vec::new();
         self.residuals(at, &mut here);
-        let fresh = (known.len()..at.len())
-            .map(|k| self.column(at, k, &here))
-            .collect::<Vec<_>>();
-        let mut slope = Slope::zero(at.len());
-        slope.square = dot(&here, &here);
-        let columns: Vec<&Vec<f64>> = known.iter().chain(&fresh).collect();
-        for (a, left) in columns.iter().enumerate() {
-            slope.descent[a] = -dot(left, &here);
-            for (b, right) in columns[..=a].iter().enumerate() {
-                let product = dot(left, right);
-                slope.normal.add(a, b, product);
-                if a != b {
-                    slope.normal.add(b, a, product);
-                }
-            }
-        }
-        (slope, fresh)
+        let columns: Vec<Vec<f64>> = (0..at.len()).map(|k| self.column(at, k, &here)).collect();
+        (local_of(&here, &columns.iter().collect::<Vec<_>>()), columns)
     }
 
     /// How whitened residuals follow all resistances of branches at once, and how the size of the bending, both in
@@ -355,7 +336,11 @@ impl<'g> ExtendedProblem<'g> {
     }
 
     fn column(&self, at: &[f64], k: usize, here: &[f64]) -> Vec<f64> {
-        let step = if at[k] + STEP > self.high[k] { -STEP } else { STEP };
+        let step = if at[k] + STEP > self.bounds.high[k] {
+            -STEP
+        } else {
+            STEP
+        };
         let mut there = at.to_vec();
         there[k] += step;
         let mut column = Vec::with_capacity(here.len());
@@ -368,41 +353,62 @@ impl<'g> ExtendedProblem<'g> {
 
     /// Lowers the sum of squares from `start` within `limit` evaluations of the slope. Columns of the Jacobian that
     /// are `known` are held: the search then takes more steps, each of them cheap.
-    pub(crate) fn descend(&self, start: &[f64], limit: u64, settle: f64, known: &[Vec<f64>]) -> Bottom {
-        let mut lowest = f64::INFINITY;
-        descend(start, &self.low, &self.high, limit, settle, |at| {
-            let mut residuals = Vec::new();
-            self.residuals(at, &mut residuals);
-            let square = dot(&residuals, &residuals);
-            if square >= lowest {
-                // It will not be taken: its slope is not asked for.
-                let mut slope = Slope::zero(at.len());
-                slope.square = square;
-                return slope;
-            }
-            lowest = square;
-            self.slope(at, known).0
-        })
+    pub(crate) fn search(&self, start: &[f64], limit: u64, settle: f64, known: &[Vec<f64>]) -> Minimum {
+        let problem = self;
+        Levenberg::by_diagonal(limit, settle).search(&Knowing { problem, known }, start)
     }
 
     /// Limits of coordinate `k`.
     pub(crate) fn limits_of(&self, k: usize) -> (f64, f64) {
-        (self.low[k], self.high[k])
+        (self.bounds.low[k], self.bounds.high[k])
     }
 
     /// Whether coordinate `k` may not take that value.
     pub(crate) fn is_outside(&self, k: usize, value: f64) -> bool {
-        value < self.low[k] || value > self.high[k]
+        !self.bounds.contain(k, value)
     }
 
     /// The value of coordinate `k`, or the limit that it passes.
     pub(crate) fn within(&self, k: usize, value: f64) -> f64 {
-        value.clamp(self.low[k], self.high[k])
+        value.clamp(self.bounds.low[k], self.bounds.high[k])
     }
 
     /// Whether coordinate `k` lies at a limit of the search.
     pub(crate) fn at_limit(&self, k: usize, value: f64) -> bool {
-        let near = 1e-6 * (self.high[k] - self.low[k]).min(1.0);
-        value <= self.low[k] + near || value >= self.high[k] - near
+        let (low, high) = self.limits_of(k);
+        let near = 1e-6 * (high - low).min(1.0);
+        value <= low + near || value >= high - near
     }
+}
+
+/// A problem of which the first columns of the Jacobian are known.
+struct Knowing<'k, 'g> {
+    problem: &'k ExtendedProblem<'g>,
+    known: &'k [Vec<f64>],
+}
+
+impl Problem for Knowing<'_, '_> {
+    fn bounds(&self) -> Bounds {
+        self.problem.bounds.clone()
+    }
+
+    fn local(&self, at: &[f64], most: f64) -> Local {
+        let mut here = Vec::new();
+        self.problem.residuals(at, &mut here);
+        let square = dot(&here, &here);
+        if square > most {
+            return Local::refused(square, at.len());
+        }
+        let fresh: Vec<Vec<f64>> = (self.known.len()..at.len())
+            .map(|k| self.problem.column(at, k, &here))
+            .collect();
+        local_of(&here, &self.known.iter().chain(&fresh).collect::<Vec<_>>())
+    }
+}
+
+/// From residuals and the derivatives of the residuals themselves, whose sign is the other one.
+fn local_of(residuals: &[f64], columns: &[&Vec<f64>]) -> Local {
+    let mut local = Local::of(residuals, columns);
+    local.descent.iter_mut().for_each(|d| *d = -*d);
+    local
 }

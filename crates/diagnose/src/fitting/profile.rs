@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use ieap_domain::StrengthProfile;
 use ieap_model::extended::ExtendedModel;
-use ieap_numerics::levenberg::Stop;
+use ieap_numerics::least_squares::Stop;
 
 use crate::fitting::ends::{BOUNDS, together};
 use crate::fitting::fitted::Fitted;
@@ -31,7 +31,7 @@ const HALVINGS: usize = 5;
 
 /// Profiles of every parameter of the effects that is searched, effect after effect.
 pub(crate) fn profiles(group: &RunGroup, fitted: &Fitted) -> Vec<StrengthProfile> {
-    let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
+    let (slope, _) = fitted.problem.slope(&fitted.at);
     let inverse = slope.normal.inverse(1e-12);
     let effects = &fitted.problem.effects;
     let scale = scale(group, &fitted.problem, &fitted.at);
@@ -295,14 +295,14 @@ impl Along<'_, '_> {
         let problem = ExtendedProblem::new(self.group, &from.base, all);
         let parameters: Vec<Vec<f64>> = from.effects.iter().map(|e| e.parameters.clone()).collect();
         let start = problem.coordinates(&from.base, &parameters);
-        let mut bottom = problem.descend(&start, evaluations, SETTLE, &[]);
-        if bottom.stop == Stop::EvaluationLimit && bottom.slope.square - self.fitted.square > self.together()
+        let mut bottom = problem.search(&start, evaluations, SETTLE, &[]);
+        if bottom.stop == Stop::EvaluationLimit && bottom.local.square - self.fitted.square > self.together()
         {
-            bottom = problem.descend(&bottom.at, LONG, SETTLE, &[]);
+            bottom = problem.search(&bottom.at, LONG, SETTLE, &[]);
         }
-        bottom.slope.square.is_finite().then(|| Point {
+        bottom.local.square.is_finite().then(|| Point {
             value: from.effects[number].parameters[parameter],
-            rise: (bottom.slope.square - self.fitted.square).max(0.0),
+            rise: (bottom.local.square - self.fitted.square).max(0.0),
             model: problem.model(&bottom.at),
         })
     }

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use ieap_fit::{FoundAgain, NoiseAgain, Pair, Scaled};
-use ieap_numerics::dense::Dense;
 use ieap_numerics::interrupt;
 use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::tangent::Tangent;
 use crate::misfit::null::Null;
@@ -191,7 +191,7 @@ impl Simulation {
             let blocks = found.iter().zip(pairs);
             blocks.map(|(found, pair)| found.product(pair)).sum()
         };
-        let mut normal = Dense::zero(self.normal.len());
+        let mut normal = Symmetric::zero(self.normal.len());
         for (row, products) in self.normal.iter().enumerate() {
             for (column, pairs) in products.iter().enumerate() {
                 normal.add(row, column, product(pairs));

@@ -11,7 +11,7 @@ use ieap_domain::{
 };
 
 use crate::cause::between::refused_in_words;
-use crate::cause::evidence::{Asked, weigh};
+use crate::cause::evidence::{Asked, of_one_name, weigh};
 use crate::cause::proof::held_out::Part;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
@@ -119,7 +119,7 @@ impl<'g> FindingBuilder<'_, 'g> {
             .held_out
             .as_ref()
             .is_some_and(|held_out| held_out.passed(total));
-        let sets = self.sets(selection);
+        let mut sets = self.sets(selection);
         found.candidates = self.candidates(selection, passed);
         let candidates = selection.steps.first().map_or(&[][..], |step| &step.candidates);
         found.confusable = self.confusable(candidates.iter().map(|candidate| candidate.direction));
@@ -145,6 +145,11 @@ impl<'g> FindingBuilder<'_, 'g> {
             () if sets.iter().any(|set| set.len() > 1) => Verdict::Set,
             () => one_name(Some(selection.p_leftover)),
         };
+        if let (Verdict::Named, [names]) = (found.verdict, sets.as_mut_slice()) {
+            let (verdict, others) = of_one_name(names[0], &found.posterior);
+            found.verdict = verdict;
+            names.extend(others.iter().filter_map(|id| Some(effect(id)?.about().id)));
+        }
         if found.verdict != Verdict::Unknown && found.verdict != Verdict::DataProblem {
             let forms = self.other_forms(model);
             let profiles = profiles(self.group, model);

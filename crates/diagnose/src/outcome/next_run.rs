@@ -3,7 +3,7 @@
 use ieap_domain::seconds::seconds;
 use ieap_domain::{Drive, Level, NextRun, Segment};
 use ieap_model::extended::ExtendedModel;
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
@@ -158,7 +158,7 @@ fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, dur
     let there = weighted(&truth.problem.model(&truth.at));
     let miss: Vec<f64> = there.iter().zip(&here).map(|(a, b)| a - b).collect();
     let (slope, _) = rival.tangent();
-    let mut normal: Dense = slope.normal;
+    let mut normal: Symmetric = slope.normal;
     let columns: Vec<Vec<f64>> = (0..rival.at.len())
         .map(|k| {
             let mut at = rival.at.clone();

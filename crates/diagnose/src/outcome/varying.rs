@@ -10,7 +10,7 @@ use crate::levels::WRONG;
 /// which it has not seen stands: what differs freely predicts none. One that leaves a misfit yields to what leaves none.
 /// That a parameter follows a tag is said in those words already.
 pub(crate) fn leads(found: &GroupDiagnosis) -> bool {
-    let explains = found.verdict.names_a_cause() && found.verdict != Verdict::Partial;
+    let explains = matches!(found.verdict, Verdict::Named | Verdict::Set | Verdict::Resembles);
     let is_proved = explains && found.gains_clearly();
     let is_told = found.effects.iter().any(|own| follows_a_tag(&own.effect));
     by_evidence(&found.posterior) == Verdict::Varies && !found.differs.is_empty() && !is_proved && !is_told

@@ -4,14 +4,14 @@
 //! beside the same integral of the base alone. Parameters of the base have the same flat prior under every hypothesis: of
 //! theirs only the change of their width is left.
 
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{KNOWN_BEFORE, SIZES};
 use crate::fitting::fitted::Fitted;
 
 /// Logarithm of the evidence for `fitted` over that of `base`, both of the same readings.
-pub(super) fn log_evidence(base: &Fitted, base_normal: &Dense, fitted: &Fitted) -> f64 {
-    let (slope, _) = fitted.problem.slope(&fitted.at, &[]);
+pub(super) fn log_evidence(base: &Fitted, base_normal: &Symmetric, fitted: &Fitted) -> f64 {
+    let (slope, _) = fitted.problem.slope(&fitted.at);
     let known = fitted.problem.base_len();
     let normal = known_before(&slope.normal, known);
     let fall = 0.5 * (base.square - fitted.square);
@@ -47,8 +47,8 @@ fn strength(coordinate: f64, precision: f64, either_sign: bool) -> f64 {
 
 /// Precision of coordinate `k` where the parameters of the base (the first `base` coordinates) are free and its fellows are
 /// held.
-fn precision_beside(normal: &Dense, base: usize, k: usize) -> f64 {
-    let mut part = Dense::zero(base);
+fn precision_beside(normal: &Symmetric, base: usize, k: usize) -> f64 {
+    let mut part = Symmetric::zero(base);
     for a in 0..base {
         for b in 0..base {
             part.add(a, b, normal.get(a, b));
@@ -61,7 +61,7 @@ fn precision_beside(normal: &Dense, base: usize, k: usize) -> f64 {
 }
 
 /// The matrix with what is known of the first `base` coordinates before any reading.
-pub(super) fn known_before(normal: &Dense, base: usize) -> Dense {
+pub(super) fn known_before(normal: &Symmetric, base: usize) -> Symmetric {
     let mut known = normal.clone();
     for k in 0..base.min(known.order()) {
         known.add(k, k, KNOWN_BEFORE);

@@ -1,7 +1,8 @@
 //! Every run of a group with parameters of its own.
 
 use ieap_model::FitModel;
-use ieap_numerics::dense::{Dense, Slope};
+use ieap_numerics::least_squares::Local;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::base_fit::of_each_run;
 use crate::fitting::fitted::Fitted;
@@ -11,13 +12,13 @@ use crate::readings::group::RunGroup;
 pub(super) struct OwnFits {
     /// Coordinates of every run.
     pub(super) at: Vec<Vec<f64>>,
-    slopes: Vec<Slope>,
+    slopes: Vec<Local>,
 }
 
 /// What one run says of its parameters: half of the rise of its sum of squares about `b`'s place.
 pub(super) struct RunForm {
     /// J'J.
-    pub(super) precision: Dense,
+    pub(super) precision: Symmetric,
     /// Precision times the best place.
     pub(super) pull: Vec<f64>,
     /// Sum of squares at the origin of the coordinates, as this form has it.
@@ -40,7 +41,7 @@ impl OwnFits {
                 .filter(|own| own.branches.len() == base.base().branches.len());
             starts.extend(whole.map(|own| problem.coordinates(own, &[])));
             let own = Fitted::search(problem, &starts, &[])?.converged();
-            let (slope, _) = own.problem.slope(&own.at, &[]);
+            let (slope, _) = own.problem.slope(&own.at);
             found.at.push(own.at);
             found.slopes.push(slope);
         }
@@ -55,7 +56,7 @@ impl OwnFits {
 }
 
 impl RunForm {
-    pub(super) fn of(at: &[f64], slope: &Slope) -> RunForm {
+    pub(super) fn of(at: &[f64], slope: &Local) -> RunForm {
         let n = at.len();
         let row = |k: usize| -> f64 { (0..n).map(|l| slope.normal.get(k, l) * at[l]).sum() };
         let bend: Vec<f64> = (0..n).map(row).collect();
@@ -74,11 +75,11 @@ mod tests {
 
     #[test]
     fn a_form_gives_back_its_sum_of_squares() {
-        let mut normal = Dense::zero(2);
+        let mut normal = Symmetric::zero(2);
         for (a, b, value) in [(0, 0, 4.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 9.0)] {
             normal.add(a, b, value);
         }
-        let slope = Slope {
+        let slope = Local {
             square: 7.0,
             descent: vec![0.0, -0.5],
             normal: normal.clone(),

@@ -2,7 +2,7 @@
 
 use ieap_domain::{Hypothesis, HypothesisKind, VaryingParameter, VaryingValue};
 use ieap_model::FitModel;
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 use rayon::prelude::*;
 
 use super::form_error::form_error;
@@ -118,7 +118,7 @@ fn weight(kind: HypothesisKind, prior: f64, log_evidence: f64) -> Hypothesis {
 
 /// Every effect and pair that was fitted, each alone and with something unnamed beside it; those that were not fitted by what
 /// they promise.
-fn of_effects(asked: &Asked, normal: &Dense, nameless: &Nameless, residuals: &[f64]) -> Vec<Hypothesis> {
+fn of_effects(asked: &Asked, normal: &Symmetric, nameless: &Nameless, residuals: &[f64]) -> Vec<Hypothesis> {
     let singles = asked
         .selection
         .steps
@@ -163,7 +163,7 @@ fn of_effects(asked: &Asked, normal: &Dense, nameless: &Nameless, residuals: &[f
 
 fn of_fitted(
     asked: &Asked,
-    normal: &Dense,
+    normal: &Symmetric,
     nameless: &Nameless,
     residuals: &[f64],
     fitted: &Fitted,
@@ -212,7 +212,7 @@ struct Varying {
 }
 
 impl Varying {
-    fn of(asked: &Asked, normal: &Dense) -> Option<Varying> {
+    fn of(asked: &Asked, normal: &Symmetric) -> Option<Varying> {
         if asked.group.runs.len() < 2 {
             return None;
         }

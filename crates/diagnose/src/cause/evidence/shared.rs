@@ -1,6 +1,6 @@
 //! Runs that share some parameters and have others of their own, fitted in full.
 
-use ieap_numerics::dense::{Slope, descend};
+use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem};
 
 use crate::fitting::fitted::{Fitted, LONG};
 use crate::fitting::problem::ExtendedProblem;
@@ -50,31 +50,37 @@ pub(super) fn fit(base: &Fitted, own: &[usize], starts: &[Vec<f64>]) -> Shared {
         .map(|run| base.problem.over(vec![run]))
         .collect();
     let order = layout.order(starts.len());
-    let (mut at, mut low, mut high) = (vec![0.0; order], vec![0.0; order], vec![0.0; order]);
+    let (mut at, mut bounds) = (vec![0.0; order], Bounds::even(order, 0.0, 0.0));
     for (run, start) in starts.iter().enumerate() {
         for (k, own) in start.iter().enumerate().take(parameters) {
             let place = layout.place(run, k);
             // What is shared begins in the middle of the runs' own places.
             let parts = if place == k { starts.len() as f64 } else { 1.0 };
             at[place] += own / parts;
-            (low[place], high[place]) = base.problem.limits_of(k);
+            let (low, high) = base.problem.limits_of(k);
+            bounds.set(place, low, high);
         }
     }
     // What is own of every run has no place among the shared ones.
     for &k in own {
-        (low[k], high[k]) = (0.0, 0.0);
+        bounds.set(k, 0.0, 0.0);
         at[k] = 0.0;
     }
-    let evaluate = |at: &[f64]| slope(&problems, &layout, at);
-    let mut bottom = descend(&at, &low, &high, LONG, SETTLE, evaluate);
+    let together = Together {
+        problems,
+        layout,
+        bounds,
+    };
+    let (method, layout) = (Levenberg::by_diagonal(LONG, SETTLE), &together.layout);
+    let mut bottom = method.search(&together, &at);
     for _ in 1..SEARCHES {
-        let before = bottom.slope.square;
-        bottom = descend(&bottom.at, &low, &high, LONG, SETTLE, evaluate);
-        if before - bottom.slope.square < SETTLE {
+        let before = bottom.local.square;
+        bottom = method.search(&together, &bottom.at);
+        if before - bottom.local.square < SETTLE {
             break;
         }
     }
-    let inverse = bottom.slope.normal.inverse(1e-12);
+    let inverse = bottom.local.normal.inverse(1e-12);
     let runs: Vec<Vec<f64>> = (0..starts.len())
         .map(|run| layout.of_run(run, &bottom.at))
         .collect();
@@ -87,25 +93,38 @@ pub(super) fn fit(base: &Fitted, own: &[usize], starts: &[Vec<f64>]) -> Shared {
             .map(|run| (0..parameters).map(|k| error(run, k)).collect())
             .collect(),
         at: runs,
-        square: bottom.slope.square,
+        square: bottom.local.square,
     }
 }
 
-/// Sum of squares of all runs with its slope.
-fn slope(problems: &[ExtendedProblem], layout: &Layout, at: &[f64]) -> Slope {
-    let mut all = Slope::zero(at.len());
-    for (run, problem) in problems.iter().enumerate() {
-        let own = problem.slope(&layout.of_run(run, at), &[]).0;
-        all.square += own.square;
-        for a in 0..layout.parameters {
-            let place = layout.place(run, a);
-            all.descent[place] += own.descent[a];
-            for b in 0..layout.parameters {
-                all.normal.add(place, layout.place(run, b), own.normal.get(a, b));
+/// All runs with their shared and their own coordinates.
+struct Together<'a, 'g> {
+    problems: Vec<ExtendedProblem<'g>>,
+    layout: Layout<'a>,
+    bounds: Bounds,
+}
+
+impl Problem for Together<'_, '_> {
+    fn bounds(&self) -> Bounds {
+        self.bounds.clone()
+    }
+
+    fn local(&self, at: &[f64], _: f64) -> Local {
+        let mut all = Local::zero(at.len());
+        let layout = &self.layout;
+        for (run, problem) in self.problems.iter().enumerate() {
+            let own = problem.slope(&layout.of_run(run, at)).0;
+            all.square += own.square;
+            for a in 0..layout.parameters {
+                let place = layout.place(run, a);
+                all.descent[place] += own.descent[a];
+                for b in 0..layout.parameters {
+                    all.normal.add(place, layout.place(run, b), own.normal.get(a, b));
+                }
             }
         }
+        all
     }
-    all
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Smooth courses over time as Gaussian processes of few columns: what they explain and what they cost, in closed form.
 
-use ieap_numerics::dense::Dense;
 use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{KNOT_SPACING, KNOTS_FROM_S};
 use crate::fitting::tangent::Tangent;
@@ -35,7 +35,7 @@ impl Column {
 
 /// What columns with random coefficients of one size say of residuals, after a refit.
 pub(super) struct Process {
-    products: Dense,
+    products: Symmetric,
     with_residuals: Vec<f64>,
 }
 
@@ -47,7 +47,7 @@ impl Process {
             .iter()
             .map(|column| tangent.basis().iter().map(|q| column.with(q)).collect())
             .collect();
-        let mut products = Dense::zero(columns.len());
+        let mut products = Symmetric::zero(columns.len());
         for (a, left) in columns.iter().enumerate() {
             for (b, right) in columns[..=a].iter().enumerate() {
                 let product = left.with_column(right) - dot(&absorbed[a], &absorbed[b]);
@@ -71,7 +71,7 @@ impl Process {
         if !(trace > 1e-12 && trace.is_finite()) {
             return None;
         }
-        let mut scaled = Dense::zero(order);
+        let mut scaled = Symmetric::zero(order);
         for a in 0..order {
             for b in 0..order {
                 scaled.add(a, b, self.products.get(a, b) / trace);
@@ -88,7 +88,7 @@ impl Process {
         if amplitude == 0.0 || order == 0 {
             return 0.0;
         }
-        let mut precision = Dense::zero(order);
+        let mut precision = Symmetric::zero(order);
         for a in 0..order {
             for b in 0..order {
                 precision.add(a, b, amplitude * amplitude * self.products.get(a, b));

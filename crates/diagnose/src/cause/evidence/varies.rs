@@ -4,7 +4,7 @@
 //! parameters is shared and what differs is then asked in closed form: a parameter that differs freely scatters about a
 //! mean with a spread of its own, one that follows the voltage or a tag lies on a line.
 
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::own::RunForm;
 use super::policy::{KNOWN_BEFORE, SPREADS, VARIES, grid, log_mean};
@@ -127,14 +127,14 @@ pub(super) fn least(forms: &[RunForm], set: &[usize]) -> f64 {
 
 /// What the runs say of the parameters that they share once each run's deviations in `set` are integrated out: precision,
 /// pull, sum of squares at the origin, and the logarithms of what the deviations' widths cost.
-fn shared_form(forms: &[RunForm], set: &[usize], spread: f64) -> (Dense, Vec<f64>, f64, f64) {
+fn shared_form(forms: &[RunForm], set: &[usize], spread: f64) -> (Symmetric, Vec<f64>, f64, f64) {
     let n = forms[0].pull.len();
-    let mut shared = Dense::zero(n);
+    let mut shared = Symmetric::zero(n);
     let mut pull = vec![0.0; n];
     let (mut square, mut widths) = (0.0, 0.0);
     for form in forms {
         // The run's own deviations, integrated out.
-        let mut own = Dense::zero(set.len());
+        let mut own = Symmetric::zero(set.len());
         for (a, &k) in set.iter().enumerate() {
             for (b, &l) in set.iter().enumerate() {
                 own.add(a, b, spread * spread * form.precision.get(k, l));
@@ -178,7 +178,7 @@ fn along(forms: &[RunForm], set: &[usize], at: &[f64], spread: f64) -> f64 {
     let n = forms[0].pull.len();
     let all = n + set.len();
     let place = |k: usize| if k < n { k } else { set[k - n] };
-    let mut shared = Dense::zero(all);
+    let mut shared = Symmetric::zero(all);
     let mut pull = vec![0.0; all];
     let mut square = 0.0;
     for (form, at) in forms.iter().zip(at) {
@@ -203,7 +203,7 @@ fn along(forms: &[RunForm], set: &[usize], at: &[f64], spread: f64) -> f64 {
 }
 
 /// Logarithm of the evidence of a form whose coordinates are integrated out.
-fn concluded(precision: &Dense, pull: &[f64], square: f64) -> f64 {
+fn concluded(precision: &Symmetric, pull: &[f64], square: f64) -> f64 {
     let mut known = precision.clone();
     for k in 0..known.order() {
         known.add(k, k, KNOWN_BEFORE);
@@ -216,12 +216,12 @@ fn concluded(precision: &Dense, pull: &[f64], square: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ieap_numerics::dense::Slope;
+    use ieap_numerics::least_squares::Local;
 
     /// Runs that each know both of their parameters, at these places, to one standard error.
     fn forms(places: &[[f64; 2]], error: f64) -> Vec<RunForm> {
         let of = |at: &[f64; 2]| {
-            let mut slope = Slope::zero(2);
+            let mut slope = Local::zero(2);
             for k in 0..2 {
                 slope.normal.add(k, k, error.powi(-2));
             }

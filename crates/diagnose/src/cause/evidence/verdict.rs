@@ -46,6 +46,26 @@ pub fn by_evidence(posterior: &[Hypothesis]) -> Verdict {
     }
 }
 
+/// What becomes of one name that the rules give, asked of the probabilities, with the causes that stand beside it. The rules
+/// ask whether held-out readings are predicted, the probabilities allow for equations that are not exact: a name is given
+/// where both give it. Where the trace is stretched to fit, it resembles; where others are probable too, it is one of a set.
+pub(crate) fn of_one_name(name: &str, posterior: &[Hypothesis]) -> (Verdict, Vec<String>) {
+    let others = || {
+        let set = set_of(posterior).into_iter();
+        set.filter(|id| id != name && !id.starts_with(VARIES)).collect()
+    };
+    let is_first = set_of(posterior).first().is_some_and(|first| first == name);
+    match by_evidence(posterior) {
+        Verdict::Named | Verdict::Partial if is_first => (Verdict::Named, Vec::new()),
+        Verdict::Resembles if is_first => (Verdict::Resembles, Vec::new()),
+        Verdict::Unknown => (Verdict::Resembles, Vec::new()),
+        Verdict::Named | Verdict::Set | Verdict::Partial | Verdict::Resembles => (Verdict::Set, others()),
+        // Parameters that are free in every run explain more than any equation that is not exact, and predict no run that
+        // they have not seen: a cause that does stands.
+        _ => (Verdict::Named, Vec::new()),
+    }
+}
+
 /// The effects and parameters that are sure, then the fewest others with which a sure mass is held, the most probable first.
 pub fn set_of(posterior: &[Hypothesis]) -> Vec<String> {
     let mut ids: Vec<String> = Vec::new();
@@ -141,6 +161,20 @@ mod tests {
             hypothesis(Effect, "warburg", 0.03),
         ];
         assert_eq!(by_evidence(&differs), Verdict::Varies);
+    }
+
+    #[test]
+    fn a_name_stands_where_both_give_it() {
+        use HypothesisKind::{Effect, Unnamed};
+        let sure = [hypothesis(Effect, "warburg", 0.97), hypothesis(Unnamed, "", 0.03)];
+        assert_eq!(of_one_name("warburg", &sure), (Verdict::Named, vec![]));
+        let beside = (Verdict::Set, vec!["warburg".to_owned()]);
+        assert_eq!(of_one_name("dispersion", &sure), beside);
+        let mut far = [hypothesis(Effect, "warburg", 1.0)];
+        far[0].form_error = Some(0.95);
+        assert_eq!(of_one_name("warburg", &far), (Verdict::Resembles, vec![]));
+        let nameless = [hypothesis(Unnamed, "", 0.9), hypothesis(Effect, "warburg", 0.1)];
+        assert_eq!(of_one_name("warburg", &nameless), (Verdict::Resembles, vec![]));
     }
 
     #[test]

@@ -19,7 +19,7 @@ const KNOTS: usize = 8;
 /// count from, for it predicts otherwise than in full.
 pub(crate) fn falls(base: &Fitted, group: &RunGroup, before: &[Part]) -> Vec<f64> {
     let residuals = base.residuals();
-    let (_, mut columns) = base.problem.slope(&base.at, &[]);
+    let (_, mut columns) = base.problem.slope(&base.at);
     let searched = columns.len();
     columns.extend(shapes(group));
     let size = dot(&residuals, &residuals);

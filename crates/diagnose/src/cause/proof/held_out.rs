@@ -183,12 +183,9 @@ fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[
     let others: Vec<usize> = (0..group.runs.len())
         .filter(|other| !runs.contains(other))
         .collect();
-    let bottom = fitted
-        .problem
-        .over(others)
-        .descend(&fitted.at, REFIT, SETTLE, &[]);
+    let bottom = fitted.problem.over(others).search(&fitted.at, REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&bottom.at);
-    let deviance = predictive.deviance(&rows_of_runs(group, runs), bottom.slope.square);
+    let deviance = predictive.deviance(&rows_of_runs(group, runs), bottom.local.square);
     let mut part = Part::new(name(group, runs), deviance);
     for &run in runs {
         let group_run = &group.runs[run];
@@ -254,10 +251,10 @@ fn out_of_time(
     let bottom = fitted
         .problem
         .without(&out)
-        .descend(&fitted.at, REFIT, SETTLE, &[]);
+        .search(&fitted.at, REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&bottom.at);
     let found = model.responses(&run.context(0, None), run.times(0), run.times(1));
-    let deviance = predictive.deviance(&out, bottom.slope.square);
+    let deviance = predictive.deviance(&out, bottom.local.square);
     let mut part = Part::new(span(from_s, to_s), deviance);
     compare(&mut part, group, 0, &found, &|row| out[row]);
     part

@@ -24,20 +24,20 @@ pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
     let predictive = Predictive::of(fitted);
     let all_later = later_rows(group, &runs);
     let earlier = fitted.problem.without(&all_later);
-    let earlier = earlier.descend(&fitted.at, 2 * REFIT, SETTLE, &[]);
+    let earlier = earlier.search(&fitted.at, 2 * REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&earlier.at);
     let part = |&run: &usize| {
         let others: Vec<usize> = runs.iter().copied().filter(|&other| other != run).collect();
         let out = later_rows(group, &others);
         let with = fitted.problem.without(&out);
-        let with = with.descend(&earlier.at, REFIT, SETTLE, &[]);
+        let with = with.search(&earlier.at, REFIT, SETTLE, &[]);
         let group_run = &group.runs[run];
         let context = group_run.context(run, None);
         let found = model.responses(&context, group_run.times(0), group_run.times(1));
         let from_s = EARLIER * (group_run.duration_s - context.start_s());
         let mut part = Part::new(
             format!("{} after {} s", group_run.given.name, seconds(from_s)),
-            predictive.added((&out, with.slope.square), (&all_later, earlier.slope.square)),
+            predictive.added((&out, with.local.square), (&all_later, earlier.local.square)),
         );
         let own = later_rows(group, &[run]);
         compare(&mut part, group, run, &found, &|row| own[row]);

@@ -11,8 +11,8 @@
 //! little that is known of the parameters before. A part that the others contradict raises S; parameters that only the
 //! part itself tells are paid for by the determinants, so that none proves itself.
 
-use ieap_numerics::dense::Dense;
 use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::fitted::Fitted;
 
@@ -29,7 +29,7 @@ pub(crate) struct Predictive {
 
 impl Predictive {
     pub(crate) fn of(fitted: &Fitted) -> Predictive {
-        let (_, columns) = fitted.problem.slope(&fitted.at, &[]);
+        let (_, columns) = fitted.problem.slope(&fitted.at);
         Predictive {
             information: information(&columns, &[]),
             square: fitted.square,
@@ -65,9 +65,9 @@ fn information(columns: &[Vec<f64>], out: &[bool]) -> f64 {
 }
 
 /// J'J of the rows that are not `out`.
-pub(crate) fn normal(columns: &[Vec<f64>], out: &[bool]) -> Dense {
+pub(crate) fn normal(columns: &[Vec<f64>], out: &[bool]) -> Symmetric {
     let kept: Vec<Vec<f64>> = columns.iter().map(|column| kept(column, out)).collect();
-    let mut normal = Dense::zero(columns.len());
+    let mut normal = Symmetric::zero(columns.len());
     for (a, left) in kept.iter().enumerate() {
         for (b, right) in kept[..=a].iter().enumerate() {
             let product = dot(left, right);

@@ -14,7 +14,7 @@ impl FindingBuilder<'_, '_> {
             effect(id).map_or_else(|| id.to_owned(), |e| format!("{} ({})", id, e.about().summary))
         };
         match found.verdict {
-            Verdict::Named | Verdict::Set | Verdict::Partial => {
+            Verdict::Named | Verdict::Set | Verdict::Partial | Verdict::Resembles => {
                 let words = |id: &&str| with_parameter(found, id, summary(id));
                 let names: Vec<String> = taken.iter().map(words).collect();
                 cause(found, place, taken, &names)
@@ -29,10 +29,21 @@ impl FindingBuilder<'_, '_> {
                 taken.join(" with ")
             ),
             _ => format!(
-                "The simulation is wrong ({place}), and no known cause explains it. It leaves {:.1} times the noise.",
-                (self.base.square / self.group.rows().max(1) as f64).sqrt()
+                "The simulation is wrong ({place}), and no known cause explains it. {}",
+                left_words((self.base.square / self.group.rows().max(1) as f64).sqrt())
             ),
         }
+    }
+}
+
+/// Size of what is left, over that of the noise, from which it is told as a number.
+const LARGER: f64 = 1.05;
+
+/// How large what is left is, over the noise.
+fn left_words(over_noise: f64) -> String {
+    match over_noise < LARGER {
+        true => "What it leaves is no larger than the noise, but has a shape that noise has not.".to_owned(),
+        false => format!("What it leaves is {over_noise:.1} times as large as the noise."),
     }
 }
 
@@ -67,6 +78,10 @@ fn cause(found: &GroupDiagnosis, place: &str, taken: &[&str], names: &[String]) 
             "The simulation is wrong ({place}); {} {} equally well.{proof}",
             found.set.join(", "),
             if is_proved { "explain it" } else { "fit" }
+        ),
+        (Verdict::Resembles, _) => format!(
+            "The simulation is wrong ({place}); what it lacks looks like {}, and its course is not quite that.{proof}",
+            names.join(" with ")
         ),
         (_, true) => format!(
             "The simulation is wrong ({place}); {} explains most of it{misfit}.{proof}",
