@@ -3,7 +3,8 @@
 use jiff::civil::DateTime;
 
 use super::formats::climate::meaning::{ClimateColumn, climate_column};
-use super::{Reading, RunTable};
+use super::formats::probe_table;
+use super::{Reading, RunTable, probe_log};
 use ieap_domain::{Channel, ClimateQuantity, Issue, LogReadings};
 use ieap_numerics::robust::median_step;
 
@@ -20,6 +21,8 @@ pub struct Log {
     pub clock_set_back: Vec<(f64, f64)>,
     /// Its series, in the order of the columns.
     pub series: Vec<Series>,
+    /// What to know of them.
+    pub issues: Vec<Issue>,
 }
 
 /// Readings of one quantity by one sensor.
@@ -60,8 +63,23 @@ pub fn log(reading: &Reading, path: &str) -> Result<Log, Issue> {
             reading.format
         );
         return Err(Issue::error("log-without-dates", message)
-            .mend("export the log with a column of dates and times beside temperature or humidity"));
+            .mend("export the log with a column of dates and times beside temperature, humidity, pressure, oxygen or water"));
     };
+    let local_s = local
+        .to_zoned(jiff::tz::TimeZone::UTC)
+        .map(|utc| utc.timestamp().as_millisecond());
+    let with_series = |series: Vec<Series>, issues: Vec<Issue>| Log {
+        started_raw: start.raw.clone(),
+        clock_start_s: local_s.unwrap_or(0) as f64 / 1000.0,
+        clock_offset: start.offset.clone(),
+        clock_set_back: table.clock_set_back.clone(),
+        series,
+        issues,
+    };
+    if reading.format == probe_table::ID {
+        let (series, issues) = probe_log::series(reading);
+        return Ok(with_series(series, issues));
+    }
     let base = base_name(reading, path);
     let mut series: Vec<Series> = Vec::new();
     for channel in table.channels.iter().filter(|channel| !channel.is_empty()) {
@@ -76,22 +94,13 @@ pub fn log(reading: &Reading, path: &str) -> Result<Log, Issue> {
             .map(|channel| channel.raw_name.as_str())
             .collect();
         let message = format!(
-            "no column holds temperature or humidity of the air: found {}",
+            "no column holds temperature, humidity, pressure, oxygen or water of the air or of a chamber, and it is no table of a four-point probe: found {}",
             columns.join(", ")
         );
         return Err(Issue::error("log-without-climate", message)
-            .mend("name the columns with their units, as in Temperature (°C) and RH (%)"));
+            .mend("name the columns with their units, as in Temperature (°C) and RH (%), or date, sample and resistance_ohm_per_sq"));
     }
-    let local_s = local
-        .to_zoned(jiff::tz::TimeZone::UTC)
-        .map(|utc| utc.timestamp().as_millisecond());
-    Ok(Log {
-        started_raw: start.raw.clone(),
-        clock_start_s: local_s.unwrap_or(0) as f64 / 1000.0,
-        clock_offset: start.offset.clone(),
-        clock_set_back: table.clock_set_back.clone(),
-        series,
-    })
+    Ok(with_series(series, Vec::new()))
 }
 
 impl Log {
@@ -123,14 +132,34 @@ impl Log {
 }
 
 impl Series {
+    /// A series that no column of its own stands for.
+    pub(crate) fn plain(sensor: &str, quantity: ClimateQuantity, readings: LogReadings) -> Series {
+        Series {
+            sensor: sensor.to_owned(),
+            quantity,
+            raw_name: quantity.key().to_owned(),
+            raw_unit: quantity.unit().to_owned(),
+            interval_s: median_step(&readings.elapsed_s).unwrap_or(0.0),
+            readings,
+            is_mean: false,
+        }
+    }
+
     /// Sensor and quantity as they enter the hash, in the form of stored logs.
     fn identity_text(&self) -> String {
         let quantity = match self.quantity {
             ClimateQuantity::RelativeHumidity => "RelativeHumidity",
             ClimateQuantity::Temperature => "Temperature",
+            ClimateQuantity::Pressure => "Pressure",
+            ClimateQuantity::Oxygen => "Oxygen",
+            ClimateQuantity::Water => "Water",
             ClimateQuantity::DewPoint => "DewPoint",
             ClimateQuantity::VapourPressure => "VapourPressure",
             ClimateQuantity::AbsoluteHumidity => "AbsoluteHumidity",
+            ClimateQuantity::ElectrodeResistance => "ElectrodeResistance",
+            ClimateQuantity::ElectrodeResistanceError => "ElectrodeResistanceError",
+            ClimateQuantity::Flexings => "Flexings",
+            ClimateQuantity::ProbeHumidity => "ProbeHumidity",
         };
         format!("({:?}, {quantity})", self.sensor)
     }

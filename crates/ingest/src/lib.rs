@@ -14,6 +14,7 @@ pub mod frames;
 pub mod name_pattern;
 pub mod named_columns;
 pub mod parquet_texts;
+mod probe_log;
 pub mod profiles;
 pub mod reading;
 pub mod run_sheet;

@@ -6,6 +6,7 @@ mod error;
 mod owner;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::{OsStr, OsString};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -195,7 +196,10 @@ impl Archive {
         let mut entries = Vec::new();
         for folder in folders(&self.campaign.join(FOLDER))? {
             for path in list(&folder)? {
-                let Some(hash) = hash_in_name(&path) else { continue };
+                let Some(hash) = path.file_name().and_then(hash_in_name) else {
+                    continue;
+                };
+                let hash = hash.to_owned();
                 let there = fs::metadata(&path).map_err(|source| sorted(&path, "read", 0, source))?;
                 entries.push(Archived {
                     hash,
@@ -232,11 +236,25 @@ impl Archive {
         self.campaign.join(FOLDER).join(&hash[..2])
     }
 
+    /// Asked of every file that comes in: a folder holds hundreds of names, which are neither sorted nor made paths of.
     fn locate(&self, hash: &str) -> Result<Option<PathBuf>, ArchiveError> {
-        let files = list(&self.folder_of(hash))?;
-        Ok(files
-            .into_iter()
-            .find(|path| hash_in_name(path).as_deref() == Some(hash)))
+        let folder = self.folder_of(hash);
+        let failed = |source| sorted(&folder, "read", 0, source);
+        let entries = match fs::read_dir(&folder) {
+            Ok(entries) => entries,
+            Err(source) if source.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(failed(source)),
+        };
+        let mut first: Option<OsString> = None;
+        for entry in entries {
+            let name = entry.map_err(failed)?.file_name();
+            let is_it = hash_in_name(&name) == Some(hash);
+            // Of several endings always the same one is taken.
+            if is_it && first.as_ref().is_none_or(|first| name < *first) {
+                first = Some(name);
+            }
+        }
+        Ok(first.map(|name| folder.join(name)))
     }
 
     /// The path of a file of the archive as it is stored: relative to the campaign, with `/`.
@@ -279,10 +297,9 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, ArchiveError> {
 }
 
 /// The hash that a file of the archive is named by.
-fn hash_in_name(path: &Path) -> Option<String> {
-    let name = path.file_name()?.to_str()?;
-    let hash = name.split('.').next()?;
-    (hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit())).then(|| hash.to_owned())
+fn hash_in_name(name: &OsStr) -> Option<&str> {
+    let hash = name.to_str()?.split('.').next()?;
+    (hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit())).then_some(hash)
 }
 
 /// `.csv` of `A.CSV`; nothing where there is no plain ending.

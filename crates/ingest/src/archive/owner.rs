@@ -55,7 +55,7 @@ impl Archive {
         for folder in folders(&self.campaign.join(FOLDER))? {
             if list(&folder)?
                 .iter()
-                .any(|path| super::hash_in_name(path).is_some())
+                .any(|path| path.file_name().and_then(super::hash_in_name).is_some())
             {
                 return Ok(true);
             }

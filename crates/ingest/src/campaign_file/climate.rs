@@ -82,6 +82,9 @@ impl Checker<'_> {
             ),
             (raw.temperature_tolerance_c, "temperature_tolerance_c"),
             (raw.longest_gap_s, "longest_gap_s"),
+            (raw.pressure_tolerance_percent, "pressure_tolerance_percent"),
+            (raw.oxygen_limit_ppm, "oxygen_limit_ppm"),
+            (raw.water_limit_ppm, "water_limit_ppm"),
         ] {
             self.holds(value, place, key, "a number above 0", above_zero)?;
         }
@@ -103,6 +106,11 @@ impl Checker<'_> {
                 .unwrap_or(defaults.temperature_tolerance_c),
             longest_gap_s: raw.longest_gap_s.unwrap_or(defaults.longest_gap_s),
             exposure_above_percent: exposure.unwrap_or(defaults.exposure_above_percent),
+            pressure_tolerance_percent: raw
+                .pressure_tolerance_percent
+                .unwrap_or(defaults.pressure_tolerance_percent),
+            oxygen_limit_ppm: raw.oxygen_limit_ppm,
+            water_limit_ppm: raw.water_limit_ppm,
         })
     }
 }

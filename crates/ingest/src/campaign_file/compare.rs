@@ -3,8 +3,8 @@
 use super::check::Checker;
 use super::error::CampaignFileError as Error;
 use super::raw;
-use ieap_domain::CompareRules;
 use ieap_domain::tag::keys;
+use ieap_domain::{CompareRules, MaterialClass};
 
 impl Checker<'_> {
     /// The rules; every tag of the reference must be one that a condition has.
@@ -27,6 +27,13 @@ impl Checker<'_> {
             }
             reference.push((key, value));
         }
-        Ok(CompareRules { reference })
+        let by = match raw.by.as_deref() {
+            None => None,
+            Some(found) => Some(MaterialClass::from_key(found).ok_or_else(|| Error::BadClass {
+                path: self.path.into(),
+                found: found.to_owned(),
+            })?),
+        };
+        Ok(CompareRules { reference, by })
     }
 }

@@ -63,6 +63,14 @@ pub enum CampaignFileError {
         /// The key.
         key: &'static str,
     },
+    /// Materials cannot be compared by that.
+    #[error("{}: [compare] by = \"{found}\" is none of electrode, membrane, electrolyte", path.display())]
+    BadClass {
+        /// The file.
+        path: PathBuf,
+        /// What stands there.
+        found: String,
+    },
     /// The reference of comparisons states what no condition has.
     #[error("{}, [compare] reference: found {found}; needed are environment = \"...\", relative_humidity_percent = a number or voltage_v = a number", path.display())]
     BadReference {

@@ -95,9 +95,12 @@ const KNOWN: [(&str, &[&str]); 16] = [
             "temperature_tolerance_c",
             "longest_gap_s",
             "exposure_above_percent",
+            "pressure_tolerance_percent",
+            "oxygen_limit_ppm",
+            "water_limit_ppm",
         ],
     ),
-    ("compare", &["reference"]),
+    ("compare", &["reference", "by"]),
     (
         "publication",
         &[

@@ -138,6 +138,9 @@ pub(super) struct Climate {
     pub temperature_tolerance_c: Option<f64>,
     pub longest_gap_s: Option<f64>,
     pub exposure_above_percent: Option<f64>,
+    pub pressure_tolerance_percent: Option<f64>,
+    pub oxygen_limit_ppm: Option<f64>,
+    pub water_limit_ppm: Option<f64>,
 }
 
 /// `[compare]`.
@@ -145,6 +148,7 @@ pub(super) struct Climate {
 pub(super) struct Compare {
     #[serde(default)]
     pub reference: BTreeMap<String, Scalar>,
+    pub by: Option<String>,
 }
 
 /// `[monitoring]`.

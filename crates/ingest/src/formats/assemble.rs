@@ -112,7 +112,9 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
     }
     let mut channels = channels(raw, &meanings, time_index, &axis, issues);
     issues.extend(turn_imaginary(&mut channels));
-    let responds = |channel: &Channel| channel.is_response() || channel.quantity.is_modulus();
+    let responds = |channel: &Channel| {
+        channel.is_response() || channel.quantity.is_modulus() || channel.quantity == Quantity::BlockingForce
+    };
     if raw.must_respond && !is_spectrum && !channels.iter().any(responds) {
         return Err(no_response(raw, &meanings));
     }

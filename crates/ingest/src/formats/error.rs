@@ -126,6 +126,12 @@ pub enum ReadError {
         /// The columns with the reason where one was refused.
         found: String,
     },
+    /// No variables of a file of many make a run.
+    #[error("no variables make a run: {found}")]
+    NoRunAmong {
+        /// What was tried, with the reasons.
+        found: String,
+    },
     /// Too many rows do not advance in time.
     #[error("time does not increase in {count} of {rows} rows, first at {first}")]
     TimeOrder {
@@ -201,6 +207,7 @@ impl ReadError {
             ReadError::NoHeader { .. } => "no-header",
             ReadError::Column { .. } => "column-unusable",
             ReadError::NoResponse { .. } => "no-response",
+            ReadError::NoRunAmong { .. } => "no-run-among-variables",
             ReadError::TimeOrder { .. } => "time-order",
             ReadError::Ragged { .. } => "ragged-rows",
             ReadError::BrokenContainer { .. } => "broken-container",
@@ -270,6 +277,10 @@ impl ReadError {
             }
             ReadError::NoResponse { .. } => {
                 "name the response with its unit: Current (mA), curvature_per_cm, Displacement (mm) or storage_modulus_mpa"
+            }
+            ReadError::NoRunAmong { .. } => {
+                "save vectors of one length whose names hold their units, such as time_s, voltage_V, current_mA: \
+                 save('run.mat', 'time_s', 'voltage_V', 'current_mA', '-v7')"
             }
             ReadError::TimeOrder { .. } => {
                 "export the time with more digits and the rows in the order in which they were taken"

@@ -20,12 +20,14 @@ pub mod gamry_objects;
 pub mod ivium;
 pub mod labview_lvm;
 pub mod labview_tdms;
+pub mod matlab_mat;
 pub mod netzsch;
 pub mod overload;
 pub mod palmsens;
 pub mod parquet;
 pub mod plain_table;
 pub mod plausible;
+pub mod probe_table;
 pub mod recognition;
 pub mod sample_clock;
 pub mod sheet_cells;
@@ -106,12 +108,14 @@ pub static ALL: &[&dyn Format] = &[
     &netzsch::Netzsch,
     &eplexor_xls::EplexorXls,
     &ta_trios::TaTrios,
+    &probe_table::ProbeTable,
     &climate::Hobo,
     &climate::Toa5,
     &climate::Picolog,
     &climate::ClimateTable,
     &spreadsheet::Spreadsheet,
     &parquet::Parquet,
+    &matlab_mat::MatlabMat,
     &plain_table::PlainTable,
 ];
 

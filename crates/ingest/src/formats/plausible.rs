@@ -54,6 +54,7 @@ fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
         Quantity::Temperature => (-80.0, 400.0),
         Quantity::RelativeHumidity => (-2.0, 105.0),
         Quantity::Pressure => (-1.0, 1e7),
+        Quantity::Oxygen | Quantity::Water => (-10.0, 1e6),
         // From a soft gel to a thousand times steel; below zero is noise or a sign error.
         Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => (0.0, 1e6),
         Quantity::LossFactor => (-0.1, 100.0),

@@ -205,6 +205,10 @@ pub(super) fn spelled_unit(quantity: Quantity, suffix: &str) -> Option<String> {
         (Quantity::Pressure, "pa") => "Pa",
         (Quantity::Pressure, "hpa") => "hPa",
         (Quantity::Pressure, "kpa") => "kPa",
+        (Quantity::Pressure, "mbar") => "mbar",
+        (Quantity::Pressure, "bar") => "bar",
+        (Quantity::Oxygen | Quantity::Water, "ppm") => "ppm",
+        (Quantity::Oxygen | Quantity::Water, "ppb") => "ppb",
         (Quantity::RelativeHumidity, "percent") => "%",
         (Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus, modulus) => {
             match modulus {
@@ -274,7 +278,7 @@ const NEGATED: &str = "neg. ";
 
 /// Names with the quantities that they may stand for, the likeliest first; in small letters, blanks for `_` and `-`.
 /// German ones are those of instruments' software and of laboratories' own tables.
-const NAMES: [(&[&str], &[Quantity]); 24] = [
+const NAMES: [(&[&str], &[Quantity]); 26] = [
     (&["t"], &[Quantity::Time, Quantity::Temperature]),
     (
         &[
@@ -404,6 +408,8 @@ const NAMES: [(&[&str], &[Quantity]); 24] = [
         &["pressure", "p", "ambient pressure", "druck"],
         &[Quantity::Pressure],
     ),
+    (&["oxygen", "o2"], &[Quantity::Oxygen]),
+    (&["water", "h2o", "moisture"], &[Quantity::Water]),
     (
         &["storage modulus", "e'", "e\u{2032}"],
         &[Quantity::StorageModulus],
@@ -558,6 +564,8 @@ mod tests {
             ("RH, %", Quantity::RelativeHumidity, "%"),
             ("relative_humidity_percent", Quantity::RelativeHumidity, "%"),
             ("pressure_pa", Quantity::Pressure, "Pa"),
+            ("oxygen_ppm", Quantity::Oxygen, "ppm"),
+            ("water_ppm", Quantity::Water, "ppm"),
             ("storage_modulus_mpa", Quantity::StorageModulus, "MPa"),
             ("Storage modulus (GPa)", Quantity::StorageModulus, "GPa"),
             ("E'/MPa", Quantity::StorageModulus, "MPa"),

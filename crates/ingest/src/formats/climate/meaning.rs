@@ -5,12 +5,12 @@ use crate::text::header::Header;
 use ieap_domain::Quantity;
 use ieap_domain::unit::{self, Conversion};
 
-/// A column of air temperature or relative humidity.
+/// A column of air temperature or relative humidity, or of a chamber's pressure, oxygen or water.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClimateColumn {
-    /// Temperature or relative humidity.
+    /// What is measured.
     pub quantity: Quantity,
-    /// To °C or percent.
+    /// To the canonical unit.
     pub conversion: Conversion,
     /// Whether the file names the unit; else °C or percent is assumed.
     pub unit_is_stated: bool,
@@ -54,6 +54,15 @@ const TEMPERATURE: [&str; 11] = [
     "celsius",
     "lufttemperatur",
 ];
+/// Words for what is measured in a chamber; a unit must stand beside them.
+const CHAMBER: [(&[&str], Quantity); 3] = [
+    (&["o2", "oxygen", "sauerstoff", "hapnik"], Quantity::Oxygen),
+    (&["h2o", "water", "moisture", "wasser", "vesi"], Quantity::Water),
+    (
+        &["pressure", "press", "druck", "rõhk", "barometer", "p"],
+        Quantity::Pressure,
+    ),
+];
 /// Words that say nothing of which sensor it is.
 const PLAIN: [&str; 19] = [
     "air", "rel", "relative", "ambient", "avg", "ave", "average", "mean", "last", "smp", "percent", "degc",
@@ -82,10 +91,16 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let is = |known: &[&str], word: &String| known.contains(&plain(word).as_str());
     let is_humidity = lower_words.iter().any(|word| is(&HUMIDITY, word));
     let is_temperature = lower_words.iter().any(|word| is(&TEMPERATURE, word));
+    let of_chamber = (!is_humidity && !is_temperature)
+        .then(|| of_chamber(&lower_words))
+        .flatten();
     let unit = match unit.is_empty() {
         true => lower_words
             .iter()
-            .find_map(|word| unit_word(word))
+            .find_map(|word| match of_chamber {
+                Some(_) => chamber_unit_word(word),
+                None => unit_word(word),
+            })
             .unwrap_or("")
             .to_owned(),
         false => unit,
@@ -93,6 +108,10 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let quantity = match (is_humidity, is_temperature) {
         (true, _) => Quantity::RelativeHumidity,
         (false, true) => Quantity::Temperature,
+        // These have no unit of their own that could be assumed.
+        (false, false) if of_chamber.is_some_and(|quantity| unit::conversion(quantity, &unit).is_ok()) => {
+            of_chamber?
+        }
         // A sensor's name alone, with a unit that only one of the two has.
         (false, false) if !unit.is_empty() && unit::conversion(Quantity::Temperature, &unit).is_ok() => {
             Quantity::Temperature
@@ -109,6 +128,11 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
     let says = |word: &String| {
         let lower = word.to_lowercase();
         let number = lower.strip_prefix(plain(&lower).as_str()).unwrap_or("");
+        let is_of_chamber = CHAMBER.iter().any(|(words, _)| words.contains(&lower.as_str()))
+            || chamber_unit_word(&lower).is_some();
+        if of_chamber.is_some() && is_of_chamber {
+            return None;
+        }
         match is(&HUMIDITY, &lower) || is(&TEMPERATURE, &lower) {
             true => (!number.is_empty()).then(|| number.to_owned()),
             false => (!PLAIN.contains(&lower.as_str())).then(|| word.clone()),
@@ -125,6 +149,13 @@ pub fn climate_column(raw_name: &str, raw_unit: &str) -> Option<ClimateColumn> {
             .iter()
             .any(|word| ["avg", "ave", "average", "mean"].contains(&word.as_str())),
     })
+}
+
+/// What a chamber's gauge or analyser measures, by a word of its column.
+fn of_chamber(lower_words: &[String]) -> Option<Quantity> {
+    let is_named = |words: &[&str]| lower_words.iter().any(|word| words.contains(&word.as_str()));
+    let found = CHAMBER.iter().find(|(words, _)| is_named(words));
+    found.map(|(_, quantity)| *quantity)
 }
 
 /// The name without what HOBO software appends, with the serial number and label in it.
@@ -178,6 +209,20 @@ fn parted(word: String) -> Vec<String> {
             vec![name.to_owned(), measured.to_owned()]
         }
         _ => vec![word],
+    }
+}
+
+/// Units of what is measured in chambers, as a word of a name.
+fn chamber_unit_word(word: &str) -> Option<&'static str> {
+    match word {
+        "ppm" => Some("ppm"),
+        "ppb" => Some("ppb"),
+        "pa" => Some("Pa"),
+        "hpa" => Some("hPa"),
+        "kpa" => Some("kPa"),
+        "mbar" => Some("mbar"),
+        "bar" => Some("bar"),
+        _ => None,
     }
 }
 
@@ -237,6 +282,29 @@ mod tests {
                 Some((quantity, part.to_owned(), serial.map(str::to_owned))),
                 "{name}"
             );
+        }
+    }
+
+    #[test]
+    fn gauges_and_analysers_of_chambers() {
+        let (o2, h2o, p) = ("oxygen_ppm", "water_ppm", "pressure_pa");
+        for (name, unit, quantity, part) in [
+            ("O2 (ppm)", "", o2, ""),
+            ("Oxygen [ppm]", "", o2, ""),
+            ("H2O, ppm", "ppm", h2o, ""),
+            ("water_ppm", "", h2o, ""),
+            ("Pressure (mbar)", "", p, ""),
+            ("Pressure [Pa]", "", p, ""),
+            ("pressure_pa", "", p, ""),
+            ("Box 2 O2 (ppm)", "", o2, "Box_2"),
+        ] {
+            let expected = Some((quantity, part.to_owned(), None));
+            assert_eq!(read(name, unit), expected, "{name}");
+        }
+        let bar = climate_column("Pressure (mbar)", "").unwrap();
+        assert!((bar.conversion.apply(0.5) - 50.0).abs() < 1e-9 && bar.unit_is_stated);
+        for name in ["O2", "Pressure", "O2 (%)", "CO2 (ppm)"] {
+            assert_eq!(read(name, ""), None, "{name}");
         }
     }
 

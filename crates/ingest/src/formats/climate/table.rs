@@ -52,7 +52,7 @@ impl Format for ClimateTable {
     }
 
     fn title(&self) -> &'static str {
-        "climate logger, any table with dates beside temperature or humidity (CSV, TSV)"
+        "climate logger, any table with dates beside temperature, humidity, pressure, oxygen or water (CSV, TSV)"
     }
 
     fn extensions(&self) -> &'static [&'static str] {
@@ -69,7 +69,7 @@ impl Format for ClimateTable {
         match is_log(&lines) {
             true => Match::Possible {
                 score: 0.8,
-                reason: "a column of dates beside temperature or humidity",
+                reason: "a column of dates beside temperature, humidity, pressure, oxygen or water",
             },
             false => Match::No,
         }
