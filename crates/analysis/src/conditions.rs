@@ -96,6 +96,11 @@ pub fn material<'a>(run: &'a RunRecord, campaign: &'a Campaign) -> Option<&'a st
     )
 }
 
+/// What stands for a run's material in comparisons: its class where `[compare] by` asks for one.
+pub fn compared_material<'a>(run: &'a RunRecord, campaign: &'a Campaign) -> Option<&'a str> {
+    material(run, campaign).map(|own| campaign.compared_as(own))
+}
+
 /// Nominal voltage of a run, V: its tag, or that of the drive.
 pub fn nominal_voltage_v(run: &RunRecord) -> Option<f64> {
     run.tag_number(keys::VOLTAGE_V)
@@ -109,6 +114,14 @@ struct Place<'a> {
     environment: &'a str,
     humidity_percent: Option<f64>,
     voltage_step: i64,
+}
+
+/// The conditions with each material by itself, whatever `[compare] by` puts together: what is measured of one material
+/// says nothing of another.
+pub fn conditions_of_materials(runs: &[RunRecord], campaign: &Campaign) -> Conditions {
+    let mut apart = campaign.clone();
+    apart.compare.by = None;
+    conditions(runs, &apart)
 }
 
 /// Sorts `runs` into the conditions of `campaign`.
@@ -154,7 +167,7 @@ pub fn conditions(runs: &[RunRecord], campaign: &Campaign) -> Conditions {
 fn place<'a>(index: usize, run: &'a RunRecord, campaign: &'a Campaign) -> Option<Place<'a>> {
     Some(Place {
         run: index,
-        material: material(run, campaign)?,
+        material: compared_material(run, campaign)?,
         environment: run.tag(keys::ENVIRONMENT)?,
         humidity_percent: run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT),
         voltage_step: (nominal_voltage_v(run)? / VOLTAGE_STEP_V).round() as i64,
@@ -162,10 +175,15 @@ fn place<'a>(index: usize, run: &'a RunRecord, campaign: &'a Campaign) -> Option
 }
 
 fn materials(places: &[Place], campaign: &Campaign) -> Vec<String> {
-    let stated = campaign.materials.iter().map(|material| material.id.as_str());
-    let order: Vec<&str> = stated
-        .chain(campaign.samples.iter().map(|sample| sample.material.as_str()))
-        .collect();
+    let stated = campaign
+        .materials
+        .iter()
+        .map(|material| campaign.compared_as(&material.id));
+    let of_samples = campaign
+        .samples
+        .iter()
+        .map(|sample| campaign.compared_as(&sample.material));
+    let order: Vec<&str> = stated.chain(of_samples).collect();
     ordered(places.iter().map(|place| place.material), &order)
 }
 

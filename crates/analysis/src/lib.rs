@@ -24,6 +24,7 @@ mod parquet_file;
 pub mod plain_columns;
 pub mod plan;
 pub mod pooling;
+pub mod probe;
 pub mod run_rows;
 pub mod run_tables;
 pub mod same_tags;

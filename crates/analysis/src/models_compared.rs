@@ -3,7 +3,7 @@
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, ModelScore, Quantity, ResponseScore, RunComparison, RunRecord};
 
-use super::conditions::{Conditions, conditions, material};
+use super::conditions::{Conditions, compared_material, conditions};
 
 /// Models whose BIC differ by less are not told apart: the weight of one against the other is below e^5 = 150.
 const TOLD_APART: f64 = 10.0;
@@ -109,7 +109,9 @@ fn names(table: &Conditions, index: usize, run: &RunRecord, campaign: &Campaign)
         return (table.materials[own.material].clone(), surroundings);
     }
     (
-        material(run, campaign).unwrap_or("no stated material").to_owned(),
+        compared_material(run, campaign)
+            .unwrap_or("no stated material")
+            .to_owned(),
         run.tag(keys::ENVIRONMENT)
             .unwrap_or("no stated environment")
             .to_owned(),

@@ -26,6 +26,8 @@ pub struct Task {
     pub length_cm: Option<f64>,
     /// Resistance of both electrodes along the strip, Ohm per square.
     pub electrode_resistance_ohm_per_sq: Option<f64>,
+    /// Its standard error, where a probe measured it, Ohm per square.
+    pub electrode_resistance_error_ohm_per_sq: Option<f64>,
     /// Hash of everything that the fit depends on.
     pub input_hash: String,
     /// Id of the model.
@@ -138,6 +140,10 @@ fn of_tasks(rows: &[RunRow<'_>]) -> Vec<(String, Cells)> {
             "electrode_resistance_ohm_per_sq",
             number(|task| task.electrode_resistance_ohm_per_sq),
         ),
+        named(
+            "electrode_resistance_error_ohm_per_sq",
+            number(|task| task.electrode_resistance_error_ohm_per_sq),
+        ),
         named("input_hash", text(|task| task.input_hash)),
         named("model", text(|task| task.model)),
         named("method", text(|task| task.method)),
@@ -221,6 +227,7 @@ mod tests {
         let task = Task {
             length_cm: Some(0.5),
             electrode_resistance_ohm_per_sq: None,
+            electrode_resistance_error_ohm_per_sq: None,
             input_hash: "i".to_owned(),
             model: "lumped-2".to_owned(),
             method: "variable-projection".to_owned(),

@@ -143,12 +143,59 @@ pub struct Campaign {
     pub extra_tags: Vec<String>,
 }
 
+/// What materials may be compared by, as their entries state it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MaterialClass {
+    /// Electrode material.
+    Electrode,
+    /// Membrane.
+    Membrane,
+    /// Electrolyte.
+    Electrolyte,
+}
+
+impl MaterialClass {
+    /// Every class.
+    pub const ALL: [MaterialClass; 3] = [
+        MaterialClass::Electrode,
+        MaterialClass::Membrane,
+        MaterialClass::Electrolyte,
+    ];
+
+    /// Its key in campaign.toml.
+    pub fn key(self) -> &'static str {
+        match self {
+            MaterialClass::Electrode => "electrode",
+            MaterialClass::Membrane => "membrane",
+            MaterialClass::Electrolyte => "electrolyte",
+        }
+    }
+
+    /// The class of that key.
+    pub fn from_key(key: &str) -> Option<MaterialClass> {
+        MaterialClass::ALL.into_iter().find(|class| class.key() == key)
+    }
+
+    /// What a material states of it.
+    pub fn of(self, material: &Material) -> Option<&str> {
+        match self {
+            MaterialClass::Electrode => material.electrode.as_deref(),
+            MaterialClass::Membrane => material.membrane.as_deref(),
+            MaterialClass::Electrolyte => material.electrolyte.as_deref(),
+        }
+    }
+}
+
 /// Rules of campaign.toml, `[compare]`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CompareRules {
     /// Tags of the condition that others are compared with (`environment`, `relative_humidity_percent`, `voltage_v`);
     /// one that is left out is held equal. Empty: the condition with the most runs.
     pub reference: Vec<(String, String)>,
+    /// What stands for the material in comparisons; none: the material itself.
+    #[serde(default)]
+    pub by: Option<MaterialClass>,
 }
 
 /// The folder of spectra where campaign.toml names none.
@@ -186,6 +233,17 @@ impl Campaign {
                 own.or(self.name_pattern.as_deref())
             }
         }
+    }
+
+    /// What stands for a material in comparisons: its class, where `[compare] by` names one and the material states it.
+    pub fn compared_as<'a>(&'a self, material: &'a str) -> &'a str {
+        let stated = self.materials.iter().find(|stated| stated.id == material);
+        let class = self
+            .compare
+            .by
+            .zip(stated)
+            .and_then(|(class, stated)| class.of(stated));
+        class.unwrap_or(material)
     }
 
     /// The environment of that id.

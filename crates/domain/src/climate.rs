@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Issue, Quantity};
 
-/// What is known of the air.
+/// What a log holds: the air, and what a four-point probe says of a sample's electrodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum ClimateQuantity {
     /// Relative humidity over water, percent.
@@ -13,6 +13,15 @@ pub enum ClimateQuantity {
     /// Temperature, °C.
     #[serde(rename = "temperature_c")]
     Temperature,
+    /// Pressure of the air, or in a chamber, Pa.
+    #[serde(rename = "pressure_pa")]
+    Pressure,
+    /// Oxygen in the gas of a chamber, ppm by volume.
+    #[serde(rename = "oxygen_ppm")]
+    Oxygen,
+    /// Water in the gas of a chamber, ppm by volume.
+    #[serde(rename = "water_ppm")]
+    Water,
     /// Dew point over water, °C.
     #[serde(rename = "dew_point_c")]
     DewPoint,
@@ -22,26 +31,80 @@ pub enum ClimateQuantity {
     /// Mass of water vapour in a volume of air, g/m³.
     #[serde(rename = "absolute_humidity_g_per_m3")]
     AbsoluteHumidity,
+    /// Resistance of both electrodes along the strip, Ohm per square, by a probe.
+    #[serde(rename = "electrode_resistance_ohm_per_sq")]
+    ElectrodeResistance,
+    /// Its standard error, Ohm per square.
+    #[serde(rename = "electrode_resistance_error_ohm_per_sq")]
+    ElectrodeResistanceError,
+    /// Flexings of the strip so far.
+    #[serde(rename = "flexings")]
+    Flexings,
+    /// Relative humidity when the probe was read, percent.
+    #[serde(rename = "probe_humidity_percent")]
+    ProbeHumidity,
 }
 
 impl ClimateQuantity {
-    /// Every quantity: the measured ones, then those computed from them.
-    pub const ALL: [ClimateQuantity; 5] = [
+    /// Every quantity: the measured ones, those computed from them, those of a probe.
+    pub const ALL: [ClimateQuantity; 12] = [
         ClimateQuantity::RelativeHumidity,
         ClimateQuantity::Temperature,
+        ClimateQuantity::Pressure,
+        ClimateQuantity::Oxygen,
+        ClimateQuantity::Water,
         ClimateQuantity::DewPoint,
         ClimateQuantity::VapourPressure,
         ClimateQuantity::AbsoluteHumidity,
+        ClimateQuantity::ElectrodeResistance,
+        ClimateQuantity::ElectrodeResistanceError,
+        ClimateQuantity::Flexings,
+        ClimateQuantity::ProbeHumidity,
     ];
+
+    /// What sensors of the climate and of chambers measure, in the order in which pages show it.
+    pub const MEASURED: [ClimateQuantity; 5] = [
+        ClimateQuantity::RelativeHumidity,
+        ClimateQuantity::Temperature,
+        ClimateQuantity::Pressure,
+        ClimateQuantity::Oxygen,
+        ClimateQuantity::Water,
+    ];
+
+    /// Whether it is the humidity or the temperature: what is known of such sensors holds of no other.
+    pub fn is_of_air(self) -> bool {
+        matches!(
+            self,
+            ClimateQuantity::RelativeHumidity | ClimateQuantity::Temperature
+        )
+    }
+
+    /// Whether a probe measured it: it says nothing of the climate.
+    pub fn is_of_probe(self) -> bool {
+        matches!(
+            self,
+            ClimateQuantity::ElectrodeResistance
+                | ClimateQuantity::ElectrodeResistanceError
+                | ClimateQuantity::Flexings
+                | ClimateQuantity::ProbeHumidity
+        )
+    }
 
     /// Stored name, with the unit: `relative_humidity_percent`.
     pub fn key(self) -> &'static str {
         match self {
             ClimateQuantity::RelativeHumidity => "relative_humidity_percent",
             ClimateQuantity::Temperature => "temperature_c",
+            ClimateQuantity::Pressure => "pressure_pa",
+            ClimateQuantity::Oxygen => "oxygen_ppm",
+            ClimateQuantity::Water => "water_ppm",
             ClimateQuantity::DewPoint => "dew_point_c",
             ClimateQuantity::VapourPressure => "vapour_pressure_pa",
             ClimateQuantity::AbsoluteHumidity => "absolute_humidity_g_per_m3",
+            ClimateQuantity::ElectrodeResistance => "electrode_resistance_ohm_per_sq",
+            ClimateQuantity::ElectrodeResistanceError => "electrode_resistance_error_ohm_per_sq",
+            ClimateQuantity::Flexings => "flexings",
+            ClimateQuantity::ProbeHumidity => "probe_humidity_percent",
         }
     }
 
@@ -57,19 +120,29 @@ impl ClimateQuantity {
         match self {
             ClimateQuantity::RelativeHumidity => "Relative humidity",
             ClimateQuantity::Temperature => "Temperature",
+            ClimateQuantity::Pressure => "Pressure",
+            ClimateQuantity::Oxygen => "Oxygen",
+            ClimateQuantity::Water => "Water",
             ClimateQuantity::DewPoint => "Dew point",
             ClimateQuantity::VapourPressure => "Vapour pressure",
             ClimateQuantity::AbsoluteHumidity => "Absolute humidity",
+            ClimateQuantity::ElectrodeResistance => "Electrode resistance",
+            ClimateQuantity::ElectrodeResistanceError => "Standard error of the electrode resistance",
+            ClimateQuantity::Flexings => "Flexings",
+            ClimateQuantity::ProbeHumidity => "Relative humidity at the probe",
         }
     }
 
     /// Unit as printed.
     pub fn unit(self) -> &'static str {
         match self {
-            ClimateQuantity::RelativeHumidity => "%",
+            ClimateQuantity::RelativeHumidity | ClimateQuantity::ProbeHumidity => "%",
             ClimateQuantity::Temperature | ClimateQuantity::DewPoint => "°C",
-            ClimateQuantity::VapourPressure => "Pa",
+            ClimateQuantity::VapourPressure | ClimateQuantity::Pressure => "Pa",
+            ClimateQuantity::Oxygen | ClimateQuantity::Water => "ppm",
             ClimateQuantity::AbsoluteHumidity => "g/m³",
+            ClimateQuantity::ElectrodeResistance | ClimateQuantity::ElectrodeResistanceError => "Ω/sq",
+            ClimateQuantity::Flexings => "",
         }
     }
 
@@ -78,6 +151,9 @@ impl ClimateQuantity {
         match quantity {
             Quantity::RelativeHumidity => Some(ClimateQuantity::RelativeHumidity),
             Quantity::Temperature => Some(ClimateQuantity::Temperature),
+            Quantity::Pressure => Some(ClimateQuantity::Pressure),
+            Quantity::Oxygen => Some(ClimateQuantity::Oxygen),
+            Quantity::Water => Some(ClimateQuantity::Water),
             _ => None,
         }
     }
@@ -122,6 +198,20 @@ pub struct ClimateRules {
     pub longest_gap_s: f64,
     /// Relative humidity above which hours count as exposure, percent.
     pub exposure_above_percent: f64,
+    /// Largest deviation from the run's mean of the pressure, percent of it.
+    #[serde(default = "pressure_tolerance")]
+    pub pressure_tolerance_percent: f64,
+    /// Oxygen that no reading within a run may be above, ppm; none stated: not looked at.
+    #[serde(default)]
+    pub oxygen_limit_ppm: Option<f64>,
+    /// Water that no reading within a run may be above, ppm; none stated: not looked at.
+    #[serde(default)]
+    pub water_limit_ppm: Option<f64>,
+}
+
+/// The thesis's vacuum stood at 50 to 60 Pa: a tenth about its mean.
+fn pressure_tolerance() -> f64 {
+    10.0
 }
 
 impl Default for ClimateRules {
@@ -134,6 +224,9 @@ impl Default for ClimateRules {
             temperature_tolerance_c: 1.0,
             longest_gap_s: 3600.0,
             exposure_above_percent: 60.0,
+            pressure_tolerance_percent: pressure_tolerance(),
+            oxygen_limit_ppm: None,
+            water_limit_ppm: None,
         }
     }
 }

@@ -76,9 +76,14 @@ impl Verdict {
         matches!(self, Verdict::Named | Verdict::Set | Verdict::Partial)
     }
 
+    /// Whether an extended model comes with it: one that names a cause, or is like one.
+    pub fn extends_the_model(self) -> bool {
+        self.names_a_cause() || self == Verdict::Resembles
+    }
+
     /// Whether it says that one set of parameters of the base model does not describe the readings.
     pub fn is_misfit(self) -> bool {
-        self.names_a_cause() || matches!(self, Verdict::Unknown | Verdict::Varies | Verdict::Resembles)
+        self.extends_the_model() || matches!(self, Verdict::Unknown | Verdict::Varies)
     }
 }
 

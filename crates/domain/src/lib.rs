@@ -3,6 +3,7 @@
 
 pub mod along;
 pub mod asked_fit;
+pub mod blocked;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
@@ -39,7 +40,8 @@ mod unit_spelling;
 
 pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
 pub use asked_fit::AskedFit;
-pub use campaign::{Campaign, CompareRules, Environment, Material, Sample};
+pub use blocked::BlockedRun;
+pub use campaign::{Campaign, CompareRules, Environment, Material, MaterialClass, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use climate::{
     ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,

@@ -30,6 +30,10 @@ pub enum Quantity {
     RelativeHumidity,
     /// Pressure around the sample, Pa.
     Pressure,
+    /// Oxygen in the gas around the sample, ppm by volume.
+    Oxygen,
+    /// Water in the gas around the sample, ppm by volume.
+    Water,
     /// Storage modulus E', MPa.
     StorageModulus,
     /// Loss modulus E'', MPa.
@@ -54,7 +58,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, in the order in which tables list them.
-    pub const ALL: [Quantity; 22] = [
+    pub const ALL: [Quantity; 24] = [
         Quantity::Time,
         Quantity::Voltage,
         Quantity::ControlVoltage,
@@ -67,6 +71,8 @@ impl Quantity {
         Quantity::Temperature,
         Quantity::RelativeHumidity,
         Quantity::Pressure,
+        Quantity::Oxygen,
+        Quantity::Water,
         Quantity::StorageModulus,
         Quantity::LossModulus,
         Quantity::ComplexModulus,
@@ -94,6 +100,8 @@ impl Quantity {
             Quantity::Temperature => "temperature",
             Quantity::RelativeHumidity => "relative_humidity",
             Quantity::Pressure => "pressure",
+            Quantity::Oxygen => "oxygen",
+            Quantity::Water => "water",
             Quantity::StorageModulus => "storage_modulus",
             Quantity::LossModulus => "loss_modulus",
             Quantity::ComplexModulus => "complex_modulus",
@@ -125,6 +133,7 @@ impl Quantity {
             Quantity::Temperature => "°C",
             Quantity::RelativeHumidity => "%",
             Quantity::Pressure => "Pa",
+            Quantity::Oxygen | Quantity::Water => "ppm",
             Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => "MPa",
             Quantity::Frequency => "Hz",
             Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude => "Ohm",
@@ -148,6 +157,8 @@ impl Quantity {
             Quantity::Temperature => "temperature_c",
             Quantity::RelativeHumidity => "relative_humidity_percent",
             Quantity::Pressure => "pressure_pa",
+            Quantity::Oxygen => "oxygen_ppm",
+            Quantity::Water => "water_ppm",
             Quantity::StorageModulus => "storage_modulus_mpa",
             Quantity::LossModulus => "loss_modulus_mpa",
             Quantity::ComplexModulus => "complex_modulus_mpa",
@@ -176,6 +187,8 @@ impl Quantity {
             Quantity::Temperature => "Temperature",
             Quantity::RelativeHumidity => "Relative humidity",
             Quantity::Pressure => "Pressure",
+            Quantity::Oxygen => "Oxygen",
+            Quantity::Water => "Water",
             Quantity::StorageModulus => "Storage modulus",
             Quantity::LossModulus => "Loss modulus",
             Quantity::ComplexModulus => "Complex modulus",

@@ -16,6 +16,10 @@ pub mod keys {
     pub const TEMPERATURE_C: &str = "temperature_c";
     /// Pressure, Pa.
     pub const PRESSURE_PA: &str = "pressure_pa";
+    /// Oxygen in the chamber, ppm.
+    pub const OXYGEN_PPM: &str = "oxygen_ppm";
+    /// Water in the chamber, ppm.
+    pub const WATER_PPM: &str = "water_ppm";
     /// Start of the run, RFC 3339.
     pub const STARTED_AT: &str = "started_at";
     /// Shorted time before the run, s.
@@ -44,8 +48,24 @@ pub mod keys {
     pub const EXPOSURE_H: &str = "exposure_h";
     /// Calibration that the instrument had; a covariate of laws.
     pub const CALIBRATION: &str = "calibration";
+    /// Resistance of both electrodes along the strip, Ohm per square: by a probe, or as stated.
+    pub const ELECTRODE_RESISTANCE: &str = "electrode_resistance_ohm_per_sq";
+    /// Its standard error, Ohm per square.
+    pub const ELECTRODE_RESISTANCE_ERROR: &str = "electrode_resistance_error_ohm_per_sq";
+    /// Flexings of the strip before the run.
+    pub const FLEXINGS: &str = "flexings";
     /// Known keys that are neither among [`CONDITIONS`] nor [`RECORD`].
-    pub const OTHERS: [&str; 4] = [NOTE, PLANNED, EXPOSURE_H, CALIBRATION];
+    pub const OTHERS: [&str; 9] = [
+        OXYGEN_PPM,
+        WATER_PPM,
+        NOTE,
+        PLANNED,
+        EXPOSURE_H,
+        CALIBRATION,
+        ELECTRODE_RESISTANCE,
+        ELECTRODE_RESISTANCE_ERROR,
+        FLEXINGS,
+    ];
     /// Keys of what a run is told by; beside them stand [`NOTE`], which may say anything, and those of [`RECORD`].
     pub const CONDITIONS: [&str; 11] = [
         SAMPLE,
@@ -63,7 +83,9 @@ pub mod keys {
     /// Ending of keys that say what a column of an instrument measures: `storage_modulus_column = "E'/MPa"`.
     pub const COLUMN: &str = "_column";
     /// Keys whose value must be a number.
-    pub const NUMERIC: [&str; 7] = [
+    pub const NUMERIC: [&str; 12] = [
+        OXYGEN_PPM,
+        WATER_PPM,
         VOLTAGE_V,
         RELATIVE_HUMIDITY_PERCENT,
         TEMPERATURE_C,
@@ -71,6 +93,9 @@ pub mod keys {
         REST_BEFORE_S,
         CYCLE,
         CLOCK_OFFSET_S,
+        ELECTRODE_RESISTANCE,
+        ELECTRODE_RESISTANCE_ERROR,
+        FLEXINGS,
     ];
 }
 
@@ -103,13 +128,15 @@ pub enum TagSource {
     Channel,
     /// Ambient logs, averaged over the run.
     Ambient,
+    /// Readings of a four-point probe before and after the run.
+    Probe,
     /// Defaults of the environment in campaign.toml.
     EnvironmentDefault,
 }
 
 impl TagSource {
     /// Every source, strongest first.
-    pub const ALL: [TagSource; 9] = [
+    pub const ALL: [TagSource; 10] = [
         TagSource::Hand,
         TagSource::Sidecar,
         TagSource::Folder,
@@ -118,6 +145,7 @@ impl TagSource {
         TagSource::Header,
         TagSource::Channel,
         TagSource::Ambient,
+        TagSource::Probe,
         TagSource::EnvironmentDefault,
     ];
 
@@ -132,6 +160,7 @@ impl TagSource {
             TagSource::Header => "header",
             TagSource::Channel => "channel",
             TagSource::Ambient => "ambient",
+            TagSource::Probe => "probe",
             TagSource::EnvironmentDefault => "environment_default",
         }
     }
@@ -152,6 +181,7 @@ impl TagSource {
             TagSource::Header => "file header",
             TagSource::Channel => "voltage channel",
             TagSource::Ambient => "ambient log",
+            TagSource::Probe => "probe",
             TagSource::EnvironmentDefault => "environment default",
         }
     }

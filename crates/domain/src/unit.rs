@@ -28,6 +28,8 @@ pub enum Dimension {
     Ratio,
     /// Canonical Pa.
     Pressure,
+    /// Part of a gas by volume, in ppm.
+    GasFraction,
     /// Canonical MPa: moduli.
     Modulus,
     /// Canonical Hz.
@@ -139,6 +141,7 @@ pub fn dimension(quantity: Quantity) -> Option<Dimension> {
         Quantity::Temperature => Dimension::Temperature,
         Quantity::RelativeHumidity => Dimension::Ratio,
         Quantity::Pressure => Dimension::Pressure,
+        Quantity::Oxygen | Quantity::Water => Dimension::GasFraction,
         Quantity::StorageModulus | Quantity::LossModulus | Quantity::ComplexModulus => Dimension::Modulus,
         Quantity::Frequency => Dimension::Frequency,
         Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude => {
@@ -226,6 +229,8 @@ mod tests {
             (Quantity::Temperature, "K", 273.15, 0.0),
             (Quantity::RelativeHumidity, "%RH", 34.0, 34.0),
             (Quantity::Pressure, "mbar", 1013.25, 101_325.0),
+            (Quantity::Oxygen, "ppmv", 0.8, 0.8),
+            (Quantity::Water, "ppb", 500.0, 0.5),
             (Quantity::Pressure, "Torr", 760.0, 101_325.0),
             (Quantity::StorageModulus, "GPa", 0.46, 460.0),
             (Quantity::LossModulus, "Pa", 5e6, 5.0),

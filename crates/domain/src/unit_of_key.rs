@@ -1,7 +1,7 @@
 //! The unit that a stored key or a column's name ends in: `r1_ohm_cm2` is in Ohm cm2.
 
 /// Endings of names with the unit that they stand for; the first that fits holds, so longer ones stand before shorter ones.
-pub const UNITS: [(&str, &str); 46] = [
+pub const UNITS: [(&str, &str); 47] = [
     ("_a_sqrt_s_per_v_cm2", "A sqrt(s)/(V cm2)"),
     ("_a_per_v_cm2", "A/(V cm2)"),
     ("_f_per_cm2", "F/cm2"),
@@ -30,6 +30,7 @@ pub const UNITS: [(&str, &str); 46] = [
     ("_cm2", "cm2"),
     ("_mpa", "MPa"),
     ("_ohm", "Ohm"),
+    ("_ppm", "ppm"),
     ("_rad", "rad"),
     ("_cm", "cm"),
     ("_hz", "Hz"),

@@ -50,6 +50,10 @@ pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion
         Dimension::Temperature => temperature(spelled, &word),
         Dimension::Ratio => named(&word, &["%", "percent", "%rh", "rh%", "%r.h.", "pct"]),
         Dimension::Pressure => pressure(spelled, &word),
+        Dimension::GasFraction => match word.as_str() {
+            "ppb" | "ppbv" => Some(Conversion::scale(1.0, 1000.0)),
+            _ => named(&word, &["ppm", "ppmv", "vpm", "ppm(v)"]),
+        },
         Dimension::Modulus => modulus(spelled),
         Dimension::Frequency => frequency(spelled),
         Dimension::Resistance => resistance(spelled, &word),
@@ -245,6 +249,7 @@ pub(super) fn known_units(dimension: Dimension) -> &'static str {
         Dimension::Temperature => "°C, degC, C, K, °F, degF",
         Dimension::Ratio => "%, percent, %RH",
         Dimension::Pressure => "Pa, hPa, kPa, MPa, mbar, bar, atm, Torr",
+        Dimension::GasFraction => "ppm, ppmv, vpm, ppb",
         Dimension::Modulus => "MPa, GPa, kPa, Pa, N/mm2",
         Dimension::Frequency => "Hz, mHz, kHz, rad/s",
         Dimension::Resistance => "Ohm, kOhm, MOhm, mOhm, Ω",

@@ -1,7 +1,6 @@
 //! What the branches do while the source is disconnected: they exchange charge through R_ss and each other.
 
-use ieap_numerics::jacobi;
-use ieap_numerics::symmetric::{CAPACITY, Symmetric};
+use ieap_numerics::symmetric::Symmetric;
 
 use super::lumped::{Branch, SegmentResponse};
 
@@ -30,13 +29,7 @@ impl<'a> FreeCircuit<'a> {
             };
             own - weight(&branches[j]) * weight(&branches[k]) / conductance
         };
-        let (mut rates_per_s, modes) = if n <= CAPACITY {
-            let (values, vectors) = Symmetric::from_fn(n, entry).eigen();
-            let modes = vectors[..n].iter().map(|row| row[..n].to_vec()).collect();
-            (values[..n].to_vec(), modes)
-        } else {
-            jacobi::eigen(n, entry)
-        };
+        let (mut rates_per_s, modes) = Symmetric::from_fn(n, entry).eigen();
         refine_slowest(&mut rates_per_s, branches, steady / conductance);
         FreeCircuit {
             branches,

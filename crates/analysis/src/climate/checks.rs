@@ -43,6 +43,9 @@ pub struct Checked<'a> {
 /// the same sensor.
 pub fn check(series: Checked<'_>, other: Option<Checked<'_>>) -> (Vec<Issue>, Option<String>) {
     let mut issues = Vec::new();
+    if !series.quantity.is_of_air() {
+        return (issues, None);
+    }
     if let Some(not_used) = other.and_then(|other| copy(series, other)) {
         let mend = "export the log again with the humidity in its column, or leave the column away";
         issues.push(

@@ -4,6 +4,10 @@ use ieap_domain::{Campaign, ClimateQuantity, LogSeries, SensorStatement};
 
 /// Folder of the climate logs in a campaign.
 pub const FOLDER: &str = "ambient";
+/// Folder of the tables of a four-point probe; they are logs, too.
+pub const PROBE_FOLDER: &str = "probe";
+/// Folders of logs.
+pub const FOLDERS: [&str; 2] = [FOLDER, PROBE_FOLDER];
 
 /// A sensor as the campaign knows it.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +56,8 @@ pub fn identity<'a>(campaign: &'a Campaign, series: &LogSeries) -> Identity<'a> 
 /// Whether a sensor speaks for a run of a sample in an environment.
 ///
 /// A sensor of which nothing is stated stands in the room: it knows nothing of the humidity in a vacuum chamber or
-/// in inert gas, but its temperature is that of their walls.
+/// in inert gas, but its temperature is that of their walls. An analyser of oxygen or water in ppm stands at a box of
+/// inert gas.
 pub fn speaks_for(
     statement: Option<&SensorStatement>,
     quantity: ClimateQuantity,
@@ -64,6 +69,10 @@ pub fn speaks_for(
     });
     let of_sample = samples.is_empty() || sample.is_some_and(|sample| samples.iter().any(|s| s == sample));
     let of_environment = match (environments.is_empty(), environment) {
+        // Traces in ppm are measured in the gas of a glove box.
+        (true, environment) if matches!(quantity, ClimateQuantity::Oxygen | ClimateQuantity::Water) => {
+            environment == Some("inert")
+        }
         (true, Some("vacuum" | "inert")) => quantity == ClimateQuantity::Temperature,
         (true, _) => true,
         (false, Some(environment)) => environments.iter().any(|e| e == environment),

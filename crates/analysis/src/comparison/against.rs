@@ -1,6 +1,6 @@
 //! Where each run stands on a covariate that parameters are shown against.
 
-use crate::conditions::{material, nominal_voltage_v};
+use crate::conditions::{compared_material, nominal_voltage_v};
 use crate::laws::covariate::Covariate;
 use crate::laws::facts::{Known, RunFacts};
 use ieap_domain::tag::keys;
@@ -109,7 +109,7 @@ impl Against {
     fn name_of<'a>(self, run: &'a RunRecord, campaign: &'a Campaign) -> Option<&'a str> {
         match self {
             Against::Environment => run.tag(keys::ENVIRONMENT),
-            Against::Material => material(run, campaign),
+            Against::Material => compared_material(run, campaign),
             _ => run.tag(keys::SAMPLE),
         }
     }
@@ -127,6 +127,7 @@ impl Against {
                 .iter()
                 .map(|known| known.id.as_str())
                 .chain(campaign.samples.iter().map(|sample| sample.material.as_str()))
+                .map(|own| campaign.compared_as(own))
                 .collect(),
             _ => campaign.samples.iter().map(|known| known.id.as_str()).collect(),
         }

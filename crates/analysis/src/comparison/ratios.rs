@@ -403,6 +403,7 @@ mod tests {
         ];
         let rules = CompareRules {
             reference: vec![("environment".to_owned(), "vacuum".to_owned())],
+            by: None,
         };
         let (_, ratios) = found(&runs, &rules);
         let values: Vec<f64> = ratios.iter().map(|ratio| ratio.value.round()).collect();

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::covariate::Covariate;
 use super::design::{Level, Rows};
 use super::values::Values;
-use ieap_numerics::dense::Dense;
 use ieap_numerics::grouped::{Grouped, dot};
+use ieap_numerics::symmetric::Symmetric;
 
 /// Rows with a value, and what else is known of them.
 #[derive(Debug, Clone)]
@@ -132,11 +132,16 @@ fn without_columns(runs: &Table) -> Vec<f64> {
 
 /// Coefficients of `columns` beside an intercept for each group, and the inverse of their normal matrix. Columns must
 /// be independent.
-pub fn coefficients(y: &[f64], variance: &[f64], group: &[usize], columns: &[Vec<f64>]) -> (Vec<f64>, Dense) {
+pub fn coefficients(
+    y: &[f64],
+    variance: &[f64],
+    group: &[usize],
+    columns: &[Vec<f64>],
+) -> (Vec<f64>, Symmetric) {
     let groups = Grouped::new(variance, group, &[]);
     let left: Vec<Vec<f64>> = columns.iter().map(|column| groups.residual(column)).collect();
     let target = groups.residual(y);
-    let mut normal = Dense::zero(columns.len());
+    let mut normal = Symmetric::zero(columns.len());
     for (row, a) in left.iter().enumerate() {
         for (column, b) in left.iter().enumerate().take(row + 1) {
             normal.add(row, column, dot(a, b));

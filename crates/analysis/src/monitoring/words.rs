@@ -125,8 +125,31 @@ fn at_step(watched: &Watched, at: Interval) -> String {
     )
 }
 
+/// Jumps from which on they are told together.
+const MANY_JUMPS: usize = 2;
+
 /// Jumps in sentences, each with a space before it.
 fn jumps(watched: &Watched) -> String {
+    let own = watched.study.steps.iter().filter(|step| !step.is_stated);
+    let own: Vec<&super::series::Step> = own.collect();
+    if own.len() >= MANY_JUMPS && own.len() == watched.study.steps.len() {
+        let places: Vec<String> = own
+            .iter()
+            .map(|step| short_axis(watched, watched.series.x[step.at]))
+            .collect();
+        let places: Vec<&str> = places.iter().map(String::as_str).collect();
+        let largest = own
+            .iter()
+            .map(|step| step.size)
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        return format!(
+            " {} jumps at {} {}, at most {}: that is left out of the trend and of the charts.",
+            subject(watched),
+            watched.axis.label(),
+            in_a_row(&places),
+            by(largest.unwrap_or_default(), watched.series.is_log),
+        );
+    }
     let told = |step: &super::series::Step| {
         let why = match step.is_stated {
             true => "where the instrument or its calibration changed",
@@ -191,8 +214,16 @@ pub fn place(watched: &Watched, at: f64) -> String {
     format!("{} {}{}", axis.label(), short_axis(watched, at), unit(axis))
 }
 
+/// Changes of a logarithm below this are told in percent.
+const A_FACTOR: f64 = 0.15;
+
 fn by(size: f64, is_log: bool) -> String {
     match (is_log, size >= 0.0) {
+        (true, rises) if size.abs() < A_FACTOR => format!(
+            "{} by {}\u{a0}%",
+            if rises { "up" } else { "down" },
+            short(100.0 * size.exp_m1().abs())
+        ),
         (true, true) => format!("up by a factor of {}", short(size.exp())),
         (true, false) => format!("down by a factor of {}", short((-size).exp())),
         (false, _) => format!("by {}", short(size)),

@@ -1,4 +1,5 @@
-//! Runs that could be made: conditions that the material was measured in, on its samples.
+//! Runs that could be made on the samples of a material: in conditions that it was measured in and, where the humidity is
+//! tied, at a humidity between those.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,6 +22,8 @@ pub struct Condition {
     pub numbers: BTreeMap<Covariate, f64>,
     /// Environment and voltage.
     pub names: BTreeMap<Covariate, String>,
+    /// Whether no run was made at this humidity yet.
+    pub is_new_humidity: bool,
     /// Mean place among the runs of a sample.
     order: f64,
 }
@@ -49,6 +52,7 @@ pub fn conditions(facts: &[RunFacts], places: &[usize]) -> Vec<Condition> {
         let condition = Condition {
             numbers,
             names,
+            is_new_humidity: false,
             order: 0.0,
         };
         let key = format!("{condition:?}");
@@ -76,8 +80,13 @@ pub fn candidates(
     set: &[Covariate],
 ) -> Vec<Vec<Setting>> {
     let conditions = conditions(facts, places);
+    let between = match set.contains(&Covariate::RelativeHumidity) {
+        true => new_humidities(&conditions),
+        false => Vec::new(),
+    };
     let variants: Vec<Condition> = conditions
         .iter()
+        .chain(&between)
         .flat_map(|condition| variants(condition, facts, places, set))
         .collect();
     let measured = samples(
@@ -105,7 +114,55 @@ fn setting(sample: &str, condition: &Condition) -> Setting {
         sample: sample.to_owned(),
         numbers: condition.numbers.clone(),
         names: condition.names.clone(),
+        is_new_humidity: condition.is_new_humidity,
     }
+}
+
+/// Part of a gap between the humidities of two environments at which one is measured anew, from the other's on: half way
+/// the variance inflation of the two would stay above its limit where two of three environments are dry.
+const NEAR_THE_OTHER: f64 = 1.0 / 3.0;
+
+/// Conditions at a humidity that was not measured yet: of each environment that is not dry, a place in the widest gap
+/// between the levels of the campaign that one of its own levels ends. Half way between two of its own, else nearer to that
+/// of the other environment.
+fn new_humidities(conditions: &[Condition]) -> Vec<Condition> {
+    let humidity = |one: &Condition| one.numbers.get(&Covariate::RelativeHumidity).copied();
+    let mut levels: Vec<f64> = conditions.iter().filter_map(humidity).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let mut of_environment: BTreeMap<Option<&String>, Vec<&Condition>> = BTreeMap::new();
+    for one in conditions.iter().filter(|one| humidity(one).is_some()) {
+        let environment = one.names.get(&Covariate::Environment);
+        of_environment.entry(environment).or_default().push(one);
+    }
+    let mut new: Vec<Condition> = Vec::new();
+    for own in of_environment.values() {
+        let is_own = |level: f64| own.iter().any(|one| humidity(one) == Some(level));
+        // What is kept dry, a vacuum say, cannot be made humid.
+        if own.iter().all(|one| humidity(one) <= Some(ONE_LEVEL)) {
+            continue;
+        }
+        let gaps = levels.windows(2).map(|pair| (pair[0], pair[1]));
+        let gaps = gaps.filter(|&(low, high)| high - low > 2.0 * ONE_LEVEL && (is_own(low) || is_own(high)));
+        let Some((low, high)) = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0))) else {
+            continue;
+        };
+        for one in own {
+            let mut at_new = (*one).clone();
+            let part = match (is_own(low), is_own(high)) {
+                (true, true) => 0.5,
+                (false, _) => NEAR_THE_OTHER,
+                (_, false) => 1.0 - NEAR_THE_OTHER,
+            };
+            let between = (low + part * (high - low)).round();
+            at_new.numbers.insert(Covariate::RelativeHumidity, between);
+            at_new.is_new_humidity = true;
+            if !new.iter().any(|known| known.names == at_new.names) {
+                new.push(at_new);
+            }
+        }
+    }
+    new
 }
 
 /// The condition with every level of what else can be set and is tied: rest, instrument, calibration, operator.

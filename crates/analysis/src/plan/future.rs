@@ -19,6 +19,8 @@ pub struct Setting {
     pub numbers: BTreeMap<Covariate, f64>,
     /// Settings that are names: environment, voltage, instrument.
     pub names: BTreeMap<Covariate, String>,
+    /// Whether no run was made at this humidity yet.
+    pub is_new_humidity: bool,
 }
 
 /// The material whose runs are planned.

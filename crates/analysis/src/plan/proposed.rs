@@ -109,8 +109,12 @@ fn of_step(plan: &Untying, step: &Step, runs: &[RunRecord], campaign: &Campaign,
             inflation: Some((step.inflation_before, step.inflation_after)),
         },
         why: vec![format!(
-            "{told} (variance inflation {})",
-            words::from_to(step.inflation_before, step.inflation_after)
+            "{told} (variance inflation {}){}",
+            words::from_to(step.inflation_before, step.inflation_after),
+            match setting.is_new_humidity {
+                true => "; a humidity that was not measured yet",
+                false => "",
+            }
         )],
         closes,
     }

@@ -133,15 +133,43 @@ fn every_run_of_a_plan_loosens_and_is_said_by_how_much() {
 fn a_humidity_that_is_the_environment_needs_another_humidity() {
     let facts = thesis(&["CNaf-01"], true);
     let found = planned(&facts, &campaign(), Level::Within);
-    let pair = (Covariate::RelativeHumidity, Covariate::Environment);
-    assert_eq!(found.left, [pair], "{found:#?}");
-    assert!(
-        found.would[0].contains("in air at another than 34 % RH"),
-        "{:?}",
-        found.would
+    assert!(found.is_reached() && found.left.is_empty(), "{found:#?}");
+    // In the environment that is not dry, a third of the way from 0 (of which 1 is no other level) to 34 %.
+    let mut new = found.steps.iter().filter(|step| step.setting.is_new_humidity);
+    let step = new.next().unwrap_or_else(|| panic!("{found:#?}"));
+    assert_eq!(step.setting.names[&Covariate::Environment], "air");
+    assert_eq!(step.setting.numbers[&Covariate::RelativeHumidity], 11.0);
+    assert_eq!(
+        tied_after(&facts, &found, &campaign()),
+        Vec::<Vec<Covariate>>::new()
     );
-    // The rest is untied.
-    assert!(found.is_reached(), "{found:#?}");
+}
+
+/// Where every environment is dry no new humidity is asked for, and the list says what would tell them apart.
+#[test]
+fn what_is_kept_dry_is_not_made_humid() {
+    let mut facts = thesis(&["CNaf-01"], false);
+    for fact in &mut facts {
+        let humidity = match fact.names[&Covariate::Environment].as_str() {
+            "vacuum" => 0.0,
+            "inert" => 1.0,
+            _ => 3.0,
+        };
+        let exact = Known {
+            value: humidity,
+            standard_error: None,
+        };
+        fact.numbers.insert(Covariate::RelativeHumidity, exact);
+    }
+    for found in tied_of(&facts, Level::Within)
+        .iter()
+        .map(|set| plan(set, &facts, &(0..facts.len()).collect::<Vec<_>>(), &campaign()))
+    {
+        assert!(
+            found.steps.iter().all(|step| !step.setting.is_new_humidity),
+            "{found:#?}"
+        );
+    }
 }
 
 #[test]

@@ -106,6 +106,8 @@ mod tests {
             set_aside: &[],
             modulus_logs: &[],
             spectra: &[],
+            blocked: &[],
+            electrodes: &[],
             files: &[],
             comparisons: &[],
             groups: &[],

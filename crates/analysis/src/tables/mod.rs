@@ -3,6 +3,7 @@
 mod cells;
 mod chosen_columns;
 mod conditions_table;
+mod electrodes;
 mod extended;
 mod findings;
 mod fits;
@@ -20,11 +21,16 @@ mod table4;
 mod table5;
 mod table6;
 
+pub(crate) use cells::{surroundings_text, volts};
 pub use chosen_columns::with_columns;
+pub(crate) use stiffness::alpha_of;
 pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use table6::rules;
 
-use ieap_domain::{Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun};
+use crate::probe::Course;
+use ieap_domain::{
+    BlockedRun, Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
+};
 
 /// What tables are made from.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +45,10 @@ pub struct TableInput<'a> {
     pub modulus_logs: &'a [ModulusLog],
     /// Impedance spectra with what was found in them.
     pub spectra: &'a [SpectrumRun],
+    /// What blocking forces of the runs say.
+    pub blocked: &'a [BlockedRun],
+    /// The electrodes' resistance over time, by the probe.
+    pub electrodes: &'a [Course],
     /// Every file that the last scan saw.
     pub files: &'a [SourceFile],
     /// Diagnoses of groups.
@@ -55,6 +65,8 @@ pub struct NamedTable {
     pub name: &'static str,
     /// What it shows, one sentence.
     pub about: &'static str,
+    /// Whether its rows are conditions, whose materials may be put together by class.
+    pub compares_materials: bool,
     /// Makes it; name, notice and origin are filled in by [`NamedTable::table`].
     make: fn(&TableInput) -> Table,
 }
@@ -72,75 +84,95 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 14] = [
+pub const TABLES: [NamedTable; 15] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
+        compares_materials: false,
         make: table2::make,
     },
     NamedTable {
         name: "table3",
         about: "Parameters of the distributed model, one row a sample (the thesis's table 3)",
+        compares_materials: false,
         make: table3::make,
     },
     NamedTable {
         name: "table4",
         about: "Complex modulus before and after each humidity step (the thesis's table 4)",
+        compares_materials: false,
         make: table4::make,
     },
     NamedTable {
         name: "table5",
         about: "Parameters of the lumped model by material, environment and voltage (the thesis's table 5)",
+        compares_materials: true,
         make: table5::make,
     },
     NamedTable {
         name: "table6",
         about: "What happens in which environment at which voltage, in words (the thesis's table 6)",
+        compares_materials: true,
         make: table6::make,
     },
     NamedTable {
         name: "spread",
         about: "Means over repeats with the spread between samples, between runs and the fits' own uncertainty",
+        compares_materials: true,
         make: spread::make,
     },
     NamedTable {
         name: "conditions",
         about: "Conditions that were measured, with their runs, samples and total capacitance",
+        compares_materials: true,
         make: conditions_table::make,
     },
     NamedTable {
         name: "runs",
         about: "Every run with its tags, state and goodness of fit",
+        compares_materials: false,
         make: runs::make,
     },
     NamedTable {
         name: "fits",
         about: "Every run's current fit, all parameters",
+        compares_materials: false,
         make: fits::make,
     },
     NamedTable {
         name: "models",
         about: "Which model describes which material in which environment, as `ieap compare` found it",
+        compares_materials: true,
         make: models::make,
     },
     NamedTable {
         name: "findings",
         about: "What the model gets wrong in each group of runs, and why",
+        compares_materials: false,
         make: findings::make,
     },
     NamedTable {
+        name: "electrodes",
+        about: "Resistance of the electrodes over time, by the four-point probe, with cracks",
+        compares_materials: false,
+        make: electrodes::make,
+    },
+    NamedTable {
         name: "stiffness",
-        about: "Alpha split into stiffness and coupling, with the modulus logs: which of them a change follows",
+        about: "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows",
+        compares_materials: false,
         make: stiffness::make,
     },
     NamedTable {
         name: "impedance",
         about: "Circuits fitted to the impedance spectra, one row a spectrum and circuit",
+        compares_materials: false,
         make: impedance::make,
     },
     NamedTable {
         name: "refused",
         about: "Files and runs that are not in the other tables, with reason and mend",
+        compares_materials: false,
         make: refused::make,
     },
 ];

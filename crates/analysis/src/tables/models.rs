@@ -77,7 +77,7 @@ fn row(input: &TableInput, condition: &ComparedCondition, model: &ComparedModel)
             let name = &input.comparisons[place].run;
             let run = input.runs.iter().find(|run| run.path == *name)?;
             Some(Source {
-                origin: SourceOrigin::Run(run.id),
+                origin: SourceOrigin::Comparison(run.id),
                 name: name.clone(),
                 key: None,
                 estimate: None,

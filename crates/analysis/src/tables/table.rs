@@ -169,6 +169,8 @@ pub enum SourceOrigin {
     Run(i64),
     /// A modulus log with its current analysis; the row id in the database.
     ModulusLog(i64),
+    /// A comparison of models on a run; the run's row id in the database.
+    Comparison(i64),
     /// The current diagnosis of a group.
     Diagnosis,
     /// A file that is no run.

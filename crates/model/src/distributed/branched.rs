@@ -6,7 +6,7 @@
 //! each mode differs from the strip with perfect electrodes, which falls with the fourth power of n.
 
 use ieap_domain::{Drive, Level};
-use ieap_numerics::jacobi::eigen;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::StripField;
 use crate::lumped::{Branch, LumpedModel};
@@ -174,7 +174,7 @@ impl BranchedStrip<'_> {
             };
             own - series_ohm_cm2 / raised * conductance(j) * conductance(k) / (root(j) * root(k))
         };
-        let (rates, vectors) = eigen(branches.len(), entry);
+        let (rates, vectors) = Symmetric::from_fn(branches.len(), entry).eigen();
         let least = NEGLIGIBLE * self.model.total_capacitance_f_per_cm2();
         let (mut charging, mut conducting) = (Vec::new(), Vec::new());
         for (m, &rate) in rates.iter().enumerate() {

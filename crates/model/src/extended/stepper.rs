@@ -27,6 +27,21 @@ struct State {
     current: f64,
 }
 
+impl State {
+    /// Takes over another one of the same model: no room is asked for, as a clone would at every step.
+    fn copy_from(&mut self, other: &State) {
+        self.capacitor_v.copy_from_slice(&other.capacitor_v);
+        self.strain.copy_from_slice(&other.strain);
+        self.memory.copy_from_slice(&other.memory);
+        self.nodes_v.copy_from_slice(&other.nodes_v);
+        self.charge = other.charge;
+        self.source_v = other.source_v;
+        self.source_v_per_s = other.source_v_per_s;
+        self.terminal_v = other.terminal_v;
+        self.current = other.current;
+    }
+}
+
 /// Walks a run from its start.
 pub(super) struct Stepper<'a> {
     system: &'a System,
@@ -85,13 +100,21 @@ impl<'a> Stepper<'a> {
         let mut current_a = vec![0.0; times.len()];
         let mut curvature = vec![0.0; times.len()];
         let mut state = self.rest();
+        let mut middle = state.clone();
         let mut work = Work::new(self);
         let mut segment = None;
         let mut segments = self.run.drive.segments.iter().peekable();
         let at_rest_a = self.run.area_cm2 * self.run.drive.baseline_v * self.system.rest_s_per_cm2();
         for (k, &t) in times.iter().enumerate() {
             if let (Some((edge_s, level)), true) = (segment, k > 0) {
-                self.step(&mut state, &mut work, times[k - 1], t, edge_s, level);
+                let (from_s, h) = (times[k - 1], t - times[k - 1]);
+                if !self.linear && h > 0.0 {
+                    middle.copy_from(&state);
+                    self.to_middle(&mut middle, &mut work, from_s, h, edge_s, level);
+                }
+                if h > 0.0 {
+                    self.advance(&mut state, &mut work, h, level);
+                }
             }
             while let Some(next) = segments.next_if(|next| next.start_s <= t) {
                 segment = Some((next.start_s, next.level));
@@ -187,7 +210,7 @@ impl<'a> Stepper<'a> {
             curvature_rate_per_cm_s_v,
             emf_v: work.now.emf_v,
         };
-        work.now.clone_from(&self.plain);
+        work.now.copy_from(&self.plain);
         for (k, law) in self.system.laws.iter().enumerate() {
             work.inputs[k] = law.memory_input(&now);
             law.act(&now, state.memory[k], &mut work.now);
@@ -223,21 +246,14 @@ impl<'a> Stepper<'a> {
         (scale * (weight * charging - relaxing), scale * weight * per_volt)
     }
 
-    /// From `from_s` to `to_s` within one segment; the coefficients of the start stand in `work.now`.
-    fn step(&self, state: &mut State, work: &mut Work, from_s: f64, to_s: f64, edge_s: f64, level: Level) {
-        let h = to_s - from_s;
-        if h <= 0.0 {
-            return;
-        }
-        if !self.linear {
-            let mut middle = state.clone();
-            self.advance(&mut middle, work, h / 2.0, level);
-            let emf_v = work.now.emf_v;
-            self.see(&mut middle, work, from_s + h / 2.0, edge_s, level);
-            // The voltage across the strip goes along a straight line: what counts is its end.
-            work.now.emf_v = 2.0 * work.now.emf_v - emf_v;
-        }
-        self.advance(state, work, h, level);
+    /// Coefficients of the middle of a step of `h` from `from_s` within one segment, into `work.now`, where those of its
+    /// start stand; `middle` is the state at its start.
+    fn to_middle(&self, middle: &mut State, work: &mut Work, from_s: f64, h: f64, edge_s: f64, level: Level) {
+        self.advance(middle, work, h / 2.0, level);
+        let emf_v = work.now.emf_v;
+        self.see(middle, work, from_s + h / 2.0, edge_s, level);
+        // The voltage across the strip goes along a straight line: what counts is its end.
+        work.now.emf_v = 2.0 * work.now.emf_v - emf_v;
     }
 
     /// Advances by `h` with the coefficients in `work.now`.

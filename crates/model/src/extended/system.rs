@@ -172,6 +172,22 @@ pub struct Coefficients {
     pub added_curvature_per_cm: f64,
 }
 
+impl Coefficients {
+    /// Takes over those of another instant of the same model: no room is asked for.
+    pub(super) fn copy_from(&mut self, other: &Coefficients) {
+        self.resistance_ohm_cm2.copy_from_slice(&other.resistance_ohm_cm2);
+        self.capacitance_f_per_cm2
+            .copy_from_slice(&other.capacitance_f_per_cm2);
+        self.steady_s_per_cm2 = other.steady_s_per_cm2;
+        self.leak_a_per_cm2 = other.leak_a_per_cm2;
+        self.leak_s_per_cm2 = other.leak_s_per_cm2;
+        self.relaxation_factor = other.relaxation_factor;
+        self.coupling_factor = other.coupling_factor;
+        self.emf_v = other.emf_v;
+        self.added_curvature_per_cm = other.added_curvature_per_cm;
+    }
+}
+
 /// Something that changes coefficients while the run goes on.
 pub trait Law {
     /// Decay time of a quantity that the law remembers, s (infinite: an integral); none where it remembers nothing.

@@ -1,6 +1,7 @@
 //! Geometry and statics of a bent strip, thesis (3)-(11): what is measured at one point, and the whole shape.
 
 pub mod arc;
+pub mod blocking;
 pub mod conversion;
 pub mod shape;
 pub mod stiffness;

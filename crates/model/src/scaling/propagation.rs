@@ -1,7 +1,7 @@
 //! Errors of identified parameters carried into what they predict, to first order.
 
 use ieap_domain::Drive;
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 use super::Identified;
 use crate::lumped::{Branch, LumpedModel};
@@ -129,7 +129,7 @@ pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -
         true => deviation.powi(-2),
         false => 0.0,
     });
-    let mut information = Dense::zero(n);
+    let mut information = Symmetric::zero(n);
     for j in 0..n {
         for k in 0..n {
             let of_channel = |which: usize| -> f64 {

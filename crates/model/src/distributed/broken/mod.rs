@@ -9,7 +9,7 @@
 use super::DistributedModel;
 use super::field::StripField;
 use crate::relaxation::spring_response;
-use ieap_numerics::jacobi;
+use ieap_numerics::symmetric::Symmetric;
 
 /// Degree of the polynomials on either side.
 const DEGREE: usize = 16;
@@ -49,10 +49,11 @@ impl BrokenStrip {
         let first = model.electrode_resistance_ohm_per_cm.max(f64::MIN_POSITIVE);
         let sides = [(break_at_cm, first), (length - break_at_cm, first * beyond)];
         let stiffness = Stiffness::new(&sides);
-        let (periods, modes) = jacobi::eigen(UNKNOWNS, |row, column| {
+        let (periods, modes) = Symmetric::from_fn(UNKNOWNS, |row, column| {
             let (row, column) = (stiffness.unit(row), stiffness.unit(column));
             mass(&sides, &row, &column)
-        });
+        })
+        .eigen();
         let largest = periods.iter().fold(0.0f64, |most, period| most.max(*period));
         let mut strip = BrokenStrip {
             model: *model,

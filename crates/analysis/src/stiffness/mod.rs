@@ -1,10 +1,19 @@
 //! Is a change of alpha one of stiffness or of coupling? A strip bends by kappa = alpha q with alpha = mu / (E I) (the
-//! thesis's equations 7, 8, 15 and 16): the modulus logs give E at a humidity, the dimensions give I, and so mu.
+//! thesis's equations 7, 8, 15 and 16): the modulus logs give E at a humidity, the dimensions give I, and so mu; a blocking
+//! force gives mu without a modulus.
+
+mod both_ways;
+mod rows;
+mod words;
+
+pub use both_ways::{Ratios, both_ways};
+pub use rows::{Change, SampleRow, sample_rows};
+pub use words::{answer, sentences};
 
 use ieap_domain::modulus::step_keys;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, Estimate, ModulusLog, Sample};
+use ieap_domain::{Estimate, ModulusLog, Sample};
 
 /// Humidity beyond that of a log at which its nearest level still stands for it, percent: levels of that width are one
 /// condition elsewhere, too.
@@ -21,15 +30,12 @@ pub struct ModulusPoint {
     pub error: f64,
 }
 
-/// What the logs of a material say, by rising humidity: the level before the first step of each log and the end of each
+/// What the logs of samples say, by rising humidity: the level before the first step of each log and the end of each
 /// stretch.
-pub fn modulus_points(logs: &[ModulusLog], campaign: &Campaign, material: &str) -> Vec<ModulusPoint> {
-    let of_material = |log: &&ModulusLog| {
-        let sample = log.run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
-        sample.is_some_and(|sample| sample.material == material)
-    };
+pub fn modulus_points(logs: &[ModulusLog], is_of: impl Fn(&str) -> bool) -> Vec<ModulusPoint> {
+    let own = |log: &&ModulusLog| log.run.tag(keys::SAMPLE).is_some_and(&is_of);
     let mut points = Vec::new();
-    for log in logs.iter().filter(of_material) {
+    for log in logs.iter().filter(own) {
         let steps = log.analysis.iter().flat_map(|found| &found.steps);
         for (ordinal, step) in steps.enumerate() {
             let at = |humidity: &str, modulus: &str| {
@@ -119,6 +125,27 @@ pub fn product(factors: &[(&Estimate, f64)]) -> Estimate {
         variance += (power * error / value).powi(2);
     }
     of_logarithm(logarithm, variance.sqrt())
+}
+
+/// A coupling may bend the other way: its size is what is split.
+pub(crate) fn size(alpha: &Estimate) -> Estimate {
+    scaled(alpha, alpha.value.map_or(1.0, f64::signum))
+}
+
+/// An estimate in another unit.
+pub(crate) fn scaled(estimate: &Estimate, factor: f64) -> Estimate {
+    let times = |number: Option<f64>| number.map(|number| number * factor);
+    let (low, high) = match factor < 0.0 {
+        true => (estimate.high_95, estimate.low_95),
+        false => (estimate.low_95, estimate.high_95),
+    };
+    Estimate {
+        value: times(estimate.value),
+        standard_error: estimate.standard_error.map(|error| error * factor.abs()),
+        low_95: times(low),
+        high_95: times(high),
+        ..estimate.clone()
+    }
 }
 
 /// What a change of alpha comes from.
