@@ -10,10 +10,11 @@ use ieap_analysis::laws::matrix::ConfoundingMap;
 use ieap_analysis::monitoring::Monitoring;
 use ieap_analysis::online::Turn;
 use ieap_analysis::plan::{PlannedRun, Untying};
+use ieap_analysis::probe::Course;
 use ieap_analysis::shared_effects::SharedEffect;
 use ieap_domain::{
-    Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile,
-    SpectrumRun,
+    BlockedRun, Campaign, ClimateAssessment, Fault, GroupDiagnosis, ModulusLog, RunComparison, RunRecord,
+    SourceFile, SpectrumRun,
 };
 
 /// What a report shows. No clock is read anywhere: the same input gives the same bytes.
@@ -33,6 +34,10 @@ pub struct Input {
     pub spectra: Vec<SpectrumRun>,
     /// Those of them with steps of the same sample and condition, beside these.
     pub spectra_beside: Vec<Comparison>,
+    /// What blocking forces of the runs say.
+    pub blocked: Vec<BlockedRun>,
+    /// The electrodes' resistance over time, by the probe.
+    pub electrodes: Vec<Course>,
     /// Every file that the last scan saw.
     pub files: Vec<SourceFile>,
     /// What the report was generated from.
@@ -72,6 +77,8 @@ impl Input {
             set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
             spectra: &self.spectra,
+            blocked: &self.blocked,
+            electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.findings.groups,
             comparisons: &self.comparisons,
@@ -150,6 +157,6 @@ pub struct EffectParameterText {
 pub struct Origin {
     /// Program with its version, `ieap 0.1.0`.
     pub program: String,
-    /// State of the database in words, `change 412 of 2026-11-20T06:00:00Z`.
+    /// State of the database in words, `change 412 of 20 Nov 2026, 08:00 +02:00`.
     pub database: String,
 }

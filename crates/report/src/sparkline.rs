@@ -24,6 +24,11 @@ pub struct Sparks {
 }
 
 impl Sparks {
+    /// Whether the strip was seen to move.
+    pub fn is_moving(&self) -> bool {
+        !self.motion.is_empty()
+    }
+
     /// Of these curves.
     pub fn of(curves: &[RunCurve]) -> Sparks {
         let path = |is_wanted: &dyn Fn(Quantity) -> bool| {

@@ -87,18 +87,21 @@ impl Axis {
         }
     }
 
-    /// A linear axis whose ends are ticks; it includes `low..=high`. The unit is printed as it is.
+    /// A linear axis whose ends are ticks; it includes `low..=high`. The unit is printed as it is, unless the numbers are so
+    /// small or so large that ticks would be rows of zeros: then it takes a prefix or a power of ten.
     pub fn linear_rounded(low: f64, high: f64, quantity: &str, unit: &str, wanted_ticks: usize) -> Axis {
         let (low, high) = widened(low, high);
         let step = tick_step(high - low, wanted_ticks);
         let (low, high) = ((low / step).floor() * step, (high / step).ceil() * step);
+        let (factor, unit) = scaled_unit(low.abs().max(high.abs()), unit);
+        let shown = Prefix { factor, symbol: "" };
         Axis {
             scale: Scale::Linear,
             low,
             high,
-            ticks: linear_ticks(low, high, step, si_prefix(1.0)),
-            title: titled(quantity, shown_unit(unit)),
-            shown_factor: 1.0,
+            ticks: linear_ticks(low, high, step * factor, shown),
+            title: titled(quantity, &unit),
+            shown_factor: factor,
         }
     }
 
@@ -183,6 +186,25 @@ fn shown_unit(unit: &str) -> &str {
         "1/cm" => "cm⁻¹",
         unit => unit,
     }
+}
+
+/// Magnitudes whose ticks are short as they are.
+const PLAIN: std::ops::Range<f64> = 1e-3..1e5;
+
+/// The factor with which numbers up to `largest` are shown, and the unit then: a prefix where the unit takes one, else a
+/// power of ten before it.
+fn scaled_unit(largest: f64, unit: &str) -> (f64, String) {
+    if largest == 0.0 || PLAIN.contains(&largest) || !(SMALLEST..=LARGEST).contains(&largest) {
+        return (1.0, shown_unit(unit).to_owned());
+    }
+    let base = unit.split(' ').next().unwrap_or_default();
+    let prefix = si_prefix(largest);
+    if matches!(base, "F" | "Ω" | "A" | "V" | "Hz") && (1.0..1e4).contains(&(largest * prefix.factor)) {
+        return (prefix.factor, format!("{}{unit}", prefix.symbol));
+    }
+    let exponent = decimal_exponent(largest);
+    let power = format!("·10{} {}", superscript(exponent), shown_unit(unit));
+    (10f64.powi(-exponent), power.trim_end().to_owned())
 }
 
 /// Largest magnitude that an axis shows, and the smallest positive number: the ends of what a number of 64 bits can hold,
@@ -365,6 +387,21 @@ mod tests {
         assert_eq!(labels(&axis), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(Axis::linear(0.0, 40_000.0, "Time", "s", 5).title, "Time (ks)");
         assert_eq!(Axis::linear(0.0, 3600.0, "Time", "s", 5).title, "Time (s)");
+    }
+
+    #[test]
+    fn small_numbers_have_short_ticks() {
+        let axis = Axis::linear_rounded(0.0, 1.1e-4, "C₁", "F cm⁻²", 5);
+        assert_eq!(axis.title, "C₁ (µF cm⁻²)");
+        assert_eq!(labels(&axis), ["0", "50", "100", "150"]);
+        assert_eq!(axis.ticks[1].at, 5e-5);
+        let axis = Axis::linear_rounded(1.2e-5, 2.8e-5, "λ", "s⁻¹", 4);
+        assert_eq!(axis.title, "λ (·10⁻⁵ s⁻¹)");
+        assert_eq!(labels(&axis), ["1.0", "1.5", "2.0", "2.5", "3.0"]);
+        assert_eq!(
+            Axis::linear_rounded(0.0, 0.2, "C₁", "F cm⁻²", 5).title,
+            "C₁ (F cm⁻²)"
+        );
     }
 
     #[test]

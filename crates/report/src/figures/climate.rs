@@ -172,10 +172,11 @@ pub fn overview(
 /// An axis over the values with some room; a steady climate is not blown up to fill it.
 fn value_axis(quantity: ClimateQuantity, values: impl Iterator<Item = f64>) -> Axis {
     let (low, high) = finite_range(values);
-    let least_span = if quantity == ClimateQuantity::RelativeHumidity {
-        4.0
-    } else {
-        2.0
+    let least_span = match quantity {
+        ClimateQuantity::RelativeHumidity => 4.0,
+        ClimateQuantity::Pressure => (0.02 * high.abs()).max(1e-6),
+        ClimateQuantity::Oxygen | ClimateQuantity::Water => 0.1,
+        _ => 2.0,
     };
     let room = (0.08 * (high - low)).max(0.5 * (least_span - (high - low)));
     let mut axis = Axis::linear(low - room, high + room, quantity.label(), "", 5);

@@ -140,6 +140,8 @@ struct Names {
     lanes: u32,
     /// `Step voltage (V)`, with the voltages of every group where not all are written under it.
     axis_title: String,
+    /// Whether groups differ in humidity alone: then that names them where there is no room for both.
+    by_humidity: bool,
 }
 
 impl Names {
@@ -154,7 +156,12 @@ impl Names {
             |group: &Group| -> Vec<String> { group.slots.iter().map(|slot| slot.label.clone()).collect() };
         let all = groups.first().map(voltages).unwrap_or_default();
         let said = every > 1 && all.len() <= SAID && groups.iter().all(|group| voltages(group) == all);
+        let by_humidity = groups.len() > 1
+            && groups
+                .iter()
+                .all(|group| group.label == groups[0].label && !group.humidity.is_empty());
         Names {
+            by_humidity,
             pixels_per_slot,
             every,
             lanes: if groups.len() > 1 && !groups.iter().all(fits) {
@@ -250,6 +257,10 @@ fn draw_names(
         true => group.label.clone(),
         false => format!("{}, {}", group.label, group.humidity),
     };
+    let short = match names.by_humidity {
+        true => group.humidity.trim_end_matches("RH").trim_end().to_owned(),
+        false => group.label.clone(),
+    };
     let rule = [(left - 0.3, y.low), (left + count - 0.7, y.low)];
     let style = ink(group.style).color().stroke_width(20);
     chart
@@ -259,7 +270,7 @@ fn draw_names(
         chart,
         (middle, y.low),
         (0, 27 + (lane * LANE) as i32),
-        &shortened(&text, &group.label, room),
+        &shortened(&text, &short, room),
         &name,
     )
 }
@@ -438,9 +449,24 @@ mod tests {
         let narrow = Names::of(&groups, 8.7);
         assert_eq!((narrow.lanes, narrow.every), (2, 3));
         assert_eq!(narrow.axis_title, "Steps of 1.2, 2, 2.5 V");
+        assert!(!narrow.by_humidity);
         let wide = Names::of(&groups, 40.0);
         assert_eq!((wide.lanes, wide.every), (1, 1));
         assert_eq!(wide.axis_title, "Step voltage (V)");
+    }
+
+    #[test]
+    fn groups_of_one_environment_are_named_by_their_humidity() {
+        let at = |humidity: &str| Group {
+            humidity: humidity.to_owned(),
+            ..group(vec![])
+        };
+        let y = Axis::linear_rounded(0.0, 1.0, "α", "", 5);
+        let groups: Vec<Group> = (1..=9).map(|tens| at(&format!("{tens}0 % RH"))).collect();
+        let text = small_comparison(&groups, &y, "t", "d").unwrap();
+        for tens in 1..=9 {
+            assert!(text.contains(&format!(">{tens}0 %</text>")), "{text}");
+        }
     }
 
     #[test]

@@ -93,7 +93,8 @@ impl Drawing<'_> {
     /// The readings as dots, the models as lines.
     fn readings(&self, area: &Area) -> Result<(), String> {
         let curve = self.curve;
-        let all = [&curve.measured, &curve.base, &curve.extended];
+        let extended = self.extended();
+        let all = [&curve.measured[..], &curve.base, extended];
         let (low, high) = finite_range(all.into_iter().flatten().copied());
         let margin = 0.05 * (high - low);
         let (label, unit) = match curve.channel.as_str() {
@@ -109,12 +110,20 @@ impl Drawing<'_> {
         series(&mut chart, "Base model", |chart| {
             line(chart, &self.points(&curve.base), Ink::Vermillion)
         })?;
-        if curve.extended.is_empty() {
+        if extended.is_empty() {
             return Ok(());
         }
         series(&mut chart, self.extension, |chart| {
-            line(chart, &self.points(&curve.extended), Ink::Blue)
+            line(chart, &self.points(extended), Ink::Blue)
         })
+    }
+
+    /// What the extended model says; nothing where its residuals are withheld, because the finding is not about it.
+    fn extended(&self) -> &[f64] {
+        match self.curve.after_sigma.is_empty() {
+            true => &[],
+            false => &self.curve.extended,
+        }
     }
 
     fn residuals(&self, area: &Area) -> Result<(), String> {
@@ -259,6 +268,17 @@ mod tests {
         let of = |name: &str| drawn.matches(&format!("data-s=\"{name}\"")).count();
         assert_eq!([of("Measured"), of("Base model"), of("after")], [1, 2, 2]);
         assert!(drawn.len() < 12_000, "{} bytes", drawn.len());
+    }
+
+    #[test]
+    fn an_extension_that_is_not_the_finding_is_not_drawn() {
+        let withheld = ResidualCurve {
+            after_sigma: vec![],
+            extended: vec![1.0; 200],
+            ..curve(200)
+        };
+        let drawn = overlay(&withheld, "after", "t", "d").unwrap();
+        assert!(!drawn.unwrap_or_default().contains("data-s=\"after\""));
     }
 
     #[test]

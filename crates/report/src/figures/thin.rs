@@ -1,7 +1,7 @@
 //! Thinning for drawing: fewer points, the same picture. No peak is lost.
 
 /// Width of a column of dots, px: dots are two wide.
-const COLUMN: f64 = 20.0;
+const COLUMN: f64 = 36.0;
 /// Distance, px, within which two dots of a column, one above the other, are one to the eye.
 const APART: f64 = 1.0;
 /// How far a thinned line may lie from the full one, px.
@@ -16,7 +16,7 @@ pub struct Pixels {
     pub up: f64,
 }
 
-/// The points that dots need: in every column of twenty pixels the first of the smallest, the first of the largest and
+/// The points that dots need: in every column of `COLUMN` the first of the smallest, the first of the largest and
 /// the one in the middle of its time, for extremes alone look as if readings shunned what is between; only the largest
 /// where all lie within a pixel. `points` go from left to right.
 pub fn dots(points: &[(f64, f64)], pixels: Pixels) -> Vec<(f64, f64)> {

@@ -4,7 +4,8 @@
 use serde::Serialize;
 
 use super::finding_words::probability;
-use super::wording::counted;
+use super::wording::{counted, listed};
+use crate::number::fixed;
 use crate::site::Site;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::laws::covariate::Covariate;
@@ -221,6 +222,24 @@ fn inflation_sign(value: f64) -> String {
     }
 }
 
+/// What the design cannot tell apart, a sentence each; materials of which the same holds share one.
+pub fn tied(site: &Site) -> Vec<String> {
+    let laws = &site.input.laws;
+    let mut said: Vec<(Vec<String>, String)> = Vec::new();
+    for set in &laws.tied {
+        let sentence = law_words::tied(set, laws);
+        let lead = format!("In the runs of {}, ", set.material);
+        let rest = sentence.strip_prefix(&lead).unwrap_or(&sentence);
+        match said.iter_mut().find(|(_, known)| known == rest) {
+            Some((materials, _)) => materials.push(set.material.clone()),
+            None => said.push((vec![set.material.clone()], rest.to_owned())),
+        }
+    }
+    said.into_iter()
+        .map(|(materials, rest)| format!("In the runs of {}, {rest}", listed(&materials)))
+        .collect()
+}
+
 /// A run of the list.
 #[derive(Debug, Serialize)]
 pub struct NextRow {
@@ -245,7 +264,10 @@ pub fn place_words(planned: &PlannedRun) -> String {
     let run = &planned.run;
     let mut place = vec![run.sample.clone()];
     place.extend(run.environment.clone());
-    place.extend(run.relative_humidity_percent.map(|rh| format!("{rh} % RH")));
+    place.extend(
+        run.relative_humidity_percent
+            .map(|rh| format!("{} % RH", fixed(rh, 0))),
+    );
     place.extend(run.temperature_c.map(|celsius| format!("{celsius} °C")));
     place.extend(run.rest_before_s.map(|rest| format!("{rest} s of rest before")));
     place.extend(

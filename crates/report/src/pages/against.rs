@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
+use super::across;
 use super::comparison::caution;
 use super::law_cards::{SampleKey, sample_keys};
 use super::wording::counted;
@@ -19,9 +20,8 @@ use crate::figures::law::{Beside, Mark, SMALL, sized_panel};
 use crate::input::Input;
 use crate::site::Site;
 use ieap_analysis::comparison::against::{Against, Places};
-use ieap_analysis::conditions::material;
+use ieap_analysis::conditions::compared_material;
 use ieap_analysis::laws::facts::{Known, facts};
-use ieap_analysis::laws::words;
 use ieap_analysis::parameters::usable;
 use ieap_analysis::{PARAMETERS, ParameterInfo};
 use ieap_domain::tag::keys;
@@ -92,7 +92,7 @@ pub fn content(site: &Site, against: Against) -> Result<Content, ReportError> {
         parameters.extend(ParameterSection::of(info, panels));
     }
     let mut caution = caution(site);
-    caution.extend(input.laws.tied.iter().map(|set| words::tied(set, &input.laws)));
+    caution.extend(across::tied(site));
     let page = AgainstPage {
         heading: format!("Parameters against {}", name(against)),
         lead: "One mark a run: its value with the 95 % interval by the fit and, where the covariate was measured, the standard error of its place. Runs that give a bound or nothing are left out and counted.",
@@ -226,7 +226,7 @@ impl Section<'_> {
             let (Some(place), Some(style)) = (self.places.of_run[run], self.groups.of_run[run]) else {
                 continue;
             };
-            if !of.is_empty() && material(record, &input.campaign) != Some(of) {
+            if !of.is_empty() && compared_material(record, &input.campaign) != Some(of) {
                 continue;
             }
             let Some(estimate) = usable(record, self.info.key) else {
@@ -260,7 +260,7 @@ impl Section<'_> {
             let record = self.site.input.record(aside.run);
             let facts = aside.facts.as_ref();
             let place = (self.against).place_of(record, campaign, facts, self.places)?;
-            let is_of = of.is_empty() || material(record, campaign) == Some(of);
+            let is_of = of.is_empty() || compared_material(record, campaign) == Some(of);
             // Right of the runs of its name.
             let right = if self.places.names.is_empty() {
                 0.0

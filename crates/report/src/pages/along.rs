@@ -10,13 +10,13 @@ use serde::Serialize;
 use super::Content;
 use super::run::condition;
 use super::strip::residual_ratio;
-use super::wording::{RunLink, counted, why_unfitted};
+use super::wording::{RunLink, counted, readable, why_unfitted};
 use crate::error::ReportError;
 use crate::input::Input;
 use crate::site::Site;
 use crate::tables::{grid, note_letter, remarks};
 use ieap_analysis::tables::named;
-use ieap_domain::{Fit, Quantity, RunRecord};
+use ieap_domain::{Fit, Issue, Quantity, RunRecord};
 
 #[derive(Debug, Serialize)]
 struct Page {
@@ -114,10 +114,21 @@ fn row(site: &Site, run: usize) -> RunRow {
     }
 }
 
-/// What the fit says of lumped and distributed; empty where it says nothing.
+/// What the fit says of lumped and distributed, as a sentence; empty where it says nothing.
 pub fn decision(run: &RunRecord) -> String {
-    let told = run.fit.as_ref().and_then(Fit::lumped_or_distributed);
-    told.map_or_else(String::new, |issue| issue.message.clone())
+    let Some(issue) = decision_issue(run) else {
+        return String::new();
+    };
+    let mut said = readable(&issue.message);
+    if let Some(first) = said.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    said + "."
+}
+
+/// The issue of the fit that says it.
+pub fn decision_issue(run: &RunRecord) -> Option<&Issue> {
+    run.fit.as_ref().and_then(Fit::lumped_or_distributed)
 }
 
 /// `curvature at 19 places, voltage at 4 places`

@@ -15,11 +15,7 @@ pub(super) fn wrong(site: &Site) -> Option<Card> {
     }
     let count = |is: &dyn Fn(Verdict) -> bool| groups.iter().filter(|found| is(found.verdict)).count();
     let parts = [
-        (
-            "named",
-            "with a cause",
-            count(&|v| v.names_a_cause() || v == Verdict::Resembles),
-        ),
+        ("named", "with a cause", count(&Verdict::extends_the_model)),
         ("varies", "whose runs differ", count(&|v| v == Verdict::Varies)),
         ("unknown", "unknown", count(&|v| v == Verdict::Unknown)),
         (

@@ -9,7 +9,7 @@ use super::wording::{IssueText, RunLink, counted};
 use crate::error::ReportError;
 use crate::figures::Ink;
 use crate::figures::climate::{Drawn, overview};
-use crate::number::fixed;
+use crate::number::{fixed, significant};
 use crate::site::Site;
 use crate::zone::Zone;
 use ieap_domain::seconds::seconds;
@@ -81,8 +81,9 @@ struct Flagged {
 }
 
 /// Issues of runs that the page lists.
-const RUN_ISSUES: [&str; 3] = [
+const RUN_ISSUES: [&str; 4] = [
     "climate-left-tolerance",
+    "climate-above-limit",
     "climate-sensors-differ",
     "tag-disagreement",
 ];
@@ -92,7 +93,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let climate = &site.input.climate;
     let mut figures = BTreeMap::new();
     let mut overviews = Vec::new();
-    for quantity in [ClimateQuantity::RelativeHumidity, ClimateQuantity::Temperature] {
+    for quantity in ClimateQuantity::MEASURED {
         overviews.extend(drawn(site, quantity, &mut figures)?);
     }
     let rules = &site.input.campaign.climate;
@@ -113,16 +114,48 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             rules.temperature_tolerance_c,
             fixed(rules.longest_gap_s / 60.0, 0),
             rules.exposure_above_percent
-        ),
+        ) + &chamber_rules(site),
     };
     Content::new("climate.html", &page, figures)
+}
+
+/// The rules of what is measured in chambers, where anything is.
+fn chamber_rules(site: &Site) -> String {
+    let rules = &site.input.campaign.climate;
+    let measured = |quantity| {
+        site.input
+            .climate
+            .sensors
+            .iter()
+            .any(|one| one.quantity == quantity)
+    };
+    let mut said = String::new();
+    if measured(ClimateQuantity::Pressure) {
+        said += &format!(
+            " Of a pressure {} % of its mean are allowed.",
+            rules.pressure_tolerance_percent
+        );
+    }
+    for (quantity, limit) in [
+        (ClimateQuantity::Oxygen, rules.oxygen_limit_ppm),
+        (ClimateQuantity::Water, rules.water_limit_ppm),
+    ] {
+        if measured(quantity) {
+            said += &match limit {
+                Some(limit) => format!(" {} may not rise above {limit} ppm.", quantity.label()),
+                None => format!(" No limit of {} is stated.", quantity.label().to_lowercase()),
+            };
+        }
+    }
+    said
 }
 
 fn summary(site: &Site) -> Vec<String> {
     let climate = &site.input.climate;
     if climate.sensors.is_empty() {
         return vec![
-            "No climate log was found. Copy the files of humidity and temperature loggers into ambient/."
+            "No climate log was found. Copy the files of humidity and temperature loggers, gauges and gas analysers into \
+             ambient/."
                 .to_owned(),
         ];
     }
@@ -142,6 +175,13 @@ fn summary(site: &Site) -> Vec<String> {
         sentences.push(format!(
             "In {} the climate left the tolerance while the run went on.",
             counted(left, "run")
+        ));
+    }
+    let above = flagged("climate-above-limit");
+    if above > 0 {
+        sentences.push(format!(
+            "In {} oxygen or water rose above the stated limit.",
+            counted(above, "run")
         ));
     }
     let labels = runs.iter().filter(|run| label_differs(run)).count();
@@ -172,7 +212,8 @@ fn label_differs(run: &RunRecord) -> bool {
 }
 
 fn is_climate(place: &str) -> bool {
-    [keys::RELATIVE_HUMIDITY_PERCENT, keys::TEMPERATURE_C].contains(&place)
+    let keys = ClimateQuantity::MEASURED.map(ClimateQuantity::key);
+    keys.contains(&place) || place == keys::RELATIVE_HUMIDITY_PERCENT
 }
 
 fn drawn(
@@ -248,6 +289,11 @@ fn sensor(sensor: &SensorSummary, zone: &Zone) -> SensorRow {
     );
     stated.extend(sensor.calibration.clone());
     let is_used = sensor.not_used.is_none();
+    // Pressures and traces span decades.
+    let number = |value: f64| match sensor.quantity.is_of_air() {
+        true => fixed(value, 1),
+        false => significant(value, 3),
+    };
     SensorRow {
         sensor: sensor.sensor.clone(),
         quantity: sensor.quantity.label().to_owned(),
@@ -260,9 +306,9 @@ fn sensor(sensor: &SensorSummary, zone: &Zone) -> SensorRow {
         range: match is_used {
             true => format!(
                 "{} … {} … {} {unit}",
-                fixed(sensor.least, 1),
-                fixed(sensor.mean, 1),
-                fixed(sensor.most, 1)
+                number(sensor.least),
+                number(sensor.mean),
+                number(sensor.most)
             ),
             false => String::new(),
         },

@@ -141,7 +141,7 @@ fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &
             } else {
                 ""
             },
-            ratio.map_or_else(String::new, |ratio| format!(" {}-fold", significant(ratio, 2))),
+            ratio.map_or_else(String::new, ratio_words),
             estimate_of(&site.input.runs[*high_run], parameter).text,
             condition_of(site, *high_run),
             estimate_of(&site.input.runs[*low_run], parameter).text,
@@ -157,6 +157,17 @@ fn sentence(site: &Site, parameter: &ParameterInfo, material: usize, contrast: &
             format!("{material}: one run says something of {symbol}; there is nothing to compare it with.")
         }
         Contrast::NotDetermined => format!("{material}: no run determines {symbol}."),
+    }
+}
+
+/// Ratios below this are told in percent.
+const FOLD: f64 = 1.15;
+
+/// ` 4.3-fold`, or ` by 2.4 %`
+fn ratio_words(ratio: f64) -> String {
+    match ratio < FOLD {
+        true => format!(" by {}\u{a0}%", significant(100.0 * (ratio - 1.0), 2)),
+        false => format!(" {}-fold", significant(ratio, 2)),
     }
 }
 

@@ -1,5 +1,5 @@
-//! The coverage map: how often each condition was measured, what cannot be told apart, what to measure next: the plan
-//! of the campaign, as the overview and "Across runs" have it, and apart from it the conditions that could be filled.
+//! The coverage map: how often each condition was measured, what cannot be told apart, what to measure next: first the
+//! plan of the campaign, as the overview and "Across runs" have it, then the conditions that could be filled beside it.
 
 use std::collections::BTreeMap;
 
@@ -15,13 +15,11 @@ use crate::input::Input;
 use crate::site::Site;
 use ieap_analysis::comparison::coverage::{Next, Place, Why, cell, next};
 use ieap_analysis::comparison::ratios::reference;
-use ieap_analysis::laws::words;
+use ieap_analysis::conditions::{HUMIDITY_GAP_PERCENT, HumidityLevel, Surroundings, VOLTAGE_STEP_V};
 use ieap_analysis::plan::PlannedRun;
 
-/// Suggestions shown; the rest is counted.
+/// Conditions to fill that are shown; the rest is counted.
 const SHOWN: usize = 12;
-/// Runs of the plan that are told here; "Across runs" has all.
-const PLANNED: usize = 3;
 /// Shades of the map: at least so many runs.
 const SHADES: [usize; 4] = [1, 2, 4, 8];
 
@@ -31,9 +29,10 @@ struct CoveragePage {
     alarms: Vec<String>,
     voltages: Vec<String>,
     rows: Vec<Row>,
-    /// The first runs of the plan.
-    planned: Vec<String>,
+    /// What to measure next: the runs of the plan, then the conditions to fill.
     next: Vec<String>,
+    /// How many of them are runs of the plan.
+    planned: usize,
     more: String,
 }
 
@@ -68,11 +67,19 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let input = site.input;
     let conditions = &site.conditions;
     let chosen = reference(conditions, &input.campaign.compare);
-    let mut all = next(&input.runs, conditions, chosen.as_ref());
-    let more = all.len().saturating_sub(SHOWN);
-    all.truncate(SHOWN);
+    let plan = input.next_runs.iter();
+    let mut all: Vec<Item> = plan.map(|planned| Item::planned(site, planned)).collect();
+    let planned = all.len();
+    let mut to_fill = next(&input.runs, conditions, chosen.as_ref());
+    to_fill.retain(|one| all.iter().all(|known| known.place != Some(one.place)));
+    let more = to_fill.len().saturating_sub(SHOWN);
+    to_fill.truncate(SHOWN);
+    all.extend(to_fill.iter().map(|one| Item {
+        place: Some(one.place),
+        sentence: sentence(site, one),
+    }));
     let mut alarms = caution(site);
-    alarms.extend(input.laws.tied.iter().map(|set| words::tied(set, &input.laws)));
+    alarms.extend(across::tied(site));
     let mut summary = summary(site);
     summary.extend(
         chosen
@@ -84,8 +91,8 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         alarms,
         voltages: voltage_labels(&conditions.voltages_v),
         rows: rows(site, &all),
-        planned: input.next_runs.iter().take(PLANNED).map(planned_words).collect(),
-        next: all.iter().map(|one| sentence(site, one)).collect(),
+        next: all.into_iter().map(|one| one.sentence).collect(),
+        planned,
         more: match more {
             0 => String::new(),
             some => format!("{} more are not listed.", counted(some, "condition")),
@@ -94,8 +101,46 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     Content::new("coverage.html", &page, BTreeMap::new())
 }
 
-fn planned_words(planned: &PlannedRun) -> String {
-    format!("{}: {}", across::place_words(planned), planned.run.drive)
+/// Something to measure next.
+struct Item {
+    /// Its cell of the map; none where it lies in no condition that was measured.
+    place: Option<Place>,
+    sentence: String,
+}
+
+impl Item {
+    fn planned(site: &Site, planned: &PlannedRun) -> Item {
+        Item {
+            place: place_of(site, planned),
+            sentence: format!("{}: {}.", across::place_words(planned), planned.run.drive),
+        }
+    }
+}
+
+/// The cell in which a planned run would stand.
+fn place_of(site: &Site, planned: &PlannedRun) -> Option<Place> {
+    let (conditions, run) = (&site.conditions, &planned.run);
+    let is_here = |surroundings: &Surroundings| {
+        let is_at = |level: &HumidityLevel| {
+            run.relative_humidity_percent.is_none_or(|rh| {
+                (level.low_percent - HUMIDITY_GAP_PERCENT..=level.high_percent + HUMIDITY_GAP_PERCENT)
+                    .contains(&rh)
+            })
+        };
+        run.environment.as_deref() == Some(surroundings.environment.as_str())
+            && surroundings.humidity.as_ref().is_none_or(is_at)
+    };
+    Some(Place {
+        material: conditions
+            .materials
+            .iter()
+            .position(|name| *name == run.material)?,
+        surroundings: conditions.surroundings.iter().position(is_here)?,
+        voltage: conditions.voltages_v.iter().position(|volts| {
+            run.voltage_v
+                .is_some_and(|wanted| (wanted - volts).abs() < VOLTAGE_STEP_V)
+        })?,
+    })
 }
 
 fn summary(site: &Site) -> Vec<String> {
@@ -120,7 +165,7 @@ fn summary(site: &Site) -> Vec<String> {
     )]
 }
 
-fn rows(site: &Site, next: &[Next]) -> Vec<Row> {
+fn rows(site: &Site, next: &[Item]) -> Vec<Row> {
     let conditions = &site.conditions;
     let mut rows = Vec::new();
     for (material, name) in conditions.materials.iter().enumerate() {
@@ -147,7 +192,7 @@ fn rows(site: &Site, next: &[Next]) -> Vec<Row> {
     rows
 }
 
-fn map_cell(site: &Site, place: Place, next: &[Next]) -> MapCell {
+fn map_cell(site: &Site, place: Place, next: &[Item]) -> MapCell {
     let found = cell(&site.input.runs, &site.conditions, place);
     let shade = SHADES.iter().filter(|least| found.runs >= **least).count();
     MapCell {
@@ -170,7 +215,10 @@ fn map_cell(site: &Site, place: Place, next: &[Next]) -> MapCell {
             0 => String::new(),
             _ => format!("{}, {} fitted", counted(found.runs, "run"), found.fitted),
         },
-        next: next.iter().position(|one| one.place == place).map(|at| at + 1),
+        next: next
+            .iter()
+            .position(|one| one.place == Some(place))
+            .map(|at| at + 1),
     }
 }
 

@@ -69,7 +69,10 @@ struct LogSection {
     path: String,
     facts: Vec<(String, String)>,
     figure: String,
+    /// Heads of the table of steps: name and unit.
+    columns: Vec<(&'static str, &'static str)>,
     steps: Vec<StepRow>,
+    footnotes: Vec<String>,
     round_trip: Vec<RoundTrip>,
     issues: Vec<IssueText>,
 }
@@ -78,7 +81,7 @@ struct LogSection {
 struct StepRow {
     when: String,
     humidity: String,
-    numbers: Vec<(String, EstimateText)>,
+    cells: Vec<Cell>,
 }
 
 #[derive(Debug, Serialize)]
@@ -355,13 +358,20 @@ fn section(
     })?;
     figures.insert(id.clone(), svg);
     let issues: Vec<&Issue> = log.run.issues.iter().chain(&found.issues).collect();
+    let mut footnotes = Vec::new();
+    let steps = found.steps.iter().map(|step| step_row(step, &mut footnotes));
     Ok(LogSection {
+        columns: STEP_NUMBERS
+            .iter()
+            .map(|(name, unit, ..)| (*name, *unit))
+            .collect(),
+        steps: steps.collect(),
+        footnotes,
         anchor: anchor(at),
         heading: name(log).to_owned(),
         path: log.run.path.clone(),
         facts: facts(site, log, found),
         figure: id,
-        steps: found.steps.iter().map(step_row).collect(),
         round_trip: round_trip(found),
         issues: issues.into_iter().map(IssueText::from).collect(),
     })
@@ -399,33 +409,32 @@ fn facts(site: &Site, log: &ModulusLog, found: &ModulusAnalysis) -> Vec<(String,
         .collect()
 }
 
-/// Numbers of a step with their names, in shown units.
-const STEP_NUMBERS: [(&str, &str, f64); 7] = [
-    ("|E*| before (MPa)", step_keys::MODULUS_BEFORE, 1.0),
-    ("|E*| at the end (MPa)", step_keys::MODULUS_AFTER, 1.0),
-    ("change of |E*| (%)", step_keys::RELATIVE_CHANGE, 1.0),
+/// Numbers of a step: name, shown unit, key, and the factor to that unit.
+const STEP_NUMBERS: [(&str, &str, &str, f64); 7] = [
+    ("|E*| before", "MPa", step_keys::MODULUS_BEFORE, 1.0),
+    ("|E*| at the end", "MPa", step_keys::MODULUS_AFTER, 1.0),
+    ("Change of |E*|", "%", step_keys::RELATIVE_CHANGE, 1.0),
     (
-        "time to equilibrium (min)",
+        "Equilibrium after",
+        "min",
         step_keys::EQUILIBRIUM_TIME,
         PER_MINUTE,
     ),
-    ("|E*| in equilibrium (MPa)", step_keys::MODULUS_EQUILIBRIUM, 1.0),
-    ("tan δ before", step_keys::LOSS_FACTOR_BEFORE, 1.0),
-    ("tan δ at the end", step_keys::LOSS_FACTOR_AFTER, 1.0),
+    ("|E*| in equilibrium", "MPa", step_keys::MODULUS_EQUILIBRIUM, 1.0),
+    ("tan δ before", "", step_keys::LOSS_FACTOR_BEFORE, 1.0),
+    ("tan δ at the end", "", step_keys::LOSS_FACTOR_AFTER, 1.0),
 ];
 
-fn step_row(step: &ModulusStep) -> StepRow {
+fn step_row(step: &ModulusStep, reasons: &mut Vec<String>) -> StepRow {
     let minutes = |seconds: f64| plain((10.0 * seconds * PER_MINUTE).round() / 10.0);
-    let number = |&(name, key, factor): &(&str, &str, f64)| {
-        let estimate = step.estimate(key);
-        let missing = || EstimateText::missing("not looked for");
-        let shown = estimate.map_or_else(missing, |estimate| EstimateText::of(estimate, factor));
-        (name.to_owned(), shown)
-    };
+    let mut cells = Vec::new();
+    for &(_, _, key, factor) in &STEP_NUMBERS {
+        cells.push(cell(step.estimate(key), factor, reasons));
+    }
     StepRow {
-        when: format!("{} to {} min", minutes(step.start_s), minutes(step.end_s)),
+        when: format!("{} to {}", minutes(step.start_s), minutes(step.end_s)),
         humidity: humidity(step),
-        numbers: STEP_NUMBERS.iter().map(number).collect(),
+        cells,
     }
 }
 

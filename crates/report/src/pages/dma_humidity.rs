@@ -149,7 +149,8 @@ fn mark(level: &HeldLevel) -> Mark {
             _ => 2,
         },
         run: None,
-        came_from: 0,
+        // Humidity that rose came from below.
+        came_from: -level.direction,
     }
 }
 

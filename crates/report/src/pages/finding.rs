@@ -10,8 +10,8 @@ use super::finding_answer::{Answer, answer, size, symbol_and_unit};
 use super::finding_differs::{DiffersBlock, differs_blocks};
 use super::finding_gain::{GainSection, extension, gain_section, in_legend};
 use super::finding_posterior::{HypothesisRow, hypothesis_rows};
-use super::finding_words::{equation, lead, shift_words, test_words, verdict_of};
-use super::wording::{EstimateText, RunLink, group_title, listed};
+use super::finding_words::{counted_from_draws, equation_of, lead, shift_words, test_words, verdict_of};
+use super::wording::{EstimateText, RunLink, group_title, listed, readable, with_index};
 use crate::error::ReportError;
 use crate::figures::gain_bars::gain_bars;
 use crate::figures::profile::profile;
@@ -234,7 +234,7 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
 
 fn summary(found: &GroupDiagnosis, findings: &Findings) -> Vec<String> {
     let said = lead(found, findings);
-    let mut sentences = vec![found.sentence.clone()];
+    let mut sentences = vec![readable(&found.sentence)];
     sentences.retain(|sentence| *sentence != said);
     sentences.extend(test_words(found));
     sentences
@@ -253,20 +253,21 @@ fn effect_block(finding: &EffectFinding, findings: &Findings) -> EffectBlock {
     let parameter = |parameter: &ieap_domain::Parameter| {
         let known = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == parameter.key));
         ParameterRow {
-            symbol: known.map_or_else(|| parameter.key.clone(), |p| p.symbol.clone()),
+            symbol: known.map_or_else(|| parameter.key.clone(), |p| with_index(&p.symbol)),
             meaning: known.map_or_else(String::new, |p| p.meaning.clone()),
             unit: known.map_or_else(String::new, |p| p.unit.clone()),
             estimate: EstimateText::of(&parameter.estimate, 1.0),
         }
     };
+    let (p, q) = counted_from_draws(Some(finding.p), finding.q);
     EffectBlock {
         id: finding.effect.clone(),
         variant: finding.variant.clone().unwrap_or_default(),
         summary: text(|effect| &effect.summary),
         equation: text(|effect| &effect.equation),
         parameters: finding.parameters.iter().map(parameter).collect(),
-        p: equation("p", Some(finding.p)),
-        q: equation("q", finding.q),
+        p: equation_of("p", &p),
+        q: equation_of("q", &q),
         twins: listed(&finding.twins),
         separated_by: text(|effect| &effect.separated_by),
     }
@@ -309,8 +310,8 @@ fn adoption(site: &Site, found: &GroupDiagnosis) -> Option<String> {
             entry.model
         ));
     }
-    let named = found.verdict.names_a_cause() && !found.effects.is_empty();
-    named.then(|| {
+    let is_extended = found.verdict.extends_the_model() && !found.effects.is_empty();
+    is_extended.then(|| {
         format!(
             "Not adopted: the runs are fitted with {}. To fit them with the extended model: ieap diagnose --adopt --group \"{}\"",
             found.base_model, found.group

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::finding_words::{probability, proved_or_not};
+use super::finding_words::{counted_from_draws, proved_or_not};
 use ieap_domain::RunAlone;
 
 /// A run diagnosed by itself.
@@ -19,7 +19,7 @@ pub fn alone_rows(alone: &[RunAlone]) -> Vec<AloneRow> {
     let row = |run: &RunAlone| AloneRow {
         name: run.run.clone(),
         verdict: proved_or_not(run.verdict, run.gains_clearly),
-        p: probability(run.p_misfit),
+        p: counted_from_draws(run.p_misfit, None).0,
         set: run.set.join(", "),
     };
     alone.iter().map(row).collect()

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::finding_gain::{ErrorTable, error_table, extension, in_legend};
-use super::wording::{EstimateText, RunLink, listed};
+use super::wording::{EstimateText, RunLink, listed, with_index};
 use crate::error::ReportError;
 use crate::figures::residual::overlay;
 use crate::input::{EffectParameterText, Findings};
@@ -72,7 +72,7 @@ pub fn answer(
             ids.push(id);
         }
     }
-    let is_extended = found.residuals.iter().any(|curve| !curve.extended.is_empty());
+    let is_extended = found.residuals.iter().any(|curve| !curve.after_sigma.is_empty());
     Ok(Answer {
         run: worst
             .filter(|_| !ids.is_empty())
@@ -157,6 +157,7 @@ fn strengths(finding: &EffectFinding, findings: &Findings) -> Strengths {
     let value = |parameter: &ieap_domain::Parameter| {
         let text = known.and_then(|effect| effect.parameters.iter().find(|p| p.key == parameter.key));
         let (symbol, unit) = symbol_and_unit(&parameter.key, text);
+        let symbol = with_index(symbol);
         let shown = EstimateText::of(&parameter.estimate, 1.0);
         match shown.kind {
             "missing" => format!("{symbol} is not determined"),

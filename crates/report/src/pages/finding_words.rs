@@ -1,6 +1,6 @@
 //! What a finding says, in words for people who do not work with probabilities.
 
-use super::wording::{counted, listed};
+use super::wording::{counted, listed, readable};
 use crate::input::Findings;
 use crate::number::{fixed, significant};
 use ieap_domain::{GroupDiagnosis, ParameterShift, Verdict};
@@ -48,7 +48,7 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
     let summary = |id: &String| {
         findings
             .effect(id)
-            .map_or_else(|| id.clone(), |effect| effect.summary.clone())
+            .map_or_else(|| id.clone(), |effect| first_clause(&effect.summary))
     };
     let causes = |ids: &[String]| listed(&ids.iter().map(summary).collect::<Vec<_>>());
     let taken: Vec<String> = found.effects.iter().map(|effect| effect.effect.clone()).collect();
@@ -82,7 +82,7 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
             format!("The simulation is wrong for {runs}, and no cause that is known here is proved.")
         }
         // What differs, and how much, is the finding.
-        Verdict::Varies => found.sentence.clone(),
+        Verdict::Varies => readable(&found.sentence),
         Verdict::Resembles => format!(
             "The simulation of {runs} lacks something that looks like {} and is not it.",
             causes(&found.set)
@@ -91,6 +91,11 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
             format!("Nothing is said of the simulation of {runs}, because of the readings themselves.")
         }
     }
+}
+
+/// What a cause is, without what else is to be said of it.
+fn first_clause(summary: &str) -> String {
+    summary.split(';').next().unwrap_or(summary).trim().to_owned()
 }
 
 /// How often chance alone gives as much, in words.
@@ -116,10 +121,36 @@ pub fn probability(p: Option<f64>) -> String {
     }
 }
 
+/// Fewest draws that a chance is counted from, one added: such a chance is a whole part of it.
+const FEWEST_DRAWS: f64 = 100.0;
+
+/// Whether `p` is the least that its draws can tell, as 0.001 is of 999: the true one may be smaller by any amount.
+fn is_least(p: f64) -> bool {
+    let draws = 1.0 / p / FEWEST_DRAWS;
+    p > 0.0 && draws >= 1.0 - 1e-9 && (draws - draws.round()).abs() < 1e-6
+}
+
+/// A probability that was counted from draws of what chance does, and its q: `≤ 0.001` where no draw reached what was
+/// found. A q that rests on such a p is known no better.
+pub fn counted_from_draws(p: Option<f64>, q: Option<f64>) -> (String, String) {
+    let at_most = |text: String| match text.starts_with(['<', '–']) {
+        true => text,
+        false => format!("≤ {text}"),
+    };
+    match p.is_some_and(is_least) {
+        true => (at_most(probability(p)), at_most(probability(q))),
+        false => (probability(p), probability(q)),
+    }
+}
+
 /// A probability with its symbol: `p = 0.31`, `p < 0.0001`.
 pub fn equation(symbol: &str, p: Option<f64>) -> String {
-    let text = probability(p);
-    match text.starts_with('<') {
+    equation_of(symbol, &probability(p))
+}
+
+/// The same of a number as it is printed.
+pub fn equation_of(symbol: &str, text: &str) -> String {
+    match text.starts_with(['<', '≤']) {
         true => format!("{symbol} {text}"),
         false => format!("{symbol} = {text}"),
     }
@@ -132,8 +163,11 @@ pub fn test_words(found: &GroupDiagnosis) -> Vec<String> {
     };
     let misfit = format!(
         "If the simulation were right, chance alone would leave residuals at least as bad {} ({}).",
-        chance(p),
-        equation("p", Some(p))
+        match is_least(p) {
+            true => chance(p).replacen("in 1 of", "in at most 1 of", 1),
+            false => chance(p),
+        },
+        equation_of("p", &counted_from_draws(Some(p), None).0)
     );
     let together = found.q_misfit.filter(|_| found.verdict != Verdict::Consistent).map(|q| {
         format!(
@@ -192,7 +226,7 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
         proved(Verdict::Partial, "a cause is found for a part of it"),
         (unproved > 0).then(|| format!("in {unproved} a cause fits and is not proved")),
         (resembles > 0).then(|| format!("in {resembles} it looks like a known cause and is not it")),
-        (varies > 0).then(|| format!("in {varies} each run has parameters of its own")),
+        (varies > 0).then(|| format!("in {varies} the runs differ in their parameters")),
         (unknown > 0).then(|| format!("in {unknown} the cause is unknown")),
     ];
     let details: Vec<String> = wrong.into_iter().flatten().collect();

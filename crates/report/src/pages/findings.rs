@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::Content;
 use super::across;
-use super::finding_words::{campaign_lead, probability, verdict_of};
-use super::wording::{RunLink, counted, group_title};
+use super::finding_words::{campaign_lead, counted_from_draws, probability, verdict_of};
+use super::wording::{RunLink, counted, group_title, readable};
 use crate::error::ReportError;
 use crate::number::{interval, measured, significant};
 use crate::site::Site;
@@ -122,6 +122,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
 
 fn group_row(site: &Site, place: usize) -> GroupRow {
     let found = &site.input.findings.groups[place];
+    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit);
     GroupRow {
         link: RunLink {
             href: site.finding_href(place),
@@ -130,14 +131,14 @@ fn group_row(site: &Site, place: usize) -> GroupRow {
         runs: counted(found.runs.len(), "run"),
         verdict: verdict_of(found),
         key: found.verdict.key(),
-        sentence: found.sentence.clone(),
+        sentence: readable(&found.sentence),
         // Parameters that differ are in the sentence.
         set: match found.verdict {
             Verdict::Varies => Vec::new(),
             _ => found.set.clone(),
         },
-        p: probability(found.p_misfit),
-        q: probability(found.q_misfit),
+        p,
+        q,
     }
 }
 
@@ -182,11 +183,14 @@ fn shared_section(effect: &SharedEffect, said: &str, groups: &[GroupDiagnosis]) 
 }
 
 fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
-    let row = |question: String, p: Option<f64>, q: Option<f64>| LedgerRow {
-        group: group_title(&found.group),
-        question,
-        p: probability(p),
-        q: probability(q),
+    let row = |question: String, p: Option<f64>, q: Option<f64>| {
+        let (p, q) = counted_from_draws(p, q);
+        LedgerRow {
+            group: group_title(&found.group),
+            question,
+            p,
+            q,
+        }
     };
     let mut rows = Vec::new();
     if found.p_misfit.is_some() {
@@ -212,6 +216,7 @@ fn ledger(found: &GroupDiagnosis) -> Vec<LedgerRow> {
 
 fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
     let turn = site.input.findings.turns.get(&found.group);
+    let (p, q) = counted_from_draws(found.p_misfit, found.q_misfit);
     RunRow {
         place: turn.map_or_else(String::new, |turn| turn.place.to_string()),
         level: probability(turn.map(|turn| turn.level)),
@@ -224,7 +229,7 @@ fn run_row(site: &Site, found: &GroupDiagnosis) -> RunRow {
         path: found.group.clone(),
         verdict: verdict_of(found),
         set: found.set.clone(),
-        p: probability(found.p_misfit),
-        q: probability(found.q_misfit),
+        p,
+        q,
     }
 }

@@ -9,7 +9,7 @@ use super::Content;
 use super::across::{self, MapTable, MatrixTable, NextRow};
 use super::contrasts::{ContrastTable, contrast_tables};
 use super::finding_words::probability;
-use super::law_cards::{LawCard, SampleKey, law_cards, sample_keys};
+use super::law_cards::{LawCard, SampleKey, common_notes, law_cards, sample_keys};
 use super::wording::counted;
 use crate::aside::{AsideRow, Shown};
 use crate::error::ReportError;
@@ -27,6 +27,8 @@ struct HumidityPage {
     lead: String,
     /// Laws that are claimed.
     laws: Vec<LawCard>,
+    /// What is to be known of all of them.
+    notes: Vec<String>,
     /// Whether any of them may follow something else.
     is_confounded: bool,
     /// Markers of the samples, by material.
@@ -97,11 +99,12 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         .iter()
         .copied()
         .chain(open.clone().filter(|found| is_of_humidity(found)));
-    let cards = law_cards(site, drawn.iter().copied(), &mut shown, &mut figures)?;
+    let mut cards = law_cards(site, drawn.iter().copied(), &mut shown, &mut figures)?;
     let others = law_cards(site, others, &mut shown, &mut figures)?;
     let page = HumidityPage {
         with_laws: cards.iter().chain(&others).any(LawCard::has_rivals),
         lead: lead(site, claimed.len()),
+        notes: common_notes(&mut cards),
         laws: cards,
         is_confounded: claimed.iter().any(|found| !found.confounded_with.is_empty()),
         others,
@@ -113,7 +116,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
         next_runs: across::next_rows(site),
         runs_folder: site.input.campaign.runs_folder.clone(),
         claims: claims(site),
-        tied: laws.tied.iter().map(|set| words::tied(set, laws)).collect(),
+        tied: across::tied(site),
         doubted: laws.doubted.iter().map(words::doubted).collect(),
         maps: across::map_tables(site),
         open: open.map(asked).collect(),

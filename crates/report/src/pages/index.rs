@@ -160,21 +160,45 @@ fn counts(site: &Site) -> Vec<Count> {
         .iter()
         .filter(|run| run.state == RunState::Ready && run.fit.is_none())
         .count();
-    let count = |number, label| Count { number, label };
+    let count = |number, one, many| Count {
+        number,
+        label: if number == 1 { one } else { many },
+    };
     let all = vec![
         count(
             runs.iter().filter(|run| has_warnings(run)).count(),
             "with warnings",
+            "with warnings",
         ),
-        count(waiting, "waiting for a fit"),
-        count(site.input.set_aside.len(), "runs set aside"),
-        count(of_state(RunState::Untagged), "lacking a tag"),
-        count(of_state(RunState::NotFitted), "not a step response"),
-        count(of_state(RunState::NoSteps), "no steps of the voltage"),
-        count(files(site, FileState::Refused).len(), "files refused"),
-        count(files(site, FileState::Pending).len(), "files waiting"),
-        count(site.input.superseded.len(), "earlier revisions kept"),
-        count(site.input.modulus_logs.len(), "modulus logs"),
+        count(waiting, "waiting for a fit", "waiting for a fit"),
+        count(site.input.set_aside.len(), "run set aside", "runs set aside"),
+        count(of_state(RunState::Untagged), "lacking a tag", "lacking a tag"),
+        count(
+            of_state(RunState::NotFitted),
+            "not a step response",
+            "not a step response",
+        ),
+        count(
+            of_state(RunState::NoSteps),
+            "without steps of the voltage",
+            "without steps of the voltage",
+        ),
+        count(
+            files(site, FileState::Refused).len(),
+            "file refused",
+            "files refused",
+        ),
+        count(
+            files(site, FileState::Pending).len(),
+            "file waiting",
+            "files waiting",
+        ),
+        count(
+            site.input.superseded.len(),
+            "earlier revision kept",
+            "earlier revisions kept",
+        ),
+        count(site.input.modulus_logs.len(), "modulus log", "modulus logs"),
     ];
     all.into_iter().filter(|count| count.number > 0).collect()
 }

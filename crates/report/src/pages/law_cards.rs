@@ -37,7 +37,8 @@ pub struct LawCard {
     #[serde(skip_serializing_if = "String::is_empty")]
     beyond: String,
     laws: Vec<LawRow>,
-    note: String,
+    /// What else is to be known of it.
+    notes: Vec<String>,
 }
 
 impl LawCard {
@@ -45,6 +46,27 @@ impl LawCard {
     pub fn has_rivals(&self) -> bool {
         !self.laws.is_empty()
     }
+}
+
+/// Takes out of the cards what all of them say, where there are several: it is said once.
+pub fn common_notes(cards: &mut [LawCard]) -> Vec<String> {
+    let [first, rest @ ..] = &mut *cards else {
+        return Vec::new();
+    };
+    let is_common = |note: &String| rest.iter().all(|card| card.notes.contains(note));
+    let common: Vec<String> = match rest.is_empty() {
+        true => Vec::new(),
+        false => first
+            .notes
+            .iter()
+            .filter(|note| is_common(note))
+            .cloned()
+            .collect(),
+    };
+    for card in cards {
+        card.notes.retain(|note| !common.contains(note));
+    }
+    common
 }
 
 #[derive(Debug, Serialize)]
@@ -173,7 +195,7 @@ fn described(found: &Dependence, (figure, beyond): (Option<String>, String)) -> 
                     .map_or_else(|| "–".to_owned(), |rms| format!("{:.2}", rms / found.rms_of_none)),
             })
             .collect(),
-        note: notes.join("; "),
+        notes,
     }
 }
 

@@ -12,6 +12,7 @@ mod control_charts;
 pub mod coverage;
 pub mod dma;
 mod dma_humidity;
+mod electrodes;
 pub mod finding;
 mod finding_alone;
 mod finding_answer;
@@ -40,6 +41,7 @@ pub mod run_page;
 pub mod run_tables;
 mod run_tags;
 mod runs_table;
+pub mod stiffness;
 pub mod strip;
 pub mod table5;
 pub mod wording;
@@ -113,7 +115,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 19] = [
+pub const PAGES: [Page; 20] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -217,6 +219,14 @@ pub const PAGES: [Page; 19] = [
         template: include_str!("../../../../templates/pages/dma.html"),
         is_shown: |input| !input.modulus_logs.is_empty(),
         content: dma::content,
+    },
+    Page {
+        file: "stiffness.html",
+        title: "Stiffness or coupling",
+        under: None,
+        template: include_str!("../../../../templates/pages/stiffness.html"),
+        is_shown: stiffness::is_shown,
+        content: stiffness::content,
     },
     Page {
         file: "models.html",

@@ -9,8 +9,9 @@ use serde::Serialize;
 
 use super::Content;
 use super::control_charts::{ChartRow, chart_rows, draw_charts};
+use super::electrodes::{Electrodes, electrodes};
 use super::forecasts::{Forecast, forecasts, moment};
-use super::wording::{RunLink, counted};
+use super::wording::{RunLink, counted, readable};
 use crate::aside::{AsideRow, Shown, beyond_words, marks};
 use crate::error::ReportError;
 use crate::figures::aside::AsideMark;
@@ -29,14 +30,22 @@ const DRAWN: usize = 60;
 /// Readings at most that are drawn one by one.
 const MOST_MARKS: usize = 300;
 
+/// Alarms that are not folded.
+const OPEN_ALARMS: usize = 5;
+
 #[derive(Debug, Serialize)]
 struct MonitoringPage {
     summary: Vec<String>,
     alarms: Vec<AlarmRow>,
+    /// Alarms that are folded.
+    more_alarms: Vec<AlarmRow>,
     forecasts: Vec<Forecast>,
     steps: Vec<StepRow>,
     split: Vec<String>,
     samples: Vec<SampleSection>,
+    /// The electrodes by the probe.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    electrodes: Option<Electrodes>,
     charts: String,
     /// Runs whose readings are known to be wrong.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -84,7 +93,10 @@ struct StepRow {
 /// Whether a report of that input has the page.
 pub fn is_shown(input: &Input) -> bool {
     let rules = &input.campaign.monitoring;
-    !input.monitoring.watched.is_empty() || !rules.reference.is_empty() || !rules.limits.is_empty()
+    !input.monitoring.watched.is_empty()
+        || !input.electrodes.is_empty()
+        || !rules.reference.is_empty()
+        || !rules.limits.is_empty()
 }
 
 /// Makes the page.
@@ -117,18 +129,24 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             last.panels.push(panel(site, watched, (figure, beyond), control));
         }
     }
+    let electrodes = electrodes(site, &mut figures)?;
+    let mut alarms: Vec<AlarmRow> = monitoring
+        .alarms
+        .iter()
+        .map(|alarm| AlarmRow {
+            id: alarm.id.clone(),
+            message: readable(&alarm.message),
+            link: site.run_of(&alarm.run).map(|run| RunLink::to(site, run)),
+            acknowledged: alarm.acknowledged,
+        })
+        .collect();
+    // Those that are known stand last.
+    alarms.sort_by_key(|alarm| alarm.acknowledged);
+    let more_alarms = alarms.split_off(OPEN_ALARMS.min(alarms.len()));
     let page = MonitoringPage {
         summary: summary(site),
-        alarms: monitoring
-            .alarms
-            .iter()
-            .map(|alarm| AlarmRow {
-                id: alarm.id.clone(),
-                message: alarm.message.clone(),
-                link: site.run_of(&alarm.run).map(|run| RunLink::to(site, run)),
-                acknowledged: alarm.acknowledged,
-            })
-            .collect(),
+        alarms,
+        more_alarms,
         forecasts: forecasts(site),
         steps: monitoring
             .watched
@@ -137,6 +155,7 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             .collect(),
         split: monitoring.split.clone(),
         samples,
+        electrodes,
         charts: charts_text(site),
         aside: shown.rows(site),
     };
@@ -165,13 +184,26 @@ fn summary(site: &Site) -> Vec<String> {
         lead,
         format!(
             "The reference condition is {} ({how}): {} of {} return to it.",
-            reference.text,
+            reference_words(&reference.text),
             counted(reference.places.len(), "run"),
             site.input.runs.len()
         ),
     ];
     sentences.extend(in_doubt(site));
     sentences
+}
+
+/// `air, 35 % RH, 2 V` of `environment = air, relative_humidity_percent = 35, voltage_v = 2`.
+fn reference_words(tags: &str) -> String {
+    let words = |tag: &str| match tag.split_once(" = ") {
+        Some(("environment", name)) => name.to_owned(),
+        Some(("relative_humidity_percent", percent)) => format!("{percent}\u{a0}% RH"),
+        Some(("voltage_v", volts)) => format!("{volts}\u{a0}V"),
+        Some(("temperature_c", celsius)) => format!("{celsius}\u{a0}°C"),
+        Some((key, value)) => format!("{} {value}", key.replace('_', " ")),
+        None => tag.to_owned(),
+    };
+    tags.split(", ").map(words).collect::<Vec<_>>().join(", ")
 }
 
 /// Groups of watched runs whose fits a finding doubts. None is left out: what is wrong in all of them alike is no change.
@@ -267,7 +299,7 @@ fn panel(
     });
     Panel {
         parameter: format!("{}{name}", symbol(&watched.parameter)),
-        sentence: words::life(watched),
+        sentence: readable(&words::life(watched)),
         figure,
         beyond,
         control,

@@ -9,14 +9,14 @@ use super::run_evidence::{Evidence, Fact, evidence};
 use super::run_figures::{Response, Subject, responses};
 use super::run_fit::{self as fits, ParameterRow};
 use super::run_tags::TagGroup;
-use super::wording::{IssueText, RunLink, group_title, humidity_label, voltage_label};
+use super::wording::{IssueText, RunLink, group_title, humidity_label, readable, voltage_label};
 use crate::error::ReportError;
 use crate::fault::REPORT_IT;
 use crate::number::significant;
 use crate::site::Site;
 use ieap_analysis::conditions::{material, nominal_voltage_v};
 use ieap_domain::tag::keys;
-use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord};
+use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord, Severity};
 
 /// A run with what is drawn of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,6 +94,26 @@ impl RunSection {
             tags: Vec::new(),
         }
     }
+
+    /// Tells mere notes among the facts of the fit: what is worth more stands above them.
+    pub fn tell_notes(&mut self) {
+        let is_note = |issue: &IssueText| issue.severity == Severity::Note.key();
+        let (notes, issues): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.issues).into_iter().partition(is_note);
+        self.issues = issues;
+        self.fit.extend(notes.iter().map(note_fact));
+    }
+}
+
+/// A note as a fact.
+pub fn note_fact(note: &IssueText) -> Fact {
+    let said = [&note.place, &note.message, &note.mend];
+    let said: Vec<&str> = said
+        .into_iter()
+        .map(String::as_str)
+        .filter(|part| !part.is_empty())
+        .collect();
+    ("Note".to_owned(), said.join(" "))
 }
 
 /// What was measured along the strip, and where it is shown.
@@ -158,7 +178,7 @@ pub fn section(
             .fit
             .as_ref()
             .map_or_else(Vec::new, |fit| fits::facts(fit, record)),
-        alone: alone.map_or_else(String::new, |found| found.sentence.clone()),
+        alone: alone.map_or_else(String::new, |found| readable(&found.sentence)),
         group,
         issues: worst_first(record),
         climate: climate_panel(record, &drawn.climate, name, climate_id, figures)?,
@@ -230,12 +250,14 @@ fn stepped(site: &Site, run: usize) -> String {
     })
 }
 
-/// Issues of the run and of its fit, errors first, each once.
+/// Issues of the run and of its fit, errors first, each once; whether the strip is lumped stands with what was read along it.
 fn worst_first(record: &RunRecord) -> Vec<IssueText> {
     let of_fit = record.fit.iter().flat_map(|fit| &fit.issues);
     let mut issues: Vec<&Issue> = record.issues.iter().chain(of_fit).collect();
     issues.sort_by_key(|issue| std::cmp::Reverse(issue.severity));
-    let mut texts: Vec<IssueText> = issues.into_iter().map(IssueText::from).collect();
+    let said = super::along::decision_issue(record).filter(|_| record.is_along() && record.standing.speaks());
+    let is_new = |issue: &&Issue| said.is_none_or(|said| said.message != issue.message);
+    let mut texts: Vec<IssueText> = issues.into_iter().filter(is_new).map(IssueText::from).collect();
     texts.dedup();
     texts
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::error::ReportError;
 use crate::figures::climate::around_run;
-use crate::number::fixed;
+use crate::number::{fixed, significant};
 use ieap_domain::{ClimateCurve, ClimateQuantity, RunClimate, RunRecord};
 
 /// Climate during the run and around it.
@@ -81,7 +81,17 @@ fn row(found: &RunClimate) -> ClimateRow {
         ClimateQuantity::VapourPressure => 0,
         _ => 2,
     };
-    let number = |value: f64| fixed(value, decimals);
+    // Pressures and traces span decades.
+    let spans_decades = [
+        ClimateQuantity::Pressure,
+        ClimateQuantity::Oxygen,
+        ClimateQuantity::Water,
+    ]
+    .contains(&found.quantity);
+    let number = |value: f64| match spans_decades {
+        true => significant(value, 4),
+        false => fixed(value, decimals),
+    };
     let or_dash = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
     ClimateRow {
         quantity: format!("{} ({unit})", found.quantity.label()),

@@ -33,6 +33,8 @@ pub type Fact = (String, String);
 pub struct ChannelText {
     /// Quantity.
     pub quantity: String,
+    /// Name in the file.
+    pub name: String,
     /// Name and unit in the file, number of readings, times.
     pub what: String,
     /// `from −2.70 µA to 560 µA`, or the first and the last reading where the extremes are not known.
@@ -139,6 +141,7 @@ fn channel_text(channel: &ChannelSummary, curves: &[RunCurve]) -> ChannelText {
             Quantity::Other => "kept as it is".to_owned(),
             quantity => quantity.label().to_owned(),
         },
+        name: channel.raw_name.clone(),
         what: format!("{raw}, {} readings{excluded}{times}", channel.readings),
         range,
     }

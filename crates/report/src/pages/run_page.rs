@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::run::{DrawnRun, RunSection, own_condition, section};
+use super::run::{DrawnRun, RunSection, note_fact, own_condition, section};
 use super::run_evidence::{ChannelText, Fact, channels};
 use super::run_fit::r_squared;
 use super::run_overlay::{Overlay, overlay};
@@ -40,8 +40,6 @@ struct Page {
     parameters: Option<ParametersTable>,
     /// All runs on one axis.
     overlay: Option<Overlay>,
-    /// What is to be known of all of them.
-    issues: Vec<IssueText>,
     drawn: String,
     runs: Vec<RunSection>,
     facts: Vec<Fact>,
@@ -88,7 +86,6 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         table: several.then(|| runs_table(site, &runs)),
         parameters: several.then(|| parameters_table(site, &runs)).flatten(),
         overlay,
-        issues: Vec::new(),
         drawn: String::new(),
         runs: sections,
         facts: Vec::new(),
@@ -99,6 +96,7 @@ pub fn content(site: &Site, page: usize, drawn: &[DrawnRun]) -> Result<Content, 
         true => page.say_once(site, drawn),
         false => page.say_all(site, drawn),
     }
+    page.runs.iter_mut().for_each(RunSection::tell_notes);
     Ok(Content {
         faults,
         ..Content::new("run.html", &page, figures)?
@@ -134,7 +132,7 @@ impl Page {
         self.facts = taken(runs, |section| &mut section.fit);
         self.facts
             .extend(taken(runs, |section| &mut section.evidence.facts));
-        self.issues = taken_notes(runs);
+        self.facts.extend(taken_notes(runs).iter().map(note_fact));
         if runs.iter().all(|section| section.drawn == runs[0].drawn) {
             self.drawn = std::mem::take(&mut runs[0].drawn);
             runs.iter_mut().for_each(|section| section.drawn.clear());
@@ -224,7 +222,27 @@ fn remarks(section: &RunSection) -> Vec<Fact> {
     said
 }
 
+/// Channels of one quantity that stand in a row are named by the first and the last where there are more than this.
+const FEW_PLACES: usize = 3;
+
 fn in_full(channels: Vec<ChannelText>) -> Vec<Fact> {
+    let of_one = channels.chunk_by(|a, b| a.quantity == b.quantity);
+    of_one.flat_map(of_quantity).collect()
+}
+
+fn of_quantity(channels: &[ChannelText]) -> Vec<Fact> {
+    if let [first, between @ .., last] = channels
+        && channels.len() > FEW_PLACES
+    {
+        let said = format!(
+            "{} columns from {} to {}; of the first: {}",
+            between.len() + 2,
+            first.name,
+            last.name,
+            first.what
+        );
+        return vec![(first.quantity.clone(), said)];
+    }
     let fact = |channel: ChannelText| {
         let ranged = match channel.range.is_empty() {
             true => channel.what,
@@ -232,7 +250,7 @@ fn in_full(channels: Vec<ChannelText>) -> Vec<Fact> {
         };
         (channel.quantity, ranged)
     };
-    channels.into_iter().map(fact).collect()
+    channels.iter().cloned().map(fact).collect()
 }
 
 /// The ranges of all channels in a line.

@@ -41,7 +41,7 @@ pub fn tags(record: &RunRecord, zone: &Zone) -> Vec<TagText> {
                 source: tag.source,
                 detail: match tag.detail.strip_prefix(record.path.as_str()) {
                     Some(".toml") => BESIDE.to_owned(),
-                    _ => tag.detail.clone(),
+                    _ => by_clock(&tag.detail, zone),
                 },
                 overruled: ruling.is_some(),
                 key: tag.key.clone(),
@@ -53,6 +53,14 @@ pub fn tags(record: &RunRecord, zone: &Zone) -> Vec<TagText> {
         }
     }
     texts
+}
+
+/// Who set a tag by hand, and when: the moment at the end of it, as in `vk, 2026-11-20T06:00:00Z`, by the clock of `zone`.
+fn by_clock(detail: &str, zone: &Zone) -> String {
+    match detail.rsplit_once(", ") {
+        Some((who, moment)) => format!("{who}, {}", zone.moment(moment)),
+        None => detail.to_owned(),
+    }
 }
 
 /// Takes out of the tags of every run what the same kind of source states for all of them. Where it does so in another
@@ -121,6 +129,16 @@ mod tests {
             key: key.to_owned(),
             value: value.to_owned(),
         }
+    }
+
+    #[test]
+    fn who_set_a_tag_by_hand_is_shown_with_the_moment_by_the_clock_of_the_page() {
+        let zone = Zone::utc();
+        assert_eq!(
+            by_clock("vk, 2026-11-20T06:00:00Z", &zone),
+            "vk, 20 Nov 2026, 06:00 UTC"
+        );
+        assert_eq!(by_clock("a, b.toml", &zone), "a, b.toml");
     }
 
     #[test]

@@ -1,14 +1,19 @@
 //! Every run of the campaign in one table: tags, parameters, and what is to be known of it.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use super::wording::{EstimateText, RunLink, estimate_of, has_warnings, why_unfitted};
 use crate::number::significant;
 use crate::site::Site;
 use crate::sparkline::Sparks;
+use crate::zone::seconds;
 use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
+use ieap_domain::RunRecord;
+use ieap_domain::tag::keys;
 
 /// Runs listed on the overview: a page of thousands opens slowly. The pages of the groups have all.
 const MOST: usize = 500;
@@ -18,8 +23,15 @@ const MOST: usize = 500;
 pub struct RunsTable {
     columns: Vec<Column>,
     rows: Vec<Row>,
-    /// Whether responses are drawn beside them.
+    /// Whether responses are drawn beside them, and whether any of them moves.
     is_drawn: bool,
+    is_moving: bool,
+    /// Whether any row has something to be known, or a humidity.
+    is_flagged: bool,
+    is_humid: bool,
+    /// What the times are: `Measured` or `Taken in`, and whose clock they keep.
+    when: &'static str,
+    zone: String,
     /// Runs that are not listed.
     left: usize,
 }
@@ -47,34 +59,55 @@ struct Row {
     flag: String,
 }
 
-/// The runs that came in last first.
+/// The runs that were measured last first; where one does not say when it was, those that came in last.
 pub fn runs_table(site: &Site) -> RunsTable {
-    let parameters: Vec<&ParameterInfo> = COMPARED.iter().filter_map(|key| ParameterInfo::of(key)).collect();
+    // A column without a number says nothing.
+    let is_known = |info: &&ParameterInfo| {
+        let mut runs = site.input.runs.iter();
+        runs.any(|run| estimate_of(run, info).kind != "missing")
+    };
+    let parameters: Vec<&ParameterInfo> = COMPARED
+        .iter()
+        .filter_map(|key| ParameterInfo::of(key))
+        .filter(is_known)
+        .collect();
     let columns = parameters.iter().map(|info| Column {
         symbol: info.symbol,
         name: info.name,
         unit: info.shown_unit,
     });
     let runs = &site.input.runs;
+    let start = |run: &RunRecord| seconds(run.tag(keys::STARTED_AT)?);
+    let are_dated = runs.iter().all(|run| start(run).is_some());
     let mut order: Vec<usize> = (0..runs.len()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (&runs[a], &runs[b]);
-        b.ingested_at
-            .cmp(&a.ingested_at)
-            .then_with(|| a.path.cmp(&b.path))
+        let later = match are_dated {
+            true => start(b).partial_cmp(&start(a)).unwrap_or(Ordering::Equal),
+            false => b.ingested_at.cmp(&a.ingested_at),
+        };
+        later.then_with(|| a.path.cmp(&b.path))
     });
     let left = order.len().saturating_sub(MOST);
     order.truncate(MOST);
-    let rows = order.into_iter().map(|run| row(site, run, &parameters));
+    let rows: Vec<Row> = order
+        .into_iter()
+        .map(|run| row(site, run, &parameters, are_dated))
+        .collect();
     RunsTable {
         columns: columns.collect(),
-        rows: rows.collect(),
         is_drawn: !site.sparks.is_empty(),
+        is_moving: rows.iter().any(|row| row.sparks.is_moving()),
+        is_flagged: rows.iter().any(|row| !row.flag.is_empty()),
+        is_humid: rows.iter().any(|row| !row.humidity.is_empty()),
+        when: if are_dated { "Measured" } else { "Taken in" },
+        zone: site.zone().name().to_owned(),
+        rows,
         left,
     }
 }
 
-fn row(site: &Site, run: usize, parameters: &[&ParameterInfo]) -> Row {
+fn row(site: &Site, run: usize, parameters: &[&ParameterInfo], are_dated: bool) -> Row {
     let record = &site.input.runs[run];
     let tag = |key: &str| record.tag(key).unwrap_or_default().to_owned();
     let (state, flag) = match (&record.fit, has_warnings(record)) {
@@ -89,7 +122,12 @@ fn row(site: &Site, run: usize, parameters: &[&ParameterInfo]) -> Row {
         environment: tag("environment"),
         humidity: tag("relative_humidity_percent"),
         voltage: nominal_voltage_v(record).map_or_else(String::new, |volts| significant(volts, 3)),
-        when: site.zone().moment(&record.ingested_at),
+        when: site
+            .zone()
+            .short(match record.tag(keys::STARTED_AT).filter(|_| are_dated) {
+                Some(start) => start,
+                None => &record.ingested_at,
+            }),
         sparks: site.sparks.get(&run).cloned().unwrap_or_default(),
         values: parameters.iter().map(|info| estimate_of(record, info)).collect(),
         state,

@@ -45,11 +45,95 @@ impl From<&Issue> for IssueText {
     fn from(issue: &Issue) -> IssueText {
         IssueText {
             severity: issue.severity.key(),
-            place: issue.place.clone(),
-            message: issue.message.clone(),
+            place: readable(&issue.place),
+            message: readable(&issue.message),
+            // What is to be typed stays as it is typed.
             mend: issue.mend.clone(),
         }
     }
+}
+
+/// A message of another room as pages print it: symbols for stored keys, powers of ten for `1.5e4`, a word for `->`.
+pub fn readable(message: &str) -> String {
+    let words: Vec<String> = message.split(' ').map(readable_word).collect();
+    words.join(" ").replace("Ω cm2", "Ω cm²")
+}
+
+/// `i₀` of `i_0`, `Eₒₙ` of `E_on`; a symbol whose index has no such letters stays as it is.
+pub fn with_index(symbol: &str) -> String {
+    const LOWERED: [(char, char); 27] = [
+        ('0', '₀'),
+        ('1', '₁'),
+        ('2', '₂'),
+        ('3', '₃'),
+        ('4', '₄'),
+        ('5', '₅'),
+        ('6', '₆'),
+        ('7', '₇'),
+        ('8', '₈'),
+        ('9', '₉'),
+        ('a', 'ₐ'),
+        ('e', 'ₑ'),
+        ('h', 'ₕ'),
+        ('i', 'ᵢ'),
+        ('j', 'ⱼ'),
+        ('k', 'ₖ'),
+        ('l', 'ₗ'),
+        ('m', 'ₘ'),
+        ('n', 'ₙ'),
+        ('o', 'ₒ'),
+        ('p', 'ₚ'),
+        ('r', 'ᵣ'),
+        ('s', 'ₛ'),
+        ('t', 'ₜ'),
+        ('u', 'ᵤ'),
+        ('v', 'ᵥ'),
+        ('x', 'ₓ'),
+    ];
+    let lowered = |c: char| LOWERED.iter().find(|(plain, _)| *plain == c).map(|(_, low)| *low);
+    let shown = symbol.split_once('_').and_then(|(name, index)| {
+        let index: Option<String> = index.chars().map(lowered).collect();
+        Some(format!("{name}{}", index?))
+    });
+    shown.unwrap_or_else(|| symbol.to_owned())
+}
+
+/// How documents spell what pages have signs for.
+const SPELLED: [(&str, &str); 16] = [
+    ("->", "to"),
+    ("+-", "±"),
+    ("R1", "R₁"),
+    ("R2", "R₂"),
+    ("R_ss", "Rₛₛ"),
+    ("C1", "C₁"),
+    ("C2", "C₂"),
+    ("alpha", "α"),
+    ("lambda", "λ"),
+    ("uF/cm2", "µF cm⁻²"),
+    ("mF/cm2", "mF cm⁻²"),
+    ("F/cm2", "F cm⁻²"),
+    ("Ohm", "Ω"),
+    ("kOhm", "kΩ"),
+    ("1/s", "s⁻¹"),
+    ("1/cm", "cm⁻¹"),
+];
+
+fn readable_word(word: &str) -> String {
+    let is_edge = |c: char| matches!(c, '(' | ')' | ',' | ';' | ':' | '.' | '[' | ']');
+    let core = word.trim_matches(is_edge);
+    let shown = match core {
+        _ if let Some((_, sign)) = SPELLED.iter().find(|(spelled, _)| *spelled == core) => {
+            Some((*sign).to_owned())
+        }
+        _ if core.contains('_') => ParameterInfo::of(core).map(|info| info.symbol.to_owned()),
+        // More than three zeros are easier to count as a power of ten.
+        _ if core.contains(['e', 'E']) || core.starts_with("0.000") => {
+            let number = core.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.map(|number| significant(number, 3))
+        }
+        _ => None,
+    };
+    shown.map_or_else(|| word.to_owned(), |shown| word.replacen(core, &shown, 1))
 }
 
 /// An estimate as a table cell.
@@ -261,6 +345,30 @@ mod tests {
             "S in air, started at 2020-02-03"
         );
         assert_eq!(said("a run"), "a run");
+    }
+
+    #[test]
+    fn indices_are_lowered_where_letters_allow_it() {
+        assert_eq!(
+            ["i_0", "E_on", "s", "R_c", "k_ab"].map(with_index),
+            ["i₀", "Eₒₙ", "s", "R_c", "k_ab"]
+        );
+    }
+
+    #[test]
+    fn messages_have_symbols_and_powers_of_ten() {
+        let said = "rss_ohm_cm2: only a lower bound is known, 1.5494e4; 3.22e6 -> 1584 (tau2_s), off by -1.3167e-5 A";
+        assert_eq!(
+            readable(said),
+            "Rₛₛ: only a lower bound is known, 15500; 3.22·10⁶ to 1584 (τ₂), off by −1.32·10⁻⁵ A"
+        );
+        let said = "together not: C1 rises from 10.2 to 145 mF/cm2, lambda from 0.000162 to 0 1/s, R_ss to 1.9 kOhm cm2; 5 +- 2";
+        assert_eq!(
+            readable(said),
+            "together not: C₁ rises from 10.2 to 145 mF cm⁻², λ from 1.62·10⁻⁴ to 0 s⁻¹, Rₛₛ to 1.9 kΩ cm²; 5 ± 2"
+        );
+        // Names of columns and of files stay as they are written.
+        assert_eq!(readable("column current_a of e.csv"), "column current_a of e.csv");
     }
 
     #[test]
