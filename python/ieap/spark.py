@@ -3,7 +3,8 @@
     import ieap.spark
     fits = ieap.spark.fit(spark.read.parquet("traces"))
 
-The columns are those that `ieap.fit_many` takes. A row that cannot be used gives a row with the reason and never ends the
+The columns are those that `ieap.fit_many` takes, or those of `ieap export --what traces --partitioned`; what is made of the
+latter is written as Parquet and brought back by `ieap import-fits`. A row that cannot be used gives a row with the reason and never ends the
 job. The same rows give the same numbers as one process, to the last bit, and as often as a task is tried again.
 """
 
@@ -42,6 +43,9 @@ FIT_COLUMNS: dict[str, tuple[str, str]] = {
     "refused_place": ("string", "where, of a run that could not be fitted"),
     "refused_reason": ("string", "why it could not be fitted; null where it was"),
     "refused_remedy": ("string", "how to mend it"),
+    "asked": ("string", "of a run of a campaign: what this call asked for, as JSON; for `ieap import-fits`"),
+    "fit": ("string", "of a run of a campaign: the fit with its curves, as JSON; for `ieap import-fits`"),
+    "issue": ("string", "of a run of a campaign: why it could not be fitted, as JSON; for `ieap import-fits`"),
 }
 """Type and comment of every column that `fit` gives."""
 

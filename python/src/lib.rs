@@ -4,6 +4,7 @@
 
 mod arrow;
 mod campaign;
+mod campaign_rows;
 mod columns;
 mod error;
 mod fit;

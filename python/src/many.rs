@@ -1,7 +1,7 @@
 //! Many runs at once, as tables with one run a row.
 
 use ieap::domain::Issue;
-use ieap::pipeline::at_hand::{self, FitAtHand, RunAtHand};
+use ieap::pipeline::at_hand::{self, RunAtHand};
 use ieap::pipeline::{DiagnoseChoice, PipelineError};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::arrow::{ArrowTable, batches};
 use crate::error::{fault, refused};
 use crate::fit::choice;
-use crate::results;
-use crate::rows::{RowRun, runs};
+use crate::results::{self, Fitted};
+use crate::rows::{Found, RowRun, runs};
 use crate::work::interruptible;
 
 /// Fits every row of a table, on all cores.
@@ -29,12 +29,19 @@ pub fn fit_many(
     let chosen = choice(model, method, simultaneous, seed);
     let options = at_hand::fit_options(&chosen).map_err(|issue| refused(py, &issue))?;
     let found = all_runs(table)?;
-    let fitted: Vec<(String, Result<FitAtHand, Issue>)> = interruptible(py, threads, || {
-        let fit = |run: RunAtHand| Ok(at_hand::fit(&run, &options)?.1);
-        found
-            .into_par_iter()
-            .map(|(name, run)| (name, run.and_then(fit)))
-            .collect()
+    let fitted: Vec<Fitted> = interruptible(py, threads, || {
+        let fit = |(name, row): RowRun| {
+            let (stated, result) = match row {
+                Ok(Found::AtHand(run)) => (at_hand::fit(&run, &options).map(|(_, stated)| stated), None),
+                Ok(Found::OfCampaign(row)) => {
+                    let (stated, result) = row.fit(&chosen);
+                    (stated, Some(result))
+                }
+                Err(issue) => (Err(issue), None),
+            };
+            Fitted { name, stated, result }
+        };
+        found.into_par_iter().map(fit).collect()
     })?;
     results::fits(&fitted)
         .map(ArrowTable::new)
@@ -71,7 +78,7 @@ pub fn diagnose_rows(
 
 /// A run of a group, or why the group lacks it: without one of its runs it would be another group.
 fn of_group((name, run): RowRun) -> Result<RunAtHand, Issue> {
-    run.map_err(|issue| {
+    run.map(Found::run).map_err(|issue| {
         let place = match issue.place.is_empty() {
             true => name,
             false => format!("{name}, {}", issue.place),

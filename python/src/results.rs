@@ -11,20 +11,48 @@ use arrow_schema::{ArrowError, DataType, Field, Fields};
 use ieap::domain::{Estimate, Issue};
 use ieap::pipeline::at_hand::FitAtHand;
 use ieap::pipeline::diagnosis_document::GroupEntry;
+use ieap::pipeline::fit_result::FitResult;
+
+/// What the fit of a row came to.
+pub struct Fitted {
+    /// Name of the run.
+    pub name: String,
+    /// The fit, or why there is none.
+    pub stated: Result<FitAtHand, Issue>,
+    /// The same as a campaign takes it, of a run of a campaign.
+    pub result: Option<FitResult>,
+}
 
 /// Fits, or the reason why there is none. The columns are the same for every model.
-pub fn fits(rows: &[(String, Result<FitAtHand, Issue>)]) -> Result<RecordBatch, ArrowError> {
-    let fits: Vec<Option<&FitAtHand>> = rows.iter().map(|(_, fit)| fit.as_ref().ok()).collect();
+pub fn fits(rows: &[Fitted]) -> Result<RecordBatch, ArrowError> {
+    let fits: Vec<Option<&FitAtHand>> = rows.iter().map(|row| row.stated.as_ref().ok()).collect();
+    // What names the result of a run of a campaign stands there also where there is no fit.
+    let named = |of_fit: fn(&FitAtHand) -> &str, of_result: fn(&FitResult) -> &str| {
+        let text = |row: &Fitted| match (&row.stated, &row.result) {
+            (Ok(fit), _) => Some(of_fit(fit).to_owned()),
+            (Err(_), result) => result.as_ref().map(|result| of_result(result).to_owned()),
+        };
+        texts(rows.iter().map(text))
+    };
     let text = |of: fn(&FitAtHand) -> &str| texts(fits.iter().map(|fit| fit.map(of)));
     let number = |of: fn(&FitAtHand) -> Option<f64>| numbers(fits.iter().map(|fit| fit.and_then(of)));
     let count = |of: fn(&FitAtHand) -> usize| counts(fits.iter().map(|fit| fit.map(|fit| of(fit) as i64)));
     let mut columns: Vec<(&str, ArrayRef)> = vec![
-        ("run", texts(rows.iter().map(|(name, _)| Some(name.as_str())))),
+        ("run", texts(rows.iter().map(|row| Some(row.name.as_str())))),
         ("model", text(|fit| &fit.model)),
         ("model_version", count(|fit| fit.model_version as usize)),
-        ("code_version", text(|fit| fit.code_version)),
-        ("data_hash", text(|fit| &fit.data_hash)),
-        ("input_hash", text(|fit| &fit.input_hash)),
+        (
+            "code_version",
+            named(|fit| fit.code_version, |result| &result.code_version),
+        ),
+        (
+            "data_hash",
+            named(|fit| &fit.data_hash, |result| &result.data_hash),
+        ),
+        (
+            "input_hash",
+            named(|fit| &fit.input_hash, |result| &result.input_hash),
+        ),
         (
             "converged",
             flags(fits.iter().map(|fit| fit.map(|fit| fit.converged))),
@@ -37,8 +65,26 @@ pub fn fits(rows: &[(String, Result<FitAtHand, Issue>)]) -> Result<RecordBatch, 
         ("r_squared_curvature", number(|fit| fit.r_squared_curvature)),
         ("issues", issues(&fits)?),
     ];
-    columns.extend(reasons(rows.iter().map(|(_, fit)| fit.as_ref().err())));
+    columns.extend(reasons(rows.iter().map(|row| row.stated.as_ref().err())));
+    columns.extend(for_import(rows));
     with_nulls(columns)
+}
+
+/// What `ieap import-fits` takes, as JSON; empty for runs that no campaign holds.
+fn for_import(rows: &[Fitted]) -> [(&'static str, ArrayRef); 3] {
+    let part =
+        |of: fn(&FitResult) -> Option<String>| texts(rows.iter().map(|row| row.result.as_ref().and_then(of)));
+    [
+        ("asked", part(|result| serde_json::to_string(&result.asked).ok())),
+        (
+            "fit",
+            part(|result| serde_json::to_string(result.fit.as_ref()?).ok()),
+        ),
+        (
+            "issue",
+            part(|result| serde_json::to_string(result.issue.as_ref()?).ok()),
+        ),
+    ]
 }
 
 /// Findings, or the reason why there is none.

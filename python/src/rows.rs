@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use arrow_array::{Array, RecordBatch};
 use ieap::domain::Issue;
-use ieap::pipeline::at_hand::{self, RunAtHand, Stated};
+use ieap::pipeline::at_hand::{self, CampaignRow, RunAtHand, Stated};
 
+use crate::campaign_rows;
 use crate::columns::{is_list, is_text, list_at, numbers, text_at};
 
 /// Column with the name of the run.
@@ -15,13 +16,35 @@ const DRIVE_START_S: &str = "drive_start_s";
 const DRIVE_VOLTAGE_V: &str = "drive_voltage_v";
 
 /// A run of a row, or why it is none.
-pub type RowRun = (String, Result<RunAtHand, Issue>);
+pub type RowRun = (String, Result<Found, Issue>);
+
+/// What a row holds.
+pub enum Found {
+    /// A run that no campaign holds.
+    AtHand(Box<RunAtHand>),
+    /// A run of a campaign, with how that fits it.
+    OfCampaign(Box<CampaignRow>),
+}
+
+impl Found {
+    /// The run, however it is fitted in a campaign.
+    pub fn run(self) -> RunAtHand {
+        match self {
+            Found::AtHand(run) => *run,
+            Found::OfCampaign(row) => row.at_hand(),
+        }
+    }
+}
 
 /// The runs of a batch. `first` is the number of rows before it, for runs without a name.
 pub fn runs(batch: &RecordBatch, first: usize) -> Vec<RowRun> {
+    let of_campaign = campaign_rows::are_in(batch);
     let run = |row: usize| {
         let name = cell(batch, RUN, row).unwrap_or_else(|| format!("row {}", first + row));
-        let made = run_at(batch, row, &name);
+        let made = match of_campaign {
+            true => campaign_rows::row_at(batch, row, &name).map(|row| Found::OfCampaign(Box::new(row))),
+            false => run_at(batch, row, &name).map(|run| Found::AtHand(Box::new(run))),
+        };
         (name, made)
     };
     (0..batch.num_rows()).map(run).collect()
@@ -103,7 +126,8 @@ fn readings(column: &dyn Array, row: usize, name: &str) -> Result<Option<(String
     }
 }
 
-fn number(batch: &RecordBatch, key: &str, row: usize) -> Option<f64> {
+/// The number in a cell; none where it is empty.
+pub fn number(batch: &RecordBatch, key: &str, row: usize) -> Option<f64> {
     let column = batch.column_by_name(key)?.slice(row, 1);
     numbers(&column)?
         .first()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -98,3 +99,31 @@ def findings(campaign: Path, fits: dict) -> dict:
 def table() -> ieap.Table:
     """A simulated run of 301 readings."""
     return ieap.simulate(PARAMETERS, drive=[(0, 1.5)], **STRIP, until_s=300, every_s=1, noise=NOISE)
+
+
+@pytest.fixture(scope="session")
+def spark():
+    """A cluster of two executors on this machine."""
+    pytest.importorskip("pyspark")
+    pytest.importorskip("pandas")
+    if shutil.which("java") is None:
+        pytest.skip("there is no Java")
+    from pyspark.sql import SparkSession
+
+    # The executors fit with this environment, not with the first Python on the path.
+    os.environ["PYSPARK_PYTHON"] = sys.executable
+
+    builder = SparkSession.builder.master("local-cluster[2,1,1024]").appName("ieap")
+    for key, value in {
+        "spark.ui.enabled": "false",
+        "spark.sql.execution.arrow.maxRecordsPerBatch": "50",
+        "spark.driver.host": "127.0.0.1",
+        "spark.task.maxFailures": "8",
+        # A task for each of the files, which are small.
+        "spark.sql.files.maxPartitionBytes": "65536",
+        "spark.sql.files.openCostInBytes": "65536",
+    }.items():
+        builder = builder.config(key, value)
+    session = builder.getOrCreate()
+    yield session
+    session.stop()

@@ -9,7 +9,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import threading
 import time
 
@@ -27,29 +26,6 @@ if shutil.which("java") is None:
 RUNS = 20_000 if os.environ.get("IEAP_LONG") else 240
 KINDS = 12
 COLUMNS = ("time_s", "voltage_v", "current_a", "curvature_per_cm")
-
-
-@pytest.fixture(scope="module")
-def spark():
-    from pyspark.sql import SparkSession
-
-    # The executors fit with this environment, not with the first Python on the path.
-    os.environ["PYSPARK_PYTHON"] = sys.executable
-
-    builder = SparkSession.builder.master("local-cluster[2,1,1024]").appName("ieap")
-    for key, value in {
-        "spark.ui.enabled": "false",
-        "spark.sql.execution.arrow.maxRecordsPerBatch": "50",
-        "spark.driver.host": "127.0.0.1",
-        "spark.task.maxFailures": "8",
-        # A task for each of the files, which are small.
-        "spark.sql.files.maxPartitionBytes": "65536",
-        "spark.sql.files.openCostInBytes": "65536",
-    }.items():
-        builder = builder.config(key, value)
-    session = builder.getOrCreate()
-    yield session
-    session.stop()
 
 
 @pytest.fixture(scope="module")

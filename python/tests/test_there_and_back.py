@@ -1,0 +1,82 @@
+"""Runs leave a campaign as rows, are fitted elsewhere, and come back as what the campaign itself would have stored."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from conftest import program
+
+import ieap
+
+pa = pytest.importorskip("pyarrow")
+parquet = pytest.importorskip("pyarrow.parquet")
+
+
+def unfitted(campaign: Path, folder: Path) -> Path:
+    """The same runs in a campaign that has no fits."""
+    folder.mkdir()
+    shutil.copy(campaign / "campaign.toml", folder)
+    shutil.copytree(campaign / "runs", folder / "runs")
+    program("ingest", str(folder))
+    return folder
+
+
+def rows_of(campaign: Path, folder: Path) -> Path:
+    """Its runs, one row each."""
+    program("-C", str(campaign), "export", "--what", "traces", "--partitioned", "-o", str(folder))
+    return folder
+
+
+def brought_back(campaign: Path, results: Path) -> dict:
+    return json.loads(program("-C", str(campaign), "import-fits", str(results), "--json"))["imported"]
+
+
+def same_fits(campaign: Path, fits: dict) -> None:
+    """Nothing is left to fit, and the fits are those of the program."""
+    own = json.loads(program("fit", "--json", str(campaign)))
+    assert own["fits"] == fits["fits"] and len(own["fits"]) == 2
+
+
+@pytest.fixture
+def away(campaign: Path, fits: dict, tmp_path: Path) -> Path:
+    return unfitted(campaign, tmp_path / "away")
+
+
+def test_what_was_fitted_in_this_process_comes_back(away, fits, tmp_path):
+    rows = parquet.read_table(rows_of(away, tmp_path / "rows"))
+    assert rows.column("material").to_pylist() == ["M", "M"]
+    fitted = pa.table(ieap.fit_many(rows))
+    assert fitted.column("run").to_pylist() == ["runs/a.csv", "runs/b.csv"] and not any(fitted.column("issue").to_pylist())
+    parquet.write_table(fitted, tmp_path / "fits.parquet")
+    summary = brought_back(away, tmp_path / "fits.parquet")
+    assert (summary["imported"], summary["refused"], summary["failed"]) == (2, [], [])
+    same_fits(away, fits)
+
+
+def test_another_model_is_asked_for_as_in_the_campaign(away, tmp_path):
+    rows = parquet.read_table(rows_of(away, tmp_path / "rows"))
+    parquet.write_table(pa.table(ieap.fit_many(rows, model="lumped-1")), tmp_path / "fits.parquet")
+    assert brought_back(away, tmp_path / "fits.parquet")["imported"] == 2
+    found = json.loads(program("fit", "--json", str(away)))["fits"]
+    assert [fit["model"] for fit in found] == ["lumped-1", "lumped-1"]
+
+
+def test_a_row_that_was_changed_is_a_row_with_the_reason(away, tmp_path):
+    rows = parquet.read_table(rows_of(away, tmp_path / "rows"))
+    place = rows.column_names.index("area_cm2")
+    changed = rows.set_column(place, "area_cm2", pa.array([0.2, None], pa.float64()))
+    found = ieap.fit_many(changed).to_dict()
+    assert "input_hash" in found["refused_reason"][0] and found["refused_place"][1] == "area_cm2"
+    assert found["fit"] == [None, None]
+
+
+def test_what_spark_fitted_comes_back(away, fits, tmp_path, spark):
+    import ieap.spark
+
+    rows = spark.read.parquet(str(rows_of(away, tmp_path / "rows")))
+    ieap.spark.fit(rows).write.parquet(str(tmp_path / "results"))
+    assert brought_back(away, tmp_path / "results")["imported"] == 2
+    same_fits(away, fits)
