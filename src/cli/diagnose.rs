@@ -10,7 +10,7 @@ use crate::model::effects;
 use crate::pipeline::diagnosis_document::{DiagnosisDocument, EffectEntry, GroupEntry, diagnosis_document};
 use crate::pipeline::estimate_words::{in_words, interval_in_words};
 use crate::pipeline::{
-    Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest,
+    Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest, stands_in,
 };
 
 /// Say what the simulation gets wrong in each group of runs, name the cause, and measure what the extended
@@ -39,14 +39,17 @@ pub struct DiagnoseArgs {
 
 pub fn run(args: &DiagnoseArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let mut context = args.campaign.open(global, output)?;
-    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
-    ingest::left_out(&ingest, output);
-    fit_what_is_due(global, &mut context, output)?;
     let choice = DiagnoseChoice {
         model: args.model.clone(),
         draws: args.draws.map(|draws| draws as usize),
         seed: global.seed,
     };
+    // Wrong usage is told before anything is taken in or fitted.
+    let instead = stands_in(&choice, &context.campaign)?;
+    let ingest = Ingest { ready: &mut |_| true }.run(&mut context, output)?;
+    ingest::left_out(&ingest, output);
+    fit_what_is_due(global, &mut context, output)?;
+    instead.iter().for_each(|words| output.message(words));
     let summary = DiagnoseRuns {
         choice: choice.clone(),
         again: args.again,

@@ -31,11 +31,14 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 35] = schemas![
+pub const SCHEMAS: [Schema; 40] = schemas![
     "alarms",
     "backup",
+    "comparison",
+    "convert",
     "diagnosis",
     "dma",
+    "drive",
     "drop",
     "effects",
     "explain",
@@ -45,6 +48,7 @@ pub const SCHEMAS: [Schema; 35] = schemas![
     "fit-shard",
     "fits",
     "formats",
+    "impedance",
     "import-fits",
     "ingest",
     "init",
@@ -53,6 +57,7 @@ pub const SCHEMAS: [Schema; 35] = schemas![
     "models",
     "moved",
     "next",
+    "prediction",
     "profile",
     "rebuild",
     "report",

@@ -10,7 +10,7 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::printable::printable;
 use crate::pipeline::tables::{
-    MovedDocument, chosen_columns, find_format, find_table, listed, moment, moved_since, table,
+    MovedDocument, chosen_columns, compared_by, find_format, find_table, listed, moment, moved_since, table,
     write_with_decimal_comma, write_within,
 };
 use crate::pipeline::whole_file::put_bytes;
@@ -35,6 +35,9 @@ pub struct TableArgs {
     /// Only these columns, in this order: number, key, symbol, or a part of one, with commas between
     #[arg(long, value_name = "COLUMN,...", value_delimiter = ',')]
     columns: Vec<String>,
+    /// Put materials together by what campaign.toml says they are made of: electrode, membrane or electrolyte
+    #[arg(long, value_name = "CLASS")]
+    by: Option<String>,
     /// Characters to a line of text: columns without room stand below [default: the terminal's; 0: as wide as it gets]
     #[arg(long, value_name = "N")]
     width: Option<usize>,
@@ -62,7 +65,10 @@ pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
         return list(output);
     };
     find_table(name)?;
-    let context = Context::open_read_only(&super::folder(folder.as_deref())?)?;
+    let mut context = Context::open_read_only(&super::folder(folder.as_deref())?)?;
+    if let Some(class) = &args.by {
+        compared_by(&mut context, name, class)?;
+    }
     let earlier = match &args.since {
         Some(typed) => Some(Earlier::At(moment(&context, typed)?)),
         None => args.moved.then_some(Earlier::BeforeRefit),

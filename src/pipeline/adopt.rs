@@ -56,7 +56,8 @@ impl Adopt {
             return Err(PipelineError::BadArgument {
                 what: "--adopt with --group",
                 found: name.clone(),
-                needed: "a group whose finding names a cause (verdict named, set or partial)".to_owned(),
+                needed: "a group whose finding names a cause (verdict named, set, partial or resembles)"
+                    .to_owned(),
             });
         }
         if !summary.adopted.is_empty() {
@@ -69,8 +70,8 @@ impl Adopt {
 
 /// The model that a finding asks for: its base with the accepted effects, of a set the one that was fitted.
 fn wanted(found: &GroupDiagnosis) -> Option<Adopted> {
-    let names_a_cause = found.verdict.names_a_cause() && !found.effects.is_empty();
-    names_a_cause.then(|| Adopted {
+    let is_extended = found.verdict.extends_the_model() && !found.effects.is_empty();
+    is_extended.then(|| Adopted {
         group: found.group.clone(),
         model: found
             .effects

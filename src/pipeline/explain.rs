@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::tables::{TableData, find_table};
 use super::{Context, PipelineError};
 use crate::analysis::tables::{Cell, Content, Source, SourceOrigin, Table};
-use crate::domain::{RunFile, RunRecord};
+use crate::domain::{ModelScore, RunComparison, RunFile, RunRecord};
 use crate::report::tables::text_of;
 use crate::store::{DiagnosisKind, ResultOrigin};
 
@@ -83,7 +83,7 @@ pub struct Evidence {
 /// A stored result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResultEvidence {
-    /// Row id in the database; null for a diagnosis, which is told by its hash.
+    /// Row id in the database; null for a diagnosis and for a comparison of models, which are told by their hashes.
     pub id: Option<i64>,
     /// Model or analysis, with its version.
     pub model: String,
@@ -218,6 +218,19 @@ fn evidence(context: &Context, data: &TableData, source: &Source) -> Result<Evid
                 ..of_run(bare, run)
             }
         }
+        SourceOrigin::Comparison(id) => {
+            let compared = data.comparison(&source.name).map(models_of);
+            let origin = context.store.comparison_origin(id)?;
+            let result = compared.zip(origin).map(|(model, origin)| ResultEvidence {
+                id: None,
+                ..result(model, origin)
+            });
+            Evidence {
+                kind: "run",
+                result,
+                ..of_run(bare, data.run(id))
+            }
+        }
         SourceOrigin::ModulusLog(id) => {
             let log = data.modulus_log(id);
             let analysis = log.and_then(|log| log.analysis.as_ref());
@@ -230,6 +243,13 @@ fn evidence(context: &Context, data: &TableData, source: &Source) -> Result<Evid
             }
         }
     })
+}
+
+/// The models that were held against each other on a run.
+fn models_of(compared: &RunComparison) -> String {
+    let one = |score: &ModelScore| format!("{} v{}", score.model, score.version);
+    let models: Vec<String> = compared.models.iter().map(one).collect();
+    format!("comparison of {}", models.join(", "))
 }
 
 fn of_run(bare: Evidence, run: Option<&RunRecord>) -> Evidence {

@@ -238,6 +238,10 @@ pub(super) fn input_hash(task: &FitTask, options: &FitOptions) -> String {
     let along = task.electrode_resistance_ohm_per_sq;
     if options.model.id == distributed::MODEL_ID || along.is_some() {
         hash.number_or_none(along);
+        // Where none is known the form is that of fits before it could be.
+        if let Some(error) = task.electrode_resistance_error_ohm_per_sq {
+            hash.number(error);
+        }
     }
     let (model, method) = (options.model, options.method);
     hash.text(model.id)

@@ -1,9 +1,9 @@
 //! What a run's readings along the strip are asked: the distributed model, and whether it is needed.
 
 use super::fit::{Outcome, not_fitted};
-use crate::domain::{Channel, Estimate, Fit, Issue, Quantity};
+use crate::domain::{Channel, Fit, Issue, Quantity};
 use crate::fit::FitOptions;
-use crate::fit::distributed::{Decision, DistributedInput, Strip, decide, fit_distributed};
+use crate::fit::distributed::{Decision, DistributedInput, Strip, decide, fit_distributed, given_resistance};
 use crate::model::coupling::CurvaturePerLineCharge;
 use crate::model::distributed::DistributedModel;
 use crate::store::FitTask;
@@ -27,6 +27,7 @@ fn strip(task: &FitTask) -> Option<Strip> {
         length_cm,
         width_cm: task.area_cm2 / length_cm,
         electrode_resistance_ohm_per_sq: task.electrode_resistance_ohm_per_sq,
+        electrode_resistance_error_ohm_per_sq: task.electrode_resistance_error_ohm_per_sq,
     })
 }
 
@@ -67,9 +68,6 @@ pub(super) fn lumped_or_distributed(task: &FitTask, channels: &[Channel], fit: &
         coupling: CurvaturePerLineCharge(1.0),
         relaxation_rate_per_s: 0.0,
     };
-    let given = Estimate {
-        value: Some(along),
-        ..Estimate::not_determined("given with the sample, not fitted")
-    };
+    let given = given_resistance(along, task.electrode_resistance_error_ohm_per_sq);
     Some(Decision::by_criterion(&model, given).issue())
 }

@@ -114,11 +114,16 @@ fn row<'a>(
             false => said.join("; "),
         }
     };
-    Ok(RunRow {
-        run,
-        channels: context.store.channels(run.id)?,
-        task: tasks.get(&run.path).cloned().ok_or_else(why_not),
-    })
+    let channels = context.store.channels(run.id)?;
+    let is_along = channels.iter().any(|channel| channel.position_mm.is_some());
+    let task = match tasks.get(&run.path) {
+        Some(_) if is_along => {
+            Err("readings along the strip are not in this table: fit the run in the campaign".to_owned())
+        }
+        Some(task) => Ok(task.clone()),
+        None => Err(why_not()),
+    };
+    Ok(RunRow { run, channels, task })
 }
 
 /// How each run is fitted, by its name.
@@ -131,6 +136,7 @@ fn tasks(context: &Context) -> Result<BTreeMap<String, Task>, PipelineError> {
         let task = Task {
             length_cm: planned.task.length_cm,
             electrode_resistance_ohm_per_sq: planned.task.electrode_resistance_ohm_per_sq,
+            electrode_resistance_error_ohm_per_sq: planned.task.electrode_resistance_error_ohm_per_sq,
             input_hash,
             model: options.model.id.to_owned(),
             method: options.method.id().to_owned(),

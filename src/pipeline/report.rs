@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::across_runs::campaign_laws;
 use super::along::PageCurves;
+use super::blocked::blocked_runs;
+use super::climate::electrode_courses;
 use super::compare::current_comparisons;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
@@ -284,6 +286,12 @@ pub(super) fn input(
     let plan = or_nothing(step("which runs to make next", plan), &mut faults)?;
     let spectra = step("impedance spectra", || impedance::spectra(context));
     let spectra = or_nothing(spectra, &mut faults)?;
+    let blocked = or_nothing(
+        step("blocking forces", || blocked_runs(context, &runs)),
+        &mut faults,
+    )?;
+    let electrodes = step("electrode resistance", || electrode_courses(context));
+    let electrodes = or_nothing(electrodes, &mut faults)?;
     let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
     let monitoring = or_nothing(step("monitoring", monitoring), &mut faults)?;
     let confounding = step("confounding", || Ok(confounding_maps(&laws, &runs)));
@@ -299,12 +307,17 @@ pub(super) fn input(
         modulus_logs: standing::modulus_logs(context)?.0,
         spectra: spectra.runs,
         spectra_beside: spectra.beside,
+        blocked,
+        electrodes,
         set_aside,
         superseded: context.store.superseded_runs()?,
         files: source_files(context)?,
         origin: report::Origin {
             program: format!("ieap {CODE_VERSION}"),
-            database: format!("change {changes} of {changed_at}"),
+            database: format!(
+                "change {changes} of {}",
+                report::zone::Zone::of(&context.campaign).moment(changed_at)
+            ),
         },
         climate: context
             .store

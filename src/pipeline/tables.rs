@@ -2,14 +2,19 @@
 
 use serde::Serialize;
 
+use super::blocked::blocked_runs;
+use super::climate::electrode_courses;
 use super::compare::current_comparisons;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::standing::Runs;
 use super::{Context, PipelineError, standing};
+use crate::analysis::probe::Course;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
-use crate::domain::{GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun};
+use crate::domain::{
+    BlockedRun, GroupDiagnosis, MaterialClass, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
+};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 pub use crate::report::tables::{write_with_decimal_comma, write_within};
 use crate::store::Earlier;
@@ -20,6 +25,8 @@ pub(super) struct TableData {
     set_aside: Vec<RunRecord>,
     modulus_logs: Vec<ModulusLog>,
     spectra: Vec<SpectrumRun>,
+    blocked: Vec<BlockedRun>,
+    electrodes: Vec<Course>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
     comparisons: Vec<RunComparison>,
@@ -53,6 +60,8 @@ impl TableData {
         let (comparisons, _) = current_comparisons(context, &runs)?;
         Ok(TableData {
             comparisons,
+            blocked: blocked_runs(context, &runs)?,
+            electrodes: electrode_courses(context)?,
             runs,
             set_aside,
             modulus_logs,
@@ -78,6 +87,8 @@ impl TableData {
             set_aside: &self.set_aside,
             modulus_logs: &self.modulus_logs,
             spectra: &self.spectra,
+            blocked: &self.blocked,
+            electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.groups,
             comparisons: &self.comparisons,
@@ -87,6 +98,10 @@ impl TableData {
 
     pub(super) fn run(&self, id: i64) -> Option<&RunRecord> {
         self.runs.iter().find(|run| run.id == id)
+    }
+
+    pub(super) fn comparison(&self, run: &str) -> Option<&RunComparison> {
+        self.comparisons.iter().find(|one| one.run == run)
     }
 
     pub(super) fn modulus_log(&self, id: i64) -> Option<&ModulusLog> {
@@ -134,6 +149,31 @@ fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
 pub fn table(context: &Context, name: &str) -> Result<Table, PipelineError> {
     let named = find_table(name)?;
     Ok(TableData::current(context)?.table(context, named))
+}
+
+/// Puts the materials of a table together by a class: `electrode`, `membrane` or `electrolyte`.
+///
+/// # Errors
+/// It is none of these, or the table compares no materials.
+pub fn compared_by(context: &mut Context, table: &str, class: &str) -> Result<(), PipelineError> {
+    if !find_table(table)?.compares_materials {
+        let comparing = TABLES.iter().filter(|named| named.compares_materials);
+        return Err(PipelineError::BadArgument {
+            what: "--by",
+            found: format!("table {table}, which puts no materials together"),
+            needed: format!("one of {}", names(comparing.map(|named| named.name))),
+        });
+    }
+    let found = MaterialClass::from_key(class).ok_or_else(|| PipelineError::BadArgument {
+        what: "--by",
+        found: format!("{class:?}"),
+        needed: format!(
+            "one of {}",
+            names(MaterialClass::ALL.iter().map(|class| class.key()))
+        ),
+    })?;
+    context.campaign.compare.by = Some(found);
+    Ok(())
 }
 
 /// The table with the columns that are asked for, each by number, key, symbol or a part of one, in their order.

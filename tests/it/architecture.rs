@@ -293,3 +293,28 @@ fn the_python_package_is_built_as_the_program_is() {
     let version = concat!("version = \"", env!("CARGO_PKG_VERSION"), "\"");
     assert!(python.contains(version), "python/Cargo.toml has another version");
 }
+
+/// The wheel is built with --locked: what a crate begins to need has to be in both lists of versions.
+#[test]
+fn the_python_package_locks_what_the_crates_need() {
+    let lock = std::fs::read_to_string(house().join("python/Cargo.lock")).unwrap();
+    let mut needed = 0;
+    for (name, _) in MAY_USE {
+        let manifest = std::fs::read_to_string(house().join(format!("crates/{name}/Cargo.toml"))).unwrap();
+        let section = manifest.split("[dependencies]\n").nth(1).unwrap_or_default();
+        let own = section.split("\n[").next().unwrap_or_default().lines();
+        let locked = lock
+            .split("[[package]]\n")
+            .find(|package| package.starts_with(&format!("name = \"ieap-{name}\"\n")))
+            .unwrap_or_else(|| panic!("ieap-{name} is not in python/Cargo.lock"));
+        for line in own.filter(|line| !line.starts_with(['#', ' ']) && line.contains('=')) {
+            let need = line.split(['.', ' ', '=']).next().unwrap_or_default();
+            needed += 1;
+            assert!(
+                locked.contains(&format!("\"{need}\"")) || locked.contains(&format!("\"{need} ")),
+                "ieap-{name} needs {need}: run `cargo metadata --manifest-path python/Cargo.toml`"
+            );
+        }
+    }
+    assert!(needed > 40, "{needed}");
+}

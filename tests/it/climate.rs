@@ -384,7 +384,7 @@ fn bad_logs_are_refused_with_a_reason_and_the_rest_goes_on() {
     folder.write("ambient/run.csv", run_table(7));
     folder.write(
         "ambient/no climate.csv",
-        "Time,Pressure (hPa)\n2026-01-10 08:00:00,1013\n",
+        "Time,CO2 (ppm)\n2026-01-10 08:00:00,420\n",
     );
     folder.write(
         "ambient/two orders.csv",

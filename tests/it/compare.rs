@@ -89,6 +89,13 @@ fn the_model_that_made_the_runs_is_named_and_stored() {
             .contains("bao-two-way leaves 1.0 times the noise")
     );
     let table = folder.ieap(&["table", "models", "--format", "csv"]).expect(0);
+    let explained = folder.ieap(&["explain", "models", "1", "bic"]).expect(0);
+    assert!(
+        explained
+            .stdout
+            .contains("result: comparison of lumped-2 v4, bao-two-way v1, maxwell v1"),
+        "{explained:#?}"
+    );
     assert!(table.stdout.contains("CNaf,air,bao-two-way"), "{table:#?}");
     folder.ieap(&["figure", "models", "-o", "models.svg"]).expect(0);
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();

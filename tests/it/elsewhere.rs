@@ -188,6 +188,45 @@ fn results_come_back_from_parquet() {
     );
 }
 
+/// The tables that clusters read have readings of the strip as a whole only: a fit elsewhere would lack the others.
+#[test]
+fn a_run_with_readings_along_the_strip_is_left_to_the_campaign() {
+    let folder = taken_in(1);
+    let line = |(at, line): (usize, &str)| match at {
+        0 => format!("{line},curvature_per_cm@2.0\n"),
+        _ => format!("{line},0.1\n"),
+    };
+    let table = run_table(2);
+    folder.write(
+        "runs/along.csv",
+        table.lines().enumerate().map(line).collect::<String>(),
+    );
+    folder.ieap(&["ingest"]).expect(0);
+    folder
+        .ieap(&["export", "--what", "traces", "--partitioned", "-o", "traces"])
+        .expect(0);
+    let path = folder.join("traces/material=CNaf/environment=air/part-0.parquet");
+    let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+    let reasons: Vec<Option<String>> = reader
+        .get_row_iter(None)
+        .unwrap()
+        .map(|row| {
+            let row = row.unwrap();
+            let mut cells = row.get_column_iter();
+            match cells.find(|(name, _)| *name == "reason") {
+                Some((_, parquet::record::Field::Str(said))) => Some(said.clone()),
+                _ => None,
+            }
+        })
+        .collect();
+    let left = |reason: &Option<String>| {
+        reason
+            .as_ref()
+            .is_some_and(|said| said.contains("along the strip"))
+    };
+    assert!(reasons.contains(&None) && reasons.iter().any(left), "{reasons:?}");
+}
+
 #[test]
 fn a_partitioned_export_has_one_row_a_run_in_the_folders_of_hive() {
     let folder = taken_in(2);

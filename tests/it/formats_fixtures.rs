@@ -133,6 +133,8 @@ fn twins_read_the_same_numbers() {
         ("ca.utf16.csv", "ca.windows_1252.csv"),
         ("step.no_x_column.lvm", "step.decimal_comma.lvm"),
         ("step.big_endian.tdms", "step.interleaved.tdms"),
+        ("step.vectors.mat", "step.vectors_packed.mat"),
+        ("step.vectors.mat", "step.matrix_with_names.mat"),
     ] {
         assert_eq!(numbers(file), numbers(twin), "{twin}");
     }

@@ -109,7 +109,7 @@ fn resistance_along_the_strip_is_named_from_places() {
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
     let pages = std::fs::read_dir(folder.join("report/runs")).unwrap();
     let mut pages = pages.map(|page| std::fs::read_to_string(page.unwrap().path()).unwrap());
-    assert!(pages.any(|page| page.contains("distributed: 9 places")));
+    assert!(pages.any(|page| page.contains("Distributed: 9 places")));
 }
 
 /// R_e L^2 over R_c of 30, as PtNaf of the thesis's table 3 has it.

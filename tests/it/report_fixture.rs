@@ -285,12 +285,14 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         modulus_logs: vec![],
         spectra: vec![],
         spectra_beside: vec![],
+        blocked: vec![],
+        electrodes: vec![],
         superseded: vec![],
         files: vec![],
         findings: Findings::default(),
         origin: Origin {
             program: "ieap 0.1.0".to_owned(),
-            database: "change 412 of 2026-11-20T06:00:00Z".to_owned(),
+            database: "change 412 of 20 Nov 2026, 06:00 UTC".to_owned(),
         },
     }
 }

@@ -203,6 +203,77 @@ fn ten_lines_of_python_read_the_readings() {
     assert!(said.ends_with("(-19.0, -18.0) ()\n"), "{said}");
 }
 
+/// The block of a page that is fenced as this language and holds `word`.
+#[cfg(unix)]
+fn fenced(page: &str, language: &str, word: &str) -> String {
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page)).unwrap();
+    let open = format!("```{language}\n");
+    let blocks = text.split(open.as_str()).skip(1);
+    let mut code = blocks.map(|rest| rest.split("```").next().unwrap_or_default());
+    code.find(|code| code.contains(word)).expect("a block").to_owned()
+}
+
+/// `.ci/run` says where there is no R.
+#[cfg(unix)]
+#[test]
+fn r_reads_the_views_as_the_page_says() {
+    let asked = "stopifnot(requireNamespace('DBI'), requireNamespace('RSQLite'))";
+    let tried = Command::new("Rscript").args(["-e", asked]).output();
+    if !tried.is_ok_and(|output| output.status.success()) {
+        println!("not tried: Rscript with DBI and RSQLite is not there");
+        return;
+    }
+    let (above, folder) = world();
+    let script = fenced("publish.md", "r", "fits_view");
+    assert!(script.lines().count() <= 10, "ten lines");
+    std::fs::write(above.path().join("fits.R"), script).unwrap();
+    let ended = Command::new("Rscript")
+        .arg("fits.R")
+        .current_dir(above.path())
+        .output()
+        .unwrap();
+    assert!(
+        ended.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ended.stderr)
+    );
+    let said = String::from_utf8(ended.stdout).unwrap();
+    let row: Vec<&str> = (said.lines().find(|line| line.contains("air")).expect("a row"))
+        .split_whitespace()
+        .collect();
+    let fits = folder.ieap(&["fit", "--json"]).json();
+    let value = fits["fits"][0]["parameters"]["lambda_per_s"]["value"]
+        .as_f64()
+        .unwrap();
+    // Environment, voltage and the mean of the only run, in R's seven digits.
+    let (voltage_v, mean): (f64, f64) = (row[2].parse().unwrap(), row[3].parse().unwrap());
+    assert_eq!(voltage_v, 2.0);
+    assert!((mean / value - 1.0).abs() < 1e-6, "{said} {value}");
+}
+
+#[cfg(unix)]
+#[test]
+fn python_writes_nexus_as_the_page_says() {
+    if !has_python("h5py, pandas, pyarrow") {
+        return;
+    }
+    let (_above, folder) = world();
+    folder
+        .ieap(&["export", "--what", "all", "-o", "export"])
+        .expect(0);
+    let script = fenced("export.md", "python", "NXdata");
+    let look = "
+file = h5py.File('campaign.nxs')
+data = file['runs:a.csv/curvature']
+assert file['runs:a.csv'].attrs['NX_class'] == 'NXentry' and data.attrs['NX_class'] == 'NXdata'
+assert len(data[data.attrs['signal']]) == len(data[data.attrs['axes']]) > 10
+print(list(file), data['value'].attrs['units'], data['time_s'].attrs['units'], data['time_s'][0])";
+    let said = run_python(folder.path(), &(script + look));
+    // The run that was dropped is not in it.
+    assert_eq!(said, "['runs:a.csv'] 1/cm s -20.0\n");
+}
+
 #[cfg(unix)]
 #[test]
 fn duckdb_reads_the_views_and_the_parquet() {

@@ -105,7 +105,9 @@ fn results(folder: &CampaignFolder) -> Vec<(String, String)> {
     ] {
         let path = folder.join(&format!("report/{page}.html"));
         let text = std::fs::read_to_string(path).unwrap_or_default();
-        all.push((format!("{page}.html"), without_aside(&without_origin(&text))));
+        // The footer says which change of the database it was made from.
+        let said = text.split("<footer").next().unwrap_or_default();
+        all.push((format!("{page}.html"), without_aside(said)));
     }
     all
 }

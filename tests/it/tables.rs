@@ -17,6 +17,8 @@ fn table(input: &Input, name: &str) -> Table {
         set_aside: &input.set_aside,
         modulus_logs: &input.modulus_logs,
         spectra: &input.spectra,
+        blocked: &input.blocked,
+        electrodes: &input.electrodes,
         files: &input.files,
         groups: &input.findings.groups,
         comparisons: &input.comparisons,

@@ -2,7 +2,7 @@
 
 use rusqlite::params;
 
-use super::{Store, StoreError, Subject, from_json, to_json};
+use super::{ResultOrigin, Store, StoreError, Subject, from_json, to_json};
 use ieap_domain::RunComparison;
 
 /// A comparison with what it was made from.
@@ -33,6 +33,26 @@ impl Store {
                 found: from_json("a comparison of models", &row.get::<_, String>(2)?)?,
             })
         })
+    }
+
+    /// What the comparison of a run was made from and by; none where it has none. It has no row id of its own: the run's
+    /// stands in.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn comparison_origin(&self, run_id: i64) -> Result<Option<ResultOrigin>, StoreError> {
+        let _moment = self.snapshot()?;
+        self.check_seal(&Subject::Comparisons)?;
+        let sql = "SELECT input_hash, code_version, made_at FROM run_comparison WHERE run_id = ?1";
+        let found = self.rows("reading a comparison of models", sql, [run_id], |row| {
+            Ok(ResultOrigin {
+                id: run_id,
+                input_hash: row.get(0)?,
+                code_version: row.get(1)?,
+                made_at: row.get(2)?,
+            })
+        });
+        Ok(found?.into_iter().next())
     }
 
     /// Stores comparisons, each in place of the one before.

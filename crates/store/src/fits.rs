@@ -25,6 +25,8 @@ pub struct FitTask {
     pub length_cm: Option<f64>,
     /// Resistance of both electrodes along the strip, Ohm per square, where it was measured.
     pub electrode_resistance_ohm_per_sq: Option<f64>,
+    /// Its standard error, where it is known.
+    pub electrode_resistance_error_ohm_per_sq: Option<f64>,
     /// Hash of the readings, with the clock offsets that are applied and the tags that leave readings out.
     pub data_hash: String,
     /// Input hash of the current fit, or of the last failure.
@@ -60,7 +62,9 @@ impl Store {
                            || coalesce((SELECT group_concat(':' || key || '=' || value, '' ORDER BY key) FROM tag
                               WHERE run_id = run.id AND chosen = 1 AND +key IN ('leave_out', 'leave_out_marked')), ''),
                           coalesce(fit.input_hash, fit_failure.input_hash),
-                          run.electrode_resistance_ohm_per_sq, last.asked, last.id
+                          run.electrode_resistance_ohm_per_sq, last.asked, last.id,
+                          (SELECT CAST(value AS REAL) FROM tag WHERE run_id = run.id AND chosen = 1
+                              AND +key = 'electrode_resistance_error_ohm_per_sq')
                    FROM run LEFT JOIN fit ON fit.run_id = run.id AND fit.superseded_at IS NULL
                             LEFT JOIN fit_failure ON fit_failure.run_id = run.id
                             LEFT JOIN (SELECT own.path, max(earlier.id) AS fit_id
@@ -91,6 +95,9 @@ impl Store {
                     data_hash: row.get(5)?,
                     done_input_hash: row.get(6)?,
                     electrode_resistance_ohm_per_sq: row.get(7)?,
+                    electrode_resistance_error_ohm_per_sq: row
+                        .get::<_, Option<f64>>(10)?
+                        .filter(|error| error.is_finite() && *error > 0.0),
                     last_asked: match row.get::<_, Option<String>>(8)? {
                         Some(asked) => from_json("how a fit was asked for", &asked)?,
                         None => AskedFit::default(),

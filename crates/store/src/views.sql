@@ -156,7 +156,7 @@ SELECT
         WHEN 'voltage' THEN 'V' WHEN 'control_voltage' THEN 'V' WHEN 'current' THEN 'A'
         WHEN 'current_density' THEN 'A/cm2' WHEN 'curvature' THEN '1/cm' WHEN 'tip_displacement' THEN 'mm'
         WHEN 'blocking_force' THEN 'mN' WHEN 'temperature' THEN '°C' WHEN 'relative_humidity' THEN '%'
-        WHEN 'pressure' THEN 'Pa' WHEN 'storage_modulus' THEN 'MPa' WHEN 'loss_modulus' THEN 'MPa'
+        WHEN 'pressure' THEN 'Pa' WHEN 'oxygen' THEN 'ppm' WHEN 'water' THEN 'ppm' WHEN 'storage_modulus' THEN 'MPa' WHEN 'loss_modulus' THEN 'MPa'
         WHEN 'complex_modulus' THEN 'MPa' WHEN 'frequency' THEN 'Hz' WHEN 'time' THEN 's'
         WHEN 'impedance_real' THEN 'Ohm' WHEN 'impedance_imaginary' THEN 'Ohm' WHEN 'impedance_magnitude' THEN 'Ohm'
         WHEN 'impedance_phase' THEN 'degree' ELSE ''

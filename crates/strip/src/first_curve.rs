@@ -4,7 +4,7 @@ use super::curve::Curve;
 use super::march::Rough;
 use super::silhouette::Root;
 use super::spline::{COEFFICIENTS, Spline};
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 /// A curve through the rough centres: their directions, smoothed by the same spline.
 pub fn first_curve(root: &Root, rough: &Rough) -> Curve {
@@ -50,7 +50,7 @@ fn evened(centres: &[(f64, f64)]) -> Vec<(f64, f64)> {
 /// Angle at the start and curvature whose integral fits angles along the strip.
 fn spline_of_angles(readings: &[(f64, f64)], length: f64) -> (f64, Spline) {
     let mut spline = Spline::straight(length);
-    let mut normal = Dense::zero(1 + COEFFICIENTS);
+    let mut normal = Symmetric::zero(1 + COEFFICIENTS);
     let mut right = vec![0.0; 1 + COEFFICIENTS];
     let step = length / 400.0;
     let (mut s, mut turned) = (0.0, [0.0; COEFFICIENTS]);

@@ -3,8 +3,8 @@
 use super::Tone;
 use super::gray::Gray;
 use super::refusal::Untraceable;
-use ieap_numerics::dense::Dense;
 use ieap_numerics::robust::{sd_about_median, upper_median};
+use ieap_numerics::symmetric::Symmetric;
 
 /// Tiles along the longer side of the picture.
 const TILES: usize = 28;
@@ -187,7 +187,7 @@ fn surface(tiles: &[(f64, f64, f64)], scale: (f64, f64)) -> [f64; TERMS] {
         };
         let residuals: Vec<f64> = tiles.iter().map(left).collect();
         let scale = sd_about_median(&residuals).max(1.0 / 255.0);
-        let mut normal = Dense::zero(TERMS);
+        let mut normal = Symmetric::zero(TERMS);
         let mut right = [0.0; TERMS];
         for (tile, residual) in tiles.iter().zip(&residuals) {
             let weight = biweight(residual / (5.0 * scale));

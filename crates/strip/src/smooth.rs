@@ -6,8 +6,8 @@ use super::curve::{Curve, PARAMETERS};
 use super::edges::Edges;
 use super::ground::{biweight, median};
 use super::spline::{COEFFICIENTS, INTERVALS};
-use ieap_numerics::dense::Dense;
 use ieap_numerics::robust::sd_about_median;
+use ieap_numerics::symmetric::Symmetric;
 
 /// Readings further off than this many standard deviations count nothing (Tukey's biweight).
 const LEFT_OUT: f64 = 4.685;
@@ -23,7 +23,7 @@ const LONGEST_LAG: usize = 24;
 /// Normal equations of a step, and what the readings say of noise.
 pub struct Equations {
     /// Weighted products of derivatives, each divided by the variance of a reading.
-    gram: Dense,
+    gram: Symmetric,
     /// Weighted products of derivatives and readings.
     right: Vec<f64>,
     /// Standard deviation of one edge, pixels.
@@ -37,7 +37,7 @@ pub struct Solution {
     /// Change of the start, angle and coefficients.
     pub change: Vec<f64>,
     /// Covariance of them, pixels, rad and 1/pixel.
-    pub covariance: Dense,
+    pub covariance: Symmetric,
     /// Length of strip that one free parameter of the curvature stands for, pixels.
     pub bandwidth: f64,
 }
@@ -72,7 +72,7 @@ impl Equations {
             }
         }
         let memory = memory(&readings, &course);
-        let mut gram = Dense::zero(PARAMETERS);
+        let mut gram = Symmetric::zero(PARAMETERS);
         let mut right = vec![0.0; PARAMETERS];
         let per_reading = 1.0 / (noise * noise * memory);
         let mut products = vec![0.0; PARAMETERS * PARAMETERS];
@@ -119,7 +119,7 @@ impl Equations {
     /// strip costs nothing. Its weight is the one under which the readings are likeliest.
     pub fn solve(&self, curve: &Curve) -> Solution {
         let roughness = roughness();
-        let size = |matrix: &Dense| (2..PARAMETERS).map(|k| matrix.get(k, k)).sum::<f64>();
+        let size = |matrix: &Symmetric| (2..PARAMETERS).map(|k| matrix.get(k, k)).sum::<f64>();
         let unit = size(&self.gram) / size(&roughness).max(f64::MIN_POSITIVE);
         let rank = (COEFFICIENTS - ORDER) as f64;
         let now: Vec<f64> = [0.0, 0.0]
@@ -130,7 +130,7 @@ impl Equations {
         let pull: Vec<f64> = (0..PARAMETERS)
             .map(|row| product(&roughness, row, &now))
             .collect();
-        let mut best: Option<(f64, Dense, Vec<f64>)> = None;
+        let mut best: Option<(f64, Symmetric, Vec<f64>)> = None;
         for half_decades in -24..=10 {
             let weight = unit * 10f64.powf(0.5 * f64::from(half_decades));
             let mut matrix = self.gram.clone();
@@ -159,7 +159,7 @@ impl Equations {
         let Some((_, matrix, change)) = best else {
             return Solution {
                 change: vec![0.0; PARAMETERS],
-                covariance: Dense::zero(PARAMETERS),
+                covariance: Symmetric::zero(PARAMETERS),
                 bandwidth: curve.length,
             };
         };
@@ -179,7 +179,7 @@ impl Equations {
     }
 }
 
-fn product(matrix: &Dense, row: usize, x: &[f64]) -> f64 {
+fn product(matrix: &Symmetric, row: usize, x: &[f64]) -> f64 {
     x.iter().enumerate().map(|(k, x)| matrix.get(row, k) * x).sum()
 }
 
@@ -249,8 +249,8 @@ fn memory(readings: &[(f64, f64)], course: &[f64]) -> f64 {
 }
 
 /// Products of third differences of the coefficients.
-fn roughness() -> Dense {
-    let mut matrix = Dense::zero(PARAMETERS);
+fn roughness() -> Symmetric {
+    let mut matrix = Symmetric::zero(PARAMETERS);
     for first in 0..COEFFICIENTS - ORDER {
         let difference = [1.0, -3.0, 3.0, -1.0];
         for (i, a) in difference.iter().enumerate() {

@@ -4,8 +4,8 @@ use super::curve::Curve;
 use super::edges::{COVERED, Edges, MARGIN, OUTER, SPACING, mean};
 use super::gray::Gray;
 use super::ground::{Ground, biweight, median};
-use ieap_numerics::dense::Dense;
 use ieap_numerics::robust::sd_about_median;
+use ieap_numerics::symmetric::Symmetric;
 
 /// No end is known better than this, pixels.
 const LEAST_ERROR: f64 = 0.01;
@@ -69,7 +69,7 @@ fn foremost(ends: &[(f64, f64)], reach: f64) -> (f64, f64) {
             .map(|end| end.1 - row(end.0).iter().zip(&terms).map(|(a, b)| a * b).sum::<f64>())
             .collect();
         let scale = sd_about_median(&off).max(LEAST_ERROR);
-        let mut normal = Dense::zero(3);
+        let mut normal = Symmetric::zero(3);
         let mut right = [0.0; 3];
         for (end, off) in ends.iter().zip(&off) {
             let (weight, row) = (biweight(off / (5.0 * scale)), row(end.0));

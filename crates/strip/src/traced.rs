@@ -2,7 +2,7 @@
 
 use super::curve::{Curve, PARAMETERS};
 use super::{Side, Tone};
-use ieap_numerics::dense::Dense;
+use ieap_numerics::symmetric::Symmetric;
 
 /// A strip as a frame shows it.
 ///
@@ -13,7 +13,7 @@ pub struct Trace {
     /// Centre line, in pixels of the crop.
     pub(super) curve: Curve,
     /// Covariance of start, angle and coefficients of the centre line.
-    pub(super) covariance: Dense,
+    pub(super) covariance: Symmetric,
     /// Thickness along the strip, pixels.
     pub(super) width: Vec<f64>,
     /// Where the crop starts.

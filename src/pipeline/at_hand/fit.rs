@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::RunAtHand;
-use crate::domain::{ChannelNoise, Estimate, Fit, Issue};
+use crate::domain::{AskedFit, ChannelNoise, Estimate, Fit, Issue};
 use crate::fit::{FitError, FitOptions};
 use crate::model::ModelChoice;
 use crate::pipeline::context::CODE_VERSION;
@@ -52,7 +52,11 @@ pub struct FitAtHand {
 /// # Errors
 /// The model or the method is not known, or the model is one of a group of runs.
 pub fn fit_options(choice: &FitChoice) -> Result<FitOptions, Issue> {
-    let said = choice.asked();
+    options_as_asked(&choice.asked())
+}
+
+/// As [`fit_options`].
+pub(super) fn options_as_asked(said: &AskedFit) -> Result<FitOptions, Issue> {
     let refused = |error: FitError| Issue::error("not-known", error.to_string()).at("model or method");
     let stated = said.model.as_deref().unwrap_or(FitOptions::default().model.id);
     let model = ModelChoice::parse(stated).map_err(|error| refused(error.into()))?;
@@ -64,7 +68,7 @@ pub fn fit_options(choice: &FitChoice) -> Result<FitOptions, Issue> {
             model.base.id
         )));
     }
-    options_of(&said, &model).map_err(refused)
+    options_of(said, &model).map_err(refused)
 }
 
 /// Fits a run: the fit with its curves, and how `ieap fit --json` states it.

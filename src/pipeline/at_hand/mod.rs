@@ -3,6 +3,7 @@
 //! What follows from readings and from what is stated of them is made by the same functions as in a campaign, so that the
 //! same readings give the same bytes in both.
 
+mod campaign_row;
 mod diagnose;
 mod fit;
 mod read;
@@ -23,6 +24,7 @@ use crate::ingest::drive;
 use crate::ingest::tags::Resolved;
 use crate::store::FitTask;
 
+pub use campaign_row::CampaignRow;
 pub use diagnose::diagnose;
 pub use fit::{FitAtHand, fit, fit_options};
 pub use read::{ReadTable, arrays, read};
@@ -126,6 +128,7 @@ impl RunAtHand {
                 area_cm2,
                 length_cm,
                 electrode_resistance_ohm_per_sq: tagging.electrode_resistance_ohm_per_sq,
+                electrode_resistance_error_ohm_per_sq: None,
                 data_hash: stamp(&read.channels, &tags),
                 done_input_hash: None,
                 last_asked: AskedFit::default(),

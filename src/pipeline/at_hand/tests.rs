@@ -11,6 +11,7 @@ use crate::pipeline::diagnosis_document::diagnosis_document;
 use crate::pipeline::fits_document::fits_document;
 use crate::pipeline::plain_tables::{plain_table, stored_readings};
 use crate::pipeline::simulate::{Noise, Simulate};
+use crate::pipeline::standing;
 use crate::pipeline::{Context, DiagnoseChoice, DiagnoseRuns, FitChoice, FitRuns, Ingest, Silent};
 
 const CAMPAIGN: &str =
@@ -122,6 +123,58 @@ fn a_fit_of_a_file_and_of_arrays_is_the_campaigns() {
         .1;
     assert_eq!(of_store.parameters, stored.parameters);
     assert_eq!(of_store.input_hash, of_file.input_hash);
+}
+
+/// As the table for clusters has it, of readings and how they are fitted.
+fn row_of(context: &Context, at: usize) -> CampaignRow {
+    let run = standing::speaking(context).unwrap().remove(at);
+    let task = context.store.fit_tasks().unwrap().remove(at);
+    let stored = fits_document(context).unwrap().fits.remove(at);
+    CampaignRow {
+        run: run.path.clone(),
+        data_hash: run.data_hash.clone(),
+        input_hash: task.done_input_hash.unwrap(),
+        area_cm2: task.area_cm2,
+        length_cm: task.length_cm,
+        electrode_resistance_ohm_per_sq: task.electrode_resistance_ohm_per_sq,
+        electrode_resistance_error_ohm_per_sq: task.electrode_resistance_error_ohm_per_sq,
+        drive: task.drive,
+        channels: context.store.channels(run.id).unwrap(),
+        chosen: AskedFit {
+            model: Some(stored.model),
+            method: Some("variable-projection".to_owned()),
+            simultaneous: Some(false),
+            seed: None,
+        },
+    }
+}
+
+#[test]
+fn a_row_of_a_campaign_is_fitted_as_that_fits_it_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let context = campaign(folder.path());
+    let row = row_of(&context, 0);
+    let (stated, result) = row.fit(&FitChoice::default());
+    let stored = &fits_document(&context).unwrap().fits[0];
+    assert_eq!(stated.unwrap().parameters, stored.parameters);
+    assert_eq!((&result.run, &result.input_hash), (&stored.run, &row.input_hash));
+    assert!(result.fit.is_some() && result.issue.is_none() && result.asked.is_open());
+
+    let other = FitChoice {
+        model: Some("lumped-1".to_owned()),
+        ..FitChoice::default()
+    };
+    let (stated, result) = row.fit(&other);
+    assert_eq!(stated.unwrap().model, "lumped-1");
+    assert!(result.input_hash != row.input_hash && result.asked.model.as_deref() == Some("lumped-1"));
+
+    let changed = CampaignRow {
+        area_cm2: 2.0 * row.area_cm2,
+        ..row
+    };
+    let (refused, result) = changed.fit(&FitChoice::default());
+    assert_eq!(refused.unwrap_err().place, "input_hash");
+    assert!(result.fit.is_none() && result.issue.is_some());
 }
 
 #[test]

@@ -8,11 +8,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::manifest::LeftOut;
-use crate::analysis::climate::sensors;
 use crate::ingest::campaign_file;
 use crate::ingest::profiles;
 use crate::ingest::scan::{self, SeenFile, display_path, is_passing_name, is_statement};
-use crate::pipeline::climate::holds_logs;
+use crate::pipeline::climate::log_folders;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{FileRow, Store};
 use crate::system::fs;
@@ -55,12 +54,9 @@ pub fn listed(
             .into_iter()
             .for_each(&mut add);
     }
-    let logs = sensors::FOLDER;
     let runs_folder = &context.campaign.runs_folder;
     let mut optional = context.campaign.optional_folders().to_vec();
-    if holds_logs(logs, runs_folder) {
-        optional.push(logs);
-    }
+    optional.extend(log_folders(runs_folder));
     match scan::scan(root, runs_folder, &optional, scan::ScanLimits::default()) {
         Ok(seen) => {
             for folder in &seen.folders {

@@ -27,7 +27,7 @@ const DRAWN: usize = 400;
 const SHORTEST_RECORD_S: f64 = 43_200.0;
 
 /// Version of what is computed here: another one makes stored assessments out of date.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Brings the stored assessment up to date where it is not.
 ///
@@ -367,7 +367,8 @@ fn pairs(context: &Context, gathered: &[Gathered]) -> Vec<SensorPair> {
     for (at, a) in gathered.iter().enumerate() {
         for b in &gathered[at + 1..] {
             let (one, other) = (&a.summary, &b.summary);
-            if one.quantity != other.quantity || one.place != other.place {
+            // What gauges and analysers allow is not known.
+            if one.quantity != other.quantity || one.place != other.place || !one.quantity.is_of_air() {
                 continue;
             }
             let tolerance = tolerance(one.quantity, rules);
@@ -391,7 +392,9 @@ fn with_own_records(
         else {
             continue;
         };
-        let recorded = |channel: &ChannelSummary| ClimateQuantity::measured(channel.quantity).is_some();
+        let recorded = |channel: &ChannelSummary| {
+            ClimateQuantity::measured(channel.quantity).is_some_and(ClimateQuantity::is_of_air)
+        };
         if !run.channels.iter().any(recorded) {
             continue;
         }
@@ -401,7 +404,8 @@ fn with_own_records(
             .filter_map(|c| c.time_s.first().copied())
             .fold(f64::INFINITY, f64::min);
         for channel in &channels {
-            let Some(quantity) = ClimateQuantity::measured(channel.quantity) else {
+            let measured = ClimateQuantity::measured(channel.quantity);
+            let Some(quantity) = measured.filter(|quantity| quantity.is_of_air()) else {
                 continue;
             };
             let times_s: Vec<f64> = channel

@@ -15,7 +15,9 @@ pub type Groups = BTreeMap<((usize, String), ClimateQuantity), Vec<usize>>;
 /// Groups series by sensor and quantity. Series that are not used are left out.
 pub fn groups(shelf: &Shelf, campaign: &Campaign, numbers: impl Iterator<Item = usize>) -> Groups {
     let mut groups = Groups::new();
-    for at in numbers.filter(|&at| shelf.series[at].not_used.is_none()) {
+    for at in
+        numbers.filter(|&at| shelf.series[at].not_used.is_none() && !shelf.series[at].quantity.is_of_probe())
+    {
         let identity = shelf.identity(campaign, at);
         let key = (rank(campaign, &identity), shelf.series[at].quantity);
         groups.entry(key).or_default().push(at);

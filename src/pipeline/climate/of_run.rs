@@ -1,6 +1,7 @@
 //! What one run had of the climate logs: statistics, tags, curves to draw, and what to know of it.
 
 use super::gather::{Around, around, groups};
+use super::probe::probe_of;
 use super::shelf::Shelf;
 use crate::analysis::climate::humid_air::{absolute_humidity_g_per_m3, dew_point_c, vapour_pressure_pa};
 use crate::analysis::climate::join::{NoClimate, duration, interpolated, readings_in};
@@ -50,6 +51,10 @@ pub fn climate_of(
     if shelf.series.is_empty() {
         return Ok(of_run);
     }
+    (of_run.tags, of_run.issues) = probe_of(context, shelf, window, surroundings.1)?;
+    if shelf.series.iter().all(|series| series.quantity.is_of_probe()) {
+        return Ok(of_run);
+    }
     let Some(window) = window else {
         let message = "there are climate logs, but nothing says when the run started";
         let mend = "tag the run with started_at = \"2026-11-20T10:00:00+02:00\"";
@@ -61,7 +66,7 @@ pub fn climate_of(
         return Ok(of_run);
     };
     let mut drawn: Vec<ClimateCurve> = Vec::new();
-    for quantity in [ClimateQuantity::RelativeHumidity, ClimateQuantity::Temperature] {
+    for quantity in ClimateQuantity::MEASURED {
         let covering = covering(context, shelf, window, surroundings, quantity, &mut of_run.issues)?;
         let Some(chosen) = covering.first() else { continue };
         let rules = &context.campaign.climate;
@@ -69,6 +74,9 @@ pub fn climate_of(
         of_run
             .issues
             .extend(left_tolerance(&chosen.found, &chosen.series, window, rules));
+        of_run
+            .issues
+            .extend(above_limit(&chosen.found, &chosen.series, window, rules));
         of_run.issues.extend(differs(chosen, &covering[1..], rules));
         drawn.push(curve(chosen, window));
         of_run
@@ -157,6 +165,9 @@ fn tag(found: &RunClimate) -> Option<Tag> {
     let key = match found.quantity {
         ClimateQuantity::RelativeHumidity => keys::RELATIVE_HUMIDITY_PERCENT,
         ClimateQuantity::Temperature => keys::TEMPERATURE_C,
+        ClimateQuantity::Pressure => keys::PRESSURE_PA,
+        ClimateQuantity::Oxygen => keys::OXYGEN_PPM,
+        ClimateQuantity::Water => keys::WATER_PPM,
         _ => return None,
     };
     let unit = found.quantity.unit();
@@ -169,13 +180,17 @@ fn tag(found: &RunClimate) -> Option<Tag> {
         n => format!("sensor {}, mean of {n} readings", found.sensor),
     };
     if let Some(deviation) = found.standard_deviation {
-        detail += &format!(", sd {deviation:.2} {unit}");
+        detail += &format!(", sd {} {unit}", shown(found.quantity, deviation));
     }
     if let Some(drift) = found.drift_per_h {
-        detail += &format!(", drift {drift:+.2} {unit}/h");
+        let sign = if drift < 0.0 { "" } else { "+" };
+        detail += &format!(", drift {sign}{} {unit}/h", shown(found.quantity, drift));
     }
-    // The hundredth is beyond any sensor; more digits would only look like more.
-    let value = (found.mean * 100.0).round() / 100.0;
+    // The hundredth of a percent or a degree is beyond any sensor, as is the fifth digit of a gauge's reading.
+    let value = match found.quantity.is_of_air() {
+        true => (found.mean * 100.0).round() / 100.0,
+        false => five_digits(found.mean),
+    };
     Some(Tag {
         key: key.to_owned(),
         value: value.to_string(),
@@ -184,13 +199,30 @@ fn tag(found: &RunClimate) -> Option<Tag> {
     })
 }
 
+/// A number of messages: hundredths of the air; pressures and traces, which span decades, to their digits.
+fn shown(quantity: ClimateQuantity, value: f64) -> String {
+    match quantity.is_of_air() {
+        true => format!("{value:.2}"),
+        false => five_digits(value).to_string(),
+    }
+}
+
+/// A number to five digits: more than a gauge or a probe has.
+pub(super) fn five_digits(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = 10f64.powi(4 - value.abs().log10().floor() as i32);
+    (value * scale).round() / scale
+}
+
 fn left_tolerance(
     found: &RunClimate,
     series: &Around,
     window: Window,
     rules: &ClimateRules,
 ) -> Option<Issue> {
-    let tolerance = tolerance(found.quantity, rules);
+    let tolerance = tolerance(found.quantity, rules, found.mean);
     if found.largest_deviation <= tolerance {
         return None;
     }
@@ -200,11 +232,12 @@ fn left_tolerance(
     let count = (first..end).filter(outside).count();
     let unit = found.quantity.unit();
     let message = format!(
-        "the {} left the tolerance of ±{tolerance} {unit} while the run went on: {:.2} {unit} from its mean of {:.2} \
+        "the {} left the tolerance of ±{} {unit} while the run went on: {} {unit} from its mean of {} \
          {unit} at most, {count} of {} readings outside, the first {} after the start (sensor {})",
         found.quantity.label().to_lowercase(),
-        found.largest_deviation,
-        found.mean,
+        five_digits(tolerance),
+        shown(found.quantity, found.largest_deviation),
+        shown(found.quantity, found.mean),
         found.readings,
         duration(series.times_s[at] - window.from_s),
         found.sensor
@@ -217,11 +250,40 @@ fn left_tolerance(
     )
 }
 
-fn tolerance(quantity: ClimateQuantity, rules: &ClimateRules) -> f64 {
+/// Largest deviation that is allowed about a mean; traces of a gas have a limit and none.
+fn tolerance(quantity: ClimateQuantity, rules: &ClimateRules, mean: f64) -> f64 {
     match quantity {
         ClimateQuantity::RelativeHumidity => rules.relative_humidity_tolerance_percent,
+        ClimateQuantity::Pressure => rules.pressure_tolerance_percent / 100.0 * mean.abs(),
+        ClimateQuantity::Oxygen | ClimateQuantity::Water => f64::INFINITY,
         _ => rules.temperature_tolerance_c,
     }
+}
+
+/// A trace of a gas above what campaign.toml allows while the run went on.
+fn above_limit(found: &RunClimate, series: &Around, window: Window, rules: &ClimateRules) -> Option<Issue> {
+    let limit = match found.quantity {
+        ClimateQuantity::Oxygen => rules.oxygen_limit_ppm?,
+        ClimateQuantity::Water => rules.water_limit_ppm?,
+        _ => return None,
+    };
+    let (first, end) = readings_in(&series.times_s, window);
+    let most = series.values[first..end]
+        .iter()
+        .copied()
+        .fold(found.mean, f64::max);
+    (most > limit).then(|| {
+        let unit = found.quantity.unit();
+        let message = format!(
+            "the {} in the gas reached {} {unit} while the run went on, above the limit of {limit} {unit} (sensor {})",
+            found.quantity.label().to_lowercase(),
+            shown(found.quantity, most),
+            found.sensor
+        );
+        Issue::warning("climate-above-limit", message)
+            .at(found.quantity.key())
+            .mend("repeat the run in a drier, purer gas, or state the limit under [climate] in campaign.toml")
+    })
 }
 
 /// Sensors of one place that say other things of the run than the chosen one.
@@ -229,7 +291,7 @@ fn differs(chosen: &Covering, others: &[Covering], rules: &ClimateRules) -> Opti
     let apart = |other: &Covering| (chosen.found.mean - other.found.mean).abs();
     let allowed = |other: &Covering| match (chosen.found.accuracy, other.found.accuracy) {
         (Some(a), Some(b)) => a.hypot(b),
-        _ => tolerance(chosen.found.quantity, rules),
+        _ => tolerance(chosen.found.quantity, rules, chosen.found.mean),
     };
     let of_place = others.iter().filter(|other| other.place == chosen.place);
     let beyond: Vec<&Covering> = of_place.filter(|other| apart(other) > allowed(other)).collect();
@@ -240,8 +302,11 @@ fn differs(chosen: &Covering, others: &[Covering], rules: &ClimateRules) -> Opti
         n => format!(" ({} more sensors differ)", n - 1),
     };
     let message = format!(
-        "two sensors differ during the run: {} shows {:.2} {unit} and {} {:.2} {unit}{more}; the first is used",
-        chosen.sensor, chosen.found.mean, worst.sensor, worst.found.mean
+        "two sensors differ during the run: {} shows {} {unit} and {} {} {unit}{more}; the first is used",
+        chosen.sensor,
+        shown(chosen.found.quantity, chosen.found.mean),
+        worst.sensor,
+        shown(chosen.found.quantity, worst.found.mean)
     );
     Some(
         Issue::warning("climate-sensors-differ", message)

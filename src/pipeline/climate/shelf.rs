@@ -103,6 +103,9 @@ impl Shelf {
             let mut near: Vec<&LogSeries> = self
                 .near(window, 2.0 * CLOCK_MARGIN_S)
                 .map(|at| &self.series[at])
+                .filter(|series| !series.quantity.is_of_probe())
+                // A probe's readings speak for runs between them, however far.
+                .chain(self.series.iter().filter(|series| series.quantity.is_of_probe()))
                 .collect();
             near.sort_by_key(|series| (&series.path, series.ordinal));
             for series in near {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::analysis::climate::checks::{Checked, check};
-use crate::analysis::climate::sensors::FOLDER;
+use crate::analysis::climate::sensors::FOLDERS;
 use crate::domain::{FileState, Issue};
 use crate::ingest::Reading;
 use crate::ingest::climate_log::{Log, Series, log};
@@ -41,13 +41,22 @@ impl LogSummary {
 
 /// Whether climate logs are looked for at that path, where runs lie in `runs_folder`.
 pub fn holds_logs(path: &str, runs_folder: &str) -> bool {
-    let below = |path: &str| {
-        path == FOLDER
-            || path
-                .strip_prefix(FOLDER)
-                .is_some_and(|rest| rest.starts_with('/'))
-    };
-    below(path) && !below(runs_folder)
+    FOLDERS
+        .iter()
+        .any(|folder| is_below(path, folder) && !is_below(runs_folder, folder))
+}
+
+/// Whether a path is a folder, or lies below it.
+pub fn is_below(path: &str, folder: &str) -> bool {
+    let rest = path.strip_prefix(folder);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
+/// Folders of logs beside the runs folder.
+pub fn log_folders(runs_folder: &str) -> Vec<&'static str> {
+    (FOLDERS.into_iter())
+        .filter(|folder| holds_logs(folder, runs_folder))
+        .collect()
 }
 
 /// Stores a file of the folder of climate logs.
@@ -159,6 +168,7 @@ pub fn new_log(
 ) -> Option<(FileRow, NewLog)> {
     let content = content_of(prepared)?;
     let mut issues = reading.issues.clone();
+    issues.extend(log.issues.clone());
     let data_hash = log.data_hash();
     let series = checked(&log.series, &mut issues);
     let new = NewLog {

@@ -18,7 +18,7 @@ use crate::domain::fault::caught;
 use crate::domain::{Campaign, Channel, GroupDiagnosis};
 use crate::fit::{FitError, FitInput};
 use crate::ingest::derived;
-use crate::model::ModelChoice;
+use crate::model::{ModelChoice, fit_models};
 use crate::numerics::interrupt;
 use crate::store::{DiagnosisKind, DiagnosisStamp, FitTask};
 pub(super) use ahead::condemned_ahead;
@@ -43,8 +43,8 @@ pub struct DiagnoseChoice {
 }
 
 impl DiagnoseChoice {
-    /// As options of a diagnosis. Only lumped models have an extended form: for a model of the strip along its length,
-    /// and for a rival, the default model stands in.
+    /// As options of a diagnosis. Only lumped models have an extended form: another one that is asked for is refused; where
+    /// the campaign is fitted with one, the default model stands in ([`stands_in`] says so).
     pub(super) fn options(&self, campaign: &Campaign) -> Result<DiagnoseOptions, FitError> {
         self.options_for(&campaign.model)
     }
@@ -54,17 +54,50 @@ impl DiagnoseChoice {
         let default = DiagnoseOptions::default();
         // What extends the campaign's model was found against its base, and is asked about against it again.
         let stated = ModelChoice::parse(self.model.as_deref().unwrap_or(model))?.base;
+        if self.model.is_some() && !is_extended(stated.id) {
+            return Err(FitError::NotExtended {
+                found: stated.id,
+                known: extended_ids(),
+            });
+        }
         Ok(DiagnoseOptions {
-            model: if stated.id.starts_with("lumped") {
-                stated
-            } else {
-                default.model
+            model: match is_extended(stated.id) {
+                true => stated,
+                false => default.model,
             },
             draws: self.draws.unwrap_or(default.draws),
             seed: self.seed.unwrap_or(default.seed),
             ..default
         })
     }
+}
+
+/// Whether effects extend the model of that id.
+fn is_extended(model: &str) -> bool {
+    model.starts_with("lumped")
+}
+
+fn extended_ids() -> String {
+    let ids = fit_models().iter().map(|model| model.id);
+    ids.filter(|id| is_extended(id)).collect::<Vec<_>>().join(", ")
+}
+
+/// That another model is diagnosed than the one that the campaign is fitted with, and why; none where it is the same.
+///
+/// # Errors
+/// The campaign's model is not known.
+pub fn stands_in(choice: &DiagnoseChoice, campaign: &Campaign) -> Result<Option<String>, PipelineError> {
+    let stated = ModelChoice::parse(&campaign.model)
+        .map_err(FitError::from)?
+        .base
+        .id;
+    let taken = choice.options(campaign)?.model.id;
+    Ok((choice.model.is_none() && taken != stated).then(|| {
+        format!(
+            "{stated} has no form that effects extend, so {taken} is diagnosed in its place; a diagnosis extends {}",
+            extended_ids()
+        )
+    }))
 }
 
 /// The verb `diagnose`.

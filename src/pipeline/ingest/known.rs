@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Readers, now};
 use crate::ingest::scan::{self, Changes, Known};
-use crate::pipeline::climate::holds_logs;
+use crate::pipeline::climate::log_folders;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FileRow;
 
@@ -13,12 +13,9 @@ use crate::store::FileRow;
 /// # Errors
 /// The folder cannot be listed, or the database cannot be read.
 pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
-    let logs = crate::analysis::climate::sensors::FOLDER;
     let runs_folder = &context.campaign.runs_folder;
     let mut optional = context.campaign.optional_folders().to_vec();
-    if holds_logs(logs, runs_folder) {
-        optional.push(logs);
-    }
+    optional.extend(log_folders(runs_folder));
     let seen = scan::scan(
         &context.folder,
         runs_folder,

@@ -25,7 +25,7 @@ use super::{Context, Observer, PipelineError, planned, standing};
 use crate::domain::{FileState, Issue, RunKind};
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::scan::{self, Changes, Scan, SeenFile};
-use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs};
+use crate::pipeline::climate::{self, LogSummary, Shelf, holds_logs, is_below, log_folders};
 use crate::pipeline::mends::Together;
 use crate::pipeline::status;
 use crate::store::FileRow;
@@ -162,7 +162,13 @@ impl Ingest<'_> {
         };
         let readers = Readers::of(&context.profiles, context.campaign.date_order, &stored);
         // Logs first, so that runs are tagged with them at once.
-        self.take_logs(context, &logs, &mut summary, observer)?;
+        for folder in log_folders(&runs_folder) {
+            let (logs, _): (Vec<FileRow>, Vec<FileRow>) = logs
+                .iter()
+                .cloned()
+                .partition(|file| is_below(&file.path, folder));
+            self.take_logs(context, (folder, &logs), &mut summary, observer)?;
+        }
         let shelf = Shelf::open(&context.store)?;
         let kind_of = |path: &str| context.campaign.kind_of(path);
         context.sheets = planned::sheets_now(context, &stored, &seen, &changes);
@@ -197,19 +203,15 @@ impl Ingest<'_> {
         Ok(summary)
     }
 
-    /// Takes in what is new among the climate logs. A folder that cannot be looked through costs the logs, not the
+    /// Takes in what is new among the logs of a folder. One that cannot be looked through costs the logs, not the
     /// runs.
     fn take_logs(
         &mut self,
         context: &mut Context,
-        stored: &[FileRow],
+        (folder, stored): (&str, &[FileRow]),
         summary: &mut IngestSummary,
         observer: &dyn Observer,
     ) -> Result<(), PipelineError> {
-        let folder = crate::analysis::climate::sensors::FOLDER;
-        if !holds_logs(folder, &context.campaign.runs_folder) {
-            return Ok(());
-        }
         let seen = match scan::scan(&context.folder, folder, &[], scan::ScanLimits::default()) {
             Ok(seen) => seen,
             Err(scan::ScanError::FolderMissing { .. }) if stored.is_empty() => return Ok(()),
@@ -227,7 +229,7 @@ impl Ingest<'_> {
         };
         let changes = scan::diff(&known(stored), &seen);
         note_change_times(context, stored, &changes)?;
-        summary.logs.files = seen.files.len();
+        summary.logs.files += seen.files.len();
         let readers = Readers::of(&context.profiles, context.campaign.date_order, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
         let group = |file: &Arc<SeenFile>| Group {
@@ -246,7 +248,7 @@ impl Ingest<'_> {
             })?;
             summary.mended.extend(mended);
             observer.end();
-            let orphans = orphans.next(context, |path| holds_logs(path, &context.campaign.runs_folder))?;
+            let orphans = orphans.next(context, |path| is_below(path, folder))?;
             if orphans.is_empty() {
                 break;
             }

@@ -427,6 +427,7 @@ pub(in crate::pipeline) fn conclude(
         .and_then(|sample| sample.length_mm)
         .map(|length_mm| length_mm / 10.0);
     issues.extend(lengthless(input.channels, length_cm));
+    issues.extend(held_and_bent(input.channels));
     if has_steps {
         issues.extend(missing_responses(input.channels));
     }
@@ -446,6 +447,12 @@ pub(in crate::pipeline) fn conclude(
         (false, true) => RunState::Ready,
         (false, false) => RunState::NotFitted,
     };
+    let of_tag = resolved
+        .value(keys::ELECTRODE_RESISTANCE)
+        .and_then(|value| value.parse::<f64>().ok());
+    let electrode_resistance_ohm_per_sq = of_tag
+        .filter(|ohm| ohm.is_finite() && *ohm > 0.0)
+        .or_else(|| sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq));
     Tagging {
         state,
         chosen: chosen(&resolved),
@@ -455,7 +462,7 @@ pub(in crate::pipeline) fn conclude(
         area_cm2,
         length_cm,
         clock_offset_s,
-        electrode_resistance_ohm_per_sq: sample.and_then(|sample| sample.electrode_resistance_ohm_per_sq),
+        electrode_resistance_ohm_per_sq,
         digest,
         climate: Vec::new(),
         climate_curves: Vec::new(),
@@ -500,6 +507,21 @@ fn improbable_density(channels: &[Channel], area_cm2: f64) -> Option<Issue> {
 
 fn has_response(input: &TaggingInput<'_>) -> bool {
     input.channels.iter().any(|c| c.is_response())
+}
+
+/// A strip whose force was measured was held: what bending there is beside it is not that of its charge.
+fn held_and_bent(channels: &[Channel]) -> Option<Issue> {
+    let has = |quantity| channels.iter().any(|c| c.quantity == quantity && !c.is_empty());
+    let bent = has(Quantity::Curvature) || has(Quantity::TipDisplacement);
+    (bent && has(Quantity::BlockingForce)).then(|| {
+        Issue::warning(
+            "held-and-bent",
+            "the file has a blocking force and a bending: a strip that is held does not bend freely, so that this \
+             run's alpha is not the strip's; the force is used for its moment",
+        )
+        .at(Quantity::BlockingForce.column())
+        .mend("store the free and the held strip as runs of their own")
+    })
 }
 
 /// A tip displacement is of no use without the free length.

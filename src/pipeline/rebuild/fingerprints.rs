@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::analysis::climate::sensors::FOLDER as LOGS;
+use crate::analysis::climate::sensors::FOLDERS as LOGS;
 use crate::ingest::archive;
 use crate::ingest::scan::{self, SeenFile};
 use crate::pipeline::context::now;
@@ -39,8 +39,9 @@ pub fn note(context: &mut Context) -> Result<(), PipelineError> {
         })
     };
     let mut rows: Vec<FileRow> = Vec::new();
-    for runs_folder in [context.campaign.runs_folder.as_str(), LOGS] {
-        let optional = match runs_folder == LOGS {
+    let runs_folders = std::iter::once(context.campaign.runs_folder.as_str()).chain(LOGS);
+    for runs_folder in runs_folders {
+        let optional = match LOGS.contains(&runs_folder) {
             true => Vec::new(),
             false => context.campaign.optional_folders().to_vec(),
         };

@@ -89,7 +89,7 @@ impl Watch {
             ..WatchOptions::default()
         };
         let mut optional = context.campaign.optional_folders().to_vec();
-        optional.push(crate::analysis::climate::sensors::FOLDER);
+        optional.extend(crate::analysis::climate::sensors::FOLDERS);
         let (watcher, issues) =
             Watcher::start(&context.folder, &context.campaign.runs_folder, &optional, options)?;
         issues
