@@ -82,6 +82,7 @@ SELECT
         WHEN key LIKE '%\_cm2' ESCAPE '\' THEN 'cm2'
         WHEN key LIKE '%\_mpa' ESCAPE '\' THEN 'MPa'
         WHEN key LIKE '%\_ohm' ESCAPE '\' THEN 'Ohm'
+        WHEN key LIKE '%\_ppm' ESCAPE '\' THEN 'ppm'
         WHEN key LIKE '%\_degree' ESCAPE '\' THEN 'degree'
         WHEN key LIKE '%\_rad' ESCAPE '\' THEN 'rad'
         WHEN key LIKE '%\_cm' ESCAPE '\' THEN 'cm'
