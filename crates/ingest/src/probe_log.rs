@@ -92,6 +92,7 @@ fn moments(table: &RunTable) -> Vec<f64> {
         .iter()
         .find(|channel| channel.raw_name == RESISTANCE);
     let mut moments: Vec<f64> = channel.map_or_else(Vec::new, |channel| channel.time_s.to_vec());
+    moments.sort_by(f64::total_cmp);
     moments.dedup();
     moments
 }

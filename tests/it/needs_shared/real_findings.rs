@@ -83,7 +83,7 @@ fn a_tantalum_capacitor_is_given_no_name_and_what_is_left_is_small() {
     assert!(words(&group["set"]).is_empty(), "{group:#}");
     let said = group["sentence"].as_str().unwrap();
     let times: f64 = said
-        .split("It leaves ")
+        .split("What it leaves is ")
         .nth(1)
         .and_then(|rest| rest.split(' ').next()?.parse().ok())
         .unwrap();

@@ -1,8 +1,9 @@
 //! Tables of a four-point probe: the resistance of a strip's electrodes per square, by sample and date (CSV, TSV).
 //!
 //! A row is a reading: sample, date, resistance with its unit; beside it may stand its standard error, the face of the
-//! strip, the number of flexings so far and the humidity. Rows may stand in any order. The table of each sample is one of
-//! the reading, its times in seconds from the earliest date of the file; a date without a time of day is its noon.
+//! strip, the number of flexings so far and the humidity. The table of each sample is one of the reading, its rows in the
+//! order of the file, which may be any; times are seconds from the date of the file's first row, so that those before it
+//! are negative; a date without a time of day is its noon.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -62,7 +63,7 @@ impl Format for ProbeTable {
     }
 
     fn version(&self) -> u32 {
-        1
+        2
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -100,7 +101,7 @@ impl Format for ProbeTable {
         let decimal = delimited::decimal_of(rows.iter().take(256).copied(), header.delimiter)?;
         let rows: Vec<Row> = rows.iter().map(|line| header.row(line, decimal)).collect();
         let (moments, order) = moments(&rows, context.date_order, &header.names[header.date])?;
-        let first = moments.iter().min().copied().unwrap_or_default();
+        let first = moments[0];
         let tables = tables(&header, &rows, &moments, first, &mut issues);
         if tables.is_empty() {
             return Err(ReadError::HeaderOnly {
@@ -124,7 +125,7 @@ impl Format for ProbeTable {
                 kind: Timestamp::Start,
                 local: Some(first.to_string()),
                 offset: None,
-                basis: format!("the earliest row, {}", order.words()),
+                basis: format!("the first row, {}", order.words()),
             }),
             header_tags: Vec::new(),
             tables,
@@ -304,7 +305,7 @@ fn moments(
     })
 }
 
-/// A reading of one sample: time since the first of the table, s, the row, and which face it is of.
+/// A reading of one sample: time since the first row of the file, s, the row, and which face it is of.
 type Read<'a> = (f64, &'a Row, f64);
 
 /// The table of each sample, by name; rows that say nothing are left out and told.
@@ -347,8 +348,7 @@ fn tables(
                 .mend("fill the cells, or take the rows away"),
         );
     }
-    let table = |(sample, mut own): (&str, Vec<Read>)| {
-        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let table = |(sample, own): (&str, Vec<Read>)| {
         let channel = |name: &str, unit: &str, of: &dyn Fn(&Read) -> Option<f64>| {
             let known = own.iter().filter_map(|entry| Some((entry.0, of(entry)?)));
             let (times, values): (Vec<f64>, Vec<f64>) = known.unzip();
@@ -413,12 +413,14 @@ mod tests {
         assert_eq!((found.format, found.tables.len()), (ID, 2));
         let (times, ohms) = values(&found, "S2", RESISTANCE);
         assert_eq!(ohms, [2.5005, 2.6]);
-        // From 1 March 10:30 to noon of 2 and 9 March.
-        assert_eq!(times, [91_800.0, 91_800.0 + 7.0 * 86_400.0]);
+        // From noon of 2 March to noon of 9 March.
+        assert_eq!(times, [0.0, 7.0 * 86_400.0]);
         let (times, errors) = values(&found, "S2", ERROR);
         assert_eq!((times.len(), errors), (1, [0.1].as_slice()));
         assert_eq!(values(&found, "S2", FLEXINGS).1, [0.0, 1000.0]);
-        assert_eq!(found.started_at.unwrap().local.unwrap(), "2026-03-01T10:30:00");
+        // A row of 1 March 10:30 that stands further down.
+        assert_eq!(values(&found, "S1", RESISTANCE).0, [-91_800.0]);
+        assert_eq!(found.started_at.unwrap().local.unwrap(), "2026-03-02T12:00:00");
     }
 
     #[test]
