@@ -13,9 +13,9 @@ use std::sync::Arc;
 
 use ieap::domain::{Channel, Drive, Quantity};
 use ieap::fit::distributed::{CLAIMED, DistributedInput, LumpedOrDistributed, Strip, decide};
-use ieap::model::truth::{ChannelNoise, noise};
 use ieap::model::{Branch, LumpedModel};
 use ieap::strip::{Gray, Initial, Positive, Scale, Trace, View, trace};
+use ieap::truth::{ChannelNoise, noise};
 use rayon::prelude::*;
 use rendered::{Frame, Scene};
 

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use ieap::domain::{Drive, Level, Segment};
 use ieap::model::Branch;
-use ieap::model::truth::catalogue::{KNOWN, KnownEffect};
-use ieap::model::truth::{HiddenEffect, Truth, simulate};
+use ieap::truth::catalogue::{KNOWN, KnownEffect};
+use ieap::truth::{HiddenEffect, Truth, simulate};
 
 fn truth(effects: Vec<HiddenEffect>) -> Truth {
     let branch = |resistance_ohm_cm2, capacitance_f_per_cm2| Branch {

@@ -18,3 +18,4 @@ pub use ieap_report as report;
 pub use ieap_store as store;
 pub use ieap_strip as strip;
 pub use ieap_system as system;
+pub use ieap_truth as truth;

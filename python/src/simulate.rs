@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use ieap::model::truth::HiddenEffect;
+use ieap::truth::HiddenEffect;
 use ieap::pipeline::at_hand::{self, CurvesAsked};
 use ieap::pipeline::simulate::Noise;
 use pyo3::prelude::*;

@@ -1,6 +1,6 @@
 //! Runs with an effect hidden in them, simulated, taken in and fitted by the command as its user calls it.
 
-use ieap::model::truth::catalogue::KNOWN;
+use ieap::truth::catalogue::KNOWN;
 use serde_json::Value;
 
 use crate::campaign::{CampaignFolder, ieap};

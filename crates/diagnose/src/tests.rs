@@ -22,8 +22,8 @@ use crate::misfit::{odd_scale, residual_bins};
 use crate::readings::{group, louder};
 use ieap_domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment, Verdict};
 use ieap_fit::FitInput;
-use ieap_model::truth::{HiddenEffect, Truth, simulate};
 use ieap_model::{Branch, LumpedModel};
+use ieap_truth::{HiddenEffect, Truth, simulate};
 
 const AREA_CM2: f64 = 0.1;
 const LENGTH_CM: f64 = 0.5;

@@ -4,6 +4,7 @@
 pub mod along;
 pub mod asked_fit;
 pub mod blocked;
+pub mod branch;
 pub mod campaign;
 pub mod channel;
 pub mod climate;
@@ -41,6 +42,7 @@ mod unit_spelling;
 pub use along::{AlongCurve, AlongStrip, EndsRatio, PlaceSeries, StripShape};
 pub use asked_fit::AskedFit;
 pub use blocked::BlockedRun;
+pub use branch::Branch;
 pub use campaign::{Campaign, CompareRules, Environment, Material, MaterialClass, Sample};
 pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
 pub use climate::{

@@ -20,7 +20,6 @@ pub mod registry;
 pub mod relaxation;
 pub mod rivals;
 pub mod scaling;
-pub mod truth;
 
 pub use bending::{BendingLaw, bending_law, rival_law};
 pub use choice::{ChoiceError, ModelChoice};

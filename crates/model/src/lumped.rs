@@ -1,25 +1,10 @@
 //! The lumped electromechanical model: R-C branches in parallel, a steady-state resistor, back-relaxation.
 
+pub use ieap_domain::Branch;
 use ieap_domain::{Drive, Level};
 
 use super::open_circuit::FreeCircuit;
 use super::relaxation::spring_response;
-
-/// One branch of the equivalent circuit: a resistance in series with a capacitance, both of unit area.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Branch {
-    /// Areal resistance R_k, Ohm cm2; positive.
-    pub resistance_ohm_cm2: f64,
-    /// Areal capacitance C_k, F/cm2; positive.
-    pub capacitance_f_per_cm2: f64,
-}
-
-impl Branch {
-    /// Time constant tau_k = R_k C_k, s.
-    pub fn time_constant_s(&self) -> f64 {
-        self.resistance_ohm_cm2 * self.capacitance_f_per_cm2
-    }
-}
 
 /// Equivalent circuit of thesis figures 7 and 8 with back-relaxation (14): the charge that the capacitors store
 /// strains the polymer network, and the strain relaxes; the current through R_ss does not bend the strip.

@@ -1,9 +1,10 @@
 //! The truth simulator: the second, independent statement of the model and of every effect, by differential equations.
 //!
-//! It writes the data in which an effect is hidden, so it shares nothing with the library that is fitted to them but
-//! the keys of parameters and the equations in words: no closed form, no stepper. Each file states a class of effects
-//! with their equations; `catalogue` lists ids, variants, keys and bounds, among them effects that stand in no library
-//! of candidates (`x-...`). The equations are integrated by an L-stable Rosenbrock method from edge to edge.
+//! It writes the data in which an effect is hidden, so it does not depend on the crate of the models that are fitted
+//! to them (its tests do), and shares only the keys of parameters and the equations in words: no closed form, no
+//! stepper. Each file states a class of effects with their equations; `catalogue` lists ids, variants, keys and bounds,
+//! among them effects that stand in no library of candidates (`x-...`). The equations are integrated by an L-stable
+//! Rosenbrock method from edge to edge.
 //!
 //! Areal quantities: e_k voltage of a capacitor (V), u voltage across the strip (V), i currents (A/cm2), x bending
 //! charge (C/cm2), s strain in units of charge (C/cm2). `kappa = alpha A s`, `s' = x' - lambda s`.
@@ -35,10 +36,9 @@ pub use effects::HiddenEffect;
 pub use error::TruthError;
 pub use noise::{ChannelNoise, noise};
 
-use ieap_domain::{Drive, Level};
+use ieap_domain::{Branch, Drive, Level};
 use ieap_numerics::rosenbrock::Rosenbrock;
 
-use super::lumped::Branch;
 use effects::Effects;
 use observation::Observation;
 use plant::{Conditions, Plant, Record};

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use super::Strip;
 use crate::domain::{Drive, Issue, Level};
-use crate::model::truth::noise::NoisyChannel;
-use crate::model::truth::{HiddenEffect, noise};
 use crate::pipeline::simulate::{Noise, RunSpec, SegmentSpec, checked_run, exact_responses};
+use crate::truth::noise::NoisyChannel;
+use crate::truth::{HiddenEffect, noise};
 
 /// What is to be simulated.
 #[derive(Debug, Clone)]
@@ -63,7 +63,7 @@ pub fn simulate(asked: &CurvesAsked) -> Result<Curves, Issue> {
     checked_run(&run, &asked.noise, &asked.effects)?;
     let exact = exact_responses(&run, &asked.effects, (&asked.time_s, &asked.time_s), 0)
         .map_err(|error| Issue::error("not-solved", error.to_string()).at("effects"))?;
-    let noisy = |signal: &[f64], channel, own: crate::model::truth::ChannelNoise, stream| {
+    let noisy = |signal: &[f64], channel, own: crate::truth::ChannelNoise, stream| {
         noise(
             signal,
             &own.with_effects(channel, &asked.effects),

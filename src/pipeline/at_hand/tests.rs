@@ -6,13 +6,13 @@ use std::path::Path;
 
 use super::*;
 use crate::domain::Issue;
-use crate::model::truth::HiddenEffect;
 use crate::pipeline::diagnosis_document::diagnosis_document;
 use crate::pipeline::fits_document::fits_document;
 use crate::pipeline::plain_tables::{plain_table, stored_readings};
 use crate::pipeline::simulate::{Noise, Simulate};
 use crate::pipeline::standing;
 use crate::pipeline::{Context, DiagnoseChoice, DiagnoseRuns, FitChoice, FitRuns, Ingest, Silent};
+use crate::truth::HiddenEffect;
 
 const CAMPAIGN: &str =
     "[campaign]\nid = \"small\"\n[[sample]]\nid = \"S\"\nmaterial = \"M\"\nlength_mm = 5.0\nwidth_mm = 2.0\n";

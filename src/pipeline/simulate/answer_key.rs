@@ -9,8 +9,8 @@ use super::run_spec::RunSpec;
 use super::spec::Spec;
 use super::strip_spec::StripSpec;
 use crate::domain::{Drive, Level};
-use crate::model::truth::HiddenEffect;
-use crate::model::truth::catalogue::known;
+use crate::truth::HiddenEffect;
+use crate::truth::catalogue::known;
 
 /// Text of truth.json for a spec of that path.
 pub fn answer_key(spec: &Spec, path: &Path) -> String {

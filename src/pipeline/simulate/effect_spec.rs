@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 use super::run_spec::RunSpec;
 use super::spec::{Spec, Wrong};
-use crate::model::truth::HiddenEffect;
-use crate::model::truth::catalogue::known;
+use crate::truth::HiddenEffect;
+use crate::truth::catalogue::known;
 
 /// An effect to hide: `[[effect]]` for the whole spec, `[[run.effect]]` for one run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::spec::Wrong;
-use crate::model::truth::ChannelNoise;
+use crate::truth::ChannelNoise;
 
 /// Gaussian noise with a lag-1 correlation between neighbouring readings, and what else spoils readings.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -9,8 +9,8 @@ use super::effect_spec::EffectSpec;
 use super::noise_spec::Noise;
 use super::spec::Wrong;
 use crate::domain::{Drive, Issue, Level, Segment};
-use crate::model::truth::{HiddenEffect, Truth, TruthError};
 use crate::model::{Branch, LumpedModel};
+use crate::truth::{HiddenEffect, Truth, TruthError};
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

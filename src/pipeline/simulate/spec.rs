@@ -10,7 +10,7 @@ use super::effect_spec::{EffectSpec, hidden_effects};
 use super::noise_spec::Noise;
 use super::run_spec::RunSpec;
 use super::strip_spec::{NO_EFFECTS, StripSpec};
-use crate::model::truth::TruthError;
+use crate::truth::TruthError;
 
 /// A file that says which runs to write.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

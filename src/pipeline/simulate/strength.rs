@@ -6,7 +6,7 @@ use super::spec::{Spec, Wrong};
 use super::table::{camera_times, current_times};
 use crate::diagnose::{DesignRun, KnownNoise, sigmas_after_refit};
 use crate::model::extended::Responses;
-use crate::model::truth::{HiddenEffect, catalogue, simulate};
+use crate::truth::{HiddenEffect, catalogue, simulate};
 
 /// Steps of the search for a strength, and how near to what was asked for it must come.
 const STEPS: usize = 24;

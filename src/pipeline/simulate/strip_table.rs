@@ -7,7 +7,7 @@ use super::strip_spec::StripSpec;
 use super::table::{printed, times};
 use crate::domain::Level;
 use crate::model::distributed::{Ladder, LadderResponse, StripField};
-use crate::model::truth::{ChannelNoise, noise};
+use crate::truth::{ChannelNoise, noise};
 
 /// Cells of the ladder: what it misses lies below a millionth of the voltage.
 const CELLS: usize = 400;

@@ -7,8 +7,8 @@ use super::effect_spec::hidden_effects;
 use super::run_spec::RunSpec;
 use super::spec::{Sampling, Spec};
 use crate::domain::{Drive, Level};
-use crate::model::truth::noise::NoisyChannel;
-use crate::model::truth::{HiddenEffect, TruthError, TruthResponses, noise, simulate};
+use crate::truth::noise::NoisyChannel;
+use crate::truth::{HiddenEffect, TruthError, TruthResponses, noise, simulate};
 
 /// The text of the run table. `number` (the run's place in the spec) and the spec's seed fix the noise.
 ///

@@ -7,8 +7,8 @@ use ieap_diagnose::sigmas_after_refit;
 use ieap_domain::GroupDiagnosis;
 use ieap_model::effects::{Effect, Limits};
 use ieap_model::extended::Responses;
-use ieap_model::truth::HiddenEffect;
-use ieap_model::truth::catalogue::{Bounds, KnownEffect, known};
+use ieap_truth::HiddenEffect;
+use ieap_truth::catalogue::{Bounds, KnownEffect, known};
 use rand::RngExt;
 
 use crate::benchmark::each;

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use ieap_diagnose::sigmas_after_refit;
 use ieap_model::effects::{ALL, Applied, Effect, Scale};
 use ieap_model::extended::Responses;
-use ieap_model::truth::HiddenEffect;
-use ieap_model::truth::catalogue::{Bounds, known};
+use ieap_truth::HiddenEffect;
+use ieap_truth::catalogue::{Bounds, known};
 use rand::RngExt;
 
 use crate::case::{AREA, Case, LENGTH, responses, truly};

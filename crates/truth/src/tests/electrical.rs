@@ -1,8 +1,8 @@
 //! Effects on the current, where the answer can be derived by hand.
 
 use super::*;
-use crate::coupling::{ActiveArea, CurvaturePerArealCharge};
-use crate::distributed::Laminate;
+use ieap_model::coupling::{ActiveArea, CurvaturePerArealCharge};
+use ieap_model::distributed::Laminate;
 
 /// The sample without a leak and without relaxation, with one branch.
 fn one_branch() -> Truth {
