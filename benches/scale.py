@@ -1,0 +1,222 @@
+#!/usr/bin/env python3
+"""How the cost grows with the number of runs: ingest, fit, diagnosis, report, status, one run more; time, memory, size.
+
+Usage: benches/scale.py [--runs 100,1000,10000] [--diagnose-up-to 1000] [--work FOLDER] [--figure FILE.svg]
+After `cargo build --release`. Needs Python 3.8 and nothing else; Linux (peak memory as the kernel counts it).
+
+Simulated campaigns of 700 readings of current and of bending a run, 25 runs a sample (five humidities, five voltages).
+Every command is a process of its own; the first campaign is made by `ieap simulate`, whose time is not counted.
+"""
+
+import argparse
+import json
+import math
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HOUSE = pathlib.Path(__file__).resolve().parent.parent
+HUMIDITIES_PERCENT = [20, 35, 50, 65, 80]
+VOLTAGES_V = [0.8, 1.2, 1.6, 2.0, 2.5]
+SIMULATION = """[simulation]
+seed = 20261123
+statement = ["SIMULATED, not measured."]
+folder = "runs"
+baseline_s = 20.0
+baseline_every_s = 5.0
+[noise]
+current_a = 2e-6
+curvature_per_cm = 0.004
+[[sampling]]
+until_s = 3480.0
+every_s = 5.0
+[[camera]]
+until_s = 3480.0
+every_s = 5.0
+"""
+MATERIALS = ["CNaf", "CPvf", "PtNaf", "AuAq"]
+
+
+def timed(command):
+    """Seconds on the clock, of processor time, and MB of memory at most, of one process."""
+    begun = time.monotonic()
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    said = child.stderr.read()
+    _, status, usage = os.wait4(child.pid, 0)
+    if os.waitstatus_to_exitcode(status) not in (0, 1):
+        sys.exit(f"{' '.join(map(str, command))}\n{said}")
+    return {
+        "seconds": round(time.monotonic() - begun, 3),
+        "processor_seconds": round(usage.ru_utime + usage.ru_stime, 3),
+        "memory_mb": round(usage.ru_maxrss / 1024, 1),
+    }
+
+
+def parameters(run, sample, humidity, kind):
+    own, wet = 1 + 0.02 * (sample % 7), (humidity - 20) / 60
+    r1, c1, r2, c2, rss, alpha, rate = [
+        (200, 0.1, 600, 0.15, 20000, 16, 4e-4),
+        (40, 0.3, 90, 1.4, 1700, 4, 2e-4),
+    ][kind % 2]
+    values = {
+        "r1_ohm_cm2": r1 * own * math.exp(-0.4 * wet),
+        "c1_f_per_cm2": c1,
+        "r2_ohm_cm2": r2 * own,
+        "c2_f_per_cm2": c2 * own,
+        "rss_ohm_cm2": rss * math.exp(-0.8 * wet),
+        "alpha_per_c_cm": alpha / own,
+        "lambda_per_s": rate * math.exp(0.03 * (humidity - 20)),
+    }
+    return ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
+
+
+def write_campaign(folder, runs):
+    folder.mkdir(parents=True)
+    samples = math.ceil(runs / 25)
+    name = lambda sample: f"{MATERIALS[sample % len(MATERIALS)]}-{sample // len(MATERIALS) + 1}"
+    with open(folder / "campaign.toml", "w") as out:
+        out.write('[campaign]\nid = "scale"\ntitle = "Many samples under humidity"\n')
+        out.write('timezone = "Europe/Tallinn"\nnotice = "Simulated, not measured."\n')
+        for sample in range(samples):
+            out.write(f'\n[[sample]]\nid = "{name(sample)}"\nmaterial = "{MATERIALS[sample % len(MATERIALS)]}"\n')
+            out.write("length_mm = 5.0\nwidth_mm = 2.0\nthickness_mm = 0.22\n")
+    with open(folder / "simulation.toml", "w") as out:
+        out.write(SIMULATION)
+        for run in range(runs):
+            sample, place = divmod(run, 25)
+            humidity, voltage = HUMIDITIES_PERCENT[place // 5], VOLTAGES_V[place % 5]
+            day, hour = divmod(run, 24)
+            start = time.strftime("%Y-%m-%dT%H:00:00Z", time.gmtime(1577836800 + 86400 * day + 3600 * hour))
+            out.write(f'\n[[run]]\nfile = "{run // 1000:03}/{name(sample)}_air_rh{humidity}_{voltage}V.csv"\n')
+            out.write(f"area_cm2 = 0.1\nvoltage_v = {voltage}\n")
+            out.write(f"parameters = {{ {parameters(run, sample, humidity, sample % len(MATERIALS))} }}\n")
+            out.write(f'tags = {{ sample = "{name(sample)}", environment = "air", voltage_v = {voltage}, ')
+            out.write(f'relative_humidity_percent = {humidity}, started_at = "{start}" }}\n')
+
+
+def size_mb(folder, names):
+    return round(sum(path.stat().st_size for name in names for path in folder.glob(name)) / 1e6, 2)
+
+
+def measured(ieap, work, runs, diagnose):
+    """What every command takes on a new campaign of so many runs."""
+    folder = work / str(runs)
+    if folder.exists():
+        shutil.rmtree(folder)
+    write_campaign(folder, runs + 1)
+    subprocess.run([ieap, "--quiet", "simulate", folder / "simulation.toml"], check=True, stdout=subprocess.DEVNULL)
+    last = max((folder / "runs").rglob("*.csv"), key=lambda path: (path.parent.name, path.stat().st_mtime_ns))
+    aside = work / last.name
+    shutil.move(last, aside)
+    quiet = [ieap, "--quiet", "--no-progress"]
+    found = {
+        "ingest": timed(quiet + ["ingest", folder]),
+        "fit": timed(quiet + ["fit", folder]),
+    }
+    if diagnose:
+        found["diagnose"] = timed(quiet + ["diagnose", folder])
+    found["report"] = timed(quiet + ["report", folder])
+    found["status"] = timed(quiet + ["status", folder])
+    shutil.move(aside, last)
+    found["one run more"] = timed(quiet + ["run", "--no-diagnose", folder])
+    return {
+        "runs": runs,
+        "commands": found,
+        "files_mb": size_mb(folder, ["runs/**/*.csv"]),
+        "database_mb": size_mb(folder, ["campaign.db*"]),
+        "archive_mb": size_mb(folder / "archive", ["**/*.*"]),
+        "report_mb": size_mb(folder / "report", ["**/*.*"]),
+    }
+
+
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00"]
+MARKS = ["circle", "square", "diamond", "up", "down", "cross"]
+
+
+def mark(kind, x, y, colour):
+    paths = {
+        "circle": f"M{x - 4} {y}a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z",
+        "square": f"M{x - 4} {y - 4}h8v8h-8z",
+        "diamond": f"M{x} {y - 5}l5 5l-5 5l-5 -5z",
+        "up": f"M{x} {y - 5}l5 9h-10z",
+        "down": f"M{x} {y + 5}l5 -9h-10z",
+        "cross": f"M{x - 4} {y - 4}l8 8M{x - 4} {y + 4}l8 -8",
+    }
+    return f'<path d="{paths[kind]}" fill="{colour}" stroke="{colour}" stroke-width="1.5"/>'
+
+
+def panel(rows, value, label, left):
+    """One log-log panel: a line a command, its name at its last point, and what grows with the runs beside them."""
+    top, width, height = 30, 330, 330
+    names = list(dict.fromkeys(name for row in rows for name in row["commands"]))
+    lines = {n: [(r["runs"], value(r["commands"][n])) for r in rows if n in r["commands"]] for n in names}
+    every = [v for line in lines.values() for _, v in line]
+    low, high = math.floor(math.log10(min(every))), math.ceil(math.log10(max(every)))
+    first, last = math.log10(rows[0]["runs"]), math.log10(rows[-1]["runs"])
+    x = lambda runs: left + width * (math.log10(runs) - first) / max(last - first, 1)
+    y = lambda v: top + height * (high - math.log10(v)) / (high - low)
+    out = [f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#555"/>']
+    for power in range(low, high + 1):
+        at = y(10.0**power)
+        out.append(f'<path d="M{left} {at:.1f}h{width}" stroke="#ddd"/>')
+        out.append(f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{10.0**power:g}</text>')
+    for power in range(round(first), math.floor(last) + 1):
+        at = x(10.0**power)
+        out.append(f'<text x="{at:.1f}" y="{top + height + 18}" text-anchor="middle">{10**power:,}</text>')
+    # What grows with the number of runs has this slope.
+    start = 10.0 ** (low + 0.3)
+    out.append(
+        f'<path d="M{x(rows[0]["runs"]):.1f} {y(start):.1f}L{x(rows[-1]["runs"]):.1f} '
+        f'{max(y(start * rows[-1]["runs"] / rows[0]["runs"]), top):.1f}" stroke="#999" stroke-dasharray="2 4" fill="none"/>'
+    )
+    ends = []
+    for name, colour, kind in zip(names, COLOURS, MARKS):
+        points = [(x(r), y(v)) for r, v in lines[name]]
+        out.append(f'<path d="M{"L".join(f"{a:.1f} {b:.1f}" for a, b in points)}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
+        out.extend(mark(kind, round(a, 1), round(b, 1), colour) for a, b in points)
+        ends.append([points[-1][1], points[-1][0], name, colour])
+    ends.sort()
+    for before, after in zip(ends, ends[1:]):
+        after[0] = max(after[0], before[0] + 15)
+    out.extend(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" fill="{c}">{n}</text>' for b, a, n, c in ends)
+    out.append(f'<text x="{left + width / 2}" y="{top + height + 40}" text-anchor="middle">runs of 700 readings x 2</text>')
+    out.append(f'<text x="{left}" y="{top - 10}">{label}</text>')
+    return out
+
+
+def figure(rows):
+    inner = panel(rows, lambda c: c["seconds"], "time, s (dotted: as the number of runs)", 60)
+    inner += panel(rows, lambda c: c["memory_mb"], "memory at most, MB", 540)
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 990 420" font-family="sans-serif" font-size="13">'
+        '<rect width="990" height="420" fill="#fff"/>' + "\n".join(inner) + "</svg>\n"
+    )
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--runs", default="100,1000,10000")
+    arguments.add_argument("--diagnose-up-to", type=int, default=1000)
+    arguments.add_argument("--work", type=pathlib.Path)
+    arguments.add_argument("--figure", type=pathlib.Path)
+    given = arguments.parse_args()
+    ieap = pathlib.Path(os.environ.get("IEAP", HOUSE / "target/release/ieap"))
+    with tempfile.TemporaryDirectory() as scratch:
+        work = given.work or pathlib.Path(scratch)
+        work.mkdir(parents=True, exist_ok=True)
+        rows = []
+        for runs in map(int, given.runs.split(",")):
+            rows.append(measured(ieap, work, runs, runs <= given.diagnose_up_to))
+            print(json.dumps(rows[-1]), flush=True)
+            if not given.work:
+                shutil.rmtree(work / str(runs))
+    if given.figure:
+        given.figure.write_text(figure(rows))
+
+
+if __name__ == "__main__":
+    main()
