@@ -2,9 +2,7 @@
 
 use plotters_backend::BackendColor;
 use plotters_backend::text_anchor::HPos;
-use skrifa::instance::{LocationRef, Size};
-use skrifa::outline::{DrawSettings, OutlinePen};
-use skrifa::{FontRef, GlyphId, MetadataProvider};
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 use crate::figures::canvas::{Drawing, Label, Shape};
 use crate::figures::cells::Cells;
@@ -54,7 +52,7 @@ const QUARTER: f32 = 0.552_284_8;
 /// # Errors
 /// The font cannot be read; a fault of the program.
 pub fn outlines(drawing: &Drawing) -> Result<Vec<Outline>, String> {
-    let font = FontRef::new(dejavu::sans::regular()).map_err(|error| error.to_string())?;
+    let font = Face::parse(dejavu::sans::regular(), 0).map_err(|error| error.to_string())?;
     let mut found: Vec<Outline> = Vec::new();
     for shape in &drawing.shapes {
         if let Shape::Cells(cells) = shape {
@@ -81,7 +79,7 @@ fn alike(a: &Outline, b: &Outline) -> bool {
     (a.paint, a.rgb, a.opacity) == (b.paint, b.rgb, b.opacity)
 }
 
-fn outline(shape: &Shape, font: &FontRef) -> Option<Outline> {
+fn outline(shape: &Shape, font: &Face) -> Option<Outline> {
     Some(match shape {
         Shape::Stroke { points, width, color } => {
             painted(*color, Paint::Line(*width as f32), polygon(points, false))
@@ -161,19 +159,19 @@ fn circle((x, y): (i32, i32), radius: u32) -> Vec<Piece> {
 }
 
 /// The letters of a label. A character that the font lacks shows as the font's empty box.
-fn letters(label: &Label, font: &FontRef) -> Vec<Piece> {
-    let size = Size::new(label.size as f32);
-    let metrics = font.glyph_metrics(size, LocationRef::default());
+fn letters(label: &Label, font: &Face) -> Vec<Piece> {
+    let scale = label.size as f32 / f32::from(font.units_per_em());
     let text = crate::visible::one_line(&label.text);
     let glyphs: Vec<GlyphId> = text
         .chars()
-        .map(|c| font.charmap().map(c).unwrap_or(GlyphId::NOTDEF))
+        .map(|c| font.glyph_index(c).unwrap_or(GlyphId(0)))
         .collect();
-    let advance = |glyph: &GlyphId| metrics.advance_width(*glyph).unwrap_or(0.0);
+    let advance = |glyph: &GlyphId| scale * f32::from(font.glyph_hor_advance(*glyph).unwrap_or(0));
     let length: f32 = glyphs.iter().map(advance).sum();
     let mut pen = Pen {
         pieces: Vec::new(),
         origin: (label.at.0 as f32, label.at.1 as f32),
+        scale,
         upward: label.upward,
         along: match label.anchor {
             HPos::Left => 0.0,
@@ -182,20 +180,19 @@ fn letters(label: &Label, font: &FontRef) -> Vec<Piece> {
         },
         last: (0.0, 0.0),
     };
-    let outlines = font.outline_glyphs();
     for glyph in &glyphs {
-        if let Some(outline) = outlines.get(*glyph) {
-            // A glyph that cannot be drawn leaves its room empty.
-            let _ = outline.draw(DrawSettings::unhinted(size, LocationRef::default()), &mut pen);
-        }
+        // A glyph that has no outline, as a blank, leaves its room empty.
+        let _ = font.outline_glyph(*glyph, &mut pen);
         pen.along += advance(glyph);
     }
     pen.pieces
 }
 
-/// Puts the outline of a glyph, which counts upward from its own origin, where the label is.
+/// Puts the outline of a glyph, which counts upward from its own origin in units of the font, where the label is.
 struct Pen {
     pieces: Vec<Piece>,
+    /// Tenths of a pixel in a unit of the font.
+    scale: f32,
     origin: (f32, f32),
     upward: bool,
     along: f32,
@@ -204,7 +201,7 @@ struct Pen {
 
 impl Pen {
     fn placed(&self, x: f32, y: f32) -> (f32, f32) {
-        let (along, up) = (self.along + x, y);
+        let (along, up) = (self.along + self.scale * x, self.scale * y);
         match self.upward {
             true => (self.origin.0 - up, self.origin.1 - along),
             false => (self.origin.0 + along, self.origin.1 - up),
@@ -212,7 +209,7 @@ impl Pen {
     }
 }
 
-impl OutlinePen for Pen {
+impl OutlineBuilder for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
         self.last = (x, y);
         let (x, y) = self.placed(x, y);
@@ -295,10 +292,10 @@ mod tests {
 
     #[test]
     fn the_font_has_every_character_of_axes_and_symbols() {
-        let font = FontRef::new(dejavu::sans::regular()).unwrap();
+        let font = Face::parse(dejavu::sans::regular(), 0).unwrap();
         for character in "0123456789·⁻⁰¹²³⁴⁵⁶⁷⁸⁹₁₂ₛₑ∥αλμκτΩ±−–°′″|*%(),.…ÕõÄäÖöÜüŠšŽžЖ".chars()
         {
-            assert!(font.charmap().map(character).is_some(), "{character}");
+            assert!(font.glyph_index(character).is_some(), "{character}");
         }
         assert_eq!(Ink::Text.color().0, 0x1d);
     }
