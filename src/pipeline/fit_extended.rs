@@ -74,16 +74,18 @@ fn sorted(groups: &[ExtendedGroup], again: bool) -> (Vec<Hashed<'_>>, Vec<Hashed
 
 /// One outcome for every run of the group; a panic in a kernel is that group's failure, not the program's.
 fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
+    let moves = |at: usize| group.runs[at].task.drive.moves();
+    let fitted: Vec<usize> = (0..group.runs.len()).filter(|at| !moves(*at)).collect();
     let work = || {
-        let tasks = group.runs.iter().map(|run| &run.task);
+        let tasks = fitted.iter().map(|&at| &group.runs[at].task);
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
-            .zip(channels)
+            .zip(fitted.iter().map(|&at| &channels[at]))
             .map(|(task, channels)| derived::responses(channels, task.length_cm))
             .collect();
         let inputs: Vec<RunInput> = tasks
             .zip(&responses)
-            .zip(&group.tags)
+            .zip(fitted.iter().map(|&at| &group.tags[at]))
             .map(|((task, channels), tags)| RunInput {
                 name: &task.path,
                 input: FitInput {
@@ -116,9 +118,17 @@ fn fit_one(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
         )
         .mend("`ieap effects ID` says what an effect needs; take it out of the model, or fit with the base alone"))
     };
-    let mut outcomes: Vec<Outcome> = group.runs.iter().map(|_| missing()).collect();
+    let moving = || {
+        let message = format!(
+            "{} is not fitted where the voltage moves all the time",
+            group.choice
+        );
+        Err(Issue::warning("not-fitted", message).mend("fit the run with a lumped model alone"))
+    };
+    let outcome = |at: usize| if moves(at) { moving() } else { missing() };
+    let mut outcomes: Vec<Outcome> = (0..group.runs.len()).map(outcome).collect();
     for (place, fit) in found {
-        outcomes[place] = Ok(fit);
+        outcomes[fitted[place]] = Ok(fit);
     }
     outcomes
 }

@@ -33,6 +33,7 @@ pub mod fit_result;
 pub mod fit_shard;
 pub mod fits_document;
 pub mod forward;
+mod frequency;
 mod group_tags;
 mod grouping;
 pub mod groups_document;

@@ -12,6 +12,7 @@ use super::compare::current_comparisons;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
 use super::fault::{or_nothing, step};
+use super::frequency::frequency_runs;
 use super::own_folder::{self, Fresh};
 use super::standing::Runs;
 use super::{Context, Observer, PipelineError, impedance, next_runs, standing};
@@ -290,6 +291,8 @@ pub(super) fn input(
         step("blocking forces", || blocked_runs(context, &runs)),
         &mut faults,
     )?;
+    let frequency = step("responses against frequency", || frequency_runs(context, &runs));
+    let frequency = or_nothing(frequency, &mut faults)?;
     let electrodes = step("electrode resistance", || electrode_courses(context));
     let electrodes = or_nothing(electrodes, &mut faults)?;
     let monitoring = || Ok(monitoring::monitor(&runs, &context.campaign, &laws));
@@ -308,6 +311,7 @@ pub(super) fn input(
         spectra: spectra.runs,
         spectra_beside: spectra.beside,
         blocked,
+        frequency,
         electrodes,
         set_aside,
         superseded: context.store.superseded_runs()?,

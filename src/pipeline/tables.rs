@@ -7,8 +7,10 @@ use super::climate::electrode_courses;
 use super::compare::current_comparisons;
 use super::context::CODE_VERSION;
 use super::diagnosis_document::current_findings;
+use super::frequency::frequency_runs;
 use super::standing::Runs;
 use super::{Context, PipelineError, standing};
+use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::probe::Course;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
 use crate::analysis::tables::{NamedTable, TABLES, Table, TableInput, named, with_columns};
@@ -26,6 +28,7 @@ pub(super) struct TableData {
     modulus_logs: Vec<ModulusLog>,
     spectra: Vec<SpectrumRun>,
     blocked: Vec<BlockedRun>,
+    frequency: Vec<FrequencyRun>,
     electrodes: Vec<Course>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
@@ -61,6 +64,7 @@ impl TableData {
         Ok(TableData {
             comparisons,
             blocked: blocked_runs(context, &runs)?,
+            frequency: frequency_runs(context, &runs)?,
             electrodes: electrode_courses(context)?,
             runs,
             set_aside,
@@ -88,6 +92,7 @@ impl TableData {
             modulus_logs: &self.modulus_logs,
             spectra: &self.spectra,
             blocked: &self.blocked,
+            frequency: &self.frequency,
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.groups,

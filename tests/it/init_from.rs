@@ -65,10 +65,10 @@ fn folder_of_files(folder: &Path) {
     );
     // The environment in the folder's name.
     write("Argon/CPvf-01_2.0V_1.csv", &table(9));
-    // A sweep.
+    // A sweep that is too fast for its readings.
     let sweep: String = (0..800)
         .map(|k| {
-            let phase = f64::from(k % 400) / 100.0;
+            let phase = f64::from(k % 16) / 4.0;
             let volts = if phase < 2.0 { phase - 1.0 } else { 3.0 - phase };
             format!("{},{volts:.4},{:.6e}\n", f64::from(k) * 0.1, 1e-3 * volts)
         })

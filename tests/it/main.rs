@@ -45,6 +45,7 @@ mod lab_origin;
 mod lumped_or_distributed;
 mod main_job;
 mod methods;
+mod moving_voltage;
 mod mutations;
 mod needs_shared;
 mod next_runs;

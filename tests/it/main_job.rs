@@ -291,7 +291,7 @@ fn an_open_circuit_is_told_by_a_column_or_by_a_tag() {
     assert!(made[..3].iter().all(|(parameters, _)| *parameters == made[0].0));
     let (untold, status) = &made[3];
     assert!(
-        untold.is_null() && status.contains("a sweep, not steps"),
+        untold.is_null() && status.contains("as where an open circuit is not stated"),
         "{status}"
     );
 }

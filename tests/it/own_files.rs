@@ -2,11 +2,11 @@
 
 use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, run_table};
 
-/// A triangle of the voltage between -1 V and 1 V, as in a cyclic voltammogram.
+/// A triangle of the voltage between -1 V and 1 V, as in a cyclic voltammogram, too fast for its readings to carry it.
 fn sweep() -> String {
     let mut text = String::from("time_s,voltage_v,current_a\n");
     for k in 0..800 {
-        let phase = f64::from(k % 400) / 100.0;
+        let phase = f64::from(k % 16) / 4.0;
         let volts = match phase {
             p if p < 1.0 => p,
             p if p < 3.0 => 2.0 - p,

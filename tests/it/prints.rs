@@ -4,7 +4,7 @@ use ieap::report::figures::canvas::Shape;
 use ieap::report::prints::{FIGURES, FigureInput, POINTS_PER_PIXEL, figure_format_named, figure_named};
 use ieap::report::{Input, Site};
 
-use crate::report_fixture::{MadeUpCurves, current_only_input, input};
+use crate::report_fixture::{MadeUpCurves, current_only_input, frequency_runs, input};
 
 fn written(input: &Input, name: &str, width_mm: f64, format: &str) -> Result<Vec<u8>, String> {
     let site = Site::new(input);
@@ -23,7 +23,8 @@ fn written(input: &Input, name: &str, width_mm: f64, format: &str) -> Result<Vec
 
 #[test]
 fn text_and_lines_are_right_for_paper_at_any_width() {
-    let input = input(&["CNaf", "CPvf"], 1);
+    let mut input = input(&["CNaf", "CPvf"], 1);
+    input.frequency = frequency_runs(&input);
     let site = Site::new(&input);
     let curves = MadeUpCurves::of(&input);
     let figure_input = FigureInput {

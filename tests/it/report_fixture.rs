@@ -1,11 +1,13 @@
 //! A made-up campaign for the tests and the benchmark of the report: runs, fits and curves from formulas.
 
+use ieap::analysis::frequency::{FrequencyPoint, FrequencyRun, PerVolt};
 use ieap::domain::tag::keys;
 use ieap::domain::{
     Campaign, ChannelNoise, ChannelSummary, CurveSource, Drive, Environment, Estimate, FileState, Fit, Issue,
     Parameter, Quantity, RunCurve, RunFile, RunKind, RunRecord, RunState, RunStatus, Sample, SourceFile, Tag,
     TagSource,
 };
+use ieap::numerics::complex::Complex;
 use ieap::report::{Findings, Input, Origin};
 
 /// Readings of each drawn curve.
@@ -286,6 +288,7 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
         spectra: vec![],
         spectra_beside: vec![],
         blocked: vec![],
+        frequency: vec![],
         electrodes: vec![],
         superseded: vec![],
         files: vec![],
@@ -295,6 +298,44 @@ pub fn input(materials: &[&str], repeats: usize) -> Input {
             database: "change 412 of 20 Nov 2026, 06:00 UTC".to_owned(),
         },
     }
+}
+
+/// A chirp whose response is that of one branch, and a sine whose fit tells no circuit.
+pub fn frequency_runs(input: &Input) -> Vec<FrequencyRun> {
+    let point = |frequency_hz: f64, half: f64| {
+        let lag = Complex::new(1.0, 40.0 * frequency_hz);
+        let per_volt = |value: Complex| {
+            Some(PerVolt {
+                value,
+                half_95: half * value.magnitude(),
+            })
+        };
+        FrequencyPoint {
+            frequency_hz,
+            current: per_volt(Complex::new(2e-5, 8e-3 * frequency_hz) / lag),
+            curvature: per_volt(Complex::new(0.3, 0.0) / lag),
+        }
+    };
+    let run = |at: usize, waveform, frequencies: &[f64], has_line: bool| FrequencyRun {
+        run_id: input.runs[at].id,
+        path: input.runs[at].path.clone(),
+        waveform,
+        amplitude_v: 2.0,
+        measured: frequencies.iter().map(|&f| point(f, 0.05)).collect(),
+        modelled: frequencies
+            .iter()
+            .filter(|_| has_line)
+            .map(|&f| point(f, 0.0))
+            .collect(),
+        line: (0..60)
+            .filter(|_| has_line)
+            .map(|k| point(1e-3 * 1.1_f64.powi(k), 0.0))
+            .collect(),
+    };
+    vec![
+        run(0, "chirp", &[2e-3, 6e-3, 0.02, 0.06, 0.2], true),
+        run(1, "sine", &[0.1], false),
+    ]
 }
 
 /// The same campaign with everything that can be wrong, and names that try to be markup.

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::climate_fixture::climate_input;
 use super::findings_fixture::input_with_findings;
-use super::report_fixture::{MadeUpCurves, current_only_input, troubled_input};
+use super::report_fixture::{MadeUpCurves, current_only_input, frequency_runs, troubled_input};
 
 fn page(input: &Input, file: &str) -> Value {
     let page = PAGES.iter().find(|page| page.file == file).expect("a known page");
@@ -57,6 +57,13 @@ fn ratios_coverage_and_voltages_of_a_troubled_campaign() {
     insta::assert_json_snapshot!("ratios", page(&input, "ratios.html"));
     insta::assert_json_snapshot!("coverage", page(&input, "coverage.html"));
     insta::assert_json_snapshot!("against_voltage", page(&input, "against-voltage.html"));
+}
+
+#[test]
+fn frequency_response_of_a_chirp_and_a_sine() {
+    let mut input = troubled_input();
+    input.frequency = frequency_runs(&input);
+    insta::assert_json_snapshot!("frequency", page(&input, "frequency.html"));
 }
 
 #[test]

@@ -18,6 +18,7 @@ fn table(input: &Input, name: &str) -> Table {
         modulus_logs: &input.modulus_logs,
         spectra: &input.spectra,
         blocked: &input.blocked,
+        frequency: &input.frequency,
         electrodes: &input.electrodes,
         files: &input.files,
         groups: &input.findings.groups,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, RunRecord};
+use ieap_domain::{Campaign, Drive, RunRecord};
 
 /// Two neighbouring humidities further apart than this (percentage points) are different levels.
 ///
@@ -101,8 +101,12 @@ pub fn compared_material<'a>(run: &'a RunRecord, campaign: &'a Campaign) -> Opti
     material(run, campaign).map(|own| campaign.compared_as(own))
 }
 
-/// Nominal voltage of a run, V: its tag, or that of the drive.
+/// Nominal voltage of a run, V: its tag, or that of the drive; none of a voltage that moves all the time, which is no step of
+/// any size.
 pub fn nominal_voltage_v(run: &RunRecord) -> Option<f64> {
+    if run.drive.as_ref().is_some_and(Drive::moves) {
+        return None;
+    }
     run.tag_number(keys::VOLTAGE_V)
         .or_else(|| run.drive.as_ref().map(|drive| drive.nominal_step_v()))
 }

@@ -10,6 +10,7 @@ pub mod export;
 pub mod false_discovery;
 pub mod findings;
 pub mod forecast;
+pub mod frequency;
 pub mod groups;
 pub mod impedance;
 pub mod json_rows;

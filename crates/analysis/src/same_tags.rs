@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ieap_domain::tag::keys;
-use ieap_domain::{Issue, RunRecord, RunState};
+use ieap_domain::{Drive, Issue, RunRecord, RunState};
 
 /// Tags that say nothing of what was measured.
 const BESIDE_THE_POINT: [&str; 3] = [keys::NOTE, keys::OPERATOR, keys::INSTRUMENT];
@@ -17,7 +17,7 @@ pub fn annotate(runs: &mut [RunRecord]) {
     for (index, run) in runs
         .iter()
         .enumerate()
-        .filter(|(_, run)| run.state != RunState::Untagged)
+        .filter(|(_, run)| run.state != RunState::Untagged && !run.drive.as_ref().is_some_and(Drive::moves))
     {
         alike.entry(identity(run)).or_default().push(index);
     }

@@ -2,11 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::range::range_of;
+
 /// Levels of one drive run twice differ by less than this part of its largest step: what a source is set to is met to
 /// 1 % or better, and its record adds noise.
 const LEVELS_ALIKE: f64 = 0.02;
 /// Starts of its segments differ by less than this part of the shortest one: an edge is known to a reading or two.
 const STARTS_ALIKE: f64 = 0.1;
+/// Least number of segments of a voltage that moves all the time: half of the readings that a record of one needs.
+const LEAST_MOVING: usize = 30;
+/// Middle step of such a voltage at most, as a part of its range: twenty readings in a period of a sine step by up to a
+/// sixth of the range, pulses by all of it and trains of a few levels by a third.
+const MOVES_BY: f64 = 0.2;
+/// A step within such a voltage exceeds this many times the larger of its neighbours ...
+const JUMP_BESIDE: f64 = 5.0;
+/// ... and this part of the range.
+const JUMP_OF_RANGE: f64 = 0.05;
 
 /// What the source does during a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -16,6 +27,21 @@ pub enum Level {
     Voltage(f64),
     /// The source is disconnected: no current flows in the outer circuit.
     OpenCircuit,
+}
+
+/// Which of the levels of a moving voltage are reached by a jump: a step far larger than those beside it.
+pub fn jumps(levels_v: &[f64]) -> Vec<usize> {
+    let (low, high) = range_of(levels_v.iter().copied());
+    let step = |at: usize| match (at.checked_sub(1), levels_v.get(at)) {
+        (Some(before), Some(level_v)) => (level_v - levels_v[before]).abs(),
+        _ => 0.0,
+    };
+    (1..levels_v.len())
+        .filter(|&at| {
+            let beside = step(at - 1).max(step(at + 1));
+            step(at) > JUMP_OF_RANGE * (high - low) && step(at) > JUMP_BESIDE * beside
+        })
+        .collect()
 }
 
 /// A stretch of constant drive, lasting until the next segment starts.
@@ -49,9 +75,70 @@ impl Drive {
         }
     }
 
-    /// When segments start, s: where readings may jump.
+    /// The staircase of a moving voltage's readings: each is held from midway to the one before to midway to the one after,
+    /// from rest at `baseline_v`; a jump lies at the first reading that saw it. Times that do not increase are passed over.
+    pub fn staircase(time_s: &[f64], volts: &[f64], baseline_v: f64) -> Drive {
+        let jumps = jumps(volts);
+        let mut segments: Vec<Segment> = Vec::with_capacity(volts.len());
+        for (k, (&t, &volts)) in time_s.iter().zip(volts).enumerate() {
+            let start_s = match k {
+                0 => t,
+                _ if jumps.binary_search(&k).is_ok() => t,
+                _ => 0.5 * (time_s[k - 1] + t),
+            };
+            if segments.last().is_none_or(|last| last.start_s < start_s) {
+                let level = Level::Voltage(volts);
+                segments.push(Segment { start_s, level });
+            }
+        }
+        Drive { baseline_v, segments }
+    }
+
+    /// When segments start at which readings may jump, s: all of them, or of a voltage that [`Drive::moves`] the first one
+    /// and those at which it jumps or the circuit opens or closes.
     pub fn edges_s(&self) -> Vec<f64> {
-        self.segments.iter().map(|segment| segment.start_s).collect()
+        self.edges().iter().map(|&at| self.segments[at].start_s).collect()
+    }
+
+    /// Which segments these are.
+    pub fn edges(&self) -> Vec<usize> {
+        if !self.moves() {
+            return (0..self.segments.len()).collect();
+        }
+        let is_open = |at: usize| self.segments[at].level == Level::OpenCircuit;
+        let jumps = jumps(&self.levels_v());
+        (0..self.segments.len())
+            .filter(|&at| at == 0 || is_open(at) || is_open(at - 1) || jumps.binary_search(&at).is_ok())
+            .collect()
+    }
+
+    /// Whether the voltage moves all the time, as a sine, a chirp or a triangle does: such a drive is the staircase of the
+    /// voltage's readings, whose steps are no edges.
+    pub fn moves(&self) -> bool {
+        let levels_v = self.levels_v();
+        if levels_v.len() < LEAST_MOVING {
+            return false;
+        }
+        let (low, high) = range_of(levels_v.iter().copied());
+        let mut steps: Vec<f64> = levels_v
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .collect();
+        let middle = steps.len() / 2;
+        let (_, middle_v, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+        high > low && *middle_v <= MOVES_BY * (high - low)
+    }
+
+    /// The voltages of the segments in their order, V; of an open circuit the one before.
+    fn levels_v(&self) -> Vec<f64> {
+        let mut last_v = self.baseline_v;
+        let level = |segment: &Segment| {
+            if let Level::Voltage(voltage_v) = segment.level {
+                last_v = voltage_v;
+            }
+            last_v
+        };
+        self.segments.iter().map(level).collect()
     }
 
     /// The held voltage farthest from the baseline (for a discharge, the baseline itself): the nominal step, V.
@@ -115,6 +202,41 @@ mod tests {
         drive.baseline_v = 5.0;
         assert_eq!(drive.nominal_step_v(), 5.0);
         assert_eq!(Drive::step(-0.7).nominal_step_v(), -0.7);
+    }
+
+    fn staircase(levels_v: impl Iterator<Item = f64>) -> Drive {
+        let segment = |(k, v): (usize, f64)| Segment {
+            start_s: k as f64,
+            level: Level::Voltage(v),
+        };
+        Drive {
+            baseline_v: 0.0,
+            segments: levels_v.enumerate().map(segment).collect(),
+        }
+    }
+
+    #[test]
+    fn a_sine_moves_and_has_edges_only_where_it_jumps() {
+        let sine = |k: usize| (std::f64::consts::TAU * k as f64 / 20.0).sin();
+        let wave = staircase((0..200).map(sine));
+        assert!(wave.moves());
+        assert_eq!(wave.edges_s(), [0.0]);
+        let riding = staircase((0..200).map(|k| if k < 90 { 0.0 } else { 3.0 + 0.1 * sine(k) }));
+        assert!(riding.moves());
+        assert_eq!(riding.edges(), [0, 90]);
+        let mut opened = wave.clone();
+        opened.segments[50].level = Level::OpenCircuit;
+        assert_eq!(opened.edges(), [0, 50, 51]);
+    }
+
+    #[test]
+    fn pulses_and_levels_do_not_move() {
+        let pulses = staircase((0..200).map(|k| f64::from(k % 2)));
+        let levels = staircase((0..200).map(|k| f64::from([0, 1, 2, 3, 2, 1][k as usize % 6])));
+        for drive in [Drive::step(2.0), pulses, levels] {
+            assert!(!drive.moves());
+            assert_eq!(drive.edges().len(), drive.segments.len());
+        }
     }
 
     #[test]

@@ -186,7 +186,7 @@ impl Circuit<'_> {
 }
 
 /// Voltage that the source holds in a segment, V; zero while the circuit is open.
-fn held_voltage(drive: &Drive, segment: Option<usize>) -> f64 {
+pub(super) fn held_voltage(drive: &Drive, segment: Option<usize>) -> f64 {
     match segment.map(|index| drive.segments[index].level) {
         None => drive.baseline_v,
         Some(Level::Voltage(level_v)) => level_v,

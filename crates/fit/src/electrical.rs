@@ -48,6 +48,10 @@ pub(super) struct Electrical {
     pub(super) steady_visible: bool,
     /// Whether the last of two or more branches may be chance: the parts of all branches are then open.
     pub(super) in_doubt: bool,
+    /// Whether a branch that the model has and the fit left out may hide behind a voltage that moves alike all the time.
+    pub(super) hides_branch: bool,
+    /// Whether the sum of squares of a moving voltage bends so far that its covariance tells no interval of a branch.
+    pub(super) bends: bool,
     /// Fall of the sum of squares by the last branch, in variances of a long sum of the noise; none where none
     /// was weighed.
     pub(super) gain: Option<f64>,
@@ -249,6 +253,9 @@ impl Choosing<'_> {
         if self.drive.baseline_v == 0.0 && self.sampled.before_step() >= 4 && !self.sampled.rests_off_zero() {
             return false;
         }
+        if self.sampled.moves {
+            return true;
+        }
         let held = self.sampled.spans.iter().filter_map(|span| match span.segment {
             None => Some(self.drive.baseline_v),
             Some(index) => match self.drive.segments[index].level {
@@ -377,6 +384,8 @@ impl Choosing<'_> {
             steady_a_per_v: solution.conductances_a_per_v[n],
             steady_visible: sums.gram.matrix.get(n, n) > 0.0,
             in_doubt: chosen.in_doubt,
+            hides_branch: false,
+            bends: false,
             gain: chosen.gain,
             ends: Vec::new(),
             offset_a: chosen.with_offset.then_some(solution.offset_a),

@@ -72,6 +72,14 @@ pub enum FitError {
         /// The resistance given, Ohm per square.
         found_ohm_per_sq: f64,
     },
+    /// A model that is fitted to steps, where the voltage moves all the time.
+    #[error(
+        "the voltage moves all the time, and {model} is fitted to steps and pulses: fit a lumped model, each run by itself"
+    )]
+    Moves {
+        /// Model id.
+        model: &'static str,
+    },
     /// The closed form of the distributed model needs a held voltage.
     #[error(
         "the drive has an open circuit, which the distributed model does not describe: fit a lumped model"

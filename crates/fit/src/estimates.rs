@@ -8,6 +8,7 @@ use super::bending::Bending;
 use super::electrical::{Bound, Electrical};
 use super::joint::feature::Feature;
 use crate::interval_rule;
+use crate::parabola;
 
 /// Estimates of the electrical parameters.
 pub(super) fn electrical_estimate(
@@ -15,6 +16,9 @@ pub(super) fn electrical_estimate(
     electrical: &Electrical,
     drive: &Drive,
 ) -> Option<Estimate> {
+    if electrical.hides_branch && !matches!(feature, Feature::Coupling | Feature::Rate) {
+        return Some(Estimate::not_determined(HIDES_BRANCH));
+    }
     match feature {
         Feature::Resistance(k) | Feature::Capacitance(k) | Feature::TimeConstant(k) => {
             Some(branch_part(feature, k, electrical))
@@ -25,6 +29,12 @@ pub(super) fn electrical_estimate(
         Feature::Coupling | Feature::Rate => None,
     }
 }
+
+/// Why a voltage that moves with one period leaves a circuit open.
+pub(super) const HIDES_BRANCH: &str = "the voltage moves too much alike all the time to tell one branch from two: a sine gives two numbers of \
+                            an impedance; drive steps or a chirp, or fit a model with one branch";
+const BENDS: &str = "the movement of the voltage does not separate it from the other electrical parameters: the sum of squares is \
+                     no parabola over its interval";
 
 fn branch_part(part: Feature, k: usize, electrical: &Electrical) -> Estimate {
     let n = electrical.conductances_a_per_v.len();
@@ -38,6 +48,9 @@ fn branch_part(part: Feature, k: usize, electrical: &Electrical) -> Estimate {
         let mut estimate = Estimate::not_determined(beyond(bound));
         estimate.at_bound = true;
         return estimate;
+    }
+    if electrical.bends {
+        return Estimate::not_determined(BENDS);
     }
     let mut weights = [0.0; CAPACITY];
     let conductance = electrical.conductances_a_per_v[k];
@@ -118,6 +131,9 @@ fn beyond(bound: Bound) -> String {
 
 /// C1 + C2: weights of the logarithms are the shares of the branches.
 fn total_capacitance(electrical: &Electrical) -> Estimate {
+    if electrical.bends {
+        return Estimate::not_determined(BENDS);
+    }
     let n = electrical.conductances_a_per_v.len();
     let branches = electrical
         .conductances_a_per_v
@@ -176,6 +192,9 @@ fn derived(
 fn logarithmic(part: Feature, value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
     let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
     let half = electrical.residuals.quantile * relative;
+    if electrical.bends && half > parabola::NARROW {
+        return Estimate::not_determined(BENDS);
+    }
     let ends = electrical.ends.iter().find(|ends| ends.feature == part);
     let parts = ends.map_or([1.0, 1.0], |ends| [ends.low, ends.high]);
     interval_rule::positive(value, relative, half, parts).unwrap_or_else(|| {

@@ -94,6 +94,10 @@ pub fn can_join_group(input: &FitInput, model: &'static FitModel) -> Result<(), 
         model,
         ..FitOptions::default()
     };
+    if input.drive.moves() {
+        let reason = "its voltage moves all the time; it is fitted by itself".to_owned();
+        return Err(FitError::OutsideGroup { reason });
+    }
     let readings = Readings::new(input)?;
     readings.check(input, &own)?;
     let found = readings.current.as_ref().map(Sampled::after_step);

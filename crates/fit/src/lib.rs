@@ -21,6 +21,7 @@ mod interval_rule;
 mod joint;
 mod joint_estimates;
 mod law;
+mod moving;
 mod noise_again;
 mod options;
 mod outcome;
@@ -67,9 +68,14 @@ pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
     if let Some(law) = rival_law(options.model.id) {
+        moving::refuse(input.drive, options.model)?;
         return Ok(law::fit(input, options, law, readings));
     }
     let mut identified = identify(input, options, readings);
+    if input.drive.moves() {
+        moving::look_closer(input, options, &mut identified);
+        return Ok(outcome::fit(input, options, &identified, None));
+    }
     if options.steps == Steps::Simultaneous && identified.current.is_ok() {
         let group = fit_group(&[*input], &GroupOptions::sharing_all(options.model))?;
         if let Some(fit) = group.runs.into_iter().next() {
@@ -94,7 +100,7 @@ fn judge(input: &FitInput, options: &FitOptions, identified: &mut Identified) ->
     let branches = options.model.branches;
     let settled = parabola::is_settled(electrical, bending.map(|(_, bending)| bending), branches);
     let parabolic = settled && parabola::is_narrow(electrical);
-    let even = is_even(current) && bending.is_none_or(|(curvature, _)| is_even(curvature));
+    let even = current.is_even() && bending.is_none_or(|(curvature, _)| curvature.is_even());
     let misfit = misfits(current, electrical.residuals.square)
         || bending.is_some_and(|(curvature, bending)| misfits(curvature, bending.residuals.square));
     if electrical.conductances_a_per_v.is_empty() || parabolic && even || misfit {
@@ -135,9 +141,4 @@ fn misfits(sampled: &Sampled, square: f64) -> bool {
         .scatter
         .as_ref()
         .is_some_and(|noise| rms > MISFIT * noise.standard_deviation)
-}
-
-/// Whether the readings follow each other evenly, so that noise by reading order is noise by time.
-fn is_even(sampled: &Sampled) -> bool {
-    sampled.blocks.iter().all(|(_, block)| block.step_s.is_some())
 }

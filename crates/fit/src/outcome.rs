@@ -9,7 +9,7 @@ use ieap_domain::{ChannelNoise, Drive, Estimate, Fit, Parameter, Quantity, RunCu
 use ieap_model::FitModel;
 use ieap_numerics::least_squares::Stop;
 
-use super::estimates::{bending_estimate, electrical_estimate};
+use super::estimates::{HIDES_BRANCH, bending_estimate, electrical_estimate};
 use super::group::Found;
 use super::joint::feature::Feature;
 use super::joint::readings::RunReadings;
@@ -150,6 +150,12 @@ fn parameters(
         let electrical = || match &identified.current {
             Ok((_, electrical)) => electrical_estimate(feature, electrical, input.drive),
             Err(reason) => Some(Estimate::not_determined(reason.as_str())),
+        };
+        // The charge that bends the strip is that of a circuit.
+        let hides_branch = matches!(&identified.current, Ok((_, electrical)) if electrical.hides_branch);
+        let bending = match hides_branch {
+            true => bending.and(Err(HIDES_BRANCH)),
+            false => bending,
         };
         bending_estimate(feature, bending).or_else(electrical)
     };

@@ -12,7 +12,7 @@ use super::joint::feature::{Ends, Feature};
 use super::sampled::Sampled;
 
 /// Relative half-width of a 95 % interval up to which a sum of squares of exponentials is a parabola unseen.
-const NARROW: f64 = 0.1;
+pub(super) const NARROW: f64 = 0.1;
 /// The same beyond which it never is.
 const WIDE: f64 = 0.5;
 /// Part by which the root of the rise at the end of an interval may differ from a parabola's: what a correction in

@@ -39,6 +39,8 @@ pub(super) struct Sampled {
     pub(super) blocks: Vec<(Option<usize>, Block)>,
     /// Noise without the model; none where the readings are too few or compressed.
     pub(super) scatter: Option<LocalScatter>,
+    /// Whether the voltage moves all the time: spans then hold many segments, blocks one each.
+    pub(super) moves: bool,
 }
 
 /// The mean before the step is off zero where it is this many standard errors from zero.
@@ -91,6 +93,9 @@ impl Sampled {
         } else {
             Sampled::picked(&time_s, &values, &taken, start_s)
         };
+        if drive.moves() {
+            sampled.join(&drive.edges());
+        }
         sampled.scatter = local_scatter(&sampled.smooth_stretches());
         sampled
     }
@@ -105,9 +110,50 @@ impl Sampled {
             spans,
             blocks: Vec::new(),
             scatter: None,
+            moves: false,
         };
         sampled.cut();
         sampled
+    }
+
+    /// Joins the spans of segments that follow each other without an edge; the blocks stay what they are.
+    fn join(&mut self, edges: &[usize]) {
+        self.moves = true;
+        let stretch = |span: &Span| span.segment.map(|at| edges.partition_point(|&edge| edge <= at));
+        let mut joined: Vec<Span> = Vec::with_capacity(edges.len() + 1);
+        for span in &self.spans {
+            match joined.last_mut() {
+                Some(last) if stretch(last) == stretch(span) => last.end = span.end,
+                _ => joined.push(*span),
+            }
+        }
+        self.spans = joined;
+    }
+
+    /// What a fit left of the readings of a moving voltage, as a series of its own in which no voltage moves.
+    pub(super) fn rest(&self, residuals: &[f64]) -> Sampled {
+        let of_span = |span: &Span| {
+            let times = &self.time_s[span.first..span.end];
+            times.iter().map(move |t| t - times[0])
+        };
+        let elapsed_s = self.spans.iter().flat_map(of_span).collect();
+        Sampled::of(
+            self.time_s.clone(),
+            elapsed_s,
+            residuals.into(),
+            self.spans.clone(),
+        )
+    }
+
+    /// Whether the readings follow each other evenly, so that noise by reading order is noise by time.
+    pub(super) fn is_even(&self) -> bool {
+        if self.moves {
+            let of_span = |span: &Span| {
+                span.end - span.first < 3 || even_step(&self.time_s[span.first..span.end]).is_some()
+            };
+            return self.spans.iter().all(of_span);
+        }
+        self.blocks.iter().all(|(_, block)| block.step_s.is_some())
     }
 
     /// The usable readings of the spans `taken`, copied one after the other.
@@ -189,18 +235,26 @@ impl Sampled {
     pub(super) fn time_scales_s(&self) -> (f64, f64) {
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
         for span in self.spans.iter().filter(|span| span.segment.is_some()) {
-            let elapsed_s = &self.elapsed_s[span.first..span.end];
+            let elapsed_s = match self.moves {
+                true => &self.time_s[span.first..span.end],
+                false => &self.elapsed_s[span.first..span.end],
+            };
             if let Some(later) = elapsed_s.get(2..) {
                 shortest = shortest.min(0.5 * sums::least_difference(later, elapsed_s));
             }
-            longest = longest.max(elapsed_s[elapsed_s.len() - 1]);
+            let since_s = if self.moves { elapsed_s[0] } else { 0.0 };
+            longest = longest.max(elapsed_s[elapsed_s.len() - 1] - since_s);
         }
         (shortest, longest)
     }
 
     /// A few nodes that stand for all readings: inner products with every response of the circuit and of the strip
-    /// stay what they are (see `discrete_gauss`). Readings that are too few or too uneven stay themselves.
+    /// stay what they are (see `discrete_gauss`). Readings that are too few or too uneven stay themselves, and those of a
+    /// moving voltage, each of which has a segment of its own.
     pub(super) fn compressed(&self) -> Sampled {
+        if self.moves {
+            return self.clone();
+        }
         let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
         let (mut root_weights, mut spans) = (Vec::new(), Vec::with_capacity(self.spans.len()));
         for span in &self.spans {
@@ -312,6 +366,7 @@ impl Sampled {
             spans,
             blocks: Vec::new(),
             scatter: self.scatter.clone(),
+            moves: self.moves,
         };
         kept.cut();
         kept

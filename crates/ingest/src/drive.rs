@@ -1,14 +1,18 @@
-//! Finds the piecewise-constant drive of a run in its voltage channel, or takes it from the voltage tag.
+//! Finds the piecewise-constant drive of a run in its voltage channel, or takes it from the voltage tag. A voltage that moves
+//! all the time becomes the staircase of its readings.
 
 use ieap_domain::range_of;
 use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// Code of the issue of a voltage that does not go in steps.
 pub const NO_STEPS: &str = "not-piecewise-constant";
+
+/// Code of the note on a voltage that moves all the time.
+pub const MOVES: &str = "voltage-moves";
 
 /// Changes of the voltage below this are never a step, V: potentiostats hold a potential to about 1 mV.
 const LEAST_STEP_V: f64 = 2e-3;
@@ -20,11 +24,18 @@ const LEAST_STEP_NOISE: f64 = 8.0;
 const MOST_PULSES_SHARE: f64 = 0.34;
 /// ... as a pulse train has them, or between many.
 const MOST_STEPS_SHARE: f64 = 0.05;
+/// Readings at one level from which on it is held.
+const HELD_READINGS: usize = 3;
+/// Share of the readings of a train of pulses that lie in such levels: three of four where every edge is met by a reading.
+const HELD_SHARE: f64 = 0.7;
+/// Stretches from which on it matters whether most readings lie in such levels: fewer are a step with its edge.
+const MANY_STRETCHES: usize = 20;
 /// Levels that are few: pulses go between two or three, a sweep passes all it can.
 const FEW_LEVELS: usize = 10;
 
 mod held_current;
 pub mod jumps;
+mod moving;
 mod stated;
 
 /// What is known of a run's drive.
@@ -61,7 +72,7 @@ pub fn find(
         .fold(f64::INFINITY, f64::min);
     let found = match (stated::driving(channels), tag_v) {
         (Some(voltage), _) => {
-            let mut found = from_channel(voltage, time_zero_is_step, &open);
+            let mut found = from_channel(voltage, channels, time_zero_is_step, &open);
             found.issues.extend(stated::departure(voltage, channels));
             stated::placed(found, voltage)
         }
@@ -96,14 +107,23 @@ pub fn has_voltage(channels: &[Channel]) -> bool {
     stated::driving(channels).is_some()
 }
 
-fn from_channel(voltage: &Channel, time_zero_is_step: bool, open: &[(f64, f64)]) -> FoundDrive {
+fn from_channel(
+    voltage: &Channel,
+    channels: &[Channel],
+    time_zero_is_step: bool,
+    open: &[(f64, f64)],
+) -> FoundDrive {
     let (time_s, values) = voltage.included();
     let closed: Vec<usize> = (0..values.len())
         .filter(|&i| !open.iter().any(|&(from, to)| time_s[i] >= from && time_s[i] < to))
         .collect();
     let levels = match levels(&time_s, &values, &closed) {
         Ok(levels) => levels,
-        Err(issue) => {
+        Err(NoLevels::Moves) => {
+            let readings = |values: &[f64]| -> Vec<f64> { closed.iter().map(|&i| values[i]).collect() };
+            return moving::staircase(&readings(&time_s), &readings(&values), channels, open);
+        }
+        Err(NoLevels::Steps(issue)) => {
             return FoundDrive {
                 drive: None,
                 issues: vec![issue],
@@ -203,14 +223,17 @@ fn stepped(first: Stretch, rest: &[Stretch], time_zero_is_step: bool) -> FoundDr
 }
 
 /// Cuts the readings `closed` (indices) into stretches of constant voltage.
-fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretch>, Issue> {
+fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretch>, NoLevels> {
     let Some(&start) = closed.first() else {
         return Ok(Vec::new());
     };
-    let threshold = step_threshold(values, closed);
+    let noise_v = change_noise_v(values, closed);
+    let threshold = step_threshold(values, closed, noise_v);
     let share = |part: f64| ((closed.len() as f64 * part) as usize).max(20);
     let mut stretches: Vec<Stretch> = Vec::new();
     let (mut begin, mut last_before_s, mut sloping) = (0, time_s[start], 0);
+    let mut within_v: f64 = 0.0;
+    let mut in_levels = 0;
     for position in 1..=closed.len() {
         let changed = position == closed.len() || {
             let jump = (values[closed[position]] - values[closed[position - 1]]).abs() > threshold;
@@ -224,6 +247,13 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
         sloping +=
             usize::from((values[closed[position - 1]] - values[closed[begin]]).abs() > 0.5 * threshold);
         let mut readings: Vec<f64> = closed[begin..position].iter().map(|&i| values[i]).collect();
+        let (low, high) = range_of(readings.iter().copied());
+        within_v = within_v.max(high - low);
+        in_levels += if position - begin >= HELD_READINGS {
+            position - begin
+        } else {
+            0
+        };
         stretches.push(Stretch {
             last_before_s,
             start_s: time_s[closed[begin]],
@@ -235,8 +265,14 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
         }
     }
     let seen = stretches.len();
-    if seen > 2 && 2 * sloping > seen {
-        return Err(not_constant(seen, closed.len()));
+    let is_held = in_levels as f64 >= HELD_SHARE * closed.len() as f64;
+    if seen > 2 && 2 * sloping > seen || seen > MANY_STRETCHES && !is_held {
+        return Err(NoLevels::Moves);
+    }
+    // What changes from reading to reading may be no noise, but a wave that few readings follow.
+    let whole: Vec<f64> = closed.iter().map(|&i| values[i]).collect();
+    if moving::is_wave(&whole, noise_v, within_v) {
+        return Err(NoLevels::Moves);
     }
     let held = without_edges(stretches, threshold);
     let most = match distinct_levels(&held, threshold) <= FEW_LEVELS {
@@ -244,9 +280,19 @@ fn levels(time_s: &[f64], values: &[f64], closed: &[usize]) -> Result<Vec<Stretc
         false => share(MOST_STEPS_SHARE),
     };
     match held.len() > most {
-        true => Err(not_constant(held.len(), closed.len())),
+        // Levels that are held, but too many and too short.
+        true if is_held => Err(NoLevels::Steps(not_constant(held.len(), closed.len()))),
+        true => Err(NoLevels::Moves),
         false => Ok(held),
     }
+}
+
+/// Why a voltage does not go in levels.
+enum NoLevels {
+    /// It moves from reading to reading.
+    Moves,
+    /// It goes in more levels than a drive has.
+    Steps(Issue),
 }
 
 /// Number of levels that differ from each other by a step.
@@ -261,7 +307,8 @@ fn not_constant(changes: usize, readings: usize) -> Issue {
     let message =
         format!("the voltage changes {changes} times or more in {readings} readings: a sweep, not steps");
     Issue::warning(NO_STEPS, message).at("column voltage_v").mend(
-        "hold each voltage for three readings or more if these are pulses; a sweep is kept and not fitted",
+        "hold each voltage for twenty readings or more if these are steps, and for three if these are pulses between a \
+         few levels; it is kept and not fitted",
     )
 }
 
@@ -291,17 +338,20 @@ fn without_edges(stretches: Vec<Stretch>, threshold: f64) -> Vec<Stretch> {
 }
 
 /// Least change of the voltage that counts as a step, V.
-fn step_threshold(values: &[f64], closed: &[usize]) -> f64 {
+fn step_threshold(values: &[f64], closed: &[usize], noise_v: f64) -> f64 {
     let (low, high) = range_of(closed.iter().map(|&i| values[i]));
+    LEAST_STEP_V
+        .max(LEAST_STEP_SHARE * (high - low))
+        .max(LEAST_STEP_NOISE * noise_v)
+}
+
+/// Noise as the changes from reading to reading have it, V.
+fn change_noise_v(values: &[f64], closed: &[usize]) -> f64 {
     let mut changes: Vec<f64> = closed
         .windows(2)
         .map(|pair| (values[pair[1]] - values[pair[0]]).abs())
         .collect();
-    let noise_v =
-        SD_PER_MEDIAN_DISTANCE / std::f64::consts::SQRT_2 * upper_median(&mut changes).unwrap_or(0.0);
-    LEAST_STEP_V
-        .max(LEAST_STEP_SHARE * (high - low))
-        .max(LEAST_STEP_NOISE * noise_v)
+    SD_PER_MEDIAN_DISTANCE / std::f64::consts::SQRT_2 * upper_median(&mut changes).unwrap_or(0.0)
 }
 
 /// Stretches (start, end) in which an open-circuit channel is not 0.

@@ -10,6 +10,7 @@ pub mod course;
 pub mod distributed;
 pub mod effects;
 pub mod extended;
+pub mod frequency;
 pub mod geometry;
 pub mod impedance;
 pub mod lumped;

@@ -70,6 +70,40 @@ pub fn integrate_responses(
     responses
 }
 
+/// The same under any course of the voltage, V over s, from rest without a charge at the first of `time_s`.
+pub fn integrate_under(
+    model: &LumpedModel,
+    volts: impl Fn(f64) -> f64,
+    area_cm2: f64,
+    time_s: &[f64],
+    relative: f64,
+) -> Responses {
+    let n = model.branches.len();
+    let mut state = vec![0.0; n + 1];
+    let mut now_s = time_s.first().copied().unwrap_or_default();
+    let mut responses = Responses {
+        current_a: Vec::new(),
+        charge_c: Vec::new(),
+        curvature_per_cm: Vec::new(),
+    };
+    for &t in time_s {
+        let rate = |time_s: f64, y: &[f64], out: &mut [f64]| {
+            branch_currents(model, Level::Voltage(volts(time_s)), y, out);
+            out[n] = out[..n].iter().sum::<f64>() - model.relaxation_rate_per_s * y[n];
+        };
+        integrate(rate, now_s, t, &mut state, relative, 1e-18);
+        now_s = t;
+        let level = Level::Voltage(volts(t));
+        responses
+            .current_a
+            .push(area_cm2 * outer_current(model, level, &state));
+        responses.charge_c.push(area_cm2 * state[..n].iter().sum::<f64>());
+        let per_charge = model.charge_to_curvature_per_c_cm * area_cm2;
+        responses.curvature_per_cm.push(per_charge * state[n]);
+    }
+    responses
+}
+
 /// Voltage between the terminals, V: the source's, or what leaves no current in the outer circuit.
 fn terminal_voltage(model: &LumpedModel, level: Level, state: &[f64]) -> f64 {
     match level {

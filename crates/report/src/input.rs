@@ -3,6 +3,7 @@
 use ieap_analysis::tables::TableInput;
 use std::collections::BTreeMap;
 
+use ieap_analysis::frequency::FrequencyRun;
 use ieap_analysis::impedance::Comparison;
 use ieap_analysis::laws::CampaignLaws;
 use ieap_analysis::laws::contrast::Contrast;
@@ -36,6 +37,8 @@ pub struct Input {
     pub spectra_beside: Vec<Comparison>,
     /// What blocking forces of the runs say.
     pub blocked: Vec<BlockedRun>,
+    /// What runs under a sine or a chirp say against frequency.
+    pub frequency: Vec<FrequencyRun>,
     /// The electrodes' resistance over time, by the probe.
     pub electrodes: Vec<Course>,
     /// Every file that the last scan saw.
@@ -78,6 +81,7 @@ impl Input {
             modulus_logs: &self.modulus_logs,
             spectra: &self.spectra,
             blocked: &self.blocked,
+            frequency: &self.frequency,
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.findings.groups,

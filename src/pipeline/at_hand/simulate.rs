@@ -111,6 +111,7 @@ fn run_spec(asked: &CurvesAsked) -> Result<RunSpec, Issue> {
         voltage_v: None,
         drive: asked.drive.iter().map(segment).collect(),
         pulses: None,
+        wave: None,
         parameters: asked.parameters.clone(),
         effect: Vec::new(),
         tags: toml::Table::new(),

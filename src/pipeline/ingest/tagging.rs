@@ -398,12 +398,9 @@ pub(in crate::pipeline) fn conclude(
     let is_sweep = found.issues.iter().any(|issue| issue.code == drive::NO_STEPS);
     let has_steps = input.is_step_response && !is_sweep;
     // Of another technique nobody asks for steps.
-    issues.extend(
-        found
-            .issues
-            .into_iter()
-            .filter(|issue| input.is_step_response || issue.code != drive::NO_STEPS),
-    );
+    issues.extend(found.issues.into_iter().filter(|issue| {
+        input.is_step_response || ![drive::NO_STEPS, drive::MOVES].contains(&issue.code.as_str())
+    }));
     if !has_steps {
         issues = without_waiting(issues);
     }

@@ -64,7 +64,8 @@ fn run_key(spec: &Spec, run: &RunSpec) -> Value {
         "file": slashed(&run.file),
         "written_by": if effects.is_empty() { "closed form" } else { "truth simulator" },
         "baseline_v": drive.baseline_v,
-        "drive": segments(&drive),
+        // Of a wave the steps that stand for it are none of its own.
+        "drive": run.wave.map_or_else(|| json!(segments(&drive)), |wave| json!({ "wave": wave })),
         "parameters": run.parameters,
         "effects": effects.iter().map(effect_key).collect::<Vec<_>>(),
     })

@@ -14,6 +14,7 @@ mod strip_table;
 mod table;
 #[cfg(test)]
 mod tests;
+mod wave;
 
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,7 @@ pub use spec::{FolderTags, Sampling, Simulation, Spec, SpecError};
 pub use strip_spec::{StripParameters, StripSpec};
 pub use strip_table::strip_table;
 pub use table::{exact_responses, run_table};
+pub use wave::Wave;
 
 use super::whole_file::put_bytes;
 use super::{Observer, PipelineError};

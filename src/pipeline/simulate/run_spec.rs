@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::effect_spec::EffectSpec;
 use super::noise_spec::Noise;
 use super::spec::Wrong;
+use super::wave::Wave;
 use crate::domain::{Drive, Issue, Level, Segment};
 use crate::model::{Branch, LumpedModel};
 use crate::truth::{HiddenEffect, Truth, TruthError};
@@ -27,13 +28,15 @@ pub struct RunSpec {
     /// Voltage held before the drive, V: a discharge starts from it.
     #[serde(default)]
     pub baseline_v: f64,
-    /// Step at time zero, V; or `drive`; or `pulses`.
+    /// Step at time zero, V; or `drive`; or `pulses`; or `wave`.
     pub voltage_v: Option<f64>,
     /// Segments of the drive; or `voltage_v`; or `pulses`.
     #[serde(default)]
     pub drive: Vec<SegmentSpec>,
     /// A train of pulses from time zero on; or `voltage_v`; or `drive`.
     pub pulses: Option<Pulses>,
+    /// A sine or a chirp from time zero on; or one of those.
+    pub wave: Option<Wave>,
     /// Parameters by their stored keys; those left out are 0, or absent branches.
     pub parameters: BTreeMap<String, f64>,
     /// Effects hidden in this run, beside those of the spec.
@@ -116,15 +119,17 @@ impl RunSpec {
             self.voltage_v.is_some(),
             !self.drive.is_empty(),
             self.pulses.is_some(),
+            self.wave.is_some(),
         ];
         if drives.into_iter().filter(|given| *given).count() != 1 || !ordered {
             let found = format!(
-                "voltage_v {:?}, {} segments and {} pulses",
+                "voltage_v {:?}, {} segments, {} pulses and {} waves",
                 self.voltage_v,
                 self.drive.len(),
-                self.pulses.map_or(0, |pulses| pulses.count)
+                self.pulses.map_or(0, |pulses| pulses.count),
+                i32::from(self.wave.is_some())
             );
-            let needed = "one of voltage_v, pulses, and a drive of segments with rising start_s";
+            let needed = "one of voltage_v, pulses, wave, and a drive of segments with rising start_s";
             return Err(Wrong::new(&place("drive"), found, needed));
         }
         if let Some(pulses) = self.pulses
@@ -132,6 +137,17 @@ impl RunSpec {
         {
             let needed = "on_s and off_s above 0 and a count of 1 or more";
             return Err(Wrong::new(&place("pulses"), format!("{pulses:?}"), needed));
+        }
+        if let Some(wave) = &self.wave {
+            wave.check(&place("wave"))?;
+            if self.baseline_v != 0.0 {
+                let found = format!("{} V", self.baseline_v);
+                return Err(Wrong::new(
+                    &place("baseline_v"),
+                    found,
+                    "no baseline: a wave starts from rest",
+                ));
+            }
         }
         let sizes = [
             ("area_cm2", Some(self.area_cm2)),
@@ -150,7 +166,10 @@ impl RunSpec {
 
     /// The drive, from the steady state at the baseline.
     pub fn drive(&self) -> Drive {
-        drive_of(self.baseline_v, self.voltage_v, self.pulses, &self.drive)
+        match &self.wave {
+            Some(wave) => wave.drive(self.baseline_v),
+            None => drive_of(self.baseline_v, self.voltage_v, self.pulses, &self.drive),
+        }
     }
 
     /// The sample of the run with effects hidden in it.

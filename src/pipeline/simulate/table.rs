@@ -6,9 +6,15 @@ use super::answer_key::told;
 use super::effect_spec::hidden_effects;
 use super::run_spec::RunSpec;
 use super::spec::{Sampling, Spec};
+use super::wave::Wave;
 use crate::domain::{Drive, Level};
+use crate::model::LumpedModel;
+use crate::model::ode::{Responses, integrate_under};
 use crate::truth::noise::NoisyChannel;
 use crate::truth::{HiddenEffect, TruthError, TruthResponses, noise, simulate};
+
+/// Local error of the solved equations, of the largest value: far below what noise leaves.
+const RELATIVE: f64 = 1e-9;
 
 /// The text of the run table. `number` (the run's place in the spec) and the spec's seed fix the noise.
 ///
@@ -39,7 +45,10 @@ pub fn run_table(spec: &Spec, run: &RunSpec, number: usize) -> Result<String, Tr
     let open_column = if has_open_circuit { ",open_circuit" } else { "" };
     let _ = writeln!(text, "time_s,voltage_v,current_a,curvature_per_cm{open_column}");
     for (t, row) in merged(&time_s, &camera_s) {
-        let (voltage, open) = applied(&drive, t);
+        let (voltage, open) = match run.wave.filter(|_| t >= 0.0) {
+            Some(wave) => (wave.volts(t).to_string(), false),
+            None => applied(&drive, t),
+        };
         let current = row
             .current
             .map(|i| format!("{:.5e}", current_a[i]))
@@ -74,6 +83,12 @@ pub fn exact_responses(
         return simulate(&run.truth(effects.to_vec()), &drive, time_s, camera_s, number);
     }
     let model = run.model();
+    if let Some(wave) = run.wave {
+        return Ok(TruthResponses {
+            current_a: under(&model, wave, run.area_cm2, time_s).current_a,
+            curvature_per_cm: under(&model, wave, run.area_cm2, camera_s).curvature_per_cm,
+        });
+    }
     Ok(TruthResponses {
         current_a: model.current_a(&drive, run.area_cm2, time_s),
         curvature_per_cm: model.curvature_per_cm(&drive, run.area_cm2, camera_s),
@@ -152,6 +167,25 @@ fn merged(time_s: &[f64], camera_s: &[f64]) -> Vec<(f64, Row)> {
         }
     }
     rows
+}
+
+/// The differential equations under the wave itself; nothing before time zero.
+fn under(model: &LumpedModel, wave: Wave, area_cm2: f64, time_s: &[f64]) -> Responses {
+    let from_zero: Vec<f64> = std::iter::once(0.0)
+        .chain(time_s.iter().copied().filter(|t| *t >= 0.0))
+        .collect();
+    let rest = time_s.len() + 1 - from_zero.len();
+    let found = integrate_under(model, |t| wave.volts(t), area_cm2, &from_zero, RELATIVE);
+    let whole = |series: Vec<f64>| -> Vec<f64> {
+        std::iter::repeat_n(0.0, rest)
+            .chain(series.into_iter().skip(1))
+            .collect()
+    };
+    Responses {
+        current_a: whole(found.current_a),
+        charge_c: whole(found.charge_c),
+        curvature_per_cm: whole(found.curvature_per_cm),
+    }
 }
 
 /// The voltage cell at a time (empty in an open circuit) and whether the circuit is open.

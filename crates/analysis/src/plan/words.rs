@@ -152,6 +152,13 @@ fn level(fact: &RunFacts, covariate: Covariate) -> Option<String> {
 /// spreadsheets from taking a negative voltage for a formula.
 pub fn drive(drive: &Drive, duration_s: f64) -> String {
     const SHOWN: usize = 4;
+    if drive.moves() {
+        let nominal_v = drive.nominal_step_v();
+        return format!(
+            "the moving voltage of up to {nominal_v:.2} V for {} s again",
+            seconds(duration_s)
+        );
+    }
     let starts = drive.segments.iter().map(|segment| segment.start_s);
     let ends = starts.skip(1).chain([duration_s]);
     let segments = drive.segments.iter().zip(ends).take(SHOWN);

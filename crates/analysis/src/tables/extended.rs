@@ -107,6 +107,7 @@ mod tests {
             modulus_logs: &[],
             spectra: &[],
             blocked: &[],
+            frequency: &[],
             electrodes: &[],
             files: &[],
             comparisons: &[],

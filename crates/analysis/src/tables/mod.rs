@@ -7,6 +7,7 @@ mod electrodes;
 mod extended;
 mod findings;
 mod fits;
+mod frequency;
 mod impedance;
 mod models;
 pub mod moved;
@@ -27,6 +28,7 @@ pub(crate) use stiffness::alpha_of;
 pub use table::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
 pub use table6::rules;
 
+use crate::frequency::FrequencyRun;
 use crate::probe::Course;
 use ieap_domain::{
     BlockedRun, Campaign, GroupDiagnosis, ModulusLog, RunComparison, RunRecord, SourceFile, SpectrumRun,
@@ -47,6 +49,8 @@ pub struct TableInput<'a> {
     pub spectra: &'a [SpectrumRun],
     /// What blocking forces of the runs say.
     pub blocked: &'a [BlockedRun],
+    /// What runs under a sine or a chirp say against frequency.
+    pub frequency: &'a [FrequencyRun],
     /// The electrodes' resistance over time, by the probe.
     pub electrodes: &'a [Course],
     /// Every file that the last scan saw.
@@ -84,7 +88,7 @@ impl NamedTable {
 }
 
 /// Every table, in the order in which they are listed.
-pub const TABLES: [NamedTable; 15] = [
+pub const TABLES: [NamedTable; 16] = [
     NamedTable {
         name: "table2",
         about: "What the materials are made of, as campaign.toml states it (the thesis's table 2)",
@@ -168,6 +172,12 @@ pub const TABLES: [NamedTable; 15] = [
         about: "Circuits fitted to the impedance spectra, one row a spectrum and circuit",
         compares_materials: false,
         make: impedance::make,
+    },
+    NamedTable {
+        name: "frequency",
+        about: "Amplitude and phase of current and bending per volt against frequency, of runs under a sine or a chirp",
+        compares_materials: false,
+        make: frequency::make,
     },
     NamedTable {
         name: "refused",

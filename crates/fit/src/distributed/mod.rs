@@ -164,6 +164,9 @@ fn check(input: &DistributedInput) -> Result<(), FitError> {
             found_ohm_per_sq: found,
         });
     }
+    if input.drive.moves() {
+        return Err(FitError::Moves { model: "distributed" });
+    }
     if input.drive.segments.iter().any(|s| s.level == Level::OpenCircuit) {
         return Err(FitError::OpenCircuitAlong);
     }

@@ -1,10 +1,12 @@
 //! What a reader of a fit must know beside its numbers.
 
+use crate::circuit::held_voltage;
 use crate::joint::single::Judged;
 use crate::joint_estimates::{choice_in_words, two_step_choice_in_words};
 use crate::sampled::Sampled;
 use crate::two_steps::Identified;
 use ieap_domain::{Drive, Issue, Level, Parameter};
+use ieap_numerics::decay::Block;
 use ieap_numerics::least_squares::Stop;
 
 pub(crate) fn not_converged(stop: Stop) -> Issue {
@@ -108,6 +110,14 @@ pub(super) fn issues(
 
 /// Whether the current after the step is on the whole opposite to the first change of the voltage.
 fn flows_backwards(drive: &Drive, sampled: &Sampled) -> bool {
+    if sampled.moves {
+        let block = |(segment, block): &(Option<usize>, Block)| {
+            let readings = &sampled.values[block.first..block.first + block.len];
+            held_voltage(drive, *segment) * readings.iter().sum::<f64>()
+        };
+        // What is passive takes up energy.
+        return sampled.blocks.iter().map(block).sum::<f64>() < 0.0;
+    }
     let held = drive.segments.iter().find_map(|segment| match segment.level {
         Level::Voltage(level_v) if level_v != drive.baseline_v => Some(level_v - drive.baseline_v),
         _ => None,

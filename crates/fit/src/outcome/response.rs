@@ -14,6 +14,8 @@ use ieap_numerics::sums;
 const ENOUGH: usize = 3000;
 /// Stretches of time in which the drawn readings are chosen.
 const DRAWN_STRETCHES: usize = 120;
+/// The same of a voltage that moves all the time: as fine as a figure is wide.
+const DRAWN_MOVING: usize = 600;
 
 /// One response with its noise and the curve to draw.
 pub(super) struct Response {
@@ -43,7 +45,12 @@ impl Response {
         } else {
             &[&sampled.values, left]
         };
-        let drawn = drawn_indices(&sampled.time_s, series, step_s, DRAWN_STRETCHES);
+        let stretches = if sampled.moves {
+            DRAWN_MOVING
+        } else {
+            DRAWN_STRETCHES
+        };
+        let drawn = drawn_indices(&sampled.time_s, series, step_s, stretches);
         let at =
             |column: &[f64]| -> Vec<f64> { drawn.iter().filter_map(|&k| column.get(k).copied()).collect() };
         Response {
@@ -51,10 +58,11 @@ impl Response {
                 quantity,
                 standard_deviation,
                 basis,
-                character: if describes_noise {
-                    character(sampled)
-                } else {
-                    NoiseCharacter::default()
+                character: match (describes_noise, sampled.moves) {
+                    (false, _) => NoiseCharacter::default(),
+                    (true, false) => character(sampled),
+                    // No sum of exponentials follows a voltage that moves.
+                    (true, true) => character(&sampled.rest(left)),
                 },
                 residual_autocorrelation: lag_one(left),
                 residual_rms: rms,

@@ -6,6 +6,7 @@ mod calibration;
 mod groups;
 mod limits;
 mod memory;
+mod moving;
 mod one_fit;
 mod recovery;
 

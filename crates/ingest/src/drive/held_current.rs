@@ -1,7 +1,7 @@
 //! Records of a constant current: the voltage answers, and is told as that and not as a sweep.
 
 use super::{FoundDrive, NO_STEPS};
-use ieap_domain::{Channel, Issue, Quantity};
+use ieap_domain::{Channel, Drive, Issue, Quantity};
 use ieap_numerics::robust::upper_median;
 
 /// A current is held where so many of its readings ...
@@ -12,6 +12,11 @@ const HELD_WITHIN: f64 = 5e-3;
 
 /// The same, with one sentence about a voltage that goes in no steps because the current is held.
 pub(super) fn told(mut found: FoundDrive, channels: &[Channel]) -> FoundDrive {
+    // The source of a moving voltage drives a current; where none flows the circuit is open.
+    if found.drive.as_ref().is_some_and(Drive::moves) && held_a(channels).is_some() {
+        found.drive = None;
+        found.issues = vec![Issue::note(NO_STEPS, "").at("column voltage_v")];
+    }
     let no_steps = found.issues.iter_mut().find(|issue| issue.code == NO_STEPS);
     if let (Some(issue), Some(current_a)) = (no_steps, held_a(channels)) {
         let message = format!(
@@ -35,5 +40,6 @@ fn held_a(channels: &[Channel]) -> Option<f64> {
     let near = values
         .iter()
         .filter(|value| (*value - median).abs() <= HELD_WITHIN * median.abs());
-    (median != 0.0 && near.count() as f64 >= MOST * count as f64).then_some(median)
+    let is_none = values.iter().all(|value| *value == 0.0);
+    ((median != 0.0 || is_none) && near.count() as f64 >= MOST * count as f64).then_some(median)
 }

@@ -22,6 +22,7 @@ mod finding_posterior;
 pub mod finding_words;
 pub mod findings;
 mod forecasts;
+pub mod frequency;
 pub mod humidity;
 pub mod impedance;
 pub mod index;
@@ -115,7 +116,7 @@ const COMPARISON: Option<&str> = Some("comparison.html");
 const AGAINST: &str = include_str!("../../../../templates/pages/against.html");
 
 /// Every page that a site can have once, in the order of the navigation.
-pub const PAGES: [Page; 20] = [
+pub const PAGES: [Page; 21] = [
     Page {
         file: "index.html",
         title: "Overview",
@@ -227,6 +228,14 @@ pub const PAGES: [Page; 20] = [
         template: include_str!("../../../../templates/pages/stiffness.html"),
         is_shown: stiffness::is_shown,
         content: stiffness::content,
+    },
+    Page {
+        file: "frequency.html",
+        title: "Frequency response",
+        under: None,
+        template: include_str!("../../../../templates/pages/frequency.html"),
+        is_shown: frequency::is_shown,
+        content: frequency::content,
     },
     Page {
         file: "models.html",

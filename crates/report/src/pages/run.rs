@@ -16,7 +16,7 @@ use crate::number::significant;
 use crate::site::Site;
 use ieap_analysis::conditions::{material, nominal_voltage_v};
 use ieap_domain::tag::keys;
-use ieap_domain::{ClimateCurve, Issue, RunCurve, RunRecord, Severity};
+use ieap_domain::{ClimateCurve, Drive, Issue, RunCurve, RunRecord, Severity};
 
 /// A run with what is drawn of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -244,7 +244,11 @@ fn surroundings(site: &Site, run: usize, named: bool) -> Vec<String> {
 }
 
 fn stepped(site: &Site, run: usize) -> String {
-    let voltage = nominal_voltage_v(site.input.record(run));
+    let record = site.input.record(run);
+    if record.drive.as_ref().is_some_and(Drive::moves) {
+        return "under a moving voltage".to_owned();
+    }
+    let voltage = nominal_voltage_v(record);
     voltage.map_or_else(String::new, |voltage| {
         format!("stepped to {}", voltage_label(voltage))
     })

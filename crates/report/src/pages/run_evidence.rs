@@ -83,6 +83,10 @@ fn status(record: &RunRecord) -> String {
     }
 }
 
+fn to_millivolt(volts: f64) -> f64 {
+    (1e3 * volts).round() / 1e3
+}
+
 /// `from 0 V: 2.5 V at 0 s, open circuit at 600 s`
 fn drive_text(drive: &Drive) -> String {
     let segment = |segment: &ieap_domain::Segment| {
@@ -92,6 +96,21 @@ fn drive_text(drive: &Drive) -> String {
         };
         format!("{level} at {} s", plain(segment.start_s))
     };
+    if drive.moves() {
+        let volts = drive.segments.iter().filter_map(|segment| match segment.level {
+            Level::Voltage(voltage_v) => Some(voltage_v),
+            Level::OpenCircuit => None,
+        });
+        let (low_v, high_v) = ieap_domain::range_of(volts);
+        return format!(
+            "from {}: moving all the time between {} and {} from {} s on, as {} steps",
+            voltage_label(drive.baseline_v),
+            voltage_label(to_millivolt(low_v)),
+            voltage_label(to_millivolt(high_v)),
+            plain(drive.segments[0].start_s),
+            drive.segments.len()
+        );
+    }
     let shown: Vec<String> = drive.segments.iter().take(SEGMENTS).map(segment).collect();
     let more = match drive.segments.len().saturating_sub(SEGMENTS) {
         0 => String::new(),

@@ -155,6 +155,9 @@ fn views(drive: Option<&Drive>, curves: &[RunCurve]) -> Vec<View> {
     if let Some(view) = about_step {
         return vec![("step", view, "")];
     }
+    if drive.is_some_and(Drive::moves) {
+        return vec![("whole", TimeView::Whole, "")];
+    }
     let since = TimeView::SinceStep {
         step_s,
         until_s: segments.get(1).map_or(f64::INFINITY, |next| next.start_s),

@@ -5,6 +5,7 @@ mod along;
 mod bending;
 mod currents;
 pub mod family;
+pub(crate) mod frequency;
 mod grid;
 pub(crate) mod models;
 mod modulus;
@@ -68,7 +69,7 @@ impl NamedFigure {
 }
 
 /// Every figure, in the order in which they are listed.
-pub const FIGURES: [NamedFigure; 10] = [
+pub const FIGURES: [NamedFigure; 11] = [
     NamedFigure {
         name: "figure4",
         alias: "shapes",
@@ -140,6 +141,14 @@ pub const FIGURES: [NamedFigure; 10] = [
         width_mm: 170.0,
         of_strips: false,
         draw: parameters::draw,
+    },
+    NamedFigure {
+        name: "frequency",
+        alias: "bode",
+        about: "Amplitude and phase of current and bending per volt against frequency, measured and by the fit",
+        width_mm: 170.0,
+        of_strips: false,
+        draw: frequency::draw,
     },
     NamedFigure {
         name: "models",

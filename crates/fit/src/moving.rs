@@ -1,0 +1,38 @@
+//! Runs whose voltage moves all the time: which models are fitted to them, and what they leave open.
+//!
+//! They are fitted in two steps, with the errors that the covariance of the residuals gives and, where the sum of squares
+//! bends, that its rise at the ends gives. What judges steps further (noise without the circuit, as sums of
+//! exponentials between edges) does not know of them.
+
+use ieap_domain::Drive;
+use ieap_model::FitModel;
+
+use crate::error::FitError;
+use crate::options::{FitInput, FitOptions};
+use crate::parabola;
+use crate::two_steps::Identified;
+
+/// Refuses a moving voltage.
+///
+/// # Errors
+/// [`FitError::Moves`] where the voltage moves.
+pub(crate) fn refuse(drive: &Drive, model: &FitModel) -> Result<(), FitError> {
+    match drive.moves() {
+        true => Err(FitError::Moves { model: model.id }),
+        false => Ok(()),
+    }
+}
+
+/// Follows the sum of squares where the covariance alone would mislead, and says where a branch may hide.
+pub(crate) fn look_closer(input: &FitInput, options: &FitOptions, identified: &mut Identified) {
+    let Ok((sampled, electrical)) = identified.current.as_mut() else {
+        return;
+    };
+    let found = electrical.conductances_a_per_v.len();
+    electrical.hides_branch = found > 0 && found < options.model.branches;
+    if let Some(ends) = parabola::ends(input.drive, sampled, electrical) {
+        electrical.ends = ends;
+    } else {
+        electrical.bends = electrical.in_doubt || !parabola::is_narrow(electrical);
+    }
+}
