@@ -69,7 +69,7 @@ fn specs_that_make_no_sense_are_refused_with_what_would() {
         "a.csv",
         "voltage_v = 2.0\npulses = { voltage_v = 1, on_s = 5, off_s = 5, count = 3 }",
     );
-    assert!(refused(&format!("{HEAD}{both}")).contains("needed one of voltage_v, pulses, and a drive"));
+    assert!(refused(&format!("{HEAD}{both}")).contains("needed one of voltage_v, pulses, wave, and a drive"));
     let empty = run(
         "a.csv",
         "pulses = { voltage_v = 1, on_s = 0, off_s = 5, count = 3 }",
