@@ -88,10 +88,12 @@ def by_ieap(runs, readings):
             '[campaign]\nid = "scipy"\ntitle = "Beside SciPy"\n[[sample]]\nid = "S"\nmaterial = "CNaf"\n'
             "length_mm = 5.0\nwidth_mm = 2.0\nthickness_mm = 0.22\n"
         )
+        (folder / "runs").mkdir(exist_ok=True)
+        (folder / "runs" / "tags.toml").write_text("sample = \"S\"\nenvironment = \"air\"\n")
         for k, (row, time_s, current, curvature) in enumerate(readings):
             table = np.column_stack([time_s, np.full_like(time_s, row[7]), current, curvature])
             header = "time_s,voltage_v,current_a,curvature_per_cm"
-            np.savetxt(folder / f"S_{k}.csv", table, fmt="%.17g", delimiter=",", header=header, comments="")
+            np.savetxt(folder / "runs" / f"S_{k}.csv", table, fmt="%.17g", delimiter=",", header=header, comments="")
         ieap = [HOUSE / "target/release/ieap", "--quiet"]
         subprocess.run([*ieap, "ingest", folder], capture_output=True)
         fits = json.loads(subprocess.run([*ieap, "fit", "--json", folder], capture_output=True, text=True).stdout)

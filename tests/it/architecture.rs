@@ -284,7 +284,7 @@ fn results_are_made_from_runs_that_speak() {
 #[test]
 fn the_python_package_is_built_as_the_program_is() {
     let manifest = |path: &str| std::fs::read_to_string(house().join(path)).unwrap();
-    let profiles = |text: &str| text[text.find("# The weight of the build").unwrap()..].to_owned();
+    let profiles = |text: &str| text[text.find("# The release profile").unwrap()..].to_owned();
     let (own, python) = (manifest("Cargo.toml"), manifest("python/Cargo.toml"));
     assert_eq!(
         profiles(&python),

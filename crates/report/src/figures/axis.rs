@@ -292,9 +292,11 @@ const MOST_DECADES: f64 = 100.0;
 /// Ticks at powers of ten; within less than two decades also between them.
 fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     let every = (((high - low) / 7.0).ceil() as i32).max(1);
+    let decades = high.floor() - low.ceil();
     let factors: &[f64] = match high - low {
         span if span < NARROW => &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
-        span if span < 1.7 => &[1.0, 2.0, 5.0],
+        // Less than two decades may hold one power of ten, which says no scale.
+        span if span < 1.7 || decades < 1.0 => &[1.0, 2.0, 5.0],
         _ => &[1.0],
     };
     // One way of writing for the whole axis: plain numbers only where all of them are short.
@@ -378,6 +380,8 @@ mod tests {
         );
         assert_eq!(labels(&Axis::log(1.0, 100.0, "a", "")), ["1", "10", "100"]);
         assert_eq!(labels(&Axis::log(1.2, 900.0, "a", "")), ["10", "100"]);
+        let axis = Axis::log(1.15e-3, 0.075, "Frequency", "Hz");
+        assert_eq!(labels(&axis), ["0.002", "0.005", "0.01", "0.02", "0.05"]);
     }
 
     #[test]
