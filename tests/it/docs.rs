@@ -9,7 +9,7 @@ use crate::frames::png_bytes;
 use crate::rendered::Scene;
 
 /// What is in commands that are not run to their end, with the reason; whether a long test runs them.
-const HELD_BACK: [(&str, &str, bool); 9] = [
+const HELD_BACK: [(&str, &str, bool); 10] = [
     (
         "ieap watch",
         "runs until it is stopped; tests/it/watch.rs starts it",
@@ -23,6 +23,11 @@ const HELD_BACK: [(&str, &str, bool); 9] = [
     (
         "curvature-map",
         "needs runs along a strip; tests/it/along.rs draws it",
+        false,
+    ),
+    (
+        "figure frequency",
+        "needs runs under a sine; tests/it/moving_voltage.rs draws it",
         false,
     ),
     (
