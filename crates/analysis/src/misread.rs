@@ -7,7 +7,7 @@
 //! neither is used.
 
 use ieap_numerics::robust::upper_median;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::conditions::material;
 use super::parameters::usable;
@@ -95,11 +95,42 @@ pub struct Verdict {
 pub fn misread(runs: &[&RunRecord], campaign: &Campaign) -> Vec<Verdict> {
     let known: Vec<Option<Known>> = runs.iter().map(|run| known(run, campaign)).collect();
     let place = |at: usize| known[at].as_ref().map(|known| (at, known));
-    let fitted: Vec<(usize, &Known)> = (0..runs.len()).filter_map(place).collect();
+    let fitted: Vec<Member> = (0..runs.len()).filter_map(place).collect();
+    let of_samples = circles(&fitted, |known| known.sample.as_deref());
+    let of_materials = circles(&fitted, |known| known.material.as_deref());
     let judged = fitted.iter().filter(|(_, known)| !known.is_vouched);
     judged
-        .filter_map(|&(run, own)| judge(runs, &fitted, run, own))
+        .filter_map(|&(run, own)| {
+            let circles = [
+                of_circle(&of_samples, &own.sample),
+                of_circle(&of_materials, &own.material),
+                &fitted,
+            ];
+            judge(runs, circles, run, own)
+        })
         .collect()
+}
+
+/// A run that votes, by its index.
+type Member<'a> = (usize, &'a Known);
+
+/// Who belongs together, by name: asked for once, for every run asks its circle.
+fn circles<'a>(
+    fitted: &[Member<'a>],
+    name: impl Fn(&'a Known) -> Option<&'a str>,
+) -> HashMap<&'a str, Vec<Member<'a>>> {
+    let mut circles: HashMap<&str, Vec<Member>> = HashMap::new();
+    for &(run, known) in fitted {
+        if let Some(name) = name(known) {
+            circles.entry(name).or_default().push((run, known));
+        }
+    }
+    circles
+}
+
+fn of_circle<'a, 'b>(circles: &'b HashMap<&str, Vec<Member<'a>>>, name: &Option<String>) -> &'b [Member<'a>] {
+    let found = name.as_deref().and_then(|name| circles.get(name));
+    found.map_or(&[], Vec::as_slice)
 }
 
 fn known(run: &RunRecord, campaign: &Campaign) -> Option<Known> {
@@ -199,26 +230,18 @@ struct Vote {
     factor: f64,
 }
 
-fn judge(runs: &[&RunRecord], fitted: &[(usize, &Known)], run: usize, own: &Known) -> Option<Verdict> {
-    let same = |of: fn(&Known) -> &Option<String>| {
-        let own = of(own).as_ref();
-        move |other: &Known| own.is_some() && of(other).as_ref() == own
-    };
-    let (of_sample, of_material) = (same(|known| &known.sample), same(|known| &known.material));
-    let circles: [&dyn Fn(&Known) -> bool; 3] = [&of_sample, &of_material, &|_| true];
+/// What the circles of a run say of it, one after the other: its sample's runs, its material's, all.
+fn judge(runs: &[&RunRecord], circles: [&[Member]; 3], run: usize, own: &Known) -> Option<Verdict> {
     let mut last = None;
-    for (step, circle) in circles.iter().enumerate() {
-        let members: Vec<(usize, &Known)> = (fitted.iter().copied())
-            .filter(|(_, known)| circle(known))
-            .collect();
+    for (step, members) in circles.into_iter().enumerate() {
         let is_last = step + 1 == circles.len();
-        let vote = vote(&members, run, own);
+        let vote = vote(members, run, own);
         match &vote {
             // What is like a run that is right is right as well.
             Some(vote) if vote.own_vouched => return None,
             Some(vote) if vote.against.len() > vote.own => return Some(outvoted(runs, run, vote)),
             Some(vote) if vote.against.len() == vote.own => {
-                if vote.against_vouched || backing(&members, &vote.against) > vote.own {
+                if vote.against_vouched || backing(members, &vote.against) > vote.own {
                     return Some(outvoted(runs, run, vote));
                 }
                 last = vote_of(vote);
@@ -235,7 +258,7 @@ fn judge(runs: &[&RunRecord], fitted: &[(usize, &Known)], run: usize, own: &Know
 
 /// The largest party that a run of those against belongs to: runs in other conditions may back it that are too far from the
 /// one that is judged to stand against it.
-fn backing(members: &[(usize, &Known)], against: &[usize]) -> usize {
+fn backing(members: &[Member], against: &[usize]) -> usize {
     let alike = |one: &Known| {
         let others = members.iter();
         others
@@ -252,7 +275,7 @@ fn vote_of(vote: &Vote) -> Option<(Misread, f64, usize)> {
 }
 
 /// None where no run stands against this one.
-fn vote(members: &[(usize, &Known)], run: usize, own: &Known) -> Option<Vote> {
+fn vote(members: &[Member], run: usize, own: &Known) -> Option<Vote> {
     let (mut alike, mut alike_vouched) = (1, false);
     let mut parties: BTreeMap<(Misread, i64), (f64, Vec<usize>, bool)> = BTreeMap::new();
     for &(other, known) in members.iter().filter(|(other, _)| *other != run) {
