@@ -14,6 +14,8 @@ const PURE: f64 = 0.03;
 const TRIANGLE: std::ops::RangeInclusive<f64> = 0.07..=0.14;
 /// Least ratio of the frequencies at the ends of a chirp.
 const CHIRPS: f64 = 1.3;
+/// A turn of the voltage exceeds this share of its range: where drives are found, and where their frequency is told.
+pub const LEAST_TURN: f64 = 0.05;
 /// Crossings that tell a wave.
 const FEWEST: usize = 4;
 

@@ -4,12 +4,10 @@ mod response;
 
 use ieap_domain::{Channel, Drive, Level, Quantity, RunRecord};
 use ieap_numerics::complex::Complex;
-use ieap_numerics::waveform::{Waveform, recognise, turns};
+use ieap_numerics::waveform::{LEAST_TURN, Waveform, recognise, turns};
 
 use response::{Window, per_volt, windows};
 
-/// A turn of the voltage exceeds this share of its range: as where drives are found.
-const LEAST_TURN: f64 = 0.05;
 /// Frequencies at which the model's line is drawn, in each factor of ten.
 const LINE_PER_DECADE: f64 = 24.0;
 /// How far beyond the measured frequencies it goes, as a factor.

@@ -7,7 +7,7 @@
 use ieap_domain::drive::jumps;
 use ieap_domain::{Channel, Drive, Issue, Quantity, range_of};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
-use ieap_numerics::waveform::{Waveform, between, finer, recognise, turns};
+use ieap_numerics::waveform::{LEAST_TURN, Waveform, between, finer, recognise, turns};
 
 use super::{FoundDrive, LEAST_STEP_NOISE, LEAST_STEP_V, MOVES, NO_STEPS};
 
@@ -21,8 +21,6 @@ const IN_HALF_PERIOD: usize = 10;
 const STEPS_IN_HALF_PERIOD: usize = 50;
 /// Share of the half periods that may be shorter: a glitch is no wave.
 const MAY_BE_SHORT: f64 = 0.05;
-/// A turn exceeds this share of the voltage's range.
-const LEAST_TURN: f64 = 0.05;
 /// Scatter of the readings at most, of the range: at it a fitted conductance is a fifth of a percent too small, since a
 /// current does not answer the noise of a voltmeter.
 const MOST_SCATTER: f64 = 1.0 / 60.0;
