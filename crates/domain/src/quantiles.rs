@@ -8,6 +8,8 @@
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// The same to two decimals, as printed tables have it.
 pub const NORMAL_95_ROUNDED: f64 = 1.96;
+/// Half-width of a two-sided 99 % interval of normal errors, as printed tables have it.
+pub const NORMAL_99_ROUNDED: f64 = 2.58;
 /// Half-width that none of seven normal errors exceeds in 95 % of cases at least (Bonferroni: 0.05/7, two-sided).
 pub const NORMAL_95_OF_SEVEN: f64 = 2.690;
 /// Standard deviations that normal errors exceed on one side with a chance of 5 %.

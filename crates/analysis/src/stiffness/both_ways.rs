@@ -4,11 +4,9 @@
 //! the two are weighed; where they differ by more than their errors they are not.
 
 use ieap_domain::Estimate;
+use ieap_domain::quantiles::NORMAL_99_ROUNDED;
 
 use super::{of_logarithm, product};
-
-/// Difference of the two ways in standard errors from which they disagree: chance reaches it in one of 100 conditions.
-const DISAGREE: f64 = 2.58;
 
 /// Ratios to a reference.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +42,7 @@ pub fn both_ways(alpha: &Estimate, by_modulus: &Estimate, by_force: &Estimate) -
             // Without alpha each way stands for itself.
             (None, _) | (_, None) => ratios(by_modulus, by_force, "modulus and blocking force"),
             (Some((stiffness, apart)), Some((coupling, _))) => Ratios {
-                agree: apart <= DISAGREE,
+                agree: apart <= NORMAL_99_ROUNDED,
                 ..ratios(&stiffness, &coupling, "modulus and blocking force")
             },
         },
