@@ -37,7 +37,7 @@ fn distributed(criterion: &mut Criterion) {
     criterion.bench_function("shapes of 100 links, 1,000 times", |bencher| {
         bencher.iter(|| PTNAF.shapes(1.5, 100, black_box(&t)));
     });
-    let segment = |start_s, level| Segment { start_s, level };
+    let segment = |start_s, level| Segment::at(start_s, level);
     let drive = Drive {
         baseline_v: 0.0,
         segments: vec![

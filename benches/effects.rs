@@ -25,10 +25,7 @@ fn base() -> LumpedModel {
 
 fn pulses(edges: u32) -> Drive {
     let level = |k: u32| Level::Voltage(if k.is_multiple_of(2) { 2.0 } else { 0.0 });
-    let segment = |k: u32| Segment {
-        start_s: END_S * f64::from(k) / f64::from(edges),
-        level: level(k),
-    };
+    let segment = |k: u32| Segment::at(END_S * f64::from(k) / f64::from(edges), level(k));
     Drive {
         baseline_v: 0.0,
         segments: (0..edges).map(segment).collect(),

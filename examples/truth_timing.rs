@@ -36,9 +36,11 @@ fn hidden(effect: &KnownEffect, variant: Option<&str>) -> HiddenEffect {
 }
 
 fn pulses() -> Drive {
-    let segments = (0..30).map(|k| Segment {
-        start_s: 20.0 * f64::from(k),
-        level: Level::Voltage(if k % 2 == 0 { 2.0 } else { 0.0 }),
+    let segments = (0..30).map(|k| {
+        Segment::at(
+            20.0 * f64::from(k),
+            Level::Voltage(if k % 2 == 0 { 2.0 } else { 0.0 }),
+        )
     });
     Drive {
         baseline_v: 0.0,

@@ -76,13 +76,10 @@ fn drive(batch: &RecordBatch, row: usize) -> Result<Drive, Issue> {
         let found = format!("{} starts and {} voltages", starts.len(), levels.len());
         return Err(unequal("drive_v", found));
     }
-    let segment = |(start_s, voltage_v): (f64, f64)| Segment {
-        start_s,
-        level: match voltage_v.is_nan() {
+    let segment = |(start_s, voltage_v): (f64, f64)| Segment::at(start_s, match voltage_v.is_nan() {
             true => Level::OpenCircuit,
             false => Level::Voltage(voltage_v),
-        },
-    };
+        });
     Ok(Drive {
         baseline_v: number(batch, "baseline_v", row).unwrap_or(0.0),
         segments: starts.into_iter().zip(levels).map(segment).collect(),

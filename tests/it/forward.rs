@@ -291,10 +291,7 @@ fn simulated(folder: &CampaignFolder, name: &str, model: &LumpedModel) -> (Vec<f
         .map(|line| line.split_once(',').unwrap())
         .map(|(time, volts)| (time.parse().unwrap(), volts.parse().unwrap()))
         .collect();
-    let segment = |&(start_s, volts): &(f64, f64)| Segment {
-        start_s,
-        level: Level::Voltage(volts),
-    };
+    let segment = |&(start_s, volts): &(f64, f64)| Segment::at(start_s, Level::Voltage(volts));
     let drive = Drive {
         baseline_v: 0.0,
         segments: rows.iter().map(segment).collect(),

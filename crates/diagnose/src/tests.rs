@@ -118,10 +118,7 @@ impl Runs {
             baseline_v: 0.0,
             segments: levels
                 .iter()
-                .map(|&(start_s, v)| Segment {
-                    start_s,
-                    level: Level::Voltage(v),
-                })
+                .map(|&(start_s, v)| Segment::at(start_s, Level::Voltage(v)))
                 .collect(),
         };
         let drives: Vec<Drive> = drives.iter().map(of_drive).collect();

@@ -51,6 +51,21 @@ pub struct Segment {
     pub start_s: f64,
     /// What the source does from then on.
     pub level: Level,
+    /// Where only readings tell of the start: the last one before it, s. It lies anywhere between that and `start_s`, the
+    /// first reading that saw it. None where the start is stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_before_s: Option<f64>,
+}
+
+impl Segment {
+    /// A segment whose start is stated.
+    pub fn at(start_s: f64, level: Level) -> Segment {
+        Segment {
+            start_s,
+            level,
+            last_before_s: None,
+        }
+    }
 }
 
 /// A piecewise-constant drive. Before the first segment the sample rests in the steady state at
@@ -68,10 +83,7 @@ impl Drive {
     pub fn step(voltage_v: f64) -> Drive {
         Drive {
             baseline_v: 0.0,
-            segments: vec![Segment {
-                start_s: 0.0,
-                level: Level::Voltage(voltage_v),
-            }],
+            segments: vec![Segment::at(0.0, Level::Voltage(voltage_v))],
         }
     }
 
@@ -88,7 +100,7 @@ impl Drive {
             };
             if segments.last().is_none_or(|last| last.start_s < start_s) {
                 let level = Level::Voltage(volts);
-                segments.push(Segment { start_s, level });
+                segments.push(Segment::at(start_s, level));
             }
         }
         Drive { baseline_v, segments }
@@ -205,10 +217,7 @@ mod tests {
     }
 
     fn staircase(levels_v: impl Iterator<Item = f64>) -> Drive {
-        let segment = |(k, v): (usize, f64)| Segment {
-            start_s: k as f64,
-            level: Level::Voltage(v),
-        };
+        let segment = |(k, v): (usize, f64)| Segment::at(k as f64, Level::Voltage(v));
         Drive {
             baseline_v: 0.0,
             segments: levels_v.enumerate().map(segment).collect(),
@@ -242,10 +251,7 @@ mod tests {
     #[test]
     fn a_repeat_has_the_same_levels_at_the_same_times() {
         let drive = |levels: &[(f64, f64)]| {
-            let segment = |&(start_s, v): &(f64, f64)| Segment {
-                start_s,
-                level: Level::Voltage(v),
-            };
+            let segment = |&(start_s, v): &(f64, f64)| Segment::at(start_s, Level::Voltage(v));
             Drive {
                 baseline_v: 0.0,
                 segments: levels.iter().map(segment).collect(),

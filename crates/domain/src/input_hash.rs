@@ -77,7 +77,8 @@ impl InputHash {
         self
     }
 
-    /// Adds a drive: baseline, and start and level of each segment.
+    /// Adds a drive: baseline, and start and level of each segment, with the reading before it where only readings tell of
+    /// the start.
     pub fn drive(&mut self, drive: &Drive) -> &mut InputHash {
         self.number(drive.baseline_v).count(drive.segments.len());
         for segment in &drive.segments {
@@ -86,6 +87,10 @@ impl InputHash {
                 Level::Voltage(voltage_v) => Some(voltage_v),
                 Level::OpenCircuit => None,
             });
+            // A start that is stated has the hash that it always had.
+            if segment.last_before_s.is_some() {
+                self.number_or_none(segment.last_before_s);
+            }
         }
         self
     }
@@ -127,8 +132,10 @@ mod tests {
     fn inputs_that_differ_have_hashes_that_differ() {
         let drive = |level| Drive {
             baseline_v: 0.0,
-            segments: vec![Segment { start_s: 1.0, level }],
+            segments: vec![Segment::at(1.0, level)],
         };
+        let mut seen = Drive::step(1.0);
+        seen.segments[0].last_before_s = Some(-1.0);
         let note = |place: &str| Issue::note("code", "message").at(place);
         let all = [
             of(|hash| hash),
@@ -144,6 +151,7 @@ mod tests {
             of(|hash| hash.drive(&drive(Level::Voltage(0.0)))),
             of(|hash| hash.drive(&drive(Level::OpenCircuit))),
             of(|hash| hash.drive(&Drive::step(1.0))),
+            of(|hash| hash.drive(&seen)),
             of(|hash| hash.issue(&note("a"))),
             of(|hash| hash.issue(&note("b"))),
         ];

@@ -36,7 +36,7 @@ fn drives() -> impl Strategy<Value = Drive> {
     (segments, prop_oneof![Just(0.0), -2.0..2.0f64]).prop_map(|(steps, baseline_v)| {
         let mut start_s = 0.0;
         let mut next = |(lasts_s, level)| {
-            let segment = Segment { start_s, level };
+            let segment = Segment::at(start_s, level);
             start_s += lasts_s;
             segment
         };

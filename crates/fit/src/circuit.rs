@@ -237,10 +237,7 @@ mod tests {
     }
 
     fn drive() -> Drive {
-        let segment = |start_s, level_v| Segment {
-            start_s,
-            level: Level::Voltage(level_v),
-        };
+        let segment = |start_s, level_v| Segment::at(start_s, Level::Voltage(level_v));
         Drive {
             baseline_v: 0.3,
             segments: vec![segment(0.0, 2.0), segment(70.0, -1.0), segment(150.0, 0.0)],

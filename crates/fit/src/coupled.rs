@@ -6,6 +6,7 @@ use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem, Stop};
 
 use super::circuit::Solution;
+use super::edges::EdgeTimes;
 use super::sampled::Sampled;
 
 /// Step of the difference quotients in logarithms.
@@ -41,17 +42,17 @@ pub(super) fn is_coupled(drive: &Drive) -> bool {
     })
 }
 
-/// The current of unit area as a function of [ln c_1.., steady / unit, ln tau_1..].
-struct Current<'a> {
-    drive: &'a Drive,
-    sampled: &'a Sampled,
-    branches: usize,
-    unit_a_per_v: f64,
-    bounds: Bounds,
+/// The current of unit area as a function of [ln c_1.., steady / unit, ln tau_1.., shifts of the edges].
+pub(super) struct Current<'a> {
+    pub(super) edges: &'a EdgeTimes,
+    pub(super) sampled: &'a Sampled,
+    pub(super) branches: usize,
+    pub(super) unit_a_per_v: f64,
+    pub(super) bounds: Bounds,
 }
 
 impl Current<'_> {
-    fn at(&self, place: &[f64]) -> Vec<f64> {
+    pub(super) fn at(&self, place: &[f64]) -> Vec<f64> {
         let n = self.branches;
         let branch = |k: usize| Branch {
             resistance_ohm_cm2: (-place[k]).exp(),
@@ -63,20 +64,27 @@ impl Current<'_> {
             charge_to_curvature_per_c_cm: 0.0,
             relaxation_rate_per_s: 0.0,
         };
-        model.current_a(self.drive, 1.0, &self.sampled.time_s)
+        let drive = self.edges.shifted(&place[2 * n + 1..]);
+        let mut current = model.current_a(&drive, 1.0, &self.sampled.time_s);
+        self.sampled.weigh_all(&mut current);
+        current
     }
 
     fn jacobian(&self, place: &[f64], here: &[f64]) -> Vec<Vec<f64>> {
         let column = |k: usize| {
             let mut there = place.to_vec();
-            there[k] += STEP;
+            let step = match there[k] + STEP > self.bounds.high[k] {
+                true => -STEP,
+                false => STEP,
+            };
+            there[k] += step;
             self.at(&there)
                 .iter()
                 .zip(here)
-                .map(|(a, b)| (a - b) / STEP)
+                .map(|(a, b)| (a - b) / step)
                 .collect()
         };
-        (0..2 * self.branches + 1).map(column).collect()
+        (0..place.len()).map(column).collect()
     }
 }
 
@@ -88,9 +96,46 @@ impl Problem for Current<'_> {
     fn local(&self, place: &[f64], _: f64) -> Local {
         let here = self.at(place);
         let jacobian = self.jacobian(place, &here);
-        let pairs = self.sampled.values.iter().zip(&here);
-        let residuals: Vec<f64> = pairs.map(|(y, f)| y - f).collect();
+        let mut values = self.sampled.values.to_vec();
+        self.sampled.weigh_all(&mut values);
+        let residuals: Vec<f64> = values.iter().zip(&here).map(|(y, f)| y - f).collect();
         Local::of(&residuals, &jacobian)
+    }
+}
+
+impl<'a> Current<'a> {
+    /// About `conductances_a_per_v` (of the branches, and the steady one), with time constants between `low` and `high`
+    /// (logarithms of s), and a place to start from.
+    pub(super) fn about(
+        edges: &'a EdgeTimes,
+        sampled: &'a Sampled,
+        conductances_a_per_v: &[f64],
+        log_time_constants: &[f64],
+        (low, high): (f64, f64),
+    ) -> (Current<'a>, Vec<f64>) {
+        let n = log_time_constants.len();
+        let unit_a_per_v: f64 = conductances_a_per_v.iter().sum();
+        // A branch that was given no current starts small, so that the search may still raise it.
+        let logs = |k: usize| conductances_a_per_v[k].max(1e-3 * unit_a_per_v).ln();
+        let mut start: Vec<f64> = (0..n).map(logs).collect();
+        start.push(conductances_a_per_v[n] / unit_a_per_v);
+        start.extend(log_time_constants);
+        let mut bounds = Bounds::even(n, unit_a_per_v.ln() - 20.0, unit_a_per_v.ln() + 10.0);
+        bounds.push(0.0, 1e3);
+        (0..n).for_each(|_| bounds.push(low, high));
+        for shift in edges.shifts() {
+            let (low_s, high_s) = shift.limits_s();
+            bounds.push(low_s, high_s);
+            start.push(0.0);
+        }
+        let current = Current {
+            edges,
+            sampled,
+            branches: n,
+            unit_a_per_v,
+            bounds,
+        };
+        (current, start)
     }
 }
 
@@ -98,22 +143,15 @@ impl Problem for Current<'_> {
 /// between `low` and `high` (logarithms of s).
 pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64, high: f64) -> Refined {
     let n = from.log_time_constants.len();
-    let unit_a_per_v: f64 = from.conductances_a_per_v.iter().sum();
-    // A branch that was given no current starts small, so that the search may still raise it.
-    let logs = |k: usize| from.conductances_a_per_v[k].max(1e-3 * unit_a_per_v).ln();
-    let mut start: Vec<f64> = (0..n).map(logs).collect();
-    start.push(from.conductances_a_per_v[n] / unit_a_per_v);
-    start.extend(&from.log_time_constants);
-    let mut bounds = Bounds::even(n, unit_a_per_v.ln() - 20.0, unit_a_per_v.ln() + 10.0);
-    bounds.push(0.0, 1e3);
-    (0..n).for_each(|_| bounds.push(low, high));
-    let current = Current {
-        drive,
+    let edges = EdgeTimes::known(drive);
+    let (current, start) = Current::about(
+        &edges,
         sampled,
-        branches: n,
-        unit_a_per_v,
-        bounds,
-    };
+        &from.conductances_a_per_v,
+        &from.log_time_constants,
+        (low, high),
+    );
+    let unit_a_per_v = current.unit_a_per_v;
     let rounding = 4.0 * f64::EPSILON * sampled.square();
     let found = Levenberg::by_region(LIMIT, 1e-10, rounding).search(&current, &start);
     let place = &found.at;

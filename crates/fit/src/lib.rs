@@ -11,6 +11,7 @@ mod circuit;
 mod coupled;
 mod described;
 pub mod distributed;
+mod edges;
 mod electrical;
 mod error;
 mod estimates;
@@ -21,6 +22,7 @@ mod interval_rule;
 mod joint;
 mod joint_estimates;
 mod law;
+mod means;
 mod moving;
 mod noise_again;
 mod options;
@@ -33,10 +35,11 @@ mod two_steps;
 mod uncertainty;
 mod whitened;
 
-use ieap_domain::Fit;
+use ieap_domain::{Fit, Parameter};
 use ieap_model::rival_law;
 
 pub use described::{Described, Left, Noise, describe};
+pub use edges::{EdgeTimes, Shift};
 pub use error::FitError;
 pub use given::{BaseKnowledge, Predict, fit_of_run};
 pub use group::{
@@ -57,7 +60,8 @@ mod any_input;
 #[cfg(test)]
 mod tests;
 
-/// Fits a run.
+/// Fits a run. Edges of the drive that only readings tell of are sought between these; what is left open of them widens the
+/// intervals.
 ///
 /// What the data leave open is reported in the fit: an estimate without a value, or with a bound, says why.
 ///
@@ -67,6 +71,31 @@ mod tests;
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
+    let settled = edges::settled(input, options)?;
+    let placed = FitInput {
+        drive: settled.edges.drive(),
+        ..*input
+    };
+    let mut fit = fit_placed(&placed, options)?;
+    if !settled.open.is_empty() {
+        edges::widen(&mut fit, &placed, options, &settled, in_two_steps);
+    }
+    Ok(fit)
+}
+
+/// The parameters of a run in two steps, or by the law of a rival, and nothing further; none where there is nothing to fit.
+fn in_two_steps(input: &FitInput, options: &FitOptions) -> Option<Vec<Parameter>> {
+    let readings = Readings::new(input).ok()?;
+    let fit = match rival_law(options.model.id) {
+        Some(law) => law::fit(input, options, law, readings),
+        None => outcome::fit(input, options, &identify(input, options, readings), None),
+    };
+    Some(fit.parameters)
+}
+
+/// Fits a run whose edges are where its drive has them.
+fn fit_placed(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
+    let readings = Readings::new(input)?;
     if let Some(law) = rival_law(options.model.id) {
         moving::refuse(input.drive, options.model)?;
         return Ok(law::fit(input, options, law, readings));

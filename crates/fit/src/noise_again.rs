@@ -129,10 +129,7 @@ mod tests {
         let time_s: Vec<f64> = (0..400).map(|k| f64::from(k + 300 * (k / 200))).collect();
         let values: Vec<f64> = (0..400).map(|k| (1.7 * f64::from(k)).sin()).collect();
         let channel = Channel::new(Quantity::Current, time_s.into(), values.into());
-        let segments = vec![Segment {
-            start_s: 0.0,
-            level: Level::Voltage(1.0),
-        }];
+        let segments = vec![Segment::at(0.0, Level::Voltage(1.0))];
         let drive = Drive {
             baseline_v: 0.0,
             segments,

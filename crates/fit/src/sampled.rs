@@ -54,10 +54,11 @@ const STRETCH: f64 = 2.0;
 type Standing = (Vec<f64>, Vec<f64>, Vec<f64>);
 
 impl Sampled {
-    /// Readings of `channel` that are finite and not excluded; those taken while the circuit was open only
-    /// where `with_open_circuit`.
-    pub(super) fn new(channel: &Channel, drive: &Drive, with_open_circuit: bool) -> Sampled {
+    /// Readings of `channel` that are finite and not excluded. Of what jumps with the voltage, as a current does, none that
+    /// was taken while the circuit was open, and none at the very instant of an edge: no one knows of which side it is.
+    pub(super) fn new(channel: &Channel, drive: &Drive, is_continuous: bool) -> Sampled {
         let (time_s, values) = channel.included();
+        let moves = drive.moves();
         let segments = std::iter::once(None).chain((0..drive.segments.len()).map(Some));
         let mut next = 0;
         let mut taken: Vec<Span> = Vec::with_capacity(drive.segments.len() + 1);
@@ -67,10 +68,15 @@ impl Sampled {
                 .segments
                 .get(until)
                 .map_or(f64::INFINITY, |segment| segment.start_s);
-            let first = next;
+            let mut first = next;
             next += time_s[next..].partition_point(|&t| t < end_s);
             let open = segment.is_some_and(|index| drive.segments[index].level == Level::OpenCircuit);
-            if next > first && (!open || with_open_circuit) {
+            let stated = segment.filter(|&index| drive.segments[index].last_before_s.is_none());
+            if let Some(index) = stated.filter(|_| !is_continuous && !moves) {
+                let start_s = drive.segments[index].start_s;
+                first += time_s[first..next].partition_point(|&t| t <= start_s);
+            }
+            if next > first && (!open || is_continuous) {
                 let end = next;
                 taken.push(Span { segment, first, end });
             }
@@ -93,7 +99,7 @@ impl Sampled {
         } else {
             Sampled::picked(&time_s, &values, &taken, start_s)
         };
-        if drive.moves() {
+        if moves {
             sampled.join(&drive.edges());
         }
         sampled.scatter = local_scatter(&sampled.smooth_stretches());
@@ -315,6 +321,61 @@ impl Sampled {
         Some((found.at.to_vec(), found.values.to_vec(), found.weights.to_vec()))
     }
 
+    /// The means over `parts`, each within one span, in the place of the readings.
+    pub(super) fn averaged(&self, parts: &[Span]) -> Sampled {
+        let mean = |series: &[f64], part: &Span| {
+            sums::sum(&series[part.first..part.end]) / (part.end - part.first) as f64
+        };
+        let column = |series: &[f64]| -> Arc<[f64]> { parts.iter().map(|part| mean(series, part)).collect() };
+        let mut spans: Vec<Span> = Vec::with_capacity(self.spans.len());
+        for (k, part) in parts.iter().enumerate() {
+            match spans.last_mut() {
+                Some(last) if last.segment == part.segment => last.end = k + 1,
+                _ => spans.push(Span {
+                    first: k,
+                    end: k + 1,
+                    ..*part
+                }),
+            }
+        }
+        let mut averaged = Sampled::of(
+            column(&self.time_s),
+            column(&self.elapsed_s),
+            column(&self.values),
+            spans,
+        );
+        let root = |part: &Span| ((part.end - part.first) as f64).sqrt();
+        averaged.root_weights = Some(parts.iter().map(root).collect());
+        averaged.scatter = local_scatter(&averaged.smooth_stretches());
+        averaged
+    }
+
+    /// Standard deviation of each value's noise, in that of the value behind which most readings stand.
+    pub(super) fn spread(&self) -> Vec<f64> {
+        let Some(roots) = &self.root_weights else {
+            return vec![1.0; self.len()];
+        };
+        let most = roots.iter().copied().fold(0.0, f64::max);
+        roots.iter().map(|root| most / root).collect()
+    }
+
+    /// Number of readings behind each value.
+    pub(super) fn counts(&self) -> Vec<f64> {
+        match &self.root_weights {
+            Some(roots) => roots.iter().map(|root| root * root).collect(),
+            None => vec![1.0; self.len()],
+        }
+    }
+
+    /// The values for which `keep` holds.
+    pub(super) fn kept(&self, keep: impl Fn(usize) -> bool) -> Sampled {
+        let of_span = |span: &Span| {
+            let kept: Vec<usize> = (span.first..span.end).filter(|&k| keep(k)).collect();
+            (span.segment, kept)
+        };
+        self.taken(self.spans.iter().map(of_span))
+    }
+
     /// At most about `most` readings: of every longer span its beginning and its end, as spans of their own.
     pub(super) fn ends(&self, most: usize) -> Sampled {
         let parts = |span: &Span| {
@@ -342,28 +403,33 @@ impl Sampled {
 
     /// The readings in the stretches that `parts` takes of every span, each a span of its own.
     fn stretches(&self, parts: impl Fn(&Span) -> Vec<(usize, usize)>) -> Sampled {
-        let (mut time_s, mut elapsed_s, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        let mut spans = Vec::new();
-        for span in &self.spans {
-            for (from, to) in parts(span) {
-                let first = values.len();
-                time_s.extend_from_slice(&self.time_s[from..to]);
-                elapsed_s.extend_from_slice(&self.elapsed_s[from..to]);
-                values.extend_from_slice(&self.values[from..to]);
-                spans.push(Span {
-                    segment: span.segment,
-                    first,
-                    end: values.len(),
-                });
-            }
+        let of_span = |span: &Span| {
+            let segment = span.segment;
+            parts(span)
+                .into_iter()
+                .map(move |(from, to)| (segment, (from..to).collect()))
+        };
+        self.taken(self.spans.iter().flat_map(of_span))
+    }
+
+    /// The readings at these places, each list a span.
+    fn taken(&self, spans: impl Iterator<Item = (Option<usize>, Vec<usize>)>) -> Sampled {
+        let mut places: Vec<usize> = Vec::new();
+        let mut taken = Vec::new();
+        for (segment, own) in spans.filter(|(_, own)| !own.is_empty()) {
+            let first = places.len();
+            places.extend(own);
+            let end = places.len();
+            taken.push(Span { segment, first, end });
         }
+        let column = |series: &[f64]| -> Arc<[f64]> { places.iter().map(|&k| series[k]).collect() };
         let mut kept = Sampled {
-            time_s: time_s.into(),
-            elapsed_s: elapsed_s.into(),
-            values: values.into(),
-            root_weights: None,
+            time_s: column(&self.time_s),
+            elapsed_s: column(&self.elapsed_s),
+            values: column(&self.values),
+            root_weights: self.root_weights.as_ref().map(|roots| column(roots).to_vec()),
             square_of_all: None,
-            spans,
+            spans: taken,
             blocks: Vec::new(),
             scatter: self.scatter.clone(),
             moves: self.moves,
@@ -459,10 +525,7 @@ mod tests {
     #[test]
     fn readings_fall_into_their_segments() {
         let mut drive = Drive::step(1.0);
-        drive.segments.push(Segment {
-            start_s: 40.0,
-            level: Level::OpenCircuit,
-        });
+        drive.segments.push(Segment::at(40.0, Level::OpenCircuit));
         let closed = Sampled::new(&channel(100), &drive, false);
         assert_eq!((closed.before_step(), closed.after_step()), (10, 38));
         assert_eq!(closed.spans[1].segment, Some(0));

@@ -363,10 +363,7 @@ mod tests {
     /// What compressing costs: the minimum moves by less than 10^-7 of a standard error.
     #[test]
     fn the_minimum_over_nodes_is_the_minimum_over_all_readings() {
-        let segment = |start_s, level_v| Segment {
-            start_s,
-            level: Level::Voltage(level_v),
-        };
+        let segment = |start_s, level_v| Segment::at(start_s, Level::Voltage(level_v));
         let drive = Drive {
             baseline_v: 0.0,
             segments: vec![segment(0.0, 2.0), segment(900.0, -1.0), segment(2300.0, 0.0)],

@@ -1,5 +1,6 @@
 //! Readings of a channel as a diagnosis sees them: with their noise, found without the model, and made white by it.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive, NoiseCharacter, Quantity};
@@ -7,6 +8,7 @@ use ieap_domain::{Channel, Drive, NoiseCharacter, Quantity};
 use super::joint::noise::Noise;
 use super::joint::readings::Response;
 use super::joint::whitening::{Autocorrelation, Whitener};
+use super::means::{self, Means};
 use super::noise_again::NoiseAgain;
 use super::sampled::{Sampled, Span};
 
@@ -19,6 +21,8 @@ const WITHOUT_GAP: f64 = 2.5;
 #[derive(Debug, Clone)]
 pub struct WhitenedChannel {
     response: Response,
+    /// How its values are means of readings; none where they are readings.
+    means: Option<Means>,
     autocorrelation: Continuing,
     readings_per_independent: f64,
     /// Whether the memory is one that it shares with other channels.
@@ -89,16 +93,46 @@ fn is_near(time_s: &[f64], first: usize) -> bool {
 impl WhitenedChannel {
     /// The usable readings of `channel`; none where fewer than `needed` follow the step. Currents read while the
     /// circuit was open are left out: the drive alone says that they are zero.
-    pub fn new(channel: &Channel, drive: &Drive, needed: usize) -> Option<WhitenedChannel> {
+    /// A record of more than `most` is taken by means of neighbours ([`WhitenedChannel::nodes_s`]).
+    pub fn new(channel: &Channel, drive: &Drive, needed: usize, most: usize) -> Option<WhitenedChannel> {
         let sampled = Sampled::new(channel, drive, channel.quantity == Quantity::Curvature);
         if sampled.after_step() < needed {
             return None;
         }
-        Some(WhitenedChannel::of(Response::new(sampled)))
+        let (sampled, means) = Means::of(sampled, most);
+        Some(WhitenedChannel::of(Response::new(sampled), means))
     }
 
-    fn of(response: Response) -> WhitenedChannel {
+    /// Times at which a model is asked for what these values are, s: those of the readings, or for a long record a few that
+    /// stand for the readings behind each mean.
+    pub fn nodes_s(&self) -> &[f64] {
+        self.means.as_ref().map_or(self.time_s(), Means::nodes_s)
+    }
+
+    /// What a model that gives these values at [`WhitenedChannel::nodes_s`] says of the channel's values.
+    pub fn over_nodes<'v>(&self, at_nodes: &'v [f64]) -> Cow<'v, [f64]> {
+        means::over(self.means.as_ref(), at_nodes)
+    }
+
+    /// Without the values at these places, which increase; none where fewer than `needed` would follow the step.
+    pub fn without(&self, places: &[usize], needed: usize) -> Option<WhitenedChannel> {
+        let keep = |k: usize| places.binary_search(&k).is_err();
+        let sampled = self.response.sampled.kept(keep);
+        if sampled.after_step() < needed {
+            return None;
+        }
+        let means = self.means.as_ref().map(|means| means.kept(keep));
+        Some(WhitenedChannel::of(Response::new(sampled), means))
+    }
+
+    /// Number of readings behind its values.
+    pub fn readings(&self) -> usize {
+        self.response.sampled.counts().iter().sum::<f64>().round() as usize
+    }
+
+    fn of(response: Response, means: Option<Means>) -> WhitenedChannel {
         WhitenedChannel {
+            means,
             autocorrelation: Continuing::new(
                 &response.sampled,
                 &response.noise.sd,
@@ -138,7 +172,7 @@ impl WhitenedChannel {
         let least = self.response.noise.quantum / 12.0_f64.sqrt();
         let found = of(
             &self.left(fitted),
-            &growing(fitted, per_signal),
+            &self.growing(fitted, per_signal),
             least.max(f64::MIN_POSITIVE),
         );
         let noise = Noise {
@@ -146,7 +180,14 @@ impl WhitenedChannel {
             proportional: found.floor * per_signal,
             ..found
         };
-        WhitenedChannel::of(Response::with_noise(self.response.sampled.clone(), noise))
+        let response = Response::with_noise(self.response.sampled.clone(), noise);
+        WhitenedChannel::of(response, self.means.clone())
+    }
+
+    /// Standard deviation of every value in units of that at signal zero.
+    fn growing(&self, fitted: &[f64], per_signal: f64) -> Vec<f64> {
+        let spread = self.response.sampled.spread();
+        growing(fitted, &spread, per_signal)
     }
 
     /// The same readings with the memory of the noise cut to `longest` readings for an independent one, and to a fifth of
@@ -204,7 +245,7 @@ impl WhitenedChannel {
         let left = self.left(fitted).without_edges(AT_EDGE);
         let scales: Vec<Vec<f64>> = std::iter::once(&0.0)
             .chain(per_signal)
-            .map(|per| growing(&level.values, *per))
+            .map(|per| growing(&level.values, &level.spread(), *per))
             .collect();
         let deviances = Noise::deviances(&left, &scales, &self.response.noise.autocorrelation);
         deviances[1..].iter().map(|own| own - deviances[0]).collect()
@@ -295,10 +336,9 @@ impl WhitenedChannel {
     }
 }
 
-/// Standard deviation of every reading in units of that at signal zero.
-fn growing(fitted: &[f64], per_signal: f64) -> Vec<f64> {
-    fitted
-        .iter()
-        .map(|level| (per_signal * level).hypot(1.0))
+fn growing(fitted: &[f64], spread: &[f64], per_signal: f64) -> Vec<f64> {
+    let pairs = fitted.iter().zip(spread);
+    pairs
+        .map(|(level, spread)| spread * (per_signal * level).hypot(1.0))
         .collect()
 }

@@ -6,7 +6,7 @@ use ieap_domain::{Channel, Drive, Issue, Level, Quantity, Segment};
 use ieap_numerics::robust::{SD_PER_MEDIAN_DISTANCE, upper_median};
 
 /// Version of what counts as a drive: raised when the same readings would give another, so that runs are asked again.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// Code of the issue of a voltage that does not go in steps.
 pub const NO_STEPS: &str = "not-piecewise-constant";
@@ -65,11 +65,10 @@ pub fn find(
     let mut open: Vec<(f64, f64)> = open_s.to_vec();
     open.extend(of(Quantity::OpenCircuit).map(stretches_open).unwrap_or_default());
     open.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let first_response_s = channels
-        .iter()
-        .filter(|c| c.is_response())
-        .filter_map(|c| c.time_s.first().copied())
-        .fold(f64::INFINITY, f64::min);
+    let responses = channels.iter().filter(|c| c.is_response());
+    let first_response = responses
+        .filter(|c| !c.time_s.is_empty())
+        .min_by(|a, b| a.time_s[0].total_cmp(&b.time_s[0]));
     let found = match (stated::driving(channels), tag_v) {
         (Some(voltage), _) => {
             let mut found = from_channel(voltage, channels, time_zero_is_step, &open);
@@ -77,17 +76,15 @@ pub fn find(
             stated::placed(found, voltage)
         }
         (None, Some(tag_v)) => {
-            let start_s = if time_zero_is_step {
-                0.0
-            } else {
-                first_response_s.min(f64::MAX)
+            let level = Level::Voltage(tag_v);
+            let segment = match (time_zero_is_step, first_response) {
+                (true, _) => Segment::at(0.0, level),
+                (false, Some(channel)) => just_before(&channel.time_s, level),
+                (false, None) => Segment::at(f64::MAX, level),
             };
             let drive = Drive {
                 baseline_v: 0.0,
-                segments: vec![Segment {
-                    start_s,
-                    level: Level::Voltage(tag_v),
-                }],
+                segments: vec![segment],
             };
             FoundDrive {
                 drive: Some(drive),
@@ -140,7 +137,7 @@ fn from_channel(
         }
     };
     if rest.is_empty() {
-        held_from_start(*first, time_zero_is_step)
+        held_from_start(*first, time_zero_is_step, &time_s)
     } else {
         stepped(*first, rest, time_zero_is_step)
     }
@@ -155,7 +152,7 @@ struct Stretch {
 }
 
 /// One voltage throughout: applied at the start, to a discharged sample.
-fn held_from_start(held: Stretch, time_zero_is_step: bool) -> FoundDrive {
+fn held_from_start(held: Stretch, time_zero_is_step: bool, time_s: &[f64]) -> FoundDrive {
     if time_zero_is_step && held.start_s < 0.0 {
         let issue = Issue::warning(
             "no-step",
@@ -171,13 +168,14 @@ fn held_from_start(held: Stretch, time_zero_is_step: bool) -> FoundDrive {
             issues: vec![issue],
         };
     }
-    let start_s = if time_zero_is_step { 0.0 } else { held.start_s };
+    let level = Level::Voltage(held.level_v);
+    let segment = match time_zero_is_step {
+        true => Segment::at(0.0, level),
+        false => just_before(time_s, level),
+    };
     let drive = Drive {
         baseline_v: 0.0,
-        segments: vec![Segment {
-            start_s,
-            level: Level::Voltage(held.level_v),
-        }],
+        segments: vec![segment],
     };
     let issue = Issue::note(
         "start-state-assumed",
@@ -192,19 +190,30 @@ fn held_from_start(held: Stretch, time_zero_is_step: bool) -> FoundDrive {
     }
 }
 
+/// A level that the first of the readings finds applied: it was applied less than one interval before.
+fn just_before(time_s: &[f64], level: Level) -> Segment {
+    let start_s = time_s.first().copied().unwrap_or(0.0);
+    let interval_s = time_s.get(1).map_or(0.0, |next_s| next_s - start_s);
+    Segment {
+        last_before_s: (interval_s > 0.0).then_some(start_s - interval_s),
+        ..Segment::at(start_s, level)
+    }
+}
+
 fn stepped(first: Stretch, rest: &[Stretch], time_zero_is_step: bool) -> FoundDrive {
-    let start_of = |stretch: &Stretch| {
-        // Where the table's zero is the step it is more exact than the first reading after it.
+    let segment = |stretch: &Stretch| {
+        let level = Level::Voltage(stretch.level_v);
+        // Where the table's zero is the step it is more exact than the readings beside it.
         let holds_zero = time_zero_is_step && stretch.last_before_s < 0.0 && 0.0 <= stretch.start_s;
-        if holds_zero { 0.0 } else { stretch.start_s }
+        match holds_zero {
+            true => Segment::at(0.0, level),
+            false => Segment {
+                last_before_s: Some(stretch.last_before_s),
+                ..Segment::at(stretch.start_s, level)
+            },
+        }
     };
-    let segments: Vec<Segment> = rest
-        .iter()
-        .map(|s| Segment {
-            start_s: start_of(s),
-            level: Level::Voltage(s.level_v),
-        })
-        .collect();
+    let segments: Vec<Segment> = rest.iter().map(segment).collect();
     let mut issues = Vec::new();
     if time_zero_is_step && segments[0].start_s != 0.0 {
         let message = format!(
@@ -388,13 +397,8 @@ fn with_open_circuit(mut found: FoundDrive, open: &[(f64, f64)]) -> FoundDrive {
         };
         let after = to.is_finite().then(|| due(to)).flatten();
         drive.segments.retain(|s| s.start_s < from || s.start_s > to);
-        drive.segments.push(Segment {
-            start_s: from,
-            level: Level::OpenCircuit,
-        });
-        drive
-            .segments
-            .extend(after.map(|level| Segment { start_s: to, level }));
+        drive.segments.push(Segment::at(from, Level::OpenCircuit));
+        drive.segments.extend(after.map(|level| Segment::at(to, level)));
         drive.segments.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
     }
     found

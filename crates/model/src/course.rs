@@ -218,10 +218,7 @@ mod tests {
     }
 
     fn simulated(course_v: &[f64]) -> Vec<f64> {
-        let segment = |(k, volts): (usize, &f64)| Segment {
-            start_s: EVERY_S * k as f64,
-            level: Level::Voltage(*volts),
-        };
+        let segment = |(k, volts): (usize, &f64)| Segment::at(EVERY_S * k as f64, Level::Voltage(*volts));
         let drive = Drive {
             baseline_v: 0.0,
             segments: course_v.iter().enumerate().map(segment).collect(),

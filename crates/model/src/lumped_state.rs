@@ -168,7 +168,7 @@ mod tests {
     }
 
     fn drive() -> Drive {
-        let segment = |start_s, level| Segment { start_s, level };
+        let segment = |start_s, level| Segment::at(start_s, level);
         Drive {
             baseline_v: 0.0,
             segments: vec![

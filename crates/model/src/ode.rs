@@ -175,10 +175,7 @@ mod tests {
 
     fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
         let level = |v: Option<f64>| v.map_or(Level::OpenCircuit, Level::Voltage);
-        let segments = levels.iter().map(|&(start_s, v)| Segment {
-            start_s,
-            level: level(v),
-        });
+        let segments = levels.iter().map(|&(start_s, v)| Segment::at(start_s, level(v)));
         Drive {
             baseline_v,
             segments: segments.collect(),

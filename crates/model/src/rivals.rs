@@ -178,10 +178,7 @@ mod tests {
     }
 
     fn pulses() -> Drive {
-        let segment = |start_s, v| Segment {
-            start_s,
-            level: Level::Voltage(v),
-        };
+        let segment = |start_s, v| Segment::at(start_s, Level::Voltage(v));
         Drive {
             baseline_v: 0.5,
             segments: vec![segment(0.0, 2.0), segment(300.0, -1.0), segment(800.0, 0.0)],

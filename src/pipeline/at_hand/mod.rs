@@ -218,9 +218,8 @@ fn chosen(resolved: &Resolved) -> BTreeMap<String, String> {
 }
 
 fn stated_drive(stated: &Stated) -> Drive {
-    let segment = |&(start_s, voltage_v): &(f64, Option<f64>)| Segment {
-        start_s,
-        level: voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
+    let segment = |&(start_s, voltage_v): &(f64, Option<f64>)| {
+        Segment::at(start_s, voltage_v.map_or(Level::OpenCircuit, Level::Voltage))
     };
     Drive {
         baseline_v: stated.baseline_v,

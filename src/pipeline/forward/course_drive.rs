@@ -279,10 +279,7 @@ fn volts(drive: &Drive, sample: usize) -> f64 {
 }
 
 fn drive_of(course_v: &[f64], every_s: f64) -> Drive {
-    let segment = |(k, volts): (usize, &f64)| Segment {
-        start_s: every_s * k as f64,
-        level: Level::Voltage(*volts),
-    };
+    let segment = |(k, volts): (usize, &f64)| Segment::at(every_s * k as f64, Level::Voltage(*volts));
     Drive {
         baseline_v: 0.0,
         segments: course_v.iter().enumerate().map(segment).collect(),

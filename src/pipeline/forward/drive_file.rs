@@ -13,10 +13,7 @@ use crate::system::fs;
 /// The file cannot be read, or is not such a table.
 pub fn read_drive(path: &Path) -> Result<Drive, PipelineError> {
     let rows = read(path, "voltage_v")?;
-    let segment = |&(start_s, volts): &(f64, f64)| Segment {
-        start_s,
-        level: Level::Voltage(volts),
-    };
+    let segment = |&(start_s, volts): &(f64, f64)| Segment::at(start_s, Level::Voltage(volts));
     Ok(Drive {
         baseline_v: 0.0,
         segments: rows.iter().map(segment).collect(),
@@ -113,10 +110,7 @@ mod tests {
         let text = "# of today\nvoltage_v;time_s\n1.5;0\n-0.25;12.5\n";
         let rows = parse(text, "voltage_v").unwrap();
         assert_eq!(rows, [(0.0, 1.5), (12.5, -0.25)]);
-        let segment = |&(start_s, volts): &(f64, f64)| Segment {
-            start_s,
-            level: Level::Voltage(volts),
-        };
+        let segment = |&(start_s, volts): &(f64, f64)| Segment::at(start_s, Level::Voltage(volts));
         let drive = Drive {
             baseline_v: 0.0,
             segments: rows.iter().map(segment).collect(),

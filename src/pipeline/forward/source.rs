@@ -242,10 +242,7 @@ mod tests {
     #[test]
     fn voltages_of_a_drive_are_weighed_by_their_time() {
         assert_eq!(applied(&Drive::step(-1.5), 100.0), Applied::step(-1.5));
-        let segment = |start_s, volts| Segment {
-            start_s,
-            level: Level::Voltage(volts),
-        };
+        let segment = |start_s, volts| Segment::at(start_s, Level::Voltage(volts));
         let pulses = Drive {
             baseline_v: 0.0,
             segments: vec![segment(0.0, 2.0), segment(10.0, 0.0)],

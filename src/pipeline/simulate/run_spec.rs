@@ -73,10 +73,7 @@ pub struct Pulses {
 
 impl Pulses {
     fn segments(&self) -> Vec<Segment> {
-        let held = |start_s: f64, voltage_v: f64| Segment {
-            start_s,
-            level: Level::Voltage(voltage_v),
-        };
+        let held = |start_s: f64, voltage_v: f64| Segment::at(start_s, Level::Voltage(voltage_v));
         let pulse = |k: u32| {
             let start_s = f64::from(k) * (self.on_s + self.off_s);
             [held(start_s, self.voltage_v), held(start_s + self.on_s, 0.0)]
@@ -220,9 +217,11 @@ pub(super) fn drive_of(
     pulses: Option<Pulses>,
     given: &[SegmentSpec],
 ) -> Drive {
-    let given = given.iter().map(|segment| Segment {
-        start_s: segment.start_s,
-        level: segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
+    let given = given.iter().map(|segment| {
+        Segment::at(
+            segment.start_s,
+            segment.voltage_v.map_or(Level::OpenCircuit, Level::Voltage),
+        )
     });
     let segments = match (voltage_v, pulses) {
         (Some(voltage_v), _) => Drive::step(voltage_v).segments,

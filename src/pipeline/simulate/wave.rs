@@ -84,10 +84,7 @@ impl Wave {
                 false => periods / self.frequency_hz,
             }
         };
-        let held = |start_s: f64, volts: f64| Segment {
-            start_s,
-            level: Level::Voltage(volts),
-        };
+        let held = |start_s: f64, volts: f64| Segment::at(start_s, Level::Voltage(volts));
         let step = |step: u32| held(at(f64::from(step)), self.volts(at(f64::from(step) + 0.5)));
         let steps = (0..count as u32).map(step);
         Drive {

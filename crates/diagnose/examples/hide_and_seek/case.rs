@@ -12,6 +12,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::rednoise::add_slow;
+
 /// Active area, cm2, and free length, cm, of every sample.
 pub const AREA: f64 = 0.1;
 pub const LENGTH: f64 = 0.5;
@@ -44,13 +46,47 @@ pub enum Readings {
     Uneven,
     /// In steps of the noise's standard deviation.
     Quantised,
-    /// One in a hundred off by ten standard deviations.
-    Outliers,
+}
+
+/// Where readings lie beside the edges of the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// On them, from the first edge on; the drive is stated.
+    OnEdges,
+    /// A part of an interval beside them, another one in every run: the drive is what a voltmeter read beside the rest tells.
+    Beside,
+    /// At irregular intervals, likewise.
+    Irregular,
+    /// At irregular intervals, with a reading at each edge, from rest on; the drive is stated.
+    IrregularOnEdges,
+}
+
+/// Noise slower than the readings, beside their own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Slow {
+    /// None.
+    None,
+    /// As large as the readings' own, with a correlation that dies away in so many seconds.
+    Red(f64),
+    /// As large as the readings' own, with a spectrum 1/f down to twice the record's length.
+    OneOverF,
 }
 
 /// How a group is measured.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
+    /// Where readings lie beside edges.
+    pub clock: Clock,
+    /// Readings of a record from the first edge on.
+    pub count: usize,
+    /// Readings a second.
+    pub rate_hz: f64,
+    /// Edges of the pulses among the drives.
+    pub edges: usize,
+    /// Slow noise.
+    pub slow: Slow,
+    /// Part of the readings that stand ten standard deviations off.
+    pub outliers: f64,
     pub drives: Drives,
     pub readings: Readings,
     /// Correlation of neighbouring readings; none: 0, 0.3, 0.6 and 0.8 in turn.
@@ -74,8 +110,16 @@ impl Default for Plan {
             readings: match std::env::var("READINGS").as_deref() {
                 Ok("uneven") => Readings::Uneven,
                 Ok("quantised") => Readings::Quantised,
-                Ok("outliers") => Readings::Outliers,
                 _ => Readings::Even,
+            },
+            clock: Clock::OnEdges,
+            count: 600,
+            rate_hz: 1.0,
+            edges: 30,
+            slow: Slow::None,
+            outliers: match std::env::var("READINGS").as_deref() {
+                Ok("outliers") => 0.01,
+                _ => 0.0,
             },
             autocorrelation: None,
             growing: std::env::var("GROWING")
@@ -92,8 +136,13 @@ pub struct Case {
     pub design: Vec<DesignRun>,
     pub noise: KnownNoise,
     pub generator: ChaCha8Rng,
-    plan: Plan,
+    pub plan: Plan,
+    /// The drives as readings tell of them.
+    pub seen: Vec<Drive>,
 }
+
+/// Readings at rest before the first edge, where the drive is what readings tell.
+const AT_REST: usize = 20;
 
 /// Random base parameters, each within a factor of two of its centre.
 pub fn case(seed: u64, plan: Plan) -> Case {
@@ -115,17 +164,19 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         charge_to_curvature_per_c_cm: about(20.0),
         relaxation_rate_per_s: about(0.01),
     };
+    let lasting_s = plan.count as f64 / plan.rate_hz;
     let time_s: Vec<f64> = match plan.readings {
         Readings::Uneven => (1..=200)
             .map(|k| 0.25 * f64::from(k))
             .chain((1..=275).map(|k| 50.0 + 2.0 * f64::from(k)))
             .collect(),
-        _ => (1..=600).map(f64::from).collect(),
+        _ => (1..=plan.count).map(|k| k as f64 / plan.rate_hz).collect(),
     };
-    let pulses: Vec<(f64, f64)> = (0..30)
-        .map(|k| (20.0 * f64::from(k), if k % 2 == 0 { 2.0 } else { 0.0 }))
+    let pulse_s = lasting_s / plan.edges as f64;
+    let pulses: Vec<(f64, f64)> = (0..plan.edges)
+        .map(|k| (pulse_s * k as f64, if k % 2 == 0 { 2.0 } else { 0.0 }))
         .collect();
-    let discharge = vec![(0.0, 2.0), (300.0, 0.0)];
+    let discharge = vec![(0.0, 2.0), (0.5 * lasting_s, 0.0)];
     let drives = match plan.drives {
         Drives::Step => vec![vec![(0.0, 2.0)]],
         Drives::Same => vec![vec![(0.0, 2.0)]; 3],
@@ -149,10 +200,7 @@ pub fn case(seed: u64, plan: Plan) -> Case {
             baseline_v: 0.0,
             segments: levels
                 .iter()
-                .map(|&(start_s, v)| Segment {
-                    start_s,
-                    level: Level::Voltage(v),
-                })
+                .map(|&(start_s, v)| Segment::at(start_s, Level::Voltage(v)))
                 .collect(),
         },
         area_cm2: AREA,
@@ -168,13 +216,74 @@ pub fn case(seed: u64, plan: Plan) -> Case {
             .autocorrelation
             .unwrap_or([0.0, 0.3, 0.6, 0.8][(seed % 4) as usize]),
     };
+    let mut design: Vec<DesignRun> = drives.iter().map(of).collect();
+    // Of its own seed: what is drawn beside it stays what it was.
+    let mut clock = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed_c10c);
+    for run in &mut design {
+        run.current_time_s = clocked(&run.current_time_s, plan, &run.drive, &mut clock);
+        run.curvature_time_s.clone_from(&run.current_time_s);
+    }
+    let seen = match plan.clock {
+        Clock::OnEdges | Clock::IrregularOnEdges => design.iter().map(|run| run.drive.clone()).collect(),
+        Clock::Beside | Clock::Irregular => design.iter().map(as_seen).collect(),
+    };
     Case {
         base,
-        design: drives.iter().map(of).collect(),
+        design,
         noise,
         generator,
         plan,
+        seen,
     }
+}
+
+/// The times of readings by that clock, in the place of even ones from the first edge on.
+fn clocked(even_s: &[f64], plan: Plan, drive: &Drive, clock: &mut ChaCha8Rng) -> Vec<f64> {
+    let step_s = plan.rate_hz.recip();
+    let at_rest = || (0..AT_REST).map(|k| -step_s * (AT_REST - k) as f64);
+    match plan.clock {
+        Clock::OnEdges => even_s.to_vec(),
+        Clock::Beside => {
+            let beside_s = step_s * clock.random_range(0.1..0.9);
+            at_rest()
+                .chain([0.0])
+                .chain(even_s.iter().copied())
+                .map(|t| t + beside_s)
+                .collect()
+        }
+        Clock::Irregular | Clock::IrregularOnEdges => {
+            let mut times: Vec<f64> = at_rest()
+                .chain(even_s.iter().copied())
+                .map(|t| t + step_s * clock.random_range(-0.45..0.45))
+                .collect();
+            if plan.clock == Clock::IrregularOnEdges {
+                times.extend(drive.segments.iter().map(|segment| segment.start_s));
+                times.sort_by(f64::total_cmp);
+                times.dedup();
+            }
+            times
+        }
+    }
+}
+
+/// The drive of a run as a voltmeter tells it that is read with the rest.
+fn as_seen(run: &DesignRun) -> Drive {
+    let mut seen = run.drive.clone();
+    let times = &run.current_time_s;
+    for segment in &mut seen.segments {
+        let first = times.partition_point(|&t| t < segment.start_s);
+        segment.last_before_s = first.checked_sub(1).map(|before| times[before]);
+        segment.start_s = times.get(first).copied().unwrap_or(segment.start_s);
+    }
+    // Edges between the same two readings are one.
+    seen.segments.dedup_by(|later, earlier| {
+        let same = later.start_s <= earlier.start_s;
+        if same {
+            earlier.level = later.level;
+        }
+        same
+    });
+    seen
 }
 
 /// What the library gives, without noise.
@@ -189,7 +298,7 @@ pub fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
             drive: &run.drive,
             area_cm2: AREA,
             length_cm: Some(LENGTH),
-            duration_s: 600.0,
+            duration_s: case.lasting_s(),
             resolved_s: None,
             tags: &[],
         };
@@ -262,7 +371,7 @@ fn noisy(values: &[f64], sd: f64, rho: f64, plan: Plan, generator: &mut impl Rng
         let mut out = v + own * state;
         let next: f64 = StandardNormal.sample(generator);
         state = rho * state + new * next;
-        if plan.readings == Readings::Outliers && generator.random_bool(0.01) {
+        if plan.outliers > 0.0 && generator.random_bool(plan.outliers) {
             out += 10.0 * sd * if generator.random_bool(0.5) { 1.0 } else { -1.0 };
         }
         match plan.readings {
@@ -279,7 +388,13 @@ pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
     let each = case.design.iter().zip(responses).map(|(run, response)| {
         let mut channel = |quantity, time_s: &[f64], values: &[f64], sd| {
             let values = noisy(values, sd, rho, plan, &mut case.generator);
-            Channel::new(quantity, time_s.into(), values.into())
+            let mut channel = Channel::new(quantity, time_s.into(), values.into());
+            match plan.slow {
+                Slow::None => {}
+                Slow::Red(time_s) => add_red(&mut channel, sd, time_s, &mut case.generator),
+                Slow::OneOverF => add_slow(&mut channel, sd, 1.0, &mut case.generator),
+            }
+            channel
         };
         vec![
             channel(
@@ -299,6 +414,28 @@ pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
     each.collect()
 }
 
+/// Adds noise whose correlation dies away in that time.
+fn add_red(channel: &mut Channel, sd: f64, correlation_s: f64, generator: &mut impl Rng) {
+    let mut state: f64 = StandardNormal.sample(&mut *generator);
+    let mut last_s = channel.time_s.first().copied().unwrap_or(0.0);
+    let readings = channel.time_s.iter().zip(channel.values.iter());
+    let values = readings.map(|(&t, value)| {
+        let rho = (-(t - last_s) / correlation_s).exp();
+        let fresh: f64 = StandardNormal.sample(&mut *generator);
+        state = rho * state + (1.0 - rho * rho).sqrt() * fresh;
+        last_s = t;
+        value + sd * state
+    });
+    channel.values = values.collect();
+}
+
+impl Case {
+    /// Length of a record from its first edge on, s.
+    pub fn lasting_s(&self) -> f64 {
+        self.plan.count as f64 / self.plan.rate_hz
+    }
+}
+
 /// The runs as a diagnosis takes them.
 pub fn inputs<'a>(case: &'a Case, channels: &'a [Vec<Channel>]) -> Vec<RunInput<'a>> {
     const NAMES: [&str; 6] = ["first", "second", "third", "fourth", "fifth", "proposed"];
@@ -306,11 +443,12 @@ pub fn inputs<'a>(case: &'a Case, channels: &'a [Vec<Channel>]) -> Vec<RunInput<
         .iter()
         .zip(channels)
         .zip(NAMES)
-        .map(|((run, channels), name)| RunInput {
+        .enumerate()
+        .map(|(place, ((run, channels), name))| RunInput {
             name,
             input: FitInput {
                 channels,
-                drive: &run.drive,
+                drive: case.seen.get(place).unwrap_or(&run.drive),
                 area_cm2: AREA,
             },
             length_cm: Some(LENGTH),

@@ -12,69 +12,6 @@ use crate::hidden::{HIDEABLE, Outside, apart, hidden, outside};
 use crate::oracle::oracle;
 use crate::verdicts::{Count, both};
 
-/// Groups with p below 0.05, and groups that were given a name, among so many clean ones from seed `first` on.
-pub fn nulls(first: u64, count: u64) -> (usize, usize) {
-    let found: Vec<(f64, Verdict, bool)> = (first..first + count)
-        .into_par_iter()
-        .map(|seed| {
-            let mut case = case(seed, Plan::default());
-            let plain = responses(&case, &[]);
-            let found = diagnose(&mut case, &plain);
-            if std::env::var_os("SHOW").is_some() && found.p_misfit.is_some_and(|p| p < 0.05) {
-                println!("seed {seed} p {:?} {}", found.p_misfit, found.sentence);
-                for n in found.noise.iter().filter(|_| seed % 4 == 3) {
-                    println!(
-                        "    {} {} {:?} growing {}",
-                        n.run, n.channel, n.autoregression, n.proportional
-                    );
-                }
-            }
-            let best = found.candidates.iter().map(|candidate| candidate.forecast_gain);
-            let beyond = found
-                .gain_at_5_percent
-                .is_some_and(|mark| best.fold(0.0, f64::max) > mark);
-            (found.p_misfit.unwrap_or(f64::NAN), found.verdict, beyond)
-        })
-        .collect();
-    println!(
-        "candidates beyond the mark that chance passes in 5 %: {:.3}",
-        found.iter().filter(|(_, _, beyond)| *beyond).count() as f64 / found.len() as f64
-    );
-    let mut found: Vec<(f64, Verdict)> = found.into_iter().map(|(p, verdict, _)| (p, verdict)).collect();
-    for rho in 0..4 {
-        let of: Vec<f64> = found.iter().skip(rho).step_by(4).map(|(p, _)| *p).collect();
-        let below = |limit: f64| of.iter().filter(|p| **p < limit).count() as f64 / of.len() as f64;
-        println!(
-            "rho {rho}: p<0.01 {:.3}  p<0.05 {:.3}  p<0.5 {:.3}",
-            below(0.01),
-            below(0.05),
-            below(0.5)
-        );
-    }
-    let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
-    for (_, verdict) in &found {
-        *verdicts.entry(verdict.key()).or_default() += 1;
-    }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let n = found.len() as f64;
-    let ks = found
-        .iter()
-        .enumerate()
-        .map(|(k, (p, _))| (p - (k as f64 + 0.5) / n).abs())
-        .fold(0.0, f64::max);
-    println!(
-        "{verdicts:?}  KS distance {ks:.3} (5 % point {:.3})",
-        1.36 / n.sqrt()
-    );
-    (
-        found.iter().filter(|(p, _)| *p < 0.05).count(),
-        found
-            .iter()
-            .filter(|(_, verdict)| verdict.names_a_cause())
-            .count(),
-    )
-}
-
 /// Every effect has noise and base parameters of its own: shared ones would make one unlucky noise count as many.
 const SEEDS_OF_AN_EFFECT: usize = 1000;
 

@@ -74,8 +74,8 @@ pub fn scale(case: &Case) -> Scale {
         base: case.base.clone(),
         area_cm2: AREA,
         length_cm: Some(LENGTH),
-        durations_s: vec![600.0; case.design.len()],
-        shortest_s: 1.0,
+        durations_s: vec![case.lasting_s(); case.design.len()],
+        shortest_s: case.plan.rate_hz.recip(),
         voltage_v: 2.0,
         current_a: plain.iter().map(|r| peak(&r.current_a)).fold(0.0, f64::max),
         curvature_per_cm: plain

@@ -55,7 +55,7 @@ pub fn rednoise(first: u64, count: u64) {
 }
 
 /// Adds a Gaussian series of that standard deviation and spectrum.
-fn add_slow(channel: &mut Channel, sd: f64, exponent: f64, generator: &mut impl Rng) {
+pub fn add_slow(channel: &mut Channel, sd: f64, exponent: f64, generator: &mut impl Rng) {
     let last_s = channel.time_s.iter().copied().fold(0.0, f64::max);
     let powers: Vec<f64> = (1..=WAVES).map(|k| (k as f64).powf(-exponent)).collect();
     let whole: f64 = powers.iter().sum();

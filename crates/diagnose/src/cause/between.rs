@@ -205,7 +205,7 @@ fn with_voltage(group: &RunGroup) -> Tangent {
     let volts: Vec<f64> = group
         .runs
         .iter()
-        .map(|run| run.given.input.drive.nominal_step_v())
+        .map(|run| run.drive().nominal_step_v())
         .collect();
     let sizes = volts.iter().map(|v| v.abs()).collect();
     Tangent::of(&[vec![1.0; volts.len()], volts, sizes])

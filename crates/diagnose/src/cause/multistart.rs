@@ -34,7 +34,7 @@ impl<'g> SelectionInput<'_, 'g> {
     /// Whether all drives are one with its voltages times a number, which what is linear answers alike: other drives hold
     /// the base parameters where they belong.
     fn has_one_shape_of_drive(&self) -> bool {
-        let drives = || self.group.runs.iter().map(|run| run.given.input.drive);
+        let drives = || self.group.runs.iter().map(|run| run.drive());
         drives().all(|drive| drives().all(|other| drive.is_scaled(other)))
     }
 
@@ -168,7 +168,7 @@ impl<'g> SelectionInput<'_, 'g> {
 
     /// The run of the largest step.
     fn largest(&self) -> usize {
-        let step_v = |run: &usize| self.group.runs[*run].given.input.drive.nominal_step_v().abs();
+        let step_v = |run: &usize| self.group.runs[*run].drive().nominal_step_v().abs();
         let runs = 0..self.group.runs.len();
         runs.max_by(|a, b| step_v(a).total_cmp(&step_v(b))).unwrap_or(0)
     }

@@ -1,7 +1,7 @@
 //! Fits of the extended model: one parameter set for the runs of a group, effects among it.
 
 use ieap_domain::{Fit, Issue, Parameter};
-use ieap_fit::{BaseKnowledge, FitInput, fit_of_run};
+use ieap_fit::{BaseKnowledge, fit_of_run};
 use ieap_model::{FitModel, ModelChoice};
 use ieap_numerics::student::quantile_95;
 use ieap_numerics::symmetric::Symmetric;
@@ -72,7 +72,7 @@ fn fits<'g>(
     let issues = issues(base, extended, choice, group, wider);
     let of_run = |(place, run): (usize, &crate::readings::group::GroupRun)| {
         let index = runs.iter().position(|given| given.name == run.given.name)?;
-        let mut parameters = knowledge.parameters(choice.base, run.given.input.drive);
+        let mut parameters = knowledge.parameters(choice.base, run.drive());
         parameters.extend(of_effects.clone());
         let head = head(choice, extended, parameters, issues.clone());
         let context = run.context(place, None);
@@ -80,8 +80,7 @@ fn fits<'g>(
             let found = model.responses(&context, current_s, curvature_s);
             [found.current_a, found.curvature_per_cm]
         };
-        let input: &FitInput = &run.given.input;
-        Some((index, fit_of_run(input, searched, head, &predict)))
+        Some((index, fit_of_run(&run.input(), searched, head, &predict)))
     };
     group.runs.iter().enumerate().filter_map(of_run).collect()
 }

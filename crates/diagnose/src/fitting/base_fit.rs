@@ -43,8 +43,13 @@ pub(crate) fn of_each_run(group: &RunGroup, model: &'static FitModel) -> Vec<Opt
 
 /// The base fitted to the same readings with another noise, from where it was.
 pub(crate) fn refit<'g>(group: &'g RunGroup<'g>, from: &Fitted) -> Option<Fitted<'g>> {
-    let problem = ExtendedProblem::new(group, &from.base(), Vec::new());
-    let at = problem.coordinates(&from.base(), &[]);
+    refit_from(group, &from.base())
+}
+
+/// The base fitted from those parameters.
+pub(crate) fn refit_from<'g>(group: &'g RunGroup<'g>, start: &LumpedModel) -> Option<Fitted<'g>> {
+    let problem = ExtendedProblem::new(group, start, Vec::new());
+    let at = problem.coordinates(start, &[]);
     Fitted::search(problem, &[at], &[]).map(Fitted::polished)
 }
 
@@ -84,7 +89,7 @@ fn guess(group: &RunGroup, branches: usize) -> Option<LumpedModel> {
     let mut per_volt: f64 = 0.0;
     let mut bending = 0.0;
     for run in &group.runs {
-        let step_v = run.given.input.drive.nominal_step_v().abs();
+        let step_v = run.drive().nominal_step_v().abs();
         if step_v == 0.0 {
             continue;
         }
@@ -98,7 +103,7 @@ fn guess(group: &RunGroup, branches: usize) -> Option<LumpedModel> {
         };
         per_volt = per_volt.max(peak(0).abs() / step_v / run.given.input.area_cm2);
         bending = if bending == 0.0 {
-            peak(1) / run.given.input.drive.nominal_step_v()
+            peak(1) / run.drive().nominal_step_v()
         } else {
             bending
         };

@@ -5,6 +5,7 @@
 //! Profiles of a fitted effect's parameters are followed from there; nothing here asks whether a model is right.
 
 pub(crate) mod base_fit;
+pub(crate) mod edges;
 pub(crate) mod ends;
 pub(crate) mod fitted;
 pub(crate) mod modes;

@@ -9,8 +9,6 @@ use ieap_numerics::sums::dot;
 
 use crate::readings::group::RunGroup;
 
-/// Step of the difference quotients, in coordinates scaled to be of order one.
-const STEP: f64 = 1e-5;
 /// How far a resistance or capacitance may be from its start, as logarithm.
 const REACH: f64 = 7.0;
 
@@ -119,6 +117,9 @@ pub(crate) struct ExtendedProblem<'g> {
 }
 
 impl<'g> ExtendedProblem<'g> {
+    /// Step of the difference quotients, in coordinates scaled to be of order one.
+    pub(crate) const STEP: f64 = 1e-5;
+
     /// All runs, with `start` as what sizes are measured by.
     pub(crate) fn new(
         group: &'g RunGroup<'g>,
@@ -298,13 +299,9 @@ impl<'g> ExtendedProblem<'g> {
     pub(crate) fn run_residuals(&self, model: &ExtendedModel, run: usize, out: &mut Vec<f64>) {
         let group_run = &self.group.runs[run];
         let context = group_run.context(run, self.resolved_s);
-        let responses = model.responses(&context, group_run.times(0), group_run.times(1));
-        let fitted = [&responses.current_a, &responses.curvature_per_cm];
-        for (channel, fitted) in group_run.channels.iter().zip(fitted) {
-            if let Some(channel) = channel {
-                channel.residuals(fitted, out);
-            }
-        }
+        let first = out.len();
+        group_run.whitened(&group_run.fitted(model, &context), out);
+        group_run.open_edges.take_out(&mut out[first..]);
     }
 
     /// Sum of squares with its slope, and the Jacobian of the residuals column by column.
@@ -336,10 +333,9 @@ impl<'g> ExtendedProblem<'g> {
     }
 
     fn column(&self, at: &[f64], k: usize, here: &[f64]) -> Vec<f64> {
-        let step = if at[k] + STEP > self.bounds.high[k] {
-            -STEP
-        } else {
-            STEP
+        let step = match at[k] + Self::STEP > self.bounds.high[k] {
+            true => -Self::STEP,
+            false => Self::STEP,
         };
         let mut there = at.to_vec();
         there[k] += step;

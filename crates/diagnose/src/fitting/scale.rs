@@ -26,11 +26,10 @@ pub(crate) fn scale(group: &RunGroup, problem: &ExtendedProblem, at: &[f64]) -> 
     };
     let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     for (index, run) in group.runs.iter().enumerate() {
-        let context = run.context(index, None);
-        let found = model.responses(&context, run.times(0), run.times(1));
-        scale.current_a = scale.current_a.max(peak(&found.current_a));
-        scale.curvature_per_cm = scale.curvature_per_cm.max(peak(&found.curvature_per_cm));
-        let drive = run.given.input.drive;
+        let [current_a, curvature_per_cm] = run.fitted(&model, &run.context(index, None));
+        scale.current_a = scale.current_a.max(peak(&current_a));
+        scale.curvature_per_cm = scale.curvature_per_cm.max(peak(&curvature_per_cm));
+        let drive = run.drive();
         scale.voltage_v = scale.voltage_v.max(drive.nominal_step_v().abs());
         for channel in run.channels.iter().flatten() {
             let steps = channel.time_s().windows(2).map(|pair| pair[1] - pair[0]);

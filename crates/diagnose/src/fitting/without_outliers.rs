@@ -2,7 +2,8 @@
 
 use ieap_model::FitModel;
 
-use crate::fitting::base_fit::{base_fit, refit};
+use crate::fitting::base_fit::{base_fit, refit, refit_from};
+use crate::fitting::edges;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 use crate::readings::outliers;
@@ -15,7 +16,20 @@ pub(crate) fn with_base<R>(
     then: impl FnOnce(&RunGroup, Fitted) -> R,
 ) -> Option<R> {
     let first = base_fit(raw, model)?;
-    without_outliers(raw, &first, OUTLIER_ROUNDS, Box::new(then))
+    on_edges(raw, &first, |group, first| {
+        without_outliers(group, first, OUTLIER_ROUNDS, Box::new(then))
+    })?
+}
+
+/// Calls `then` with the group and the base model with the edges that only readings tell of where both have them best.
+fn on_edges<R>(group: &RunGroup, base: &Fitted, then: impl FnOnce(&RunGroup, &Fitted) -> R) -> Option<R> {
+    match edges::settled(group, base) {
+        None => Some(then(group, base)),
+        Some((moved, at)) => {
+            let base = refit_from(&moved, &base.problem.model(&at).base)?;
+            Some(then(&moved, &base))
+        }
+    }
 }
 
 /// What is made of a group and the base model fitted to it. In a box: rounds are nested, and a type of its own for
@@ -35,7 +49,9 @@ fn without_outliers<R>(raw: &RunGroup, first: &Fitted, rounds: usize, then: Then
     // The noise that the readings alone show holds what is fast in them; a first fit takes that out.
     let once = raw.renoised(&first.problem.model(&first.at));
     let second = refit(&once, first)?;
-    let group = once.renoised(&second.problem.model(&second.at));
-    let base = refit(&group, &second)?;
-    Some(then(&group, base))
+    on_edges(&once, &second, |once, second| {
+        let group = once.renoised(&second.problem.model(&second.at));
+        let base = refit(&group, second)?;
+        Some(then(&group, base))
+    })?
 }

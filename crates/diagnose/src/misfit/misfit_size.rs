@@ -16,8 +16,7 @@ pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
         let Some(channel) = group.channel(block) else {
             continue;
         };
-        let responses = model.responses(&run.context(block.run, None), run.times(0), run.times(1));
-        let fitted = [&responses.current_a, &responses.curvature_per_cm][block.channel];
+        let fitted = &run.fitted(&model, &run.context(block.run, None))[block.channel];
         let off: Vec<f64> = channel.values().iter().zip(fitted).map(|(y, f)| y - f).collect();
         let noise: f64 = channel.standard_deviation().iter().map(|sd| sd * sd).sum();
         let square: f64 = off.iter().map(|off| off * off).sum();

@@ -139,15 +139,14 @@ fn of_channel(group: &RunGroup, bases: &[LumpedModel], channel: usize) -> Vec<Co
 
 /// Whether a run that agrees steps to the same side.
 fn has_witness(group: &RunGroup, view: &[Option<Likeness>], run: usize) -> bool {
-    let side = |run: usize| group.runs[run].given.input.drive.nominal_step_v().signum();
+    let side = |run: usize| group.runs[run].drive().nominal_step_v().signum();
     let mut others = view.iter().enumerate();
     others.any(|(other, likeness)| likeness.is_some_and(Likeness::agrees) && side(other) == side(run))
 }
 
 fn likeness(model: &ExtendedModel, index: usize, run: &GroupRun, channel: usize) -> Option<Likeness> {
     let measured = run.channels[channel].as_ref()?.values();
-    let found = model.responses(&run.context(index, None), run.times(0), run.times(1));
-    let predicted = [found.current_a, found.curvature_per_cm][channel].clone();
+    let predicted = run.fitted(model, &run.context(index, None))[channel].clone();
     let factor = dot(&predicted, measured) / dot(&predicted, &predicted);
     let likeness = Likeness {
         factor,

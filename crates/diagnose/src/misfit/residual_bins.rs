@@ -73,7 +73,7 @@ pub(crate) fn residual_bins(group: &RunGroup, base: &Fitted) -> Vec<ResidualBin>
 
 fn edge_responses(group: &RunGroup, place: usize, block: &Block, shape: &[f64]) -> Vec<ResidualBin> {
     let run = &group.runs[block.run];
-    let segments = &run.given.input.drive.segments;
+    let segments = &run.drive().segments;
     if segments.len() < EDGES {
         return Vec::new();
     }
@@ -100,7 +100,7 @@ fn edge_responses(group: &RunGroup, place: usize, block: &Block, shape: &[f64]) 
 
 fn of_block(group: &RunGroup, place: usize, block: &Block, found: &mut Vec<ResidualBin>) {
     let run = &group.runs[block.run];
-    let drive = run.given.input.drive;
+    let drive = run.drive();
     let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s);
     let times = run.times(block.channel);
     let shortest_s = times
@@ -150,7 +150,7 @@ fn same(left: Level, right: Level) -> bool {
 /// Different levels of a run's drive.
 fn levels(group: &RunGroup, block: &Block) -> Vec<Level> {
     let mut levels: Vec<Level> = Vec::new();
-    for segment in &group.runs[block.run].given.input.drive.segments {
+    for segment in &group.runs[block.run].drive().segments {
         if levels.len() < 4 && !levels.iter().any(|level| same(*level, segment.level)) {
             levels.push(segment.level);
         }

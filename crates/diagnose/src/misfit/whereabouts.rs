@@ -83,7 +83,7 @@ fn sentence(group: &RunGroup, segments: &[MisfitStretch]) -> String {
             .runs
             .iter()
             .find(|r| r.given.name == run)
-            .map(|r| r.given.input.drive.nominal_step_v())
+            .map(|r| r.drive().nominal_step_v())
     };
     let mut volts: Vec<f64> = alike.iter().filter_map(|s| of_run(&s.run)).collect();
     volts.sort_by(f64::total_cmp);

@@ -320,9 +320,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let found = model.problem.model(&model.at);
         let of_block = |block: &crate::readings::group::Block| {
             let run = &self.group.runs[block.run];
-            let context = run.context(block.run, None);
-            let responses = found.responses(&context, run.times(0), run.times(1));
-            let fitted = [&responses.current_a, &responses.curvature_per_cm][block.channel];
+            let fitted = &run.fitted(&found, &run.context(block.run, None))[block.channel];
             drawn(self.group, block, fitted, &|_| true)
         };
         self.group.blocks.iter().filter_map(of_block).collect()

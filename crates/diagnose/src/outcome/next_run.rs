@@ -21,8 +21,8 @@ pub(crate) fn next_run(group: &RunGroup, members: &[(&'static str, &Fitted)]) ->
     let strongest = group
         .runs
         .iter()
-        .max_by(|a, b| volts(a.given.input.drive).total_cmp(&volts(b.given.input.drive)))?;
-    let step_v = strongest.given.input.drive.nominal_step_v();
+        .max_by(|a, b| volts(a.drive()).total_cmp(&volts(b.drive())))?;
+    let step_v = strongest.drive().nominal_step_v();
     let longest_s = strongest.duration_s;
     let proposals = proposals(step_v, longest_s);
     let judged = proposals.into_iter().map(|(words, drive, duration_s)| {
@@ -48,10 +48,7 @@ pub fn proposals(v: f64, t: f64) -> Vec<(String, Drive, f64)> {
         baseline_v: 0.0,
         segments: levels
             .iter()
-            .map(|&(start_s, level)| Segment {
-                start_s,
-                level: level.map_or(Level::OpenCircuit, Level::Voltage),
-            })
+            .map(|&(start_s, level)| Segment::at(start_s, level.map_or(Level::OpenCircuit, Level::Voltage)))
             .collect(),
     };
     let t_s = seconds(t);

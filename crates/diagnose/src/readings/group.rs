@@ -1,13 +1,12 @@
 //! The runs that are diagnosed together, with their noise.
 
-use std::sync::Arc;
-
-use ieap_domain::{Channel, Quantity};
-use ieap_fit::{FitInput, WhitenedChannel};
+use ieap_domain::{Channel, Drive, Quantity};
+use ieap_fit::{EdgeTimes, FitInput, WhitenedChannel};
 use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
 use ieap_numerics::robust::median_step;
 
+use crate::readings::open_edges::OpenEdges;
 use crate::readings::spikes::without_spikes;
 
 /// Readings after the step that a channel needs to take part.
@@ -30,6 +29,9 @@ const GROWTHS: [f64; 12] = [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 
 /// edge of the drive look wrong.
 const EVIDENCE: f64 = 6.0;
 
+/// Step of the slope by an edge's time, in standard deviations of what is not known of it.
+const SLOPE: f64 = 1e-2;
+
 /// A run as it is given to a diagnosis.
 #[derive(Debug, Clone, Copy)]
 pub struct RunInput<'a> {
@@ -49,6 +51,10 @@ pub struct RunInput<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct GroupRun<'a> {
     pub(crate) given: RunInput<'a>,
+    /// Its drive, with the edges where they are taken to be.
+    pub(crate) edges: EdgeTimes,
+    /// What is left open of the edges, taken out of its whitened residuals.
+    pub(crate) open_edges: OpenEdges,
     pub(crate) duration_s: f64,
     /// Current and curvature.
     pub(crate) channels: [Option<WhitenedChannel>; 2],
@@ -113,10 +119,7 @@ impl<'a> RunGroup<'a> {
     pub(crate) fn renoised(&self, model: &ExtendedModel) -> RunGroup<'a> {
         let mut group = self.clone();
         let fitted: Vec<[Vec<f64>; 2]> = (self.runs.iter().enumerate())
-            .map(|(index, run)| {
-                let found = model.responses(&run.context(index, None), run.times(0), run.times(1));
-                [found.current_a, found.curvature_per_cm]
-            })
+            .map(|(index, run)| run.fitted(model, &run.context(index, None)))
             .collect();
         for kind in 0..2 {
             let per_signal = self.growth(kind, &fitted);
@@ -141,7 +144,17 @@ impl<'a> RunGroup<'a> {
             }
             group.share_correlation(kind, per_signal, &fitted);
         }
+        group.open_edges_beside(model);
         group
+    }
+
+    /// Finds anew how what is not known of the edges changes the whitened rows.
+    fn open_edges_beside(&mut self, model: &ExtendedModel) {
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            if run.edges.is_open() {
+                run.open_edges = run.open_edges_beside(model, index);
+            }
+        }
     }
 
     /// Gives the channels of that kind one correlation where all of their noises have it that have one at all: one
@@ -173,14 +186,14 @@ impl<'a> RunGroup<'a> {
     pub(crate) fn memoryless(&self, model: &ExtendedModel) -> RunGroup<'a> {
         let mut group = self.clone();
         for (index, run) in group.runs.iter_mut().enumerate() {
-            let context = run.context(index, None);
-            let found = model.responses(&context, run.times(0), run.times(1));
-            for (kind, fitted) in [found.current_a, found.curvature_per_cm].iter().enumerate() {
+            let found = run.fitted(model, &run.context(index, None));
+            for (kind, fitted) in found.iter().enumerate() {
                 run.channels[kind] = run.channels[kind]
                     .as_ref()
                     .map(|channel| channel.forgetting(fitted, 0.0, 1.0));
             }
         }
+        group.open_edges_beside(model);
         group
     }
 
@@ -267,27 +280,89 @@ fn usual_step_s(channel: &WhitenedChannel) -> f64 {
 impl<'a> GroupRun<'a> {
     fn new(given: &RunInput<'a>) -> Option<GroupRun<'a>> {
         let mut spikes = [0, 0];
+        let edges = EdgeTimes::of(given.input.drive);
         let channels = std::array::from_fn(|k| {
             let wanted = |channel: &&Channel| channel.is_whole(QUANTITIES[k]);
             let channel = given.input.channels.iter().find(wanted)?;
-            let (channel, left_out) = without_spikes(channel, given.input.drive);
+            let (channel, left_out) = without_spikes(channel, edges.drive());
             spikes[k] = left_out;
-            WhitenedChannel::new(&averaged(&channel, given), given.input.drive, NEEDED)
+            WhitenedChannel::new(&channel, edges.drive(), NEEDED, MOST)
         });
         let last_s = |channel: &WhitenedChannel| channel.time_s().last().copied().unwrap_or(0.0);
         let duration_s = channels.iter().flatten().map(last_s).fold(0.0, f64::max);
         channels.iter().any(Option::is_some).then_some(GroupRun {
             given: *given,
+            edges,
+            open_edges: OpenEdges::default(),
             duration_s,
             channels,
             spikes,
         })
     }
 
-    pub(crate) fn context(&self, index: usize, resolved_s: Option<f64>) -> RunContext<'a> {
+    /// Its drive, with the edges where they are taken to be.
+    pub(crate) fn drive(&self) -> &Drive {
+        self.edges.drive()
+    }
+
+    /// What a fit of the run alone takes, with the edges where they are taken to be.
+    pub(crate) fn input(&self) -> FitInput<'_> {
+        FitInput {
+            drive: self.drive(),
+            ..self.given.input
+        }
+    }
+
+    /// Current and curvature of a model at the values of both channels.
+    pub(crate) fn fitted(&self, model: &ExtendedModel, context: &RunContext) -> [Vec<f64>; 2] {
+        let nodes_s = |k: usize| {
+            self.channels[k]
+                .as_ref()
+                .map_or(&[][..], WhitenedChannel::nodes_s)
+        };
+        let found = model.responses(context, nodes_s(0), nodes_s(1));
+        let at_nodes = [found.current_a, found.curvature_per_cm];
+        std::array::from_fn(|k| {
+            let channel = self.channels[k].as_ref();
+            channel.map_or_else(Vec::new, |channel| channel.over_nodes(&at_nodes[k]).into_owned())
+        })
+    }
+
+    /// Measured minus `fitted` of both channels, white and in standard deviations, appended.
+    pub(crate) fn whitened(&self, fitted: &[Vec<f64>; 2], out: &mut Vec<f64>) {
+        for (channel, fitted) in self.channels.iter().zip(fitted) {
+            if let Some(channel) = channel {
+                channel.residuals(fitted, out);
+            }
+        }
+    }
+
+    fn open_edges_beside(&self, model: &ExtendedModel, index: usize) -> OpenEdges {
+        let with = |by_s: &[f64]| {
+            let drive = self.edges.shifted(by_s);
+            let mut context = self.context(index, None);
+            context.drive = &drive;
+            let mut out = Vec::new();
+            self.whitened(&self.fitted(model, &context), &mut out);
+            out
+        };
+        let shifts = self.edges.shifts();
+        let here = with(&vec![0.0; shifts.len()]);
+        let change = |k: usize| {
+            let mut by_s = vec![0.0; shifts.len()];
+            let sd_s = shifts[k].standard_deviation_s();
+            by_s[k] = SLOPE * sd_s;
+            let there = with(&by_s);
+            let pairs = here.iter().zip(&there);
+            pairs.map(|(here, there)| (there - here) / SLOPE).collect()
+        };
+        OpenEdges::of((0..shifts.len()).map(change))
+    }
+
+    pub(crate) fn context(&self, index: usize, resolved_s: Option<f64>) -> RunContext<'_> {
         RunContext {
             index,
-            drive: self.given.input.drive,
+            drive: self.drive(),
             area_cm2: self.given.input.area_cm2,
             length_cm: self.given.length_cm,
             duration_s: self.duration_s,
@@ -299,39 +374,4 @@ impl<'a> GroupRun<'a> {
     pub(crate) fn times(&self, channel: usize) -> &[f64] {
         self.channels[channel].as_ref().map_or(&[], |c| c.time_s())
     }
-}
-
-/// The channel with neighbours averaged where it is long; a mean never reaches across an edge of the drive.
-fn averaged(channel: &Channel, given: &RunInput) -> Channel {
-    let (time_s, values) = channel.included();
-    let together = values.len().div_ceil(MOST);
-    if together <= 1 {
-        return channel.clone();
-    }
-    let mut edges = given
-        .input
-        .drive
-        .segments
-        .iter()
-        .map(|segment| segment.start_s)
-        .peekable();
-    let (mut times, mut means) = (Vec::new(), Vec::new());
-    let mut first = 0;
-    while first < values.len() {
-        while edges.next_if(|&edge_s| edge_s <= time_s[first]).is_some() {}
-        let edge_s = edges.peek().copied().unwrap_or(f64::INFINITY);
-        let end = (first + together).min(values.len());
-        let end = first + time_s[first..end].partition_point(|&t| t < edge_s);
-        let mean = |series: &[f64]| series[first..end].iter().sum::<f64>() / (end - first) as f64;
-        if end - first == together {
-            times.push(mean(&time_s));
-            means.push(mean(&values));
-        }
-        first = end;
-    }
-    let mut averaged = channel.clone();
-    averaged.excluded = Arc::from([]);
-    averaged.time_s = times.into();
-    averaged.values = means.into();
-    averaged
 }

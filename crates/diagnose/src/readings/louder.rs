@@ -22,7 +22,7 @@ pub(crate) fn remarks(group: &RunGroup) -> Vec<String> {
 fn remark(group: &RunGroup, channel: usize) -> Option<String> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     for run in &group.runs {
-        let drive = run.given.input.drive;
+        let drive = run.drive();
         let own = run.given.input.channels.iter();
         let mut of_quantity = own.filter(|own| own.is_whole(QUANTITIES[channel]));
         let noise = of_quantity.next().and_then(|own| fast_noise(own, drive));

@@ -7,6 +7,7 @@
 pub(crate) mod drawn;
 pub(crate) mod group;
 pub(crate) mod louder;
+pub(crate) mod open_edges;
 pub(crate) mod outliers;
 pub(crate) mod quantities;
 pub(crate) mod record_length;

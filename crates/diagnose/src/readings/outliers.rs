@@ -1,9 +1,6 @@
 //! Readings off what the base model leaves of their neighbours: spikes that the readings alone do not show, because they
 //! stand beside an edge of the drive, at an end of the record, or beside one another.
 
-use std::sync::Arc;
-
-use ieap_domain::Channel;
 use ieap_fit::WhitenedChannel;
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::robust::sd_about_zero;
@@ -131,12 +128,11 @@ fn scan(group: &RunGroup, model: &ExtendedModel, run: usize, kind: usize) -> Opt
     if is_held(channel.values()) {
         return None;
     }
-    let responses = model.responses(&own.context(run, None), own.times(0), own.times(1));
-    let fitted = [responses.current_a, responses.curvature_per_cm];
+    let fitted = own.fitted(model, &own.context(run, None));
     let pairs = channel.values().iter().zip(&fitted[kind]);
     let rest: Vec<f64> = pairs.map(|(reading, fitted)| reading - fitted).collect();
     let time_s = channel.time_s();
-    let edges = own.given.input.drive.edges_s();
+    let edges = own.drive().edges_s();
     Some(ChannelScan {
         run,
         off: off_neighbours(&rest)?,
@@ -253,12 +249,7 @@ impl<'a> RunGroup<'a> {
         let Some(channel) = &own.channels[kind] else {
             return;
         };
-        let keep = |values: &[f64]| -> Arc<[f64]> {
-            let kept = (0..values.len()).filter(|k| outliers.binary_search(k).is_err());
-            kept.map(|k| values[k]).collect()
-        };
-        let kept = Channel::new(QUANTITIES[kind], keep(channel.time_s()), keep(channel.values()));
-        if let Some(kept) = WhitenedChannel::new(&kept, own.given.input.drive, NEEDED) {
+        if let Some(kept) = channel.without(outliers, NEEDED) {
             own.channels[kind] = Some(kept);
             own.spikes[kind] += outliers.len();
         }

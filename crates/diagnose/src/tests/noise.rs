@@ -9,10 +9,7 @@ fn noise_that_grows_with_the_voltage_is_remarked_and_even_noise_is_not() {
     let drives: Vec<Drive> = (0..8)
         .map(|k| Drive {
             baseline_v: 0.0,
-            segments: vec![Segment {
-                start_s: 0.0,
-                level: Level::Voltage(-0.1 * f64::from(k + 1)),
-            }],
+            segments: vec![Segment::at(0.0, Level::Voltage(-0.1 * f64::from(k + 1)))],
         })
         .collect();
     let remarked = |growth: f64| {

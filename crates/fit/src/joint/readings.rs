@@ -243,7 +243,7 @@ mod tests {
             charge_to_curvature_per_c_cm: 13.88,
             relaxation_rate_per_s: 3.8e-4,
         };
-        let segment = |start_s, level| Segment { start_s, level };
+        let segment = |start_s, level| Segment::at(start_s, level);
         let drive = Drive {
             baseline_v: 0.4,
             segments: vec![

@@ -123,10 +123,7 @@ fn fitted(model: &str, channels: &[Channel], drive: &Drive, steps: Steps) -> Fit
 }
 
 fn up_and_down() -> Drive {
-    let segment = |start_s, v| Segment {
-        start_s,
-        level: Level::Voltage(v),
-    };
+    let segment = |start_s, v| Segment::at(start_s, Level::Voltage(v));
     Drive {
         baseline_v: 0.0,
         segments: vec![segment(0.0, 2.0), segment(1500.0, 0.0)],

@@ -178,12 +178,7 @@ fn what_parabolas_cannot_follow_is_no_noise_and_hides_no_branch() {
     let level = |k: usize| Level::Voltage(if k.is_multiple_of(2) { 2.0 } else { 0.0 });
     let drive = Drive {
         baseline_v: 0.0,
-        segments: (0..20)
-            .map(|k| Segment {
-                start_s: 15.0 * k as f64,
-                level: level(k),
-            })
-            .collect(),
+        segments: (0..20).map(|k| Segment::at(15.0 * k as f64, level(k))).collect(),
     };
     let channels = channels(&model, &drive, &times(-10.0, 300.0, 311), 1e-3, 0.0, 1);
     let fit = fitted_with("lumped-2", &channels, &drive);

@@ -4,14 +4,8 @@ use super::*;
 
 fn two_levels() -> Drive {
     let mut drive = Drive::step(2.0);
-    drive.segments.push(Segment {
-        start_s: 900.0,
-        level: Level::Voltage(0.0),
-    });
-    drive.segments.push(Segment {
-        start_s: 1500.0,
-        level: Level::Voltage(-1.5),
-    });
+    drive.segments.push(Segment::at(900.0, Level::Voltage(0.0)));
+    drive.segments.push(Segment::at(1500.0, Level::Voltage(-1.5)));
     drive
 }
 
@@ -43,14 +37,8 @@ fn any_piecewise_constant_drive_and_uneven_sampling() {
 #[test]
 fn an_open_circuit_between_two_voltages_is_followed() {
     let mut drive = Drive::step(2.0);
-    drive.segments.push(Segment {
-        start_s: 150.0,
-        level: Level::OpenCircuit,
-    });
-    drive.segments.push(Segment {
-        start_s: 900.0,
-        level: Level::Voltage(0.5),
-    });
+    drive.segments.push(Segment::at(150.0, Level::OpenCircuit));
+    drive.segments.push(Segment::at(900.0, Level::Voltage(0.5)));
     let model = model(&AIR_2V);
     let time_s = times(0.0, 2400.0, 2401);
     assert_recovers(

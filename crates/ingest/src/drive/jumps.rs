@@ -116,10 +116,7 @@ mod tests {
     fn step_at(start_s: f64) -> Drive {
         Drive {
             baseline_v: 0.0,
-            segments: vec![Segment {
-                start_s,
-                level: Level::Voltage(2.0),
-            }],
+            segments: vec![Segment::at(start_s, Level::Voltage(2.0))],
         }
     }
 

@@ -284,20 +284,8 @@ fn the_tag_serves_where_no_voltage_was_recorded_and_open_circuit_interrupts() {
     let found = find(&[], true, Some(2.0), &[(100.0, 200.0)]);
     let drive = found.drive.unwrap();
     assert_eq!(drive.segments.len(), 3);
-    assert_eq!(
-        drive.segments[1],
-        Segment {
-            start_s: 100.0,
-            level: Level::OpenCircuit
-        }
-    );
-    assert_eq!(
-        drive.segments[2],
-        Segment {
-            start_s: 200.0,
-            level: Level::Voltage(2.0)
-        }
-    );
+    assert_eq!(drive.segments[1], Segment::at(100.0, Level::OpenCircuit));
+    assert_eq!(drive.segments[2], Segment::at(200.0, Level::Voltage(2.0)));
     assert!(find(&[], true, None, &[]).drive.is_none());
 }
 

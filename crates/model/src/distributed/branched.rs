@@ -255,10 +255,7 @@ mod tests {
     }
 
     fn pulses() -> Drive {
-        let segment = |&(start_s, volts): &(f64, f64)| Segment {
-            start_s,
-            level: Level::Voltage(volts),
-        };
+        let segment = |&(start_s, volts): &(f64, f64)| Segment::at(start_s, Level::Voltage(volts));
         Drive {
             baseline_v: 0.3,
             segments: [(1.0, 1.5), (3.0, -0.5), (6.0, 0.8)]

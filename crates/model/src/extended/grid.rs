@@ -187,10 +187,7 @@ mod tests {
         let drive = Drive {
             baseline_v: 0.0,
             segments: [(0.0, 2.0), (300.0, 0.0)]
-                .map(|(start_s, volts)| Segment {
-                    start_s,
-                    level: Level::Voltage(volts),
-                })
+                .map(|(start_s, volts)| Segment::at(start_s, Level::Voltage(volts)))
                 .to_vec(),
         };
         let run = RunContext {

@@ -19,9 +19,8 @@ pub(crate) fn base() -> LumpedModel {
 }
 
 pub(crate) fn drive(levels: &[(f64, Option<f64>)]) -> Drive {
-    let segment = |&(start_s, level): &(f64, Option<f64>)| Segment {
-        start_s,
-        level: level.map_or(Level::OpenCircuit, Level::Voltage),
+    let segment = |&(start_s, level): &(f64, Option<f64>)| {
+        Segment::at(start_s, level.map_or(Level::OpenCircuit, Level::Voltage))
     };
     Drive {
         baseline_v: 0.0,

@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn a_voltage_is_a_line_and_an_open_circuit_a_gap() {
-        let segment = |start_s, level| Segment { start_s, level };
+        let segment = |start_s, level| Segment::at(start_s, level);
         let pulses = Drive {
             baseline_v: 0.0,
             segments: vec![

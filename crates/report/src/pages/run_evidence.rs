@@ -241,10 +241,7 @@ mod tests {
     fn drives_in_words() {
         let mut drive = Drive::step(2.5);
         assert_eq!(drive_text(&drive), "from 0\u{a0}V: 2.5\u{a0}V at 0 s");
-        let pulse = |k: i32| Segment {
-            start_s: 10.0 * f64::from(k),
-            level: Level::OpenCircuit,
-        };
+        let pulse = |k: i32| Segment::at(10.0 * f64::from(k), Level::OpenCircuit);
         drive.segments = (0..8).map(pulse).collect();
         assert!(drive_text(&drive).ends_with("open circuit at 50 s, and 2 more"));
     }

@@ -192,10 +192,7 @@ mod tests {
         };
         assert_eq!(views(Some(&drive), &curves)[0].1, about);
         drive.segments[0].start_s = 10.0;
-        drive.segments.push(Segment {
-            start_s: 300.0,
-            level: Level::OpenCircuit,
-        });
+        drive.segments.push(Segment::at(300.0, Level::OpenCircuit));
         let since = |step_s, until_s| TimeView::SinceStep { step_s, until_s };
         assert_eq!(views(Some(&drive), &curves)[1].1, since(10.0, 300.0));
         assert_eq!(views(None, &curves)[1].1, since(0.0, f64::INFINITY));

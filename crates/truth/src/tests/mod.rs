@@ -57,10 +57,9 @@ pub(super) fn model(truth: &Truth) -> LumpedModel {
 }
 
 pub(super) fn drive(baseline_v: f64, levels: &[(f64, Option<f64>)]) -> Drive {
-    let segments = levels.iter().map(|&(start_s, v)| Segment {
-        start_s,
-        level: v.map_or(Level::OpenCircuit, Level::Voltage),
-    });
+    let segments = levels
+        .iter()
+        .map(|&(start_s, v)| Segment::at(start_s, v.map_or(Level::OpenCircuit, Level::Voltage)));
     Drive {
         baseline_v,
         segments: segments.collect(),

@@ -40,7 +40,7 @@ fn columns(group: &RunGroup, trace: &[f64]) -> Vec<Column> {
     };
     let has_several = |place: usize| {
         let run = &group.runs[group.blocks[place].run];
-        run.given.input.drive.segments.len() > 1
+        run.drive().segments.len() > 1
     };
     let by_edge = |place: usize| if has_several(place) { half * half } else { half };
     let mut columns = Vec::new();

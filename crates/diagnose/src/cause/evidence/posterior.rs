@@ -274,7 +274,7 @@ impl Varying {
                         .base_value(k, self.shared.at[run][k], self.shared.standard_errors[run][k])?;
                 Some(VaryingValue {
                     run: name.to_owned(),
-                    step_v: asked.group.runs[run].given.input.drive.nominal_step_v(),
+                    step_v: asked.group.runs[run].drive().nominal_step_v(),
                     value,
                     standard_error,
                 })

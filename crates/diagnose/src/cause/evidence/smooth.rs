@@ -173,7 +173,7 @@ pub(super) fn blocks_of<'g>(group: &'g RunGroup, channel: usize) -> impl Iterato
 fn since_edge(group: &RunGroup, block: usize) -> Vec<f64> {
     let own = &group.blocks[block];
     let run = &group.runs[own.run];
-    let segments = &run.given.input.drive.segments;
+    let segments = &run.drive().segments;
     let mut next = 0;
     let since = |&t: &f64| {
         while segments.get(next).is_some_and(|segment| segment.start_s <= t) {

@@ -76,7 +76,7 @@ fn answers(group: &RunGroup) -> Vec<Column> {
 fn step_v(group: &RunGroup, place: usize) -> Vec<f64> {
     let block = &group.blocks[place];
     let run = &group.runs[block.run];
-    let drive = run.given.input.drive;
+    let drive = run.drive();
     let mut steps: Vec<(f64, f64)> = Vec::new();
     let mut before_v = drive.baseline_v;
     for segment in &drive.segments {

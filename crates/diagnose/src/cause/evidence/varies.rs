@@ -40,7 +40,7 @@ pub(super) fn covariates(group: &RunGroup) -> Vec<Covariate> {
     let volts: Vec<f64> = group
         .runs
         .iter()
-        .map(|run| run.given.input.drive.nominal_step_v().abs())
+        .map(|run| run.drive().nominal_step_v().abs())
         .collect();
     let mut found = Vec::new();
     if volts.iter().all(|v| *v > 0.0) {

@@ -89,7 +89,7 @@ fn shapes(group: &RunGroup) -> Vec<Vec<f64>> {
         let Some(channel) = group.channel(block) else {
             continue;
         };
-        let steps = steps(run.given.input.drive);
+        let steps = steps(run.drive());
         for knot in 0..KNOTS {
             let answer = |t: &f64| -> f64 {
                 let of_step = |(start_s, change_v): &(f64, f64)| {

@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use ieap_domain::ResidualCurve;
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::seconds::span;
-use ieap_model::extended::Responses;
 
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
@@ -129,7 +128,7 @@ pub(crate) fn rows(group: &RunGroup) -> Vec<Vec<bool>> {
 /// The runs of each drive: left in, a repeat would tell what a left-out run is like whatever the model. Every run by
 /// itself where all are of one drive.
 fn drives(group: &RunGroup) -> Vec<Vec<usize>> {
-    let of = |run: usize| group.runs[run].given.input.drive;
+    let of = |run: usize| group.runs[run].drive();
     let mut drives: Vec<Vec<usize>> = Vec::new();
     for run in 0..group.runs.len() {
         match drives.iter_mut().find(|runs| of(runs[0]).repeats(of(run))) {
@@ -190,10 +189,10 @@ fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[
     for &run in runs {
         let group_run = &group.runs[run];
         let context = group_run.context(run, None);
-        let found = model.responses(&context, group_run.times(0), group_run.times(1));
+        let found = group_run.fitted(&model, &context);
         compare(&mut part, group, run, &found, &|_| true);
-        let found = [found.current_a.as_slice(), found.curvature_per_cm.as_slice()];
-        part.predicted.push(predicted(group_run, found));
+        part.predicted
+            .push(predicted(group_run, found.each_ref().map(Vec::as_slice)));
     }
     part
 }
@@ -213,12 +212,11 @@ pub(crate) fn compare(
     part: &mut Part,
     group: &RunGroup,
     run: usize,
-    found: &Responses,
+    fitted: &[Vec<f64>; 2],
     wanted: &dyn Fn(usize) -> bool,
 ) {
-    let fitted = [&found.current_a, &found.curvature_per_cm];
     for block in group.blocks.iter().filter(|block| block.run == run) {
-        let fitted = fitted[block.channel];
+        let fitted = &fitted[block.channel];
         part.deviations[block.channel].add(deviations(group, block, fitted, wanted));
         part.curves.extend(drawn(group, block, fitted, wanted));
     }
@@ -253,7 +251,7 @@ fn out_of_time(
         .without(&out)
         .search(&fitted.at, REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&bottom.at);
-    let found = model.responses(&run.context(0, None), run.times(0), run.times(1));
+    let found = run.fitted(&model, &run.context(0, None));
     let deviance = predictive.deviance(&out, bottom.local.square);
     let mut part = Part::new(span(from_s, to_s), deviance);
     compare(&mut part, group, 0, &found, &|row| out[row]);

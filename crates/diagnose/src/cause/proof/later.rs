@@ -33,7 +33,7 @@ pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
         let with = with.search(&earlier.at, REFIT, SETTLE, &[]);
         let group_run = &group.runs[run];
         let context = group_run.context(run, None);
-        let found = model.responses(&context, group_run.times(0), group_run.times(1));
+        let found = group_run.fitted(&model, &context);
         let from_s = EARLIER * (group_run.duration_s - context.start_s());
         let mut part = Part::new(
             format!("{} after {} s", group_run.given.name, seconds(from_s)),

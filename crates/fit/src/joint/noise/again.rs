@@ -253,10 +253,7 @@ mod tests {
         let drive = Drive {
             baseline_v: 0.0,
             segments: [(0.0, 1.0), (240.0, 0.0)]
-                .map(|(start_s, volts)| Segment {
-                    start_s,
-                    level: Level::Voltage(volts),
-                })
+                .map(|(start_s, volts)| Segment::at(start_s, Level::Voltage(volts)))
                 .to_vec(),
         };
         Sampled::new(&channel, &drive, false)

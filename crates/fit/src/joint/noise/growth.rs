@@ -16,16 +16,17 @@ pub(super) struct Growth {
 pub(super) fn growth(smooth: &Smooth, sampled: &Sampled) -> Growth {
     let n = sampled.len() as f64;
     let peak = smooth.level.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let spread = sampled.spread();
     let even = Growth {
-        scale: vec![1.0; sampled.len()],
+        scale: spread.clone(),
         per_signal: 0.0,
     };
     if n < 100.0 || peak <= 0.0 {
         return even;
     }
     let scale = |b: f64| -> Vec<f64> {
-        let ratio = |level: &f64| (1.0 + (b * level / peak).powi(2)).sqrt();
-        smooth.level.iter().map(ratio).collect()
+        let ratio = |(level, spread): (&f64, &f64)| spread * (1.0 + (b * level / peak).powi(2)).sqrt();
+        smooth.level.iter().zip(&spread).map(ratio).collect()
     };
     let deviance = |scale: &[f64]| {
         let square: f64 = smooth.rest.iter().zip(scale).map(|(r, s)| (r / s).powi(2)).sum();

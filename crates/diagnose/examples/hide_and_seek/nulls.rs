@@ -1,0 +1,161 @@
+//! Groups in which nothing is wrong, measured in the ways of laboratories: how often the alarm is false.
+
+use std::collections::BTreeMap;
+
+use ieap_domain::{GroupDiagnosis, Verdict};
+
+use crate::benchmark::each;
+use crate::case::{Clock, Drives, Plan, Readings, Slow, case, diagnose, true_responses};
+
+/// Seeds of a condition are so far from those of the next.
+const APART: u64 = 10_000;
+
+/// Conditions with their names. What is not said is as in the first.
+fn conditions() -> Vec<(&'static str, Plan)> {
+    let own = Plan::default();
+    let white = Plan {
+        autocorrelation: Some(0.0),
+        ..own
+    };
+    let long = |count, rate_hz, edges| Plan {
+        count,
+        rate_hz,
+        edges,
+        ..white
+    };
+    let clock = |clock| Plan { clock, ..white };
+    let slow = |slow| Plan { slow, ..white };
+    let step = |plan| Plan {
+        drives: Drives::Step,
+        ..plan
+    };
+    vec![
+        ("600 readings, on the edges, correlations 0 to 0.8", own),
+        ("3600 readings, 1 Hz", long(3_600, 1.0, 30)),
+        ("36000 readings, 1 Hz", long(36_000, 1.0, 30)),
+        ("3600 readings, 10 Hz", long(3_600, 10.0, 30)),
+        ("36000 readings, 10 Hz", long(36_000, 10.0, 30)),
+        ("36000 readings, 100 Hz", long(36_000, 100.0, 30)),
+        ("3600 readings, 100 edges", long(3_600, 1.0, 100)),
+        ("36000 readings, 1000 edges", long(36_000, 1.0, 1000)),
+        ("beside the edges", clock(Clock::Beside)),
+        (
+            "beside the edges, 3600 readings, 10 Hz",
+            Plan {
+                clock: Clock::Beside,
+                ..long(3_600, 10.0, 30)
+            },
+        ),
+        ("irregular", clock(Clock::Irregular)),
+        ("irregular, on the edges", clock(Clock::IrregularOnEdges)),
+        ("red noise of 30 s", slow(Slow::Red(30.0))),
+        ("1/f noise", slow(Slow::OneOverF)),
+        (
+            "quantised",
+            Plan {
+                readings: Readings::Quantised,
+                ..white
+            },
+        ),
+        (
+            "2 % outliers",
+            Plan {
+                outliers: 0.02,
+                ..white
+            },
+        ),
+        ("one run", step(white)),
+        ("one run, 3600 readings", step(long(3_600, 1.0, 30))),
+        ("one run, 36000 readings, 10 Hz", step(long(36_000, 10.0, 30))),
+        ("one run, beside the edge", step(clock(Clock::Beside))),
+        ("one run, red noise of 30 s", step(slow(Slow::Red(30.0)))),
+        (
+            "one run, 2 % outliers",
+            step(Plan {
+                outliers: 0.02,
+                ..white
+            }),
+        ),
+    ]
+}
+
+/// Counts `count` groups of every condition whose name holds one of `only`.
+pub fn nulls(first: u64, count: u64, only: &[String]) {
+    println!(
+        "| condition | groups | p < 0.01 | p < 0.05 | p < 0.5 | distance from uniform (5 % point) | verdicts |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for (place, (name, plan)) in conditions().into_iter().enumerate() {
+        if !only.is_empty() && !only.iter().any(|part| name.contains(part.as_str())) {
+            continue;
+        }
+        let began = std::time::Instant::now();
+        let found = diagnosed(first + APART * place as u64, count, plan);
+        println!("{}", row(name, &found));
+        eprintln!(
+            "{name}: {:.1} s a group",
+            began.elapsed().as_secs_f64() / found.len().max(1) as f64
+        );
+    }
+}
+
+/// Groups with p below 0.05, and groups that were given a name, among so many of the first condition.
+pub fn own(first: u64, count: u64) -> (usize, usize) {
+    let found = diagnosed(first, count, Plan::default());
+    println!("{}", row("as the library's own", &found));
+    let named = found.iter().filter(|found| found.verdict.names_a_cause());
+    (below(&found, 0.05), named.count())
+}
+
+fn diagnosed(first: u64, count: u64, plan: Plan) -> Vec<GroupDiagnosis> {
+    let seeds: Vec<u64> = (first..first + count).collect();
+    each(&seeds, |&seed| {
+        let mut case = case(seed, plan);
+        let plain = true_responses(&case, &[])?;
+        let found = diagnose(&mut case, &plain);
+        if std::env::var_os("SHOW").is_some() && found.p_misfit.is_none_or(|p| p < 0.05) {
+            println!(
+                "seed {seed} p {:?} {:?} {}",
+                found.p_misfit, found.set, found.sentence
+            );
+        }
+        Some(found)
+    })
+}
+
+fn below(found: &[GroupDiagnosis], limit: f64) -> usize {
+    found
+        .iter()
+        .filter(|found| found.p_misfit.is_some_and(|p| p < limit))
+        .count()
+}
+
+fn row(name: &str, found: &[GroupDiagnosis]) -> String {
+    let mut ps: Vec<f64> = found.iter().filter_map(|found| found.p_misfit).collect();
+    ps.sort_by(f64::total_cmp);
+    let n = ps.len() as f64;
+    let off = ps
+        .iter()
+        .enumerate()
+        .map(|(k, p)| (p - (k as f64 + 0.5) / n).abs());
+    let distance = off.fold(0.0, f64::max);
+    let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+    let of = |found: &GroupDiagnosis| -> &'static str { Verdict::key(found.verdict) };
+    for found in found {
+        *verdicts.entry(of(found)).or_default() += 1;
+    }
+    let told: Vec<String> = verdicts
+        .iter()
+        .map(|(key, count)| format!("{count} {key}"))
+        .collect();
+    let percent = |limit: f64| 100.0 * below(found, limit) as f64 / found.len().max(1) as f64;
+    format!(
+        "| {name} | {} | {:.1} % | {:.1} % | {:.0} % | {distance:.3} ({:.3}) | {} |",
+        found.len(),
+        percent(0.01),
+        percent(0.05),
+        percent(0.5),
+        1.36 / n.sqrt(),
+        told.join(", ")
+    )
+}

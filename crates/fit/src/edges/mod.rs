@@ -1,0 +1,137 @@
+//! When the edges of a drive were, where only readings tell: between the last reading before and the first one after.
+//!
+//! Any logger that is not told of the edges meets this. The times are nuisances: uniform between two readings, found with
+//! all else where the readings tell more, and what is left open of them widens what is stated.
+
+mod programme;
+mod settle;
+mod widen;
+
+use ieap_domain::Drive;
+
+use programme::Programme;
+pub(crate) use settle::settled;
+pub(crate) use widen::widen;
+
+/// Standard deviation of a number that lies anywhere in a range, in lengths of the range.
+const OF_UNIFORM: f64 = 0.288_675_134_594_812_9;
+
+/// Part of its range that a shift uses: an edge is never at the very reading before it, which would then lie behind it.
+const INSIDE: f64 = 1.0 - 1e-6;
+
+/// A drive whose edges are known to within the readings beside them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EdgeTimes {
+    drive: Drive,
+    shifts: Vec<Shift>,
+}
+
+/// Edges that move together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shift {
+    /// By how much each segment's start moves, per second of the shift.
+    moves: Vec<f64>,
+    /// How far the shift may go, s.
+    low_s: f64,
+    high_s: f64,
+}
+
+impl Shift {
+    fn of_one(segment: usize, segments: usize, reach_s: f64) -> Shift {
+        Shift {
+            moves: (0..segments).map(|k| f64::from(u8::from(k == segment))).collect(),
+            low_s: -INSIDE * reach_s,
+            high_s: INSIDE * reach_s,
+        }
+    }
+
+    /// How far it may go, s.
+    pub fn limits_s(&self) -> (f64, f64) {
+        (self.low_s, self.high_s)
+    }
+
+    /// What is not known of it before the readings tell, s.
+    pub fn standard_deviation_s(&self) -> f64 {
+        OF_UNIFORM * (self.high_s - self.low_s)
+    }
+}
+
+impl EdgeTimes {
+    /// Every edge where it is said to be.
+    pub fn known(drive: &Drive) -> EdgeTimes {
+        EdgeTimes {
+            drive: drive.clone(),
+            shifts: Vec::new(),
+        }
+    }
+
+    /// Every edge in the middle of where it may be; of a train of pulses that one programme gives, where the programme has
+    /// it, which its edges tell all together.
+    pub fn of(drive: &Drive) -> EdgeTimes {
+        let open = |k: usize| {
+            let segment = &drive.segments[k];
+            let last_before_s = segment.last_before_s?;
+            (last_before_s < segment.start_s).then_some((last_before_s, segment.start_s))
+        };
+        let between: Vec<Option<(f64, f64)>> = (0..drive.segments.len()).map(open).collect();
+        if between.iter().all(Option::is_none) || drive.moves() {
+            return EdgeTimes::known(drive);
+        }
+        if let Some(programme) = Programme::of(drive, &between) {
+            return programme.edge_times(drive);
+        }
+        let mut placed = drive.clone();
+        let mut shifts = Vec::new();
+        for (k, between) in between.iter().enumerate() {
+            let Some((from_s, to_s)) = *between else { continue };
+            let half_s = 0.5 * (to_s - from_s);
+            placed.segments[k].start_s = from_s + half_s;
+            shifts.push(Shift::of_one(k, drive.segments.len(), half_s));
+        }
+        EdgeTimes {
+            drive: placed,
+            shifts,
+        }
+    }
+
+    /// The drive with its edges where they are taken to be.
+    pub fn drive(&self) -> &Drive {
+        &self.drive
+    }
+
+    /// What may move.
+    pub fn shifts(&self) -> &[Shift] {
+        &self.shifts
+    }
+
+    /// The drive with each shift gone so far, s.
+    pub fn shifted(&self, by_s: &[f64]) -> Drive {
+        let mut drive = self.drive.clone();
+        for (shift, by_s) in self.shifts.iter().zip(by_s) {
+            let starts = drive.segments.iter_mut().zip(&shift.moves);
+            starts.for_each(|(segment, moves)| segment.start_s += moves * by_s);
+        }
+        drive
+    }
+
+    /// With the shifts gone so far; what is left of their ranges is counted from there.
+    pub fn moved(&self, by_s: &[f64]) -> EdgeTimes {
+        let left = |(shift, by_s): (&Shift, &f64)| Shift {
+            low_s: shift.low_s - by_s,
+            high_s: shift.high_s - by_s,
+            ..shift.clone()
+        };
+        EdgeTimes {
+            drive: self.shifted(by_s),
+            shifts: self.shifts.iter().zip(by_s).map(left).collect(),
+        }
+    }
+
+    /// Whether any edge is not known.
+    pub fn is_open(&self) -> bool {
+        !self.shifts.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests;

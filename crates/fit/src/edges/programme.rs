@@ -1,0 +1,121 @@
+//! A train of pulses that one programme gives: a period, and where in it each edge lies. Hundreds of edges that fall between
+//! readings tell these few numbers well.
+
+use ieap_domain::{Drive, Level};
+
+use super::{EdgeTimes, Shift};
+
+/// Edges from which on a period is looked for.
+const FEWEST_EDGES: usize = 4;
+/// Edges in a period at most.
+const LONGEST_CYCLE: usize = 12;
+/// Levels of one place in the period differ by less than this part of their range.
+const ALIKE: f64 = 0.02;
+/// Periods that are tried between the shortest and the longest that the edges leave.
+const TRIED: usize = 400;
+
+/// The period, and where the edges of its first round may be.
+pub(super) struct Programme {
+    period_s: f64,
+    /// Ends of where each edge of the first round may be, s.
+    first: Vec<(f64, f64)>,
+    /// How much longer or shorter the period may be, s.
+    open_s: f64,
+}
+
+impl Programme {
+    /// The programme with most room between the readings; none where no period passes between all of them.
+    pub(super) fn of(drive: &Drive, between: &[Option<(f64, f64)>]) -> Option<Programme> {
+        let between: Vec<(f64, f64)> = between.iter().copied().collect::<Option<_>>()?;
+        if between.len() < FEWEST_EDGES {
+            return None;
+        }
+        let cycle = (1..=LONGEST_CYCLE.min(between.len() / 2)).find(|&cycle| repeats(drive, cycle))?;
+        let rounds = (between.len() - 1) / cycle;
+        let last = rounds * cycle;
+        let low_s = (between[last].0 - between[0].1) / rounds as f64;
+        let high_s = (between[last].1 - between[0].0) / rounds as f64;
+        let tried = (0..=TRIED).map(|k| low_s + (high_s - low_s) * k as f64 / TRIED as f64);
+        let possible: Vec<(f64, Vec<(f64, f64)>, f64)> = tried
+            .filter_map(|period_s| {
+                let first = first_round(&between, cycle, period_s)?;
+                let room_s = first
+                    .iter()
+                    .map(|(from, to)| to - from)
+                    .fold(f64::INFINITY, f64::min);
+                Some((period_s, first, room_s))
+            })
+            .collect();
+        let (shortest_s, longest_s) = (possible.first()?.0, possible.last()?.0);
+        let (period_s, first, _) = possible.into_iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+        Some(Programme {
+            period_s,
+            first,
+            open_s: 0.5 * (longest_s - shortest_s),
+        })
+    }
+
+    /// Each edge of the period may move with those of its place in other rounds, and all by the length of the period.
+    pub(super) fn edge_times(&self, drive: &Drive) -> EdgeTimes {
+        let (cycle, segments) = (self.first.len(), drive.segments.len());
+        let round = |k: usize| (k / cycle) as f64;
+        let mut placed = drive.clone();
+        for (k, segment) in placed.segments.iter_mut().enumerate() {
+            let (from_s, to_s) = self.first[k % cycle];
+            segment.start_s = 0.5 * (from_s + to_s) + round(k) * self.period_s;
+        }
+        let of_place = |(place, (from_s, to_s)): (usize, &(f64, f64))| Shift {
+            moves: (0..segments)
+                .map(|k| f64::from(u8::from(k % cycle == place)))
+                .collect(),
+            low_s: 0.5 * (from_s - to_s),
+            high_s: 0.5 * (to_s - from_s),
+        };
+        let mut shifts: Vec<Shift> = self.first.iter().enumerate().map(of_place).collect();
+        // About the middle round, so that the length of the period moves no edge that the places move.
+        let rounds = round(segments - 1).max(1.0);
+        let reach_s = 0.5 * rounds * self.open_s;
+        shifts.push(Shift {
+            moves: (0..segments).map(|k| 2.0 * round(k) / rounds - 1.0).collect(),
+            low_s: -reach_s,
+            high_s: reach_s,
+        });
+        EdgeTimes {
+            drive: placed,
+            shifts,
+        }
+    }
+}
+
+/// Whether the levels repeat after so many edges.
+fn repeats(drive: &Drive, cycle: usize) -> bool {
+    let level_v = |level: Level| match level {
+        Level::Voltage(volts) => Some(volts),
+        Level::OpenCircuit => None,
+    };
+    let levels: Vec<Option<f64>> = drive
+        .segments
+        .iter()
+        .map(|segment| level_v(segment.level))
+        .collect();
+    let known = levels.iter().flatten().copied().chain([drive.baseline_v]);
+    let (low, high) = ieap_domain::range_of(known);
+    let alike = |(a, b): (&Option<f64>, &Option<f64>)| match (a, b) {
+        (Some(a), Some(b)) => (a - b).abs() <= ALIKE * (high - low),
+        (a, b) => a == b,
+    };
+    levels.iter().zip(&levels[cycle..]).all(alike)
+}
+
+/// Where the edges of the first round may be with that period; none where some edge would not lie between its readings.
+fn first_round(between: &[(f64, f64)], cycle: usize, period_s: f64) -> Option<Vec<(f64, f64)>> {
+    let of_place = |place: usize| {
+        let (mut from_s, mut to_s) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (round, (before_s, after_s)) in between.iter().skip(place).step_by(cycle).enumerate() {
+            from_s = from_s.max(before_s - round as f64 * period_s);
+            to_s = to_s.min(after_s - round as f64 * period_s);
+        }
+        (from_s <= to_s).then_some((from_s, to_s))
+    };
+    (0..cycle).map(of_place).collect()
+}

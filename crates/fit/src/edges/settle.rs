@@ -1,0 +1,121 @@
+//! Edges found with the circuit, from the current: what two edges and more tell of each other.
+
+use ieap_numerics::least_squares::Levenberg;
+use ieap_numerics::sums;
+use ieap_numerics::symmetric::Symmetric;
+
+use super::EdgeTimes;
+use crate::coupled::Current;
+use crate::electrical::Electrical;
+use crate::error::FitError;
+use crate::options::{FitInput, FitOptions};
+use crate::sampled::Sampled;
+use crate::search::Limits;
+use crate::two_steps::{Readings, identify};
+
+/// Evaluations of a search for edges, and the part of the sum of squares at which it settles.
+const LIMIT: u64 = 60;
+const SETTLE: f64 = 1e-9;
+/// Places in their ranges that all edges are begun at: the middle, soon after the reading before, shortly before the reading
+/// that saw them. A branch that charges between two readings makes one minimum of each.
+const BEGUN_AT: [f64; 3] = [0.0, -0.7, 0.7];
+
+/// Edges where the readings have them, with what is left open of them.
+pub(crate) struct Settled {
+    pub(crate) edges: EdgeTimes,
+    /// Independent ways in which all edges may still be off together, one standard deviation each, s.
+    pub(crate) open: Vec<Vec<f64>>,
+}
+
+/// The edges of a run. Where it has no current that tells of a circuit they stay in the middle of where they may be, each with
+/// all of its range open.
+///
+/// # Errors
+/// As [`crate::fit_run`].
+pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled, FitError> {
+    let edges = EdgeTimes::of(input.drive);
+    if !edges.is_open() {
+        return Ok(Settled {
+            edges,
+            open: Vec::new(),
+        });
+    }
+    let placed = FitInput {
+        drive: edges.drive(),
+        ..*input
+    };
+    let identified = identify(&placed, options, Readings::new(&placed)?);
+    let found = identified
+        .current
+        .as_ref()
+        .ok()
+        .filter(|(_, electrical)| !electrical.conductances_a_per_v.is_empty())
+        .and_then(|(sampled, electrical)| searched(&edges, sampled, electrical));
+    Ok(found.unwrap_or_else(|| Settled {
+        open: of_ranges(&edges),
+        edges,
+    }))
+}
+
+/// Every shift by itself, with its whole range open.
+fn of_ranges(edges: &EdgeTimes) -> Vec<Vec<f64>> {
+    let count = edges.shifts().len();
+    let of = |k: usize| {
+        let mut own = vec![0.0; count];
+        own[k] = edges.shifts()[k].standard_deviation_s();
+        own
+    };
+    (0..count).map(of).collect()
+}
+
+fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Option<Settled> {
+    let limits = Limits::of(sampled)?;
+    let short = sampled.compressed();
+    let mut conductances = electrical.conductances_a_per_v.clone();
+    conductances.push(electrical.steady_a_per_v);
+    let logs: Vec<f64> = electrical.time_constants_s.iter().map(|tau| tau.ln()).collect();
+    let (current, start) = Current::about(edges, &short, &conductances, &logs, (limits.low, limits.high));
+    let circuit = start.len() - edges.shifts().len();
+    let rounding = 4.0 * f64::EPSILON * sampled.square();
+    let begun_at = |part: &f64| {
+        let mut start = start.clone();
+        for (own, shift) in start[circuit..].iter_mut().zip(edges.shifts()) {
+            let (low_s, high_s) = shift.limits_s();
+            *own = part * if *part < 0.0 { -low_s } else { high_s };
+        }
+        Levenberg::by_region(LIMIT, SETTLE, rounding).search(&current, &start)
+    };
+    // One edge alone is as good anywhere: what it is off by the branches take up.
+    let places = if edges.shifts().len() > 1 {
+        BEGUN_AT.len()
+    } else {
+        1
+    };
+    let best = BEGUN_AT[..places]
+        .iter()
+        .map(begun_at)
+        .filter(|found| found.local.square.is_finite())
+        .min_by(|a, b| a.local.square.total_cmp(&b.local.square))?;
+    let variance = electrical
+        .residuals
+        .long_run_variance(sums::peak(&sampled.values));
+    let known = best.local.normal;
+    let information = Symmetric::from_fn(start.len(), |a, b| {
+        let before = match a.checked_sub(circuit) {
+            Some(shift) if a == b => edges.shifts()[shift].standard_deviation_s().powi(-2),
+            _ => 0.0,
+        };
+        known.get(a, b) / variance + before
+    });
+    let covariance = information.floored_inverse(1e-13);
+    let shifts: Vec<usize> = (circuit..start.len()).collect();
+    let (sizes, directions) = covariance.part(&shifts).eigen();
+    let open = sizes.iter().zip(&directions).map(|(size, direction)| {
+        let sd = size.max(0.0).sqrt();
+        direction.iter().map(|d| sd * d).collect()
+    });
+    Some(Settled {
+        open: open.collect(),
+        edges: edges.moved(&best.at[circuit..]),
+    })
+}

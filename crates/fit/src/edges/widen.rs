@@ -1,0 +1,107 @@
+//! What is not known of the edges, in the intervals of a fit: how far its parameters go where the edges go.
+
+use ieap_domain::quantiles::NORMAL_95;
+use ieap_domain::{Estimate, Fit, Issue, Parameter};
+
+use super::settle::Settled;
+use crate::interval_rule::is_narrow_enough;
+use crate::options::{FitInput, FitOptions};
+
+/// An interval that grows by less than this part of itself stays as it is, and nothing is said.
+const WORTH: f64 = 0.02;
+
+const TOO_WIDE: &str = "the edges of the voltage lie between readings, and where they lie moves it by more than its size: read \
+                        faster, or state the drive";
+
+/// Widens the intervals of `fit`, which was made with the edges of `settled`, by what they leave open; `plain` fits the run
+/// with another drive, in the simplest way.
+pub(crate) fn widen(
+    fit: &mut Fit,
+    input: &FitInput,
+    options: &FitOptions,
+    settled: &Settled,
+    plain: impl Fn(&FitInput, &FitOptions) -> Option<Vec<Parameter>>,
+) {
+    let with_shifts = |by_s: &[f64]| {
+        let drive = settled.edges.shifted(by_s);
+        plain(
+            &FitInput {
+                drive: &drive,
+                ..*input
+            },
+            options,
+        )
+    };
+    let still = vec![0.0; settled.edges.shifts().len()];
+    let Some(here) = with_shifts(&still) else { return };
+    let moved: Vec<Vec<Parameter>> = settled.open.iter().filter_map(|by_s| with_shifts(by_s)).collect();
+    let mut widened = 0;
+    for parameter in &mut fit.parameters {
+        let of = |all: &[Parameter]| {
+            let own = all.iter().find(|own| own.key == parameter.key);
+            own.and_then(|own| own.estimate.value)
+        };
+        let Some(value) = of(&here) else { continue };
+        let apart = moved.iter().filter_map(|there| Some(of(there)? / value - 1.0));
+        let relative = apart.map(|part| part * part).sum::<f64>().sqrt();
+        widened += usize::from(wider(&mut parameter.estimate, relative));
+    }
+    if widened > 0 {
+        fit.issues
+            .push(Issue::note("edges-between-readings", words(settled)));
+    }
+}
+
+/// Whether an estimate was widened for a further relative error.
+fn wider(estimate: &mut Estimate, relative: f64) -> bool {
+    let (Some(value), Some(low), Some(high)) = (estimate.value, estimate.low_95, estimate.high_95) else {
+        return false;
+    };
+    let added = NORMAL_95 * relative;
+    let is_logarithm = low > 0.0;
+    let half = |end: f64| match is_logarithm {
+        true => (end / value).ln().abs(),
+        false => ((end - value) / value).abs(),
+    };
+    let [down, up] = [low, high].map(|end| half(end).hypot(added));
+    if down.max(up) <= (1.0 + WORTH) * half(low).max(half(high)) {
+        return false;
+    }
+    if !is_narrow_enough(down.max(up)) {
+        *estimate = Estimate::not_determined(TOO_WIDE);
+        return true;
+    }
+    let error = estimate
+        .standard_error
+        .map(|error| error.hypot(relative * value.abs()));
+    (estimate.low_95, estimate.high_95) = match is_logarithm {
+        true => (Some(value * (-down).exp()), Some(value * up.exp())),
+        false => (Some(value - down * value.abs()), Some(value + up * value.abs())),
+    };
+    estimate.standard_error = error;
+    true
+}
+
+fn words(settled: &Settled) -> String {
+    let drive = settled.edges.drive();
+    let between = drive
+        .segments
+        .iter()
+        .filter(|segment| segment.last_before_s.is_some());
+    let count = between.clone().count();
+    let first = between.map(|segment| segment.start_s).next().unwrap_or(0.0);
+    let largest_s = settled
+        .open
+        .iter()
+        .map(|by_s| by_s.iter().map(|s| s * s).sum::<f64>().sqrt())
+        .fold(0.0, f64::max);
+    format!(
+        "{} between two readings of the voltage: the first is taken at {first:.4} s, and what is left open (up to {largest_s:.2} s, \
+         one standard deviation) widens the intervals",
+        if count == 1 {
+            "the edge of the voltage lies".to_owned()
+        } else {
+            format!("{count} edges of the voltage lie")
+        }
+    )
+}
