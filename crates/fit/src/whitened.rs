@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive, NoiseCharacter, Quantity};
 
-use super::joint::noise::Noise;
+use super::joint::noise::{Noise, slow};
 use super::joint::readings::Response;
-use super::joint::whitening::{Autocorrelation, Whitener};
+use super::joint::whitening::{Autocorrelation, Whitener, longest_s};
 use super::means::{self, Means};
 use super::noise_again::NoiseAgain;
 use super::sampled::{Sampled, Span};
 
 /// Readings behind each edge of the drive that say nothing of growth: what a model misses there looks like it.
 const AT_EDGE: usize = 1;
+/// Numbers that describe slow noise beside white: its length and its part.
+const SLOW_PARAMETERS: f64 = 2.0;
 /// Readings further apart than so many times their neighbours have a gap between them.
 const WITHOUT_GAP: f64 = 2.5;
 
@@ -226,6 +228,40 @@ impl WhitenedChannel {
         }
     }
 
+    /// The same channels with slow noise beside the white, one memory for all of them, where that is more likely than what each
+    /// has been found to have, each number that describes a memory being worth `evidence` in twice the log likelihood; none
+    /// where it is not. `fitted` is taken from each.
+    pub fn with_slow_noise(
+        channels: &[&WhitenedChannel],
+        fitted: &[&[f64]],
+        per_signal: f64,
+        evidence: f64,
+    ) -> Option<Vec<WhitenedChannel>> {
+        let shortest = channels.iter().min_by_key(|channel| channel.len())?;
+        let slow = slow::tried(&shortest.response.sampled);
+        let mut sums = vec![evidence * SLOW_PARAMETERS; slow.len() + 1];
+        sums[0] = 0.0;
+        for (channel, fitted) in channels.iter().zip(fitted) {
+            let own = std::iter::once(&channel.response.noise.autocorrelation);
+            let memories: Vec<Autocorrelation> = own.chain(&slow).cloned().collect();
+            let scale = channel.growing(fitted, per_signal);
+            let found = slow::deviances(&channel.left(fitted), &scale, &memories);
+            sums.iter_mut().zip(found).for_each(|(sum, own)| *sum += own);
+            sums[0] += evidence * channel.response.noise.autocorrelation.parameters() as f64;
+        }
+        let (before, tried) = sums.split_first()?;
+        let (memory, best) = slow.iter().zip(tried).min_by(|a, b| a.1.total_cmp(b.1))?;
+        (best < before).then(|| {
+            let each = channels.iter().zip(fitted);
+            let with = |(channel, fitted): (&&WhitenedChannel, &&[f64])| {
+                channel.with_noise_of(fitted, per_signal, |left, scale, least| {
+                    Noise::of_rest_with(left, scale, least, memory)
+                })
+            };
+            each.map(with).collect()
+        })
+    }
+
     /// Whether its own readings tell a correlation of neighbours, and no other memory.
     pub fn tells_correlation(&self) -> bool {
         !self.response.noise.by_correlation.is_empty()
@@ -304,6 +340,7 @@ impl WhitenedChannel {
         let (autoregression, correlation_time_s) = match &noise.autocorrelation {
             Autocorrelation::Order(coefficients) => (coefficients.clone(), None),
             Autocorrelation::Time { correlation_time_s } => (Vec::new(), Some(*correlation_time_s)),
+            Autocorrelation::Slow(processes) => (Vec::new(), longest_s(processes)),
         };
         NoiseCharacter {
             autoregression,

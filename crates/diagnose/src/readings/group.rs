@@ -25,7 +25,7 @@ const LONGEST_MEMORY: f64 = 50.0;
 /// Growths of the noise that are tried: its part that goes with the signal, at the largest signal of the group, in units
 /// of its even part.
 const GROWTHS: [f64; 12] = [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 8.0, 16.0, 64.0];
-/// Twice the log likelihood ratio that growth must bring. Growth taken in vain costs little; growth missed makes every
+/// Twice the log likelihood ratio that growth must bring, and each number that describes a memory. Growth taken in vain costs little; growth missed makes every
 /// edge of the drive look wrong.
 const EVIDENCE: f64 = 6.0;
 
@@ -143,6 +143,7 @@ impl<'a> RunGroup<'a> {
                 });
             }
             group.share_correlation(kind, per_signal, &fitted);
+            group.take_slow_noise(kind, per_signal, &fitted);
         }
         group.open_edges_beside(model);
         group
@@ -166,9 +167,7 @@ impl<'a> RunGroup<'a> {
             .filter_map(|run| run.channels[kind].as_ref())
             .filter(|channel| channel.tells_correlation())
             .collect();
-        let steps: Vec<f64> = channels.iter().map(|channel| usual_step_s(channel)).collect();
-        let shortest_s = steps.iter().copied().fold(f64::INFINITY, f64::min);
-        if steps.iter().any(|step_s| *step_s > ALIKE * shortest_s) {
+        if !are_alike(&channels) {
             return;
         }
         let Some(correlation) = WhitenedChannel::shared_correlation(&channels) else {
@@ -180,6 +179,22 @@ impl<'a> RunGroup<'a> {
                 *channel = channel.sharing(&fitted[kind], per_signal, correlation, among);
             }
         }
+    }
+
+    /// Gives the channels of that kind slow noise beside the white where all of them together ask for it.
+    fn take_slow_noise(&mut self, kind: usize, per_signal: f64, fitted: &[[Vec<f64>; 2]]) {
+        let of_kind = self.runs.iter().zip(fitted);
+        let (channels, fitted): (Vec<&WhitenedChannel>, Vec<&[f64]>) = of_kind
+            .filter_map(|(run, fitted)| Some((run.channels[kind].as_ref()?, fitted[kind].as_slice())))
+            .unzip();
+        if !are_alike(&channels) {
+            return;
+        }
+        let Some(slow) = WhitenedChannel::with_slow_noise(&channels, &fitted, per_signal, EVIDENCE) else {
+            return;
+        };
+        let own = self.runs.iter_mut().filter_map(|run| run.channels[kind].as_mut());
+        own.zip(slow).for_each(|(channel, slow)| *channel = slow);
     }
 
     /// The same readings with even noise that remembers nothing, as large as `model` leaves it.
@@ -270,6 +285,13 @@ impl<'a> RunGroup<'a> {
         };
         self.blocks.iter().map(of_block).sum()
     }
+}
+
+/// Whether all channels are read at one distance: a correlation of neighbours is then one of time.
+fn are_alike(channels: &[&WhitenedChannel]) -> bool {
+    let steps: Vec<f64> = channels.iter().map(|channel| usual_step_s(channel)).collect();
+    let shortest_s = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    steps.iter().all(|step_s| *step_s <= ALIKE * shortest_s)
 }
 
 /// The middle one of the steps of time between readings, s.

@@ -8,6 +8,7 @@ mod autocorrelation;
 mod growth;
 mod lagged;
 mod shared;
+pub(crate) mod slow;
 mod smooth;
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! Readings and model values turned into numbers whose noise is white and of unit size.
 
 use crate::sampled::{Sampled, Span};
+use ieap_numerics::symmetric::Symmetric;
 
 /// How noise remembers.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,9 +13,35 @@ pub(crate) enum Autocorrelation {
         /// Correlation time, s.
         correlation_time_s: f64,
     },
+    /// White noise beside such processes.
+    Slow(Vec<Process>),
+}
+
+/// A part of a noise that dies away by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Process {
+    /// Correlation time, s.
+    pub(crate) correlation_time_s: f64,
+    /// Its part of the variance.
+    pub(crate) part: f64,
+}
+
+/// The longest correlation time of processes, s.
+pub(crate) fn longest_s(processes: &[Process]) -> Option<f64> {
+    let times = processes.iter().map(|process| process.correlation_time_s);
+    times.reduce(f64::max)
 }
 
 impl Autocorrelation {
+    /// Numbers that describe it.
+    pub(crate) fn parameters(&self) -> usize {
+        match self {
+            Autocorrelation::Order(coefficients) => coefficients.len(),
+            Autocorrelation::Time { .. } => 1,
+            Autocorrelation::Slow(_) => 2,
+        }
+    }
+
     /// (1+rho)/(1-rho) and its like: how many readings carry as much as one independent one, for readings `step_s` apart.
     pub(crate) fn readings_per_independent(&self, step_s: f64) -> f64 {
         match self {
@@ -25,6 +52,13 @@ impl Autocorrelation {
             Autocorrelation::Time { correlation_time_s } => {
                 let rho = (-step_s / correlation_time_s).exp();
                 (1.0 + rho) / (1.0 - rho).max(1e-9)
+            }
+            Autocorrelation::Slow(processes) => {
+                let beyond = |process: &Process| {
+                    let rho = (-step_s / process.correlation_time_s).exp();
+                    process.part * 2.0 * rho / (1.0 - rho).max(1e-9)
+                };
+                1.0 + processes.iter().map(beyond).sum::<f64>()
             }
         }
     }
@@ -70,6 +104,62 @@ enum Rule {
     Pairs(Vec<(f64, f64)>),
     /// Predictors by the number of readings behind.
     Orders(Vec<(Vec<f64>, f64)>),
+    /// White noise beside processes, by Kalman's filter.
+    Filter(Vec<Filtered>),
+}
+
+/// What a reading tells of processes: how far each is moved by what is new, what is left of each at the next reading (0 behind
+/// the last of a span), and one over the root of the variance of what is new.
+#[derive(Debug, Clone, PartialEq)]
+struct Filtered {
+    gains: Vec<f64>,
+    kept: Vec<f64>,
+    per_new: f64,
+}
+
+/// The filter over the readings of a span at these times.
+fn filter(time_s: &[f64], processes: &[Process]) -> Vec<Filtered> {
+    let white = 1.0 - processes.iter().map(|process| process.part).sum::<f64>();
+    let mut expected = Symmetric::from_fn(
+        processes.len(),
+        |a, b| if a == b { processes[a].part } else { 0.0 },
+    );
+    let all = vec![1.0; processes.len()];
+    let of_reading = |k: usize| {
+        let shared = expected.times(&all);
+        let new = shared.iter().sum::<f64>() + white;
+        let gains: Vec<f64> = shared.iter().map(|own| own / new).collect();
+        let left = |process: &Process| {
+            let next_s = time_s.get(k + 1);
+            next_s.map_or(0.0, |next_s| {
+                (-(next_s - time_s[k]) / process.correlation_time_s).exp()
+            })
+        };
+        let kept: Vec<f64> = processes.iter().map(left).collect();
+        expected = Symmetric::from_fn(processes.len(), |a, b| {
+            let own = kept[a] * kept[b] * (expected.get(a, b) - gains[a] * shared[b]);
+            own + if a == b {
+                (1.0 - kept[a] * kept[a]) * processes[a].part
+            } else {
+                0.0
+            }
+        });
+        Filtered {
+            gains,
+            kept,
+            per_new: new.sqrt().recip(),
+        }
+    };
+    (0..time_s.len()).map(of_reading).collect()
+}
+
+impl Filtered {
+    /// The states of the processes after a surprise, at the next reading.
+    fn go_on(&self, states: &mut [f64], surprise: f64) {
+        for ((state, gain), kept) in states.iter_mut().zip(&self.gains).zip(&self.kept) {
+            *state = kept * (*state + gain * surprise);
+        }
+    }
 }
 
 impl Whitener {
@@ -104,6 +194,10 @@ impl Whitener {
                 }
                 Rule::Pairs(pairs)
             }
+            Autocorrelation::Slow(processes) => {
+                let of_span = |span: &Span| filter(&sampled.time_s[span.first..span.end], processes);
+                Rule::Filter(sampled.spans.iter().flat_map(of_span).collect())
+            }
         };
         Whitener { per_sd, rule }
     }
@@ -129,6 +223,15 @@ impl Whitener {
                     column[k] = (column[k] - predicted) * per_new;
                 }
             }
+            Rule::Filter(filter) => {
+                let rules = &filter[span.first..span.end];
+                let mut states = vec![0.0; rules.first().map_or(0, |rule| rule.gains.len())];
+                for (value, rule) in column.iter_mut().zip(rules) {
+                    let surprise = *value - states.iter().sum::<f64>();
+                    *value = surprise * rule.per_new;
+                    rule.go_on(&mut states, surprise);
+                }
+            }
         }
     }
 
@@ -147,6 +250,15 @@ impl Whitener {
                     let (order, per_new) = &orders[k.min(orders.len() - 1)];
                     let predicted: f64 = order.iter().enumerate().map(|(j, a)| a * column[k - 1 - j]).sum();
                     column[k] = column[k] / per_new + predicted;
+                }
+            }
+            Rule::Filter(filter) => {
+                let rules = &filter[span.first..span.end];
+                let mut states = vec![0.0; rules.first().map_or(0, |rule| rule.gains.len())];
+                for (value, rule) in column.iter_mut().zip(rules) {
+                    let surprise = *value / rule.per_new;
+                    *value = surprise + states.iter().sum::<f64>();
+                    rule.go_on(&mut states, surprise);
                 }
             }
         }
@@ -177,6 +289,20 @@ impl Whitener {
                     }
                 }
             }
+            Rule::Filter(filter) => {
+                let rules = &filter[span.first..span.end];
+                let mut later = vec![0.0; rules.first().map_or(0, |rule| rule.gains.len())];
+                for (value, rule) in column.iter_mut().zip(rules).rev() {
+                    let moved = later.iter_mut().zip(&rule.kept).zip(&rule.gains);
+                    let through = moved.map(|((later, kept), gain)| {
+                        *later *= kept;
+                        *later * gain
+                    });
+                    let own = *value * rule.per_new + through.sum::<f64>();
+                    *value = own;
+                    later.iter_mut().for_each(|later| *later -= own);
+                }
+            }
         }
         for (value, per_sd) in column.iter_mut().zip(&self.per_sd[span.first..span.end]) {
             *value *= per_sd;
@@ -188,6 +314,7 @@ impl Whitener {
         let scales: f64 = self.per_sd.iter().map(|per_sd| -2.0 * per_sd.ln()).sum();
         let autocorrelation: f64 = match &self.rule {
             Rule::Pairs(pairs) => pairs.iter().map(|(_, per_new)| -2.0 * per_new.ln()).sum(),
+            Rule::Filter(filter) => filter.iter().map(|rule| -2.0 * rule.per_new.ln()).sum(),
             Rule::Orders(orders) => {
                 let of_span = |span: &Span| -> f64 {
                     (0..span.end - span.first)
@@ -206,6 +333,11 @@ impl Whitener {
         match &self.rule {
             Rule::Pairs(pairs) => k > first + 1 && (pairs[k].0 - pairs[k - 1].0).abs() <= 1e-3,
             Rule::Orders(orders) => k >= first + orders.len(),
+            Rule::Filter(filter) => {
+                let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-3);
+                let (before, own) = (&filter[k - 1], &filter[k]);
+                k > first + 1 && near(&before.gains, &own.gains) && near(&before.kept, &own.kept)
+            }
         }
     }
 }
@@ -214,6 +346,13 @@ impl Whitener {
 mod tests {
     use super::*;
     use ieap_domain::{Channel, Drive, Quantity};
+
+    fn process(correlation_time_s: f64, part: f64) -> Process {
+        Process {
+            correlation_time_s,
+            part,
+        }
+    }
 
     fn sampled(time_s: &[f64]) -> Sampled {
         let channel = Channel::new(Quantity::Current, time_s.into(), vec![0.0; time_s.len()].into());
@@ -263,6 +402,7 @@ mod tests {
             Autocorrelation::Time {
                 correlation_time_s: 1.5,
             },
+            Autocorrelation::Slow(vec![process(1.5, 0.4), process(6.0, 0.2)]),
         ];
         let x = [1.0, -2.0, 0.5, 3.0, 0.0, -1.0, 4.0];
         let y = [0.2, 1.0, -1.0, 2.0, 5.0, 0.3, -0.7];
@@ -297,6 +437,12 @@ mod tests {
         };
         assert_whitens(&uneven, &time, |r, c| {
             (-(uneven[r] - uneven[c]).abs() / 1.5_f64).exp()
+        });
+        let slow = Autocorrelation::Slow(vec![process(1.5, 0.4), process(6.0, 0.2)]);
+        assert_whitens(&uneven, &slow, |r, c| {
+            let white = if r == c { 0.4 } else { 0.0 };
+            let apart_s = (uneven[r] - uneven[c]).abs();
+            white + 0.4 * (-apart_s / 1.5).exp() + 0.2 * (-apart_s / 6.0).exp()
         });
         // Second order: autocorrelations by Yule and Walker.
         let (a, b) = (0.5, 0.3);

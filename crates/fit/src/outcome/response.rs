@@ -2,7 +2,7 @@
 
 use crate::electrical::FOLLOWED;
 use crate::joint::noise::Noise;
-use crate::joint::whitening::Autocorrelation;
+use crate::joint::whitening::{Autocorrelation, longest_s};
 use crate::sampled::Sampled;
 use crate::uncertainty::Residuals;
 use ieap_domain::thinning::drawn_indices;
@@ -89,6 +89,7 @@ fn character(sampled: &Sampled) -> NoiseCharacter {
     let (autoregression, correlation_time_s) = match noise.autocorrelation {
         Autocorrelation::Order(coefficients) => (coefficients, None),
         Autocorrelation::Time { correlation_time_s } => (Vec::new(), Some(correlation_time_s)),
+        Autocorrelation::Slow(processes) => (Vec::new(), longest_s(&processes)),
     };
     NoiseCharacter {
         autoregression,

@@ -315,7 +315,7 @@ mod tests {
         let rests = [&sampled[0].values[..], &sampled[1].values[..]];
         let first = |(_, autocorrelation): &(Vec<f64>, Autocorrelation)| match autocorrelation {
             Autocorrelation::Order(coefficients) => coefficients[0],
-            Autocorrelation::Time { .. } => f64::NAN,
+            _ => f64::NAN,
         };
         let [a, b] = [0, 1].map(|k| first(&again[k].find(rests[k])));
         let both = Again::find_shared(&[(&again[0], rests[0]), (&again[1], rests[1])]).unwrap();
