@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
 use crate::formats::error::ReadError;
 use crate::formats::sheet_cells;
-use crate::text::header::{Header, Meaning};
+use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::{Decimal, Delimiter};
 use ieap_domain::{Quantity, unit};
 
@@ -48,8 +48,9 @@ fn written(name: &str, guess: &Guess) -> Proposal {
     layout(&mut text, guess);
     time(&mut text, guess, &mut open);
     let mut has_response = false;
+    let headers = headers(guess);
     for (index, name) in guess.names.iter().enumerate() {
-        has_response |= column(&mut text, guess, index, name, &mut open);
+        has_response |= column(&mut text, guess, (index, &headers[index]), name, &mut open);
     }
     if !has_response && open.is_empty() {
         open.push(
@@ -196,16 +197,36 @@ fn headed_by_unit(name: &str) -> Option<Header> {
     })
 }
 
+/// What the names and units of all columns say.
+fn headers(guess: &Guess) -> Vec<Header> {
+    let header = |(index, name): (usize, &String)| {
+        let parsed = Header::parse(name);
+        match guess.units.get(index).filter(|unit| !unit.is_empty()) {
+            Some(unit) if parsed.raw_unit.is_empty() => Header::with_unit(name, unit),
+            Some(_) => parsed,
+            None => headed_by_unit(name).unwrap_or(parsed),
+        }
+    };
+    let mut headers: Vec<Header> = guess.names.iter().enumerate().map(header).collect();
+    let mut meanings: Vec<Meaning> = headers.iter().map(|header| header.meaning.clone()).collect();
+    leave_lone_phases(&mut meanings);
+    for (header, meaning) in headers.iter_mut().zip(meanings) {
+        header.meaning = meaning;
+    }
+    headers
+}
+
 /// One column that may have a meaning; tells whether it is a response or a modulus.
-fn column(text: &mut String, guess: &Guess, index: usize, name: &str, open: &mut Vec<String>) -> bool {
+fn column(
+    text: &mut String,
+    guess: &Guess,
+    (index, header): (usize, &Header),
+    name: &str,
+    open: &mut Vec<String>,
+) -> bool {
     if guess.time_columns().contains(&index) || !guess.is_number[index] {
         return false;
     }
-    let header = match guess.units.get(index).filter(|unit| !unit.is_empty()) {
-        Some(unit) if Header::parse(name).raw_unit.is_empty() => Header::with_unit(name, unit),
-        Some(_) => Header::parse(name),
-        None => headed_by_unit(name).unwrap_or_else(|| Header::parse(name)),
-    };
     let reference = column_ref(guess, index);
     match &header.meaning {
         Meaning::Known { quantity, .. } if *quantity != Quantity::Time => {

@@ -102,6 +102,24 @@ impl Header {
     }
 }
 
+/// Takes a phase for a column of its own where no impedance stands beside it: a modulus has one, too.
+pub fn leave_lone_phases(meanings: &mut [Meaning]) {
+    let is_impedance = |meaning: &Meaning| {
+        matches!(
+            meaning.named_quantity(),
+            Some(Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude)
+        )
+    };
+    if meanings.iter().any(is_impedance) {
+        return;
+    }
+    let is_phase = |meaning: &&mut Meaning| meaning.named_quantity() == Some(Quantity::ImpedancePhase);
+    meanings
+        .iter_mut()
+        .filter(is_phase)
+        .for_each(|phase| *phase = Meaning::Other);
+}
+
 /// The cell without `@<mm>` at its end, and that position.
 fn placed(cell: &str) -> (&str, Option<f64>) {
     let Some((name, place)) = cell.rsplit_once('@') else {
