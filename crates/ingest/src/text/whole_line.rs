@@ -19,15 +19,20 @@ pub fn sign_of_whole(lines: &[Line<'_>]) -> Option<&'static str> {
         return Some("half a line end stands behind the last line");
     }
     let mark = mark_of(last.text);
-    let fields = |line: &&Line<'_>| line.text.matches(mark).count();
+    let fields = |text: &str| text.matches(mark).count();
     let above = above.iter().rev().filter(|line| !line.text.trim().is_empty());
-    let above: Vec<&Line<'_>> = above.take(HELD_AGAINST).collect();
-    if fields(above.first()?) != fields(&last) {
+    let above: Vec<&str> = above.take(HELD_AGAINST).map(|line| line.text).collect();
+    let first = match above.first()? {
+        // A delimiter behind the last name is no sign of a column.
+        names if !holds_number(names, mark) => names.trim_end_matches(mark),
+        row => row,
+    };
+    if fields(first) != fields(last.text) {
         return None;
     }
-    let is_row = |line: &&Line<'_>| fields(line) == fields(&last) && holds_number(line.text, mark);
+    let is_row = |text: &&str| fields(text) == fields(last.text) && holds_number(text, mark);
     let rows = above.into_iter().filter(is_row);
-    let fields_above: Vec<&str> = rows.map(|row| last_field(row.text, mark)).collect();
+    let fields_above: Vec<&str> = rows.map(|row| last_field(row, mark)).collect();
     let field = last_field(last.text, mark);
     let is_proof = |proof: &&(fn(&str, &[&str]) -> bool, &'static str)| proof.0(field, &fields_above);
     PROOFS.iter().find(is_proof).map(|(_, sign)| *sign)
@@ -145,6 +150,7 @@ mod tests {
     fn last_lines_that_show_their_own_end() {
         for text in [
             "a\tb\n0\t1.5E+000",
+            "a\tb\t\n0\t1.5E+000",
             "0\t1.5E-04\n1\t2.25E-04\n2\t1E-05",
             "0;1,50\n1;2,25\n2;3,10\n3;-0,25",
             "0,1.50\n1,2.25\n2,3.10\n3,4.00",
