@@ -34,29 +34,39 @@ pub fn sign_of_whole(lines: &[Line<'_>]) -> Option<&'static str> {
     let rows = above.into_iter().filter(is_row);
     let fields_above: Vec<&str> = rows.map(|row| last_field(row, mark)).collect();
     let field = last_field(last.text, mark);
-    let is_proof = |proof: &&(fn(&str, &[&str]) -> bool, &'static str)| proof.0(field, &fields_above);
-    PROOFS.iter().find(is_proof).map(|(_, sign)| *sign)
+    let proof = PROOFS.iter().find(|proof| (proof.holds)(field, &fields_above));
+    proof.map(|proof| proof.sign)
 }
 
-/// What is asked of the last field and of those above it, and what it shows.
-const PROOFS: [(fn(&str, &[&str]) -> bool, &str); 5] = [
-    (
-        ends_in_mark,
-        "a delimiter stands behind the last field, as in all lines above",
-    ),
-    (is_quoted, "quotes close the last field"),
-    (
-        has_whole_exponent,
-        "the exponent of the last number has all its digits",
-    ),
-    (
-        has_fixed_decimals,
-        "the last number has as many decimals as all above it",
-    ),
-    (
-        is_mark_of_fixed_width,
-        "the last field is a mark as wide as all above it",
-    ),
+/// What may show that a line is whole.
+struct Proof {
+    /// Asked of the last field and of those above it.
+    holds: fn(&str, &[&str]) -> bool,
+    /// What it shows, in words.
+    sign: &'static str,
+}
+
+const PROOFS: [Proof; 5] = [
+    Proof {
+        holds: ends_in_mark,
+        sign: "a delimiter stands behind the last field, as in all lines above",
+    },
+    Proof {
+        holds: is_quoted,
+        sign: "quotes close the last field",
+    },
+    Proof {
+        holds: has_whole_exponent,
+        sign: "the exponent of the last number has all its digits",
+    },
+    Proof {
+        holds: has_fixed_decimals,
+        sign: "the last number has as many decimals as all above it",
+    },
+    Proof {
+        holds: is_mark_of_fixed_width,
+        sign: "the last field is a mark as wide as all above it",
+    },
 ];
 
 /// What stands between the fields. A comma beside tabs or semicolons is a decimal sign.
