@@ -158,7 +158,7 @@ pub fn drop_cut_line(lines: &mut Vec<Line<'_>>, issues: &mut Vec<Issue>) -> (Run
     issues.push(
         Issue::warning("file-cut", message)
             .at(format!("line {}", line.number))
-            .mend("copy or export the file again"),
+            .mend("copy or export the file again; put a line end behind the last line if it is whole"),
     );
     (RunStatus::Cut, evidence)
 }

@@ -47,7 +47,7 @@ impl Format for PstraceCsv {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
