@@ -71,8 +71,8 @@ fn cuts_by(name: &str, bytes: &[u8], read: &dyn Fn(&[u8]) -> Option<Reading>) ->
                 "palmsens-csv" => rows.max().unwrap_or(0),
                 _ => rows.sum(),
             };
-            // EC-Lab ends its files without a line end, and the fixed width of its numbers shows the last one whole.
-            let may_lack_end = usize::from(cut.format == "biologic-mpt");
+            // A last line without its end is kept where it shows that it is whole.
+            let may_lack_end = 1;
             // Binary files and JSON have no lines.
             let has_lines = cut.encoding.is_some() && cut.format != "palmsens-session";
             assert!(

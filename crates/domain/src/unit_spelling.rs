@@ -39,9 +39,9 @@ pub(super) fn parse_as(spelled: &str, dimension: Dimension) -> Option<Conversion
     let word = spelled.to_ascii_lowercase();
     match dimension {
         Dimension::Time => time(spelled, &word),
-        Dimension::Voltage => prefixed(spelled, "V").or_else(|| named(&word, &["volt", "volts"])),
+        Dimension::Voltage => prefixed(spelled, "V").or_else(|| named(&word, &["volt", "volts", "vdc"])),
         Dimension::Current => {
-            prefixed(spelled, "A").or_else(|| named(&word, &["amp", "amps", "ampere", "amperes"]))
+            prefixed(spelled, "A").or_else(|| named(&word, &["amp", "amps", "ampere", "amperes", "adc"]))
         }
         Dimension::CurrentDensity => current_density(spelled),
         Dimension::Curvature => curvature(spelled),

@@ -99,10 +99,12 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
                 .collect();
             time_axis::increasing(&time_s, &raw.cells, column, issues)?
         }
-        None => TimeAxis {
-            time_s: (0..rows).map(|row| row as f64).collect(),
-            rows: (0..rows as u32).collect(),
-        },
+        None if raw.must_be_run && !is_spectrum => {
+            let message = "no column of times: the readings of the sweep are numbered by row";
+            issues.push(Issue::note("time-not-used", message).at(format!("line {}", raw.cells.header_line)));
+            TimeAxis::of_rows(rows)
+        }
+        None => TimeAxis::of_rows(rows),
     };
     if axis.rows.is_empty() {
         return Err(ReadError::HeaderOnly {
@@ -168,6 +170,17 @@ pub fn is_spectrum(meanings: &[Meaning]) -> bool {
     has(Quantity::Frequency) && (cartesian || polar)
 }
 
+/// Whether columns are those of a modulus swept over the frequency, without any time.
+pub fn is_modulus_sweep(meanings: &[Meaning]) -> bool {
+    let mut named = meanings.iter().filter_map(Meaning::named_quantity);
+    let has_time = named.clone().any(|quantity| quantity == Quantity::Time);
+    let has_modulus = meanings
+        .iter()
+        .filter_map(Meaning::quantity)
+        .any(Quantity::is_modulus);
+    !has_time && has_modulus && named.any(|quantity| quantity == Quantity::Frequency)
+}
+
 /// Share of the imaginary parts above which their sign is that of -Z'': a strip is capacitive.
 const MOSTLY: f64 = 0.9;
 
@@ -228,7 +241,7 @@ fn time_column(raw: &Raw, meanings: &[Meaning]) -> Result<Option<usize>, ReadErr
     if let Some(first) = times.clone().find(corrected).or_else(|| times.next()) {
         return Ok(Some(first));
     }
-    if !raw.must_be_run || is_spectrum(meanings) {
+    if !raw.must_be_run || is_spectrum(meanings) || is_modulus_sweep(meanings) {
         return Ok(None);
     }
     let line = raw.cells.header_line;

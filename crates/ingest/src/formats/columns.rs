@@ -3,7 +3,7 @@
 use super::assemble::Raw;
 use super::cells::CellColumn;
 use super::error::quoted;
-use crate::text::header::{Header, Meaning};
+use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::likely;
 use ieap_domain::{Issue, Quantity};
 
@@ -42,6 +42,7 @@ pub fn judge_columns(raw: &Raw, issues: &mut Vec<Issue>) -> Vec<Meaning> {
         }
     };
     let mut meanings: Vec<Meaning> = raw.headers.iter().enumerate().map(judge).collect();
+    leave_lone_phases(&mut meanings);
     // An instrument's software names its columns without slips.
     if raw.must_be_run {
         take_likely(raw, &mut meanings, issues);

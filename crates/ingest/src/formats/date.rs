@@ -127,7 +127,7 @@ fn order_of_one(mark: char, first: u32, second: u32) -> Option<Order> {
     }
 }
 
-/// `9:55:44`, `17:18`, `2:05:00 PM`.
+/// `9:55:44`, `17:18`, `2:05:00 PM`, `21:09:58.727375`.
 fn clock(time: &str) -> Option<Time> {
     let upper = time.trim().to_ascii_uppercase();
     let (digits, afternoon) = match (upper.strip_suffix("AM"), upper.strip_suffix("PM")) {
@@ -135,17 +135,26 @@ fn clock(time: &str) -> Option<Time> {
         (_, Some(digits)) => (digits.trim(), Some(true)),
         _ => (upper.as_str(), None),
     };
-    let mut parts = digits.split(':').map(|part| part.parse::<i8>().ok());
-    let (hour, minute) = (parts.next()??, parts.next()??);
-    let second = parts.next().map_or(Some(0), |second| second)?;
+    let mut parts = digits.split(':');
+    let hour = parts.next()?.parse::<i8>().ok()?;
+    let minute = parts.next()?.parse::<i8>().ok()?;
+    let (second, nanosecond) = parts.next().map_or(Some((0, 0)), second)?;
     let hour = match afternoon {
         Some(_) if !(1..=12).contains(&hour) => return None,
         Some(is_afternoon) => hour % 12 + if is_afternoon { 12 } else { 0 },
         None => hour,
     };
-    Time::new(hour, minute, second, 0)
+    Time::new(hour, minute, second, nanosecond)
         .ok()
         .filter(|_| parts.next().is_none())
+}
+
+/// Seconds and nanoseconds of `58`, `58.727375` or `58,727`.
+fn second(text: &str) -> Option<(i8, i32)> {
+    let (whole, decimals) = text.split_once(['.', ',']).unwrap_or((text, "0"));
+    let is_fraction = (1..=9).contains(&decimals.len()) && decimals.bytes().all(|byte| byte.is_ascii_digit());
+    let nanosecond = format!("{decimals:0<9}").parse().ok()?;
+    Some((whole.parse().ok()?, nanosecond)).filter(|_| is_fraction)
 }
 
 #[cfg(test)]
@@ -165,6 +174,11 @@ mod tests {
             ("12.11.2018", "18:49:49", Some("2018-11-12T18:49:49")),
             ("2024-03-10", "2:05:00 PM", Some("2024-03-10T14:05:00")),
             ("3/3/2019", "12:00:00 AM", Some("2019-03-03T00:00:00")),
+            ("7/17/2024", "21:09:58.727375", Some("2024-07-17T21:09:58.727375")),
+            ("17.7.2024", "21:09:58,5", Some("2024-07-17T21:09:58.5")),
+            ("7/17/2024", "9:09:58.25 PM", Some("2024-07-17T21:09:58.25")),
+            ("7/17/2024", "21:09:58.", None),
+            ("7/17/2024", "21:09:58.7x", None),
             ("3/10/2019", "12:00:00", None),
             ("10-2-2020", "17:18:00", None),
             ("31/31/2020", "17:18:00", None),

@@ -5,6 +5,7 @@ use super::error::{ReadError, quoted};
 use crate::text::grid::{Dialect, is_blank_or_comment, push_line};
 use crate::text::header::Header;
 use crate::text::layout::{self, Layout};
+use crate::text::whole_line::sign_of_whole;
 use crate::text::{Cell, Decimal, Decoded, Delimiter, Line, Lines, decode, number};
 use ieap_domain::{Issue, RunStatus};
 
@@ -133,30 +134,33 @@ pub fn decoded(bytes: &[u8]) -> Result<Decoded<'_>, ReadError> {
     }
 }
 
-/// Drops a last line without an end: its last number may lack digits and nothing shows it.
+/// Drops a last line without an end, unless it shows that it is whole: else its last number may lack digits and nothing
+/// shows it.
 pub fn drop_cut_line(lines: &mut Vec<Line<'_>>, issues: &mut Vec<Issue>) -> (RunStatus, String) {
-    if lines
-        .last()
-        .is_some_and(|line| !line.ended && line.text.trim().is_empty())
-    {
-        lines.pop();
+    lines.pop_if(|line| !line.ended && line.text.trim().is_empty());
+    if lines.last().is_none_or(|line| line.ended) {
+        return (RunStatus::Complete, "the last line has its end".to_owned());
     }
-    match lines.pop_if(|line| !line.ended) {
-        None => (RunStatus::Complete, "the last line has its end".to_owned()),
-        Some(line) => {
-            let evidence = format!("line {} has no line end; it is left out", line.number);
-            let message = format!(
-                "the last line {} has no line end, so a number in it may be cut",
-                quoted(line.text)
-            );
-            issues.push(
-                Issue::warning("file-cut", message)
-                    .at(format!("line {}", line.number))
-                    .mend("copy or export the file again"),
-            );
-            (RunStatus::Cut, evidence)
-        }
+    if let (Some(sign), Some(last)) = (sign_of_whole(lines), lines.last_mut()) {
+        last.ended = true;
+        last.text = last.text.trim_end_matches('\r');
+        let evidence = format!("line {} has no line end, but is whole: {sign}", last.number);
+        return (RunStatus::Complete, evidence);
     }
+    let Some(line) = lines.pop() else {
+        return (RunStatus::Complete, "there is no line".to_owned());
+    };
+    let evidence = format!("line {} has no line end; it is left out", line.number);
+    let message = format!(
+        "the last line {} has no line end, so a number in it may be cut",
+        quoted(line.text)
+    );
+    issues.push(
+        Issue::warning("file-cut", message)
+            .at(format!("line {}", line.number))
+            .mend("copy or export the file again; put a line end behind the last line if it is whole"),
+    );
+    (RunStatus::Cut, evidence)
 }
 
 /// Says so where code units of the file mean nothing in its encoding; a cut line is gone already.
@@ -223,6 +227,25 @@ mod tests {
             (issues[0].code.as_str(), issues[0].place.as_str()),
             ("file-cut", "line 7")
         );
+    }
+
+    #[test]
+    fn a_whole_last_row_without_a_line_end_is_read() {
+        for (text, rows) in [
+            ("time_s\tcurrent_a\n0\t1.5E-04\n1\t2.5E-04", 2),
+            ("time_s,current_a\n0,1.50\n1,2.25\n2,3.00\n3,3.25", 4),
+            ("time_s\tcurrent_a\n0\t1.5E-04\n1\t2.5E-0", 1),
+        ] {
+            let mut issues = Vec::new();
+            let read = read(text.as_bytes(), |_| false, &mut issues).unwrap();
+            let is_cut = read.status == RunStatus::Cut;
+            assert_eq!((read.cells.rows(), is_cut), (rows, rows == 1), "{text:?}");
+            assert_eq!(
+                issues.iter().any(|issue| issue.code == "file-cut"),
+                is_cut,
+                "{text:?}"
+            );
+        }
     }
 
     #[test]

@@ -86,6 +86,18 @@ pub enum ReadError {
         /// What would decide it.
         mend: &'static str,
     },
+    /// The names of the header are known, and no delimiter and decimal sign makes numbers of the rows below.
+    #[error("delimiter and decimal sign cannot be decided: {found}")]
+    NoReading {
+        /// Line of the names.
+        header: usize,
+        /// First line of rows.
+        line: usize,
+        /// What stands there.
+        found: String,
+        /// What would make it readable.
+        mend: &'static str,
+    },
     /// Dates can be read in two orders, or in none.
     #[error("the dates of column {column} cannot be decided: {found}")]
     AmbiguousDates {
@@ -202,7 +214,7 @@ impl ReadError {
             ReadError::Structure { .. } => "broken-structure",
             ReadError::UnknownFormat { .. } => "unknown-format",
             ReadError::AmbiguousFormat { .. } => "ambiguous-format",
-            ReadError::AmbiguousNumbers { .. } => "ambiguous-numbers",
+            ReadError::AmbiguousNumbers { .. } | ReadError::NoReading { .. } => "ambiguous-numbers",
             ReadError::AmbiguousDates { .. } => AMBIGUOUS_DATES,
             ReadError::NoHeader { .. } => "no-header",
             ReadError::Column { .. } => "column-unusable",
@@ -233,6 +245,7 @@ impl ReadError {
             ReadError::Column { line, index, .. } => format!("line {line}, column {index}"),
             ReadError::HeaderOnly { line, .. }
             | ReadError::AmbiguousNumbers { line, .. }
+            | ReadError::NoReading { line, .. }
             | ReadError::AmbiguousDates { line, .. }
             | ReadError::NoHeader { line, .. }
             | ReadError::NoResponse { line, .. }
@@ -263,7 +276,7 @@ impl ReadError {
                  time_s,voltage_v,current_a,curvature_per_cm"
             }
             ReadError::AmbiguousFormat { .. } => "rename the columns as `ieap formats` shows, or export anew",
-            ReadError::AmbiguousNumbers { mend, .. } => mend,
+            ReadError::AmbiguousNumbers { mend, .. } | ReadError::NoReading { mend, .. } => mend,
             ReadError::AmbiguousDates { .. } => {
                 "state date_order = \"day-first\" (or month-first, year-first) in campaign.toml, [campaign], or `order` in a \
                  profile (`ieap profile FILE`); or keep it beside a file whose dates show the order; or export with dates \
@@ -301,6 +314,7 @@ impl ReadError {
             ReadError::UnknownFormat { is_table, .. } => *is_table,
             ReadError::AmbiguousFormat { .. }
             | ReadError::AmbiguousNumbers { .. }
+            | ReadError::NoReading { .. }
             | ReadError::AmbiguousDates { .. }
             | ReadError::NoHeader { .. }
             | ReadError::Column { .. }

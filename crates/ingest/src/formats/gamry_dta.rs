@@ -40,7 +40,7 @@ impl Format for GamryDta {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

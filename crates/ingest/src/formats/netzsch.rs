@@ -35,7 +35,7 @@ impl Format for Netzsch {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

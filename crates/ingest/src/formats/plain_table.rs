@@ -5,11 +5,12 @@ use super::delimited;
 use super::recognition::{FileHead, Match};
 use super::{Format, ReadContext, ReadError};
 use crate::Reading;
+use crate::profiles;
 use crate::text::grid::is_blank_or_comment;
 use crate::text::header::Header;
 use crate::text::{Delimiter, Lines, layout};
 use ieap_domain::tag::keys;
-use ieap_domain::{Quantity, RunStatus};
+use ieap_domain::{Issue, Quantity, RunStatus};
 
 /// Reader of the plain run table, in every spelling: delimiter, decimal sign, encoding and units are found.
 pub struct PlainTable;
@@ -28,7 +29,7 @@ impl Format for PlainTable {
     }
 
     fn version(&self) -> u32 {
-        5
+        6
     }
 
     fn is_generic(&self) -> bool {
@@ -41,7 +42,7 @@ impl Format for PlainTable {
         };
         let lines = Lines::new(&text).filter(|line| !is_blank_or_comment(line.text));
         let mut is_table = false;
-        for line in lines.take(64) {
+        for line in lines.take(layout::HEADER_WITHIN) {
             for delimiter in Delimiter::ALL {
                 let cells = delimiter.header_cells(line.text);
                 is_table |= cells.len() >= 2 && delimiter != Delimiter::Blanks;
@@ -63,6 +64,19 @@ impl Format for PlainTable {
     }
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
+        let read = self.by_names(bytes, context);
+        let from_line = match &read {
+            Err(ReadError::NoReading { header, .. }) => *header,
+            Err(ReadError::NoHeader { .. }) => 1,
+            _ => return read,
+        };
+        self.as_proposed(bytes, from_line, context).map_or(read, Ok)
+    }
+}
+
+impl PlainTable {
+    /// Reads what the names of the columns say.
+    fn by_names(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let mut issues = Vec::new();
         let text = delimited::read(bytes, is_flag, &mut issues)?;
         let raw = Raw {
@@ -100,6 +114,25 @@ impl Format for PlainTable {
     }
 }
 
+impl PlainTable {
+    /// Reads a table whose rows are timed by dates or times of day, as the profile says that `ieap profile` proposes;
+    /// none where that profile leaves something open. Lines above `from_line` are no part of the table.
+    fn as_proposed(&self, bytes: &[u8], from_line: usize, context: &ReadContext) -> Option<Reading> {
+        let profile = profiles::complete(bytes, from_line)?;
+        let reading = profile.read(bytes, context).ok()?;
+        let message = "the names of the columns do not say how the rows are timed; the file is read as `ieap profile` \
+                       proposes";
+        let issue = Issue::note("read-as-proposed", message)
+            .mend("run `ieap profile FILE` for what that is, and keep it in profiles/ to change it");
+        Some(Reading {
+            format: self.id(),
+            reader_version: self.version(),
+            issues: std::iter::once(issue).chain(reading.issues).collect(),
+            ..reading
+        })
+    }
+}
+
 /// Whether the table is an impedance spectrum.
 fn holds_spectrum(table: &crate::RunTable) -> bool {
     !ieap_domain::Spectrum::of(&table.channels).is_empty()
@@ -116,4 +149,124 @@ fn is_comment_tag(key: &str) -> bool {
         || key == keys::OPEN_CIRCUIT
         || key == keys::LEAVE_OUT
         || keys::CONDITIONS.contains(&key)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::read;
+
+    fn table(text: &str) -> Result<Reading, ReadError> {
+        read("run.csv", text.as_bytes(), &ReadContext::default())
+    }
+
+    #[test]
+    fn rows_with_dates_are_read_as_a_profile_would_be_proposed() {
+        let dates = "Datum;Zeit;Strom (mA);Spannung (V)\n15.02.2026;10:00:00;0,5;1,5\n15.02.2026;10:00:02;1,5;1,5\n\
+                     15.02.2026;10:00:04;2,5;1,5\n";
+        let reading = table(dates).unwrap();
+        assert_eq!(
+            (reading.format, reading.tables[0].time_first_last_s),
+            ("plain-table", Some((0.0, 4.0)))
+        );
+        assert_eq!(
+            reading.started_at.unwrap().local.as_deref(),
+            Some("2026-02-15T10:00:00")
+        );
+        let current = reading.tables[0]
+            .channels
+            .iter()
+            .find(|c| c.quantity == Quantity::Current)
+            .unwrap();
+        assert_eq!(&current.values[..], [5e-4, 1.5e-3, 2.5e-3]);
+        assert!(
+            reading
+                .issues
+                .iter()
+                .any(|issue| issue.code == "read-as-proposed")
+        );
+        let times = "Time;Current (mA)\n10:00:00;0,5\n10:00:02;1,5\n";
+        assert_eq!(
+            table(times).unwrap().tables[0].time_first_last_s,
+            Some((0.0, 2.0))
+        );
+    }
+
+    #[test]
+    fn what_a_profile_would_leave_open_or_misread_stays_refused() {
+        for text in [
+            "Time;Current (mA)\n01/02/2026 10:00:00;0,5\n01/02/2026 10:00:02;1,5\n",
+            "time_s,current_a\n0,5,1,5\n1,5,2,5\n2,5,3,5\n",
+            "Time;Current (mA);curvature_per_cm\n10:00:00;0,5;0.5\n10:00:02;1,5;0.75\n",
+            "Time;Current\n10:00:00;0,5\n10:00:02;1,5\n",
+        ] {
+            assert!(table(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_data_logger_of_keysight_is_read_in_utf_16() {
+        let mut text =
+            "Name:,strip\r\nInstrument:,34972A\r\nAcquisition Date:,10/15/2026 2:12:32 PM\r\n".to_owned();
+        (0..80).for_each(|k| text.push_str(&format!("{},input,DCV,Auto\r\n", 101 + k)));
+        text.push_str("Scan,Time,101 <voltage> (VDC),102 <current> (ADC)\r\n");
+        (0..3).for_each(|k| {
+            text.push_str(&format!(
+                "{},10/15/2026 14:12:3{k}:250,1.5,{}.5E-03\r\n",
+                k + 1,
+                k
+            ))
+        });
+        let bytes: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        for mark in [&[][..], &[0xFF, 0xFE]] {
+            let reading = read("dat.csv", &[mark, &bytes].concat(), &ReadContext::default()).unwrap();
+            assert_eq!(
+                (reading.format, reading.encoding),
+                ("plain-table", Some("utf-16le"))
+            );
+            assert_eq!(reading.tables[0].time_first_last_s, Some((0.0, 2.0)));
+            let found: Vec<(Quantity, f64)> = reading.tables[0]
+                .channels
+                .iter()
+                .map(|c| (c.quantity, c.values[2]))
+                .collect();
+            assert!(
+                found.contains(&(Quantity::Voltage, 1.5)) && found.contains(&(Quantity::Current, 2.5e-3)),
+                "{found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_modulus_log_of_an_eplexor_as_text_has_its_units_in_the_second_row() {
+        let names =
+            "Nr;F stat.;Time;f;T;E';E'';|E*|;tan delta;|J*|\r\n;N;s;Hz;\u{b0}C;MPa;MPa;MPa;;1/MPa\r\n";
+        let text = format!(
+            "{names}1;0,5;10,5;1;25;60,5;11,2;61,5;0,185;0,016\r\n2;0,5;11,5;1;25;60;11;61;0,18;---\r\n"
+        );
+        let reading = table(&text).unwrap();
+        assert_eq!(reading.tables[0].time_first_last_s, Some((10.5, 11.5)));
+        let sweep = "Nr;f;T;E';tan delta\r\n;Hz;\u{b0}C;MPa;\r\n1;0,5;25;60,5;0,185\r\n2;1;25;61;0,18\r\n";
+        let reading = table(sweep).unwrap();
+        let found: Vec<Quantity> = reading.tables[0].channels.iter().map(|c| c.quantity).collect();
+        let expected = [
+            Quantity::Frequency,
+            Quantity::Temperature,
+            Quantity::StorageModulus,
+            Quantity::LossFactor,
+        ];
+        assert_eq!(found[1..], expected);
+        assert_eq!(reading.tables[0].time_column, None);
+        assert!(reading.issues.iter().any(|issue| issue.code == "time-not-used"));
+    }
+
+    #[test]
+    fn an_oscilloscope_of_keysight_numbers_its_inputs() {
+        let text = "x-axis,1,2\nsecond,Volt,Ampere\n-1.0E-03,0.0E+00,1.5E-03\n+0.0E+00,5.0E-01,2.5E-03\n";
+        let reading = table(text).unwrap();
+        let found: Vec<Quantity> = reading.tables[0].channels.iter().map(|c| c.quantity).collect();
+        assert_eq!(found, [Quantity::Voltage, Quantity::Current]);
+        let refused = table("x-axis,1,2\nsecond,Volt,Volt\n0,0.5,1\n1,1,2\n").unwrap_err();
+        assert!(matches!(refused, ReadError::NoResponse { .. }), "{refused}");
+    }
 }

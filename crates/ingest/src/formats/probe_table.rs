@@ -63,7 +63,7 @@ impl Format for ProbeTable {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

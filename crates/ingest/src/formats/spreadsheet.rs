@@ -32,7 +32,7 @@ impl Format for Spreadsheet {
     }
 
     fn version(&self) -> u32 {
-        5
+        6
     }
 
     fn is_generic(&self) -> bool {

@@ -43,7 +43,7 @@ impl Format for TaTrios {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

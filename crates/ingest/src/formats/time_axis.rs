@@ -18,6 +18,16 @@ pub struct TimeAxis {
     pub rows: Vec<u32>,
 }
 
+impl TimeAxis {
+    /// Numbers of rows in the place of times.
+    pub fn of_rows(rows: usize) -> TimeAxis {
+        TimeAxis {
+            time_s: (0..rows).map(|row| row as f64).collect(),
+            rows: (0..rows as u32).collect(),
+        }
+    }
+}
+
 /// Keeps the rows whose time, s, lies after every time before it. `time_s` has one value per row, NaN where
 /// there is none.
 ///

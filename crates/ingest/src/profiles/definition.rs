@@ -162,7 +162,7 @@ impl TimeBase {
 
 impl Profile {
     /// Version of the reader that obeys profiles: raised when the same bytes would read differently.
-    pub const READER_VERSION: u32 = 1;
+    pub const READER_VERSION: u32 = 2;
 
     /// How runs and files name it as their format: `profile:laser@1a2b3c4d5e6f`, the last part from the digest.
     pub fn format(&self) -> String {

@@ -72,13 +72,14 @@ impl Guess {
     }
 }
 
-/// The layout of a delimited text; none where no separator makes a table of numbers.
-pub(super) fn guess_text(bytes: &[u8]) -> Option<Guess> {
+/// The layout of a delimited text from that line on; none where no separator makes a table of numbers.
+pub(super) fn guess_text(bytes: &[u8], from_line: usize) -> Option<Guess> {
     let decoded = decode(bytes);
     if decoded.text.contains('\0') {
         return None;
     }
-    let mut lines: Vec<Line<'_>> = Lines::new(&decoded.text).take(SAMPLE).collect();
+    let lines = Lines::new(&decoded.text).skip(from_line.saturating_sub(1));
+    let mut lines: Vec<Line<'_>> = lines.take(SAMPLE).collect();
     lines.pop_if(|line| !line.ended);
     let lines: Vec<Line<'_>> = lines
         .into_iter()

@@ -25,6 +25,7 @@ use ieap_system::fs;
 pub use choose::{Choice, Claim, Reader, choose, read};
 pub use definition::Profile;
 pub use error::ProfileError;
+pub(crate) use propose::complete;
 pub use propose::{Proposal, propose};
 
 /// Folder of the profiles inside a campaign.

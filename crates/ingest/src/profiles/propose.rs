@@ -1,13 +1,17 @@
 //! Proposes a profile for a file: what its rows show is written down, what they do not show is left open.
 
 use std::fmt::Write;
+use std::path::Path;
 
+use super::definition::Profile;
+use super::from_text;
 use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
 use crate::formats::error::ReadError;
 use crate::formats::sheet_cells;
-use crate::text::header::{Header, Meaning};
+use crate::text::header::{Header, Meaning, leave_lone_phases};
+use crate::text::likely::headed_by_unit;
 use crate::text::{Decimal, Delimiter};
-use ieap_domain::{Quantity, unit};
+use ieap_domain::Quantity;
 
 /// A profile as it may be saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,13 +33,30 @@ pub fn propose(name: &str, bytes: &[u8]) -> Result<Proposal, ReadError> {
     let is_workbook = bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0");
     let guess = match is_workbook {
         true => guess_sheet(&sheet_cells::read(bytes)?),
-        false => guess_text(bytes),
+        false => guess_text(bytes, 1),
     };
     let guess = guess.ok_or_else(|| ReadError::NoHeader {
         line: 0,
         found: "no table of numbers, two columns or more in at least two rows".to_owned(),
     })?;
     Ok(written(name, &guess))
+}
+
+/// The profile that is proposed for a text, where the text leaves nothing to be said by a person: every column has a
+/// name, and what these name are numbers. Lines above `from_line` are no part of the table.
+pub(crate) fn complete(bytes: &[u8], from_line: usize) -> Option<Profile> {
+    let guess = guess_text(bytes, from_line)?;
+    let headers = headers(&guess);
+    let is_named = guess.names.iter().all(|name| !name.is_empty());
+    let times = guess.time_columns();
+    let holds_numbers = headers.iter().enumerate().all(|(index, header)| {
+        header.meaning.named_quantity().is_none() || guess.is_number[index] || times.contains(&index)
+    });
+    let proposal = written("table", &guess);
+    let is_complete = is_named && holds_numbers && proposal.open.is_empty();
+    is_complete
+        .then(|| from_text(Path::new("table.toml"), &proposal.text).ok())
+        .flatten()
 }
 
 fn written(name: &str, guess: &Guess) -> Proposal {
@@ -48,8 +69,9 @@ fn written(name: &str, guess: &Guess) -> Proposal {
     layout(&mut text, guess);
     time(&mut text, guess, &mut open);
     let mut has_response = false;
+    let headers = headers(guess);
     for (index, name) in guess.names.iter().enumerate() {
-        has_response |= column(&mut text, guess, index, name, &mut open);
+        has_response |= column(&mut text, guess, (index, &headers[index]), name, &mut open);
     }
     if !has_response && open.is_empty() {
         open.push(
@@ -178,34 +200,36 @@ fn time(text: &mut String, guess: &Guess, open: &mut Vec<String>) {
     );
 }
 
-/// What a column means whose name is a unit alone, as `V` and `µA` below which PSTrace writes: the unit says it where
-/// only one quantity of a run is measured in it.
-fn headed_by_unit(name: &str) -> Option<Header> {
-    const SAID_BY_UNIT: [Quantity; 4] = [
-        Quantity::Voltage,
-        Quantity::Current,
-        Quantity::Curvature,
-        Quantity::TipDisplacement,
-    ];
-    let measures = |quantity: &&Quantity| unit::conversion(**quantity, name).is_ok();
-    let quantity = SAID_BY_UNIT.iter().find(measures)?;
-    let named = Header::with_unit(quantity.label(), name);
-    Some(Header {
-        raw_name: name.to_owned(),
-        ..named
-    })
+/// What the names and units of all columns say.
+fn headers(guess: &Guess) -> Vec<Header> {
+    let header = |(index, name): (usize, &String)| {
+        let parsed = Header::parse(name);
+        match guess.units.get(index).filter(|unit| !unit.is_empty()) {
+            Some(unit) if parsed.raw_unit.is_empty() => Header::with_unit(name, unit),
+            Some(_) => parsed,
+            None => headed_by_unit(name, name).unwrap_or(parsed),
+        }
+    };
+    let mut headers: Vec<Header> = guess.names.iter().enumerate().map(header).collect();
+    let mut meanings: Vec<Meaning> = headers.iter().map(|header| header.meaning.clone()).collect();
+    leave_lone_phases(&mut meanings);
+    for (header, meaning) in headers.iter_mut().zip(meanings) {
+        header.meaning = meaning;
+    }
+    headers
 }
 
 /// One column that may have a meaning; tells whether it is a response or a modulus.
-fn column(text: &mut String, guess: &Guess, index: usize, name: &str, open: &mut Vec<String>) -> bool {
+fn column(
+    text: &mut String,
+    guess: &Guess,
+    (index, header): (usize, &Header),
+    name: &str,
+    open: &mut Vec<String>,
+) -> bool {
     if guess.time_columns().contains(&index) || !guess.is_number[index] {
         return false;
     }
-    let header = match guess.units.get(index).filter(|unit| !unit.is_empty()) {
-        Some(unit) if Header::parse(name).raw_unit.is_empty() => Header::with_unit(name, unit),
-        Some(_) => Header::parse(name),
-        None => headed_by_unit(name).unwrap_or_else(|| Header::parse(name)),
-    };
     let reference = column_ref(guess, index);
     match &header.meaning {
         Meaning::Known { quantity, .. } if *quantity != Quantity::Time => {

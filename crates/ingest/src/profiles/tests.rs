@@ -317,3 +317,19 @@ fn profiles_of_a_folder_are_loaded_by_id() {
             .contains("lower case")
     );
 }
+
+#[test]
+fn the_phase_of_a_modulus_is_none_of_an_impedance() {
+    let log = "Time (s);f (Hz);Phase (\u{b0});E' (MPa);tan delta\n0;1;10,5;60;0,185\n1;1;10,75;61;0,19\n2;1;11;62;0,2\n";
+    let proposal = propose("dma.csv", log.as_bytes()).unwrap();
+    assert!(!proposal.text.contains("impedance"), "{}", proposal.text);
+    let reading = crate::formats::read("dma.csv", log.as_bytes(), &ReadContext::default()).unwrap();
+    let phase = reading.tables[0]
+        .channels
+        .iter()
+        .find(|c| c.raw_name.starts_with("Phase"));
+    assert_eq!(phase.map(|channel| channel.quantity), Some(Quantity::Other));
+    let spectrum = "f (Hz);|Z| (Ohm);Phase (\u{b0})\n1;10,5;-20\n2;10;-25\n3;9,5;-30\n";
+    let proposal = propose("eis.csv", spectrum.as_bytes()).unwrap();
+    assert!(proposal.text.contains("impedance_phase"), "{}", proposal.text);
+}

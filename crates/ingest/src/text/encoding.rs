@@ -1,4 +1,4 @@
-//! Bytes to text: byte order mark, then strict UTF-8, then Windows-1252. No byte is ever dropped.
+//! Bytes to text: byte order mark, then UTF-16 that every second byte shows, then strict UTF-8, then Windows-1252. No byte is ever dropped.
 //!
 //! Statistical guessing is left out on purpose: on instrument text with a few `°` or `µ` it takes
 //! Windows-1252 for Big5.
@@ -32,8 +32,16 @@ pub fn decode(bytes: &[u8]) -> Decoded<'_> {
         [0xEF, 0xBB, 0xBF, rest @ ..] => utf_8(rest),
         [0xFF, 0xFE, rest @ ..] => utf_16(rest, UTF_16LE, "utf-16le"),
         [0xFE, 0xFF, rest @ ..] => utf_16(rest, UTF_16BE, "utf-16be"),
+        _ if is_utf_16_without_mark(bytes) => utf_16(bytes, UTF_16LE, "utf-16le"),
         _ => utf_8(bytes),
     }
+}
+
+/// Whether every second byte of the beginning is zero and no other, as in Latin text of Windows in UTF-16.
+fn is_utf_16_without_mark(bytes: &[u8]) -> bool {
+    const LOOKED_AT: usize = 128;
+    let head = &bytes[..bytes.len().min(LOOKED_AT) & !1];
+    head.len() >= 8 && head.chunks_exact(2).all(|unit| unit[0] != 0 && unit[1] == 0)
 }
 
 /// Strict UTF-8; a character that is cut off by the end of the file is no sign of another encoding, its line
@@ -87,6 +95,7 @@ mod tests {
             ([b"\xEF\xBB\xBF", text.as_bytes()].concat(), "utf-8"),
             (utf_16_bytes(text, u16::to_le_bytes), "utf-16le"),
             (utf_16_bytes(text, u16::to_be_bytes), "utf-16be"),
+            (utf_16_bytes(text, u16::to_le_bytes).split_off(2), "utf-16le"),
             (b"Current (\xB5A)\n1\n".to_vec(), "windows-1252"),
         ] {
             let decoded = decode(&bytes);

@@ -102,6 +102,24 @@ impl Header {
     }
 }
 
+/// Takes a phase for a column of its own where no impedance stands beside it: a modulus has one, too.
+pub fn leave_lone_phases(meanings: &mut [Meaning]) {
+    let is_impedance = |meaning: &Meaning| {
+        matches!(
+            meaning.named_quantity(),
+            Some(Quantity::ImpedanceReal | Quantity::ImpedanceImaginary | Quantity::ImpedanceMagnitude)
+        )
+    };
+    if meanings.iter().any(is_impedance) {
+        return;
+    }
+    let is_phase = |meaning: &&mut Meaning| meaning.named_quantity() == Some(Quantity::ImpedancePhase);
+    meanings
+        .iter_mut()
+        .filter(is_phase)
+        .for_each(|phase| *phase = Meaning::Other);
+}
+
 /// The cell without `@<mm>` at its end, and that position.
 fn placed(cell: &str) -> (&str, Option<f64>) {
     let Some((name, place)) = cell.rsplit_once('@') else {
@@ -170,11 +188,12 @@ fn opening(cell: &str, open: char, close: char) -> Option<usize> {
     None
 }
 
-/// `curvature_per_m`, `Time s`: a quantity's name, then a unit.
+/// `curvature_per_m`, `Time s`, `Zeit in s`: a quantity's name, then a unit.
 fn suffix(cell: &str) -> Option<(String, String)> {
     let cuts = cell.char_indices().filter(|(_, c)| matches!(c, '_' | ' '));
     for (at, _) in cuts {
         let (name, unit) = (&cell[..at], &cell[at + 1..]);
+        let unit = unit.strip_prefix("in ").unwrap_or(unit);
         for &quantity in candidates(name) {
             if let Some(unit) = spelled_unit(quantity, unit) {
                 return Some((name.to_owned(), unit));
@@ -259,8 +278,9 @@ fn interpret(name: &str, unit: &str) -> Meaning {
     }
     match refused {
         Some((_, UnitError::WrongDimension { .. })) if name.trim().chars().count() == 1 => Meaning::Other,
-        // `Z` and `Phase` are an impedance with its unit only.
+        // `Z` and `Phase` are an impedance with its unit only, `f` a frequency and the x-axis of a picture a time.
         Some((Quantity::ImpedanceMagnitude | Quantity::ImpedancePhase, _)) => Meaning::Other,
+        Some(_) if matches!(name.trim(), "f" | "F" | "x-axis") => Meaning::Other,
         Some((quantity, error)) => Meaning::Refused { quantity, error },
         None => Meaning::Other,
     }
@@ -296,6 +316,7 @@ const NAMES: [(&[&str], &[Quantity]); 26] = [
             "laufzeit",
             "temps",
             "aeg",
+            "x axis",
         ],
         &[Quantity::Time],
     ),
@@ -432,7 +453,7 @@ const NAMES: [(&[&str], &[Quantity]); 26] = [
     (&["speichermodul"], &[Quantity::StorageModulus]),
     (&["verlustmodul"], &[Quantity::LossModulus]),
     (&["verlustfaktor"], &[Quantity::LossFactor]),
-    (&["frequency", "frequenz", "freq"], &[Quantity::Frequency]),
+    (&["frequency", "frequenz", "freq", "f"], &[Quantity::Frequency]),
     (
         &[
             "impedance real",
@@ -494,10 +515,21 @@ const CONTROL_NAMES: [&str; 13] = [
     "commanded voltage",
 ];
 
+/// `102 <current>` without the number of the input, as data loggers of Keysight name their columns.
+fn without_channel(name: &str) -> &str {
+    let label = name
+        .trim()
+        .trim_start_matches(|c: char| c.is_ascii_digit())
+        .trim_start();
+    match label.starts_with('<') && label.ends_with('>') {
+        true => label,
+        false => name.trim(),
+    }
+}
+
 /// Quantities that a name may stand for, the likeliest first; none for names ieap does not know.
 pub(super) fn candidates(name: &str) -> &'static [Quantity] {
-    let plain: String = name
-        .trim()
+    let plain: String = without_channel(name)
         .trim_start_matches('<')
         .trim_end_matches('>')
         .chars()
@@ -577,6 +609,8 @@ mod tests {
             ("loss_factor", Quantity::LossFactor, ""),
             ("Kr\u{fc}mmung [1/m]", Quantity::Curvature, "1/m"),
             ("Strom/mA", Quantity::Current, "mA"),
+            ("Zeit in s", Quantity::Time, "s"),
+            ("Strom in mA", Quantity::Current, "mA"),
             ("Spannung (V)", Quantity::Voltage, "V"),
             ("Auslenkung [mm]", Quantity::TipDisplacement, "mm"),
             ("current density (mA/cm2)", Quantity::CurrentDensity, "mA/cm2"),
@@ -587,6 +621,9 @@ mod tests {
             ("frequency_hz", Quantity::Frequency, "Hz"),
             ("Frequency (rad/s)", Quantity::Frequency, "rad/s"),
             ("freq / Hz", Quantity::Frequency, "Hz"),
+            ("f (Hz)", Quantity::Frequency, "Hz"),
+            ("x-axis (second)", Quantity::Time, "second"),
+            ("102 <current> (ADC)", Quantity::Current, "ADC"),
             ("Z' (\u{3a9})", Quantity::ImpedanceReal, "\u{3a9}"),
             ("-Z'' (\u{3a9})", Quantity::ImpedanceImaginary, "\u{3a9}"),
             ("Z\"/ohm", Quantity::ImpedanceImaginary, "ohm"),
@@ -665,6 +702,9 @@ mod tests {
             "cDAQ1Mod2/ai3",
             "Current range",
             "Distance1 (mm)",
+            "F (g)",
+            "f",
+            "x-axis (mm)",
             "V (m)",
             "Q+",
             "",

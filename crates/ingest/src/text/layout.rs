@@ -7,15 +7,16 @@
 use super::delimiter::Delimiter;
 use super::grid::{Dialect, is_blank_or_comment};
 use super::header::{Header, Meaning};
+use super::likely::headed_by_unit;
 use super::lines::Line;
 use super::number::{self, Cell, Decimal};
 use super::unit_row::unit_row;
-use crate::formats::assemble::is_spectrum;
+use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
 use ieap_domain::Quantity;
 
-/// Lines that a header may be looked for in.
-const HEADER_WITHIN: usize = 64;
+/// Lines that a header may be looked for in: data loggers write one or more for each of their channels above it.
+pub const HEADER_WITHIN: usize = 256;
 /// Data lines that the decision is taken from.
 const SAMPLE: usize = 256;
 /// Share of data lines, and of cells of a column, that must obey the reading.
@@ -39,6 +40,8 @@ struct Found {
     delimiter: Delimiter,
     headers: Vec<Header>,
     header_at: usize,
+    /// Its line in the file.
+    header_line: usize,
     data_at: usize,
 }
 
@@ -115,6 +118,7 @@ fn find_header(lines: &[Line<'_>], delimiter: Delimiter) -> Option<Found> {
         delimiter,
         headers: headers(&names, units.as_ref().map(|(_, units)| units.as_slice())),
         header_at,
+        header_line: lines[header_at].number,
         data_at: units.map_or(header_at, |(at, _)| at) + 1,
     })
 }
@@ -132,18 +136,36 @@ fn units_below(
     Some((at, unit_row(names.len(), cells.iter().map(String::as_str))?))
 }
 
-/// Headers of names; a name without a unit of its own takes that of the row of units.
+/// Headers of names; a name without a unit of its own takes that of the row of units. A number in the place of a name,
+/// as oscilloscopes number their inputs, says nothing: the unit does, where only one input has it.
 pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
     let unit_of = |index: usize| {
         units
             .and_then(|units| units.get(index))
             .map_or("", String::as_str)
     };
+    let is_number = |name: &str| {
+        let bare = number::unquote(name);
+        !bare.is_empty() && bare.bytes().all(|byte| byte.is_ascii_digit())
+    };
     let header = |(index, name): (usize, &&str)| match (Header::parse(name), unit_of(index)) {
-        (header, unit) if header.raw_unit.is_empty() && !unit.is_empty() => Header::with_unit(name, unit),
+        (header, unit) if header.raw_unit.is_empty() && !unit.is_empty() => {
+            match headed_by_unit(name, unit) {
+                Some(header) if is_number(name) => header,
+                _ => Header::with_unit(name, unit),
+            }
+        }
         (header, _) => header,
     };
-    names.iter().enumerate().map(header).collect()
+    let mut headers: Vec<Header> = names.iter().enumerate().map(header).collect();
+    let quantities: Vec<Option<Quantity>> = headers.iter().map(|h| h.meaning.quantity()).collect();
+    let is_only = |quantity| quantities.iter().filter(|other| **other == quantity).count() == 1;
+    for (header, quantity) in headers.iter_mut().zip(&quantities) {
+        if is_number(&header.raw_name) && !is_only(*quantity) {
+            header.meaning = Meaning::Other;
+        }
+    }
+    headers
 }
 
 /// The first line with a time column that can be used, else the first that speaks of time at all: a preamble may
@@ -155,24 +177,33 @@ fn header_line(lines: &[Line<'_>], delimiter: Delimiter) -> Option<usize> {
             continue;
         }
         let cells = delimiter.header_cells(line.text);
-        match time_among(cells.iter().map(String::as_str)) {
-            Some(true) => return Some(index),
-            Some(false) if units_below(lines, index, delimiter, &cells).is_some() => return Some(index),
-            Some(false) => speaks_of_time = speaks_of_time.or(Some(index)),
-            None => {}
+        let names: Vec<&str> = cells.iter().map(String::as_str).collect();
+        let found = time_among(names.iter().copied());
+        if found == Some(true) {
+            return Some(index);
         }
+        if let Some((_, units)) = units_below(lines, index, delimiter, &cells)
+            && (found.is_some() || axis_among(&meanings(&headers(&names, Some(&units)))) == Some(true))
+        {
+            return Some(index);
+        }
+        speaks_of_time = speaks_of_time.or(found.map(|_| index));
     }
     speaks_of_time
 }
 
 /// Whether a time column among two cells or more can be used; none where there is no such column. The frequency of a
-/// spectrum does as well.
-pub fn time_among<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Option<bool> {
-    if cells.clone().count() < 2 {
+/// spectrum, or of a modulus without any time, does as well.
+pub fn time_among<'a>(cells: impl Iterator<Item = &'a str>) -> Option<bool> {
+    let headers: Vec<Header> = cells.map(Header::parse).collect();
+    axis_among(&meanings(&headers))
+}
+
+fn axis_among(meanings: &[Meaning]) -> Option<bool> {
+    if meanings.len() < 2 {
         return None;
     }
-    let meanings: Vec<Meaning> = cells.map(|cell| Header::parse(cell).meaning).collect();
-    if is_spectrum(&meanings) {
+    if is_spectrum(meanings) || is_modulus_sweep(meanings) {
         return Some(true);
     }
     let times = meanings
@@ -181,6 +212,10 @@ pub fn time_among<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Option<bo
     times
         .map(|meaning| meaning.quantity().is_some())
         .reduce(|a, b| a || b)
+}
+
+fn meanings(headers: &[Header]) -> Vec<Meaning> {
+    headers.iter().map(|header| header.meaning.clone()).collect()
 }
 
 /// Data lines after the last of the headers found.
@@ -220,12 +255,8 @@ fn judge(found: &Found, index: usize, decimal: Decimal, sample: &[Line<'_>]) -> 
     let obeys = |part: usize, whole: usize| part > 0 && part as f64 >= OBEYING * whole as f64;
     let is_number = |k: usize| obeys(numeric[k], filled[k]);
     let known = (0..width).filter(|&k| found.headers[k].meaning.named_quantity().is_some() && is_number(k));
-    let meanings: Vec<Meaning> = found
-        .headers
-        .iter()
-        .map(|header| header.meaning.clone())
-        .collect();
-    let axis = match is_spectrum(&meanings) {
+    let meanings = meanings(&found.headers);
+    let axis = match is_spectrum(&meanings) || is_modulus_sweep(&meanings) {
         true => Quantity::Frequency,
         false => Quantity::Time,
     };
@@ -309,7 +340,8 @@ fn no_reading(found: &[Found], sample: &[Line<'_>]) -> ReadError {
     let line = sample[0];
     let mut fields = Vec::new();
     widest.delimiter.split(line.text, |_, text| fields.push(text));
-    ReadError::AmbiguousNumbers {
+    ReadError::NoReading {
+        header: widest.header_line,
         line: line.number,
         found: format!(
             "under the {} names of the header (between them: {}) stands {}, which has {} fields; no delimiter and \

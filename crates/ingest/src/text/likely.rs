@@ -31,6 +31,23 @@ pub fn likely(header: &Header) -> Option<Likely> {
     by_name(header).or_else(|| by_unit(header))
 }
 
+/// What a column means whose name says nothing, as a number, or is a unit alone, as `V` and `µA` below which PSTrace
+/// writes: the unit says it where only one quantity of a run is measured in it.
+pub fn headed_by_unit(name: &str, unit: &str) -> Option<Header> {
+    const SAID_BY_UNIT: [Quantity; 4] = [
+        Quantity::Voltage,
+        Quantity::Current,
+        Quantity::Curvature,
+        Quantity::TipDisplacement,
+    ];
+    let measures = |quantity: &&Quantity| unit::conversion(**quantity, unit).is_ok();
+    let quantity = SAID_BY_UNIT.iter().find(measures)?;
+    Some(Header {
+        raw_name: name.to_owned(),
+        ..Header::with_unit(quantity.label(), unit)
+    })
+}
+
 /// `curvture_per_cm`, `Curent (mA)`: a slip in a known name, with a unit of its quantity.
 fn by_name(header: &Header) -> Option<Likely> {
     let cell = header.raw_name.as_str();

@@ -9,6 +9,7 @@ pub mod likely;
 pub mod lines;
 pub mod number;
 pub mod unit_row;
+pub mod whole_line;
 
 pub use delimiter::Delimiter;
 pub use encoding::{Decoded, decode};

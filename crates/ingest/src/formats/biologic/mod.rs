@@ -73,4 +73,27 @@ mod tests {
         let channels = &reading.tables[0].channels;
         assert!(channels.iter().all(|channel| channel.excluded.is_empty()));
     }
+
+    #[test]
+    fn the_last_row_is_read_where_it_ends_without_a_line_end() {
+        let row = |at: u32, end: &str| format!("2\t{at}.5E-04\t1.25E-04{end}");
+        for (between, last, rows) in [
+            ("\n", "", 3),
+            ("\r\n", "\r", 3),
+            ("\t\n", "\t", 3),
+            ("\r\n", "\t7", 2),
+        ] {
+            let rows_of_text: Vec<String> = (1..=2).map(|at| row(at, between)).collect();
+            let text = format!(
+                "mode\ttime/s\tI/mA{between}{}{}",
+                rows_of_text.concat(),
+                row(3, last)
+            );
+            let reading = BiologicMpt
+                .read(text.as_bytes(), &ReadContext::default())
+                .unwrap();
+            let is_told = reading.issues.iter().any(|issue| issue.code == "file-cut");
+            assert_eq!((reading.tables[0].rows, is_told), (rows, rows == 2), "{text:?}");
+        }
+    }
 }

@@ -2,9 +2,8 @@
 //!
 //! Current is in mA, charge in mA.h or C; time in s, from anywhere (linked techniques) or as dates. The decimal sign
 //! is that of the computer, and may differ between header and rows. The start is always written month first, in
-//! local time. The format declares no number of rows; files may end without a line end, and are whole then where the
-//! last number has all three digits of its exponent. The technique `Wait`
-//! has no rows and is a sidecar of the run it stands between.
+//! local time. The format declares no number of rows, and files may end without a line end. The technique `Wait` has no
+//! rows and is a sidecar of the run it stands between.
 
 use super::mpt_header::{self, Settings};
 use crate::formats::assemble::{Raw, assemble_untimed};
@@ -22,9 +21,6 @@ use ieap_domain::{Issue, RunStatus};
 /// Reader of EC-Lab text.
 pub struct BiologicMpt;
 
-const WHOLE_LAST_LINE: &str = "the last number has the three-digit exponent that EC-Lab writes; the format declares no \
-                               number of rows";
-
 impl Format for BiologicMpt {
     fn id(&self) -> &'static str {
         "biologic-mpt"
@@ -39,7 +35,7 @@ impl Format for BiologicMpt {
     }
 
     fn version(&self) -> u32 {
-        4
+        5
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -58,7 +54,6 @@ impl Format for BiologicMpt {
         let decoded = delimited::decoded(bytes)?;
         let mut issues = Vec::new();
         let mut lines = decoded.lines();
-        let whole = keep_whole_last_line(&mut lines);
         let (status, evidence) = delimited::drop_cut_line(&mut lines, &mut issues);
         let names_at = mpt_header::names_at(&lines);
         let settings = Settings::of(&lines[..names_at.unwrap_or(lines.len())]);
@@ -89,9 +84,8 @@ impl Format for BiologicMpt {
             is_step_response,
             encoding: Some(decoded.encoding),
             status,
-            status_evidence: match (status, whole) {
-                (RunStatus::Complete, false) => evidence + "; the format declares no number of rows",
-                (RunStatus::Complete, true) => WHOLE_LAST_LINE.to_owned(),
+            status_evidence: match status {
+                RunStatus::Complete => evidence + "; the format declares no number of rows",
                 _ => evidence,
             },
             started_at,
@@ -101,26 +95,6 @@ impl Format for BiologicMpt {
             issues,
         })
     }
-}
-
-/// Marks a last line as ended that is whole without a line end: EC-Lab ends its files so, and its exponents have
-/// three digits, which a cut number lacks. Returns whether it did.
-fn keep_whole_last_line(lines: &mut [Line<'_>]) -> bool {
-    let [.., before, last] = lines else {
-        return false;
-    };
-    let fields = |line: &Line<'_>| line.text.trim_end_matches('\t').split('\t').count();
-    let is_whole = !last.ended && fields(last) == fields(before) && ends_in_three_digit_exponent(last.text);
-    last.ended |= is_whole;
-    is_whole
-}
-
-fn ends_in_three_digit_exponent(text: &str) -> bool {
-    let bytes = text.as_bytes();
-    let Some([e, sign, exponent @ ..]) = bytes.len().checked_sub(5).map(|at| &bytes[at..]) else {
-        return false;
-    };
-    *e == b'E' && matches!(sign, b'+' | b'-') && exponent.iter().all(u8::is_ascii_digit)
 }
 
 fn raw(names: &Line<'_>, rows: &[Line<'_>], issues: &mut Vec<Issue>) -> Result<Raw, ReadError> {

@@ -13,6 +13,7 @@ use crate::formats::recognition::{FileHead, Match};
 use crate::formats::stamp::DateOrder;
 use crate::formats::{Format, ReadContext, ReadError, delimited};
 use crate::text::header::{Header, Meaning};
+use crate::text::layout::HEADER_WITHIN;
 use crate::text::{Delimiter, Line, Lines, number};
 use ieap_domain::{Issue, Quantity, RunStatus};
 
@@ -20,10 +21,8 @@ use ieap_domain::{Issue, Quantity, RunStatus};
 pub struct ClimateTable;
 
 const ORDERS: &[DateOrder] = &[DateOrder::MonthFirst, DateOrder::DayFirst, DateOrder::YearFirst];
-/// Lines that the header may stand below.
-const HEADER_WITHIN: usize = 64;
 /// Names of columns of dates, in small letters without what stands in brackets or behind a comma.
-const DATES: [&str; 20] = [
+const DATES: [&str; 21] = [
     "time",
     "date",
     "date time",
@@ -44,6 +43,7 @@ const DATES: [&str; 20] = [
     "kellaaeg",
     "time of day",
     "clock",
+    "scan sweep time",
 ];
 
 impl Format for ClimateTable {
@@ -60,7 +60,7 @@ impl Format for ClimateTable {
     }
 
     fn version(&self) -> u32 {
-        2
+        3
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

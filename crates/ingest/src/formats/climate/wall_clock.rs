@@ -42,16 +42,35 @@ pub struct Log<'a> {
 
 /// Cells of a line between commas, without their quotes.
 pub fn cells(text: &str) -> Vec<&str> {
+    cells_between(text, Delimiter::Comma)
+}
+
+/// Cells of a line between delimiters, without their quotes.
+pub fn cells_between(text: &str, delimiter: Delimiter) -> Vec<&str> {
     let mut cells = Vec::new();
-    Delimiter::Comma.split(text, |_, cell| cells.push(number::unquote(cell)));
+    delimiter.split(text, |_, cell| cells.push(number::unquote(cell)));
     cells
 }
 
 /// A column that measures what its name's last word says, such as `H08 Temp.`; other columns keep their names.
 pub fn measured(raw_name: &str, name: &str, unit: &str) -> Header {
-    let word = name.split_whitespace().next_back().unwrap_or("");
+    let word = match name.split_whitespace().next_back().unwrap_or("") {
+        // Relative Feuchte.
+        "RF" | "rF" => "RH",
+        word => word,
+    };
     let header = Header::with_unit(word, unit);
-    let is_known = matches!(word, "Temp" | "Temp." | "Temperature" | "RH");
+    let is_known = matches!(
+        word,
+        "Temp"
+            | "Temp."
+            | "Temperature"
+            | "Temperatur"
+            | "RH"
+            | "Feuchte"
+            | "Luftfeuchte"
+            | "Luftfeuchtigkeit"
+    );
     Header {
         raw_name: raw_name.to_owned(),
         meaning: if is_known { header.meaning } else { Meaning::Other },

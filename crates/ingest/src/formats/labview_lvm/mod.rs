@@ -38,7 +38,7 @@ impl Format for LabviewLvm {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {

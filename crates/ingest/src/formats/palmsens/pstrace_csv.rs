@@ -47,7 +47,7 @@ impl Format for PstraceCsv {
     }
 
     fn version(&self) -> u32 {
-        3
+        4
     }
 
     fn recognise(&self, head: &FileHead<'_>) -> Match {
@@ -275,20 +275,19 @@ fn make_names_unique(tables: &mut [RunTable]) {
     }
 }
 
+/// The moment in the line that states when the file was exported; titles of curves stand in its place where it is not.
+fn moment_of_export(text: &str) -> Option<&str> {
+    let (key, moment) = text.trim_start_matches('"').split_once(',')?;
+    let is_export = [EXPORTED, IMPEDANCE_EXPORTED].contains(&key.trim_end_matches('"').trim());
+    is_export.then(|| moment.trim_matches([',', '"', ' ']))
+}
+
 fn started_at(curves: &[Curve], preamble: &[Line<'_>], issues: &mut Vec<Issue>) -> Option<StartedAt> {
     let starts = curves.iter().filter_map(|curve| curve.start.as_deref());
     let starts: Vec<&str> = starts.filter(|text| !text.is_empty()).collect();
     if starts.is_empty() {
-        let (_, exported) = preamble.first()?.text.split_once(',')?;
-        return Some(
-            stamp::in_order(
-                exported.trim(),
-                DateOrder::YearFirst,
-                Timestamp::Export,
-                "year first",
-            )
-            .0,
-        );
+        let exported = preamble.iter().find_map(|line| moment_of_export(line.text))?;
+        return Some(stamp::in_order(exported, DateOrder::YearFirst, Timestamp::Export, "year first").0);
     }
     let mut found = Vec::new();
     let stamps = starts.into_iter().map(|text| {
@@ -299,4 +298,24 @@ fn started_at(curves: &[Curve], preamble: &[Line<'_>], issues: &mut Vec<Issue>) 
     let stamps: Vec<StartedAt> = stamps.collect();
     issues.extend(found);
     stamp::shared(stamps, issues)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn start_of(text: &str) -> Option<StartedAt> {
+        let read = PstraceCsv.read(text.as_bytes(), &ReadContext::default());
+        read.unwrap().started_at
+    }
+
+    #[test]
+    fn titles_of_curves_are_no_date() {
+        let rows = "V,mA,V,mA\r\n0.1,1.5,0.1,2\r\n0.2,2.5,0.2,3\r\n";
+        let titles = format!("CV i vs E Scan 1,,CV i vs E Scan 2,\r\n{rows}");
+        assert_eq!(start_of(&titles), None);
+        let dated = start_of(&format!("Date and time:,2026-05-13 10:20:30\r\n{titles}")).unwrap();
+        assert_eq!(dated.local.as_deref(), Some("2026-05-13T10:20:30"));
+        assert_eq!(dated.kind, Timestamp::Export);
+    }
 }

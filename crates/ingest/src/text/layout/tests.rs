@@ -56,7 +56,7 @@ fn two_readings_are_refused() {
     for text in ["time_s,current_a\n0,5,1,5\n", "time_s;current_a\n0.5,0;1,5\n"] {
         let error = layout(text).unwrap_err();
         assert!(
-            matches!(error, ReadError::AmbiguousNumbers { line: 2, .. }),
+            matches!(error, ReadError::NoReading { line: 2, .. }) && error.code() == "ambiguous-numbers",
             "{error}"
         );
     }
@@ -69,6 +69,32 @@ fn mixed_decimal_signs_are_refused() {
         error.to_string().contains("decimal point") && error.to_string().contains("decimal comma"),
         "{error}"
     );
+}
+
+#[test]
+fn units_below_say_what_numbered_inputs_measure() {
+    let scope = layout("x-axis,1,2\nsecond,Volt,Ampere\n-1.5E-03,0.5,1E-3\n0,1.0,2E-3\n").unwrap();
+    let found: Vec<Option<Quantity>> = scope.headers.iter().map(|h| h.meaning.quantity()).collect();
+    assert_eq!(
+        found,
+        [
+            Some(Quantity::Time),
+            Some(Quantity::Voltage),
+            Some(Quantity::Current)
+        ]
+    );
+    assert_eq!((scope.header_at, scope.data_at), (0, 2));
+    // Which of two voltages is the drive, nothing says.
+    let two = layout("x-axis,1,2\nsecond,Volt,Volt\n0,0.5,1\n1,1,2\n").unwrap();
+    assert!(two.headers[1..].iter().all(|h| h.meaning == Meaning::Other));
+    assert!(layout("x-axis,1\nmm,Volt\n0,0.5\n1,1\n").is_err());
+}
+
+#[test]
+fn a_modulus_may_be_swept_over_the_frequency_without_times() {
+    let sweep = layout("Nr;f;T;E'\n;Hz;\u{b0}C;MPa\n1;0,5;25;60,5\n2;1;25;61\n").unwrap();
+    assert_eq!(sweep.dialect.decimal, Decimal::Comma);
+    assert_eq!(sweep.headers[1].meaning.quantity(), Some(Quantity::Frequency));
 }
 
 #[test]
