@@ -55,7 +55,8 @@ type Standing = (Vec<f64>, Vec<f64>, Vec<f64>);
 
 impl Sampled {
     /// Readings of `channel` that are finite and not excluded. Of what jumps with the voltage, as a current does, none that
-    /// was taken while the circuit was open, and none at the very instant of an edge: no one knows of which side it is.
+    /// was taken while the circuit was open, and none at the very instant of an edge that does not show the jump: it is of
+    /// the side before, or of neither.
     pub(super) fn new(channel: &Channel, drive: &Drive, is_continuous: bool) -> Sampled {
         let (time_s, values) = channel.included();
         let moves = drive.moves();
@@ -73,8 +74,9 @@ impl Sampled {
             let open = segment.is_some_and(|index| drive.segments[index].level == Level::OpenCircuit);
             let stated = segment.filter(|&index| drive.segments[index].last_before_s.is_none());
             if let Some(index) = stated.filter(|_| !is_continuous && !moves) {
-                let start_s = drive.segments[index].start_s;
-                first += time_s[first..next].partition_point(|&t| t <= start_s);
+                let at_instant = next > first && time_s[first] == drive.segments[index].start_s;
+                let is_known_rest = index == 0 && drive.baseline_v == 0.0;
+                first += usize::from(at_instant && !has_jumped(&values, first, is_known_rest));
             }
             if next > first && (!open || is_continuous) {
                 let end = next;
@@ -480,6 +482,18 @@ impl Sampled {
             .map(|span| &self.values[span.first..span.end])
             .collect()
     }
+}
+
+/// Whether the jump at an edge lies before the reading `at` that was taken at its very instant, and not behind it: beside the
+/// reading before, or beside none where nothing flowed before the record.
+fn has_jumped(values: &[f64], at: usize, is_known_rest: bool) -> bool {
+    let before = match at.checked_sub(1) {
+        Some(before) => values[before],
+        None if is_known_rest => 0.0,
+        None => return false,
+    };
+    let after = values.get(at + 1).copied().unwrap_or(values[at]);
+    (values[at] - before).abs() > (after - values[at]).abs()
 }
 
 /// Sum of squared residuals over what stands for the readings.

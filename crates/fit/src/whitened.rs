@@ -239,19 +239,22 @@ impl WhitenedChannel {
     ) -> Option<Vec<WhitenedChannel>> {
         let shortest = channels.iter().min_by_key(|channel| channel.len())?;
         let slow = slow::tried(&shortest.response.sampled);
-        let mut sums = vec![evidence * SLOW_PARAMETERS; slow.len() + 1];
-        sums[0] = 0.0;
-        for (channel, fitted) in channels.iter().zip(fitted) {
+        let of_channel = |(channel, fitted): (&&WhitenedChannel, &&[f64])| {
             let own = std::iter::once(&channel.response.noise.autocorrelation);
             let memories: Vec<Autocorrelation> = own.chain(&slow).cloned().collect();
             let scale = channel.growing(fitted, per_signal);
             let found = slow::deviances(&channel.left(fitted), &scale, &memories);
-            sums.iter_mut().zip(found).for_each(|(sum, own)| *sum += own);
-            sums[0] += evidence * channel.response.noise.autocorrelation.parameters() as f64;
-        }
-        let (before, tried) = sums.split_first()?;
-        let (memory, best) = slow.iter().zip(tried).min_by(|a, b| a.1.total_cmp(b.1))?;
-        (best < before).then(|| {
+            let before = found[0] + evidence * channel.response.noise.autocorrelation.parameters() as f64;
+            found[1..].iter().map(|own| before - own).collect()
+        };
+        let gains: Vec<Vec<f64>> = channels.iter().zip(fitted).map(of_channel).collect();
+        let whole = |place: usize| gains.iter().map(|own| own[place]).sum::<f64>();
+        let best = (0..slow.len()).max_by(|&a, &b| whole(a).total_cmp(&whole(b)))?;
+        let most = gains.iter().map(|own| own[best]).fold(0.0, f64::max);
+        // Noise is in every run, what a model misses in some: no single one decides.
+        let others = if gains.len() > 1 { whole(best) - most } else { most };
+        let memory = &slow[best];
+        (others > evidence * SLOW_PARAMETERS).then(|| {
             let each = channels.iter().zip(fitted);
             let with = |(channel, fitted): (&&WhitenedChannel, &&[f64])| {
                 channel.with_noise_of(fitted, per_signal, |left, scale, least| {
