@@ -138,6 +138,8 @@ pub struct GroupEntry {
     pub posterior: Vec<PosteriorEntry>,
     /// How large the misfit of the base model is.
     pub misfit_percent: MisfitPercent,
+    /// The least error of the base model that would have been seen.
+    pub visible_percent: MisfitPercent,
     /// Parameters that differ between the runs, run by run.
     pub differs: Vec<VaryingParameter>,
     /// Which of its runs need the distributed model, as far as their fits say.
@@ -360,6 +362,7 @@ pub(super) fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntr
         alone: found.alone,
         posterior: found.posterior.into_iter().map(posterior_entry).collect(),
         misfit_percent: found.misfit_percent,
+        visible_percent: found.visible_percent,
         differs: found.differs,
     }
 }

@@ -5,6 +5,10 @@ pub(crate) const WRONG: f64 = 0.01;
 /// ... and right from this one on; between the two nothing is said.
 pub(crate) const RIGHT: f64 = 0.05;
 
+/// A simulation is called right only where an error of this part of the range of current or curvature, in percent, would have been
+/// seen: what a strip does is known to a few per cent from run to run, and an error that hides behind more is worth a sentence.
+pub(crate) const VISIBLE_PERCENT: f64 = 10.0;
+
 /// A candidate is taken where chance gives as much in fewer groups than this, and one that follows a tag where chance does in
 /// fewer deals.
 pub(crate) const TAKEN: f64 = 0.01;

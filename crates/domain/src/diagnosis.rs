@@ -391,6 +391,7 @@ impl GroupDiagnosis {
             from_others: Vec::new(),
             posterior: Vec::new(),
             misfit_percent: MisfitPercent::default(),
+            visible_percent: MisfitPercent::default(),
             differs: Vec::new(),
         }
     }
@@ -497,6 +498,10 @@ pub struct GroupDiagnosis {
     /// Parameters that differ between the runs, where that carries weight among what may be behind the misfit.
     #[serde(default)]
     pub differs: Vec<VaryingParameter>,
+    /// The least error of the base model, of current or curvature, that would have been seen in 95 of 100 such groups; of no
+    /// charge. None in findings that were stored before this was asked.
+    #[serde(default)]
+    pub visible_percent: MisfitPercent,
 }
 
 /// An effect with the parameters that other samples of the material gave it, held against a sample that had no part in

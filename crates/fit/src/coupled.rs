@@ -48,6 +48,8 @@ pub(super) struct Current<'a> {
     pub(super) sampled: &'a Sampled,
     pub(super) branches: usize,
     pub(super) unit_a_per_v: f64,
+    /// Standard deviation of the noise, A, against which what is known of the edges before any reading is weighed.
+    pub(super) noise_a: f64,
     pub(super) bounds: Bounds,
 }
 
@@ -99,7 +101,11 @@ impl Problem for Current<'_> {
         let mut values = self.sampled.values.to_vec();
         self.sampled.weigh_all(&mut values);
         let residuals: Vec<f64> = values.iter().zip(&here).map(|(y, f)| y - f).collect();
-        Local::of(&residuals, &jacobian)
+        let mut local = Local::of(&residuals, &jacobian);
+        if self.edges.is_open() {
+            local.add_known_before(&self.edges.known_before(), self.noise_a * self.noise_a, place);
+        }
+        local
     }
 }
 
@@ -112,6 +118,7 @@ impl<'a> Current<'a> {
         conductances_a_per_v: &[f64],
         log_time_constants: &[f64],
         (low, high): (f64, f64),
+        noise_a: f64,
     ) -> (Current<'a>, Vec<f64>) {
         let n = log_time_constants.len();
         let unit_a_per_v: f64 = conductances_a_per_v.iter().sum();
@@ -133,6 +140,7 @@ impl<'a> Current<'a> {
             sampled,
             branches: n,
             unit_a_per_v,
+            noise_a,
             bounds,
         };
         (current, start)
@@ -150,6 +158,7 @@ pub(super) fn refine(drive: &Drive, sampled: &Sampled, from: &Solution, low: f64
         &from.conductances_a_per_v,
         &from.log_time_constants,
         (low, high),
+        0.0,
     );
     let unit_a_per_v = current.unit_a_per_v;
     let rounding = 4.0 * f64::EPSILON * sampled.square();

@@ -151,7 +151,8 @@ fn total_capacitance(electrical: &Electrical) -> Estimate {
         total,
         &weights,
         electrical,
-        Bound::High,
+        // What charges within a reading took a charge that no reading tells.
+        &[Bound::High, Bound::Low],
     )
 }
 
@@ -167,23 +168,28 @@ fn parallel_resistance(electrical: &Electrical) -> Estimate {
         electrical.area_cm2 / total,
         &weights,
         electrical,
-        Bound::Low,
+        &[Bound::Low],
     )
 }
 
-/// A sum over the branches; lost where a branch lies at the bound that such a sum does not survive.
+/// A sum over the branches; lost where a branch lies at a bound that such a sum does not survive.
 fn derived(
     part: Feature,
     value: f64,
     weights: &[f64; CAPACITY],
     electrical: &Electrical,
-    fatal: Bound,
+    fatal: &[Bound],
 ) -> Estimate {
     if electrical.conductances_a_per_v.is_empty() {
         return Estimate::not_determined(absent(0));
     }
-    if electrical.at_bound.contains(&Some(fatal)) {
-        return Estimate::not_determined(beyond(fatal));
+    let lost = electrical
+        .at_bound
+        .iter()
+        .flatten()
+        .find(|bound| fatal.contains(bound));
+    if let Some(bound) = lost {
+        return Estimate::not_determined(beyond(*bound));
     }
     logarithmic(part, value, weights, electrical)
 }
@@ -243,6 +249,16 @@ fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
         high,
         interval_rule::NO_STEADY_CURRENT,
     )
+}
+
+/// Why the coupling is open where a branch charges faster than the readings follow each other.
+pub(super) const CHARGE_UNSEEN: &str = "a branch charges faster than the readings follow each other, so that the charge that bends the strip is not known";
+
+impl Electrical {
+    /// Whether a branch charges faster than the readings follow each other.
+    pub(super) fn is_too_fast(&self) -> bool {
+        self.at_bound.contains(&Some(Bound::Low))
+    }
 }
 
 /// Estimates of coupling and relaxation rate, or why there are none.

@@ -9,7 +9,7 @@ use ieap_domain::{ChannelNoise, Drive, Estimate, Fit, Parameter, Quantity, RunCu
 use ieap_model::FitModel;
 use ieap_numerics::least_squares::Stop;
 
-use super::estimates::{HIDES_BRANCH, bending_estimate, electrical_estimate};
+use super::estimates::{CHARGE_UNSEEN, HIDES_BRANCH, bending_estimate, electrical_estimate};
 use super::group::Found;
 use super::joint::feature::Feature;
 use super::joint::readings::RunReadings;
@@ -151,6 +151,10 @@ fn parameters(
             Ok((_, electrical)) => electrical_estimate(feature, electrical, input.drive),
             Err(reason) => Some(Estimate::not_determined(reason.as_str())),
         };
+        let is_too_fast = matches!(&identified.current, Ok((_, electrical)) if electrical.is_too_fast());
+        if is_too_fast && feature == Feature::Coupling && bending.is_ok() {
+            return Some(Estimate::not_determined(CHARGE_UNSEEN));
+        }
         // The charge that bends the strip is that of a circuit.
         let hides_branch = matches!(&identified.current, Ok((_, electrical)) if electrical.hides_branch);
         let bending = match hides_branch {

@@ -9,7 +9,7 @@
 //! Equations that differ from the library's: `-- foreign 5 16,64 [id ...]` hides foreign forms of its effects and causes
 //! that it does not hold (`x-...`), `-- differs 20` lets parameters differ from run to run and hides nothing,
 //! `-- rednoise 20` adds noise as slow as a record is long. Their tables are Markdown on stdout, their progress stands
-//! on stderr. `-- reliability 100 docs/reliability-diagram.svg` holds stated probabilities, intervals and p against how
+//! on stderr. `-- visible 100` adds an error of the size that a clean group is said to show. `-- reliability 100 docs/reliability-diagram.svg` holds stated probabilities, intervals and p against how
 //! often they are right, on groups of own forms, foreign forms, causes outside and none.
 //!
 //! Environment: `SHOW=1` and `NOISE=1` print details (`SHOW=wrong` of wrong names only, `SHOW=strength` of strengths
@@ -36,6 +36,7 @@ mod reach;
 mod rednoise;
 mod reliability;
 mod verdicts;
+mod visible;
 
 use count::{ceilings, effects, outsides, together};
 use hidden::{OUTSIDE, PUBLISHED};
@@ -48,6 +49,7 @@ fn main() {
             let first = arguments.get(2).and_then(|n| n.parse().ok()).unwrap_or(0);
             nulls::nulls(first, count, &arguments[3.min(arguments.len())..]);
         }
+        Some("visible") => visible::visible(seed_from(11_000), count),
         Some("benchmark") => benchmark::benchmark(&extent(&arguments, count)),
         Some("figure") => {
             // From printed tables: a run of the benchmark takes long.
@@ -84,7 +86,7 @@ fn main() {
             );
         }
         _ => eprintln!(
-            "usage: hide_and_seek null N [FIRST SEED [CONDITION ...]] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | ceiling N 4,6 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | foreign N 16,64 [id ...] | differs N | rednoise N | reliability N [FIGURE.svg] | figure < TABLES | short"
+            "usage: hide_and_seek null N [FIRST SEED [CONDITION ...]] | effects N 8,16,32 [id ...] | outside N 16,64 | together N 32,16 | ceiling N 4,6 | benchmark N FIRST_SEED [FIGURE.svg] [clean|single|several|outside|faults|next ...] | foreign N 16,64 [id ...] | differs N | rednoise N | reliability N [FIGURE.svg] | visible N | figure < TABLES | short"
         ),
     }
 }

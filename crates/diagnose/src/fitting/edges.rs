@@ -2,6 +2,7 @@
 
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Problem};
 use ieap_numerics::sums::dot;
+use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::ExtendedProblem;
@@ -71,6 +72,24 @@ impl WithEdges<'_, '_> {
         each
     }
 
+    /// What is known of all shifts before the readings tell, run by run.
+    fn known_before(&self) -> Symmetric {
+        let each: Vec<Symmetric> = self
+            .group
+            .runs
+            .iter()
+            .map(|run| run.edges.known_before())
+            .collect();
+        let first = |run: usize| self.open.iter().position(|(own, _)| *own == run).unwrap_or(0);
+        Symmetric::from_fn(self.open.len(), |a, b| {
+            let (run, other) = (self.open[a].0, self.open[b].0);
+            match run == other {
+                true => each[run].get(a - first(run), b - first(run)),
+                false => 0.0,
+            }
+        })
+    }
+
     /// Whitened residuals run by run.
     fn residuals(&self, at: &[f64], by_run: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let runs = 0..self.group.runs.len();
@@ -136,7 +155,10 @@ impl Problem for WithEdges<'_, '_> {
             column[first[run]..first[run + 1]].copy_from_slice(&own);
             columns.push(column);
         }
-        Local::of(&whole, &columns)
+        let mut local = Local::of(&whole, &columns);
+        // Where the readings do not tell, an edge stays in the middle of where it may be.
+        local.add_known_before(&self.known_before(), 1.0, all);
+        local
     }
 }
 

@@ -39,7 +39,7 @@ pub(crate) fn misfit_percent(group: &RunGroup, base: &Fitted) -> MisfitPercent {
     }
 }
 
-fn range(values: &[f64]) -> f64 {
+pub(crate) fn range(values: &[f64]) -> f64 {
     let ends = values
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {

@@ -11,4 +11,5 @@ pub(crate) mod null;
 pub(crate) mod odd_scale;
 pub(crate) mod residual_bins;
 pub(crate) mod signature;
+pub(crate) mod visible;
 pub(crate) mod whereabouts;

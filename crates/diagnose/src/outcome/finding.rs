@@ -6,8 +6,8 @@ mod sentence;
 mod sets;
 
 use ieap_domain::{
-    DiagnosisNoise, EffectFinding, GroupDiagnosis, Parameter, ParameterShift, ResidualCurve, StrengthProfile,
-    Verdict,
+    DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterShift, ResidualCurve,
+    StrengthProfile, Verdict,
 };
 
 use crate::cause::between::refused_in_words;
@@ -16,11 +16,12 @@ use crate::cause::proof::held_out::Part;
 use crate::cause::select::Selection;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
-use crate::levels::{RIGHT, WRONG};
+use crate::levels::{RIGHT, VISIBLE_PERCENT, WRONG};
 use crate::misfit::misfit_size::misfit_percent;
 use crate::misfit::null::Null;
 use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature};
+use crate::misfit::visible::visible_percent;
 use crate::misfit::whereabouts::whereabouts;
 use crate::options::DiagnoseOptions;
 use crate::outcome::gain::gain;
@@ -70,22 +71,27 @@ impl<'g> FindingBuilder<'_, 'g> {
     /// Consistent, undecided, or readings that allow no finding.
     pub(crate) fn without_cause(&self) -> GroupDiagnosis {
         let mut found = self.frame();
-        found.verdict = if self.is_spiked() {
-            Verdict::DataProblem
-        } else if self.p_misfit >= RIGHT {
-            Verdict::Consistent
-        } else {
-            Verdict::Undecided
+        let is_visible = is_visible(found.visible_percent);
+        found.verdict = match () {
+            () if self.is_spiked() => Verdict::DataProblem,
+            () if self.p_misfit >= RIGHT && is_visible => Verdict::Consistent,
+            () => Verdict::Undecided,
         };
         let places = self.by_forecast();
         found.confusable = self.confusable(places.iter().map(|(place, _)| *place));
         found.candidates = self.forecasts();
         found.sentence = match found.verdict {
             Verdict::Consistent => format!(
-                "The simulation is right to within the noise (p = {:.2}).",
-                self.p_misfit
+                "The simulation is right to within the noise (p = {:.2}): {} would have been seen.",
+                self.p_misfit,
+                error_words(found.visible_percent)
             ),
             Verdict::DataProblem => SPIKED_WORDS.into(),
+            _ if self.p_misfit >= RIGHT => format!(
+                "Nothing speaks against the simulation (p = {:.2}), and little could: only {} would have been seen.",
+                self.p_misfit,
+                error_words(found.visible_percent)
+            ),
             _ => format!(
                 "The simulation may be wrong (p = {:.3}): too much for chance to be sure, too little to name a cause; {}.",
                 self.p_misfit,
@@ -240,6 +246,7 @@ impl<'g> FindingBuilder<'_, 'g> {
             noise: self.noise(),
             residuals: self.drawn(self.base),
             misfit_percent: misfit_percent(self.group, self.base),
+            visible_percent: visible_percent(self.group, self.base, self.bins),
             remarks,
             ..nothing(self.name, &given, self.options)
         }
@@ -325,6 +332,27 @@ impl<'g> FindingBuilder<'_, 'g> {
         };
         self.group.blocks.iter().filter_map(of_block).collect()
     }
+}
+
+/// Whether an error that matters would have been seen.
+fn is_visible(visible: MisfitPercent) -> bool {
+    let each = [visible.current, visible.curvature].into_iter().flatten();
+    each.fold(0.0, f64::max) <= VISIBLE_PERCENT
+}
+
+/// An error of that size, in words.
+fn error_words(visible: MisfitPercent) -> String {
+    let of =
+        |percent: Option<f64>, what: &str| Some(format!("{} % of the range of the {what}", short(percent?)));
+    let each = [of(visible.current, "current"), of(visible.curvature, "curvature")];
+    let sizes: Vec<String> = each.into_iter().flatten().collect();
+    format!("an error of {}", sizes.join(" or "))
+}
+
+/// Two digits that count.
+fn short(percent: f64) -> String {
+    let decimals = (1 - percent.abs().max(1e-9).log10().floor() as i32).max(0);
+    format!("{percent:.*}", decimals as usize)
 }
 
 /// A cause is the one name where nothing else may be left; none where that was not asked.

@@ -368,17 +368,13 @@ impl<'a> GroupRun<'a> {
             self.whitened(&self.fitted(model, &context), &mut out);
             out
         };
-        let shifts = self.edges.shifts();
-        let here = with(&vec![0.0; shifts.len()]);
-        let change = |k: usize| {
-            let mut by_s = vec![0.0; shifts.len()];
-            let sd_s = shifts[k].standard_deviation_s();
-            by_s[k] = SLOPE * sd_s;
-            let there = with(&by_s);
+        let here = with(&vec![0.0; self.edges.shifts().len()]);
+        let change = |way: Vec<f64>| -> Vec<f64> {
+            let there = with(&way.iter().map(|by_s| SLOPE * by_s).collect::<Vec<f64>>());
             let pairs = here.iter().zip(&there);
             pairs.map(|(here, there)| (there - here) / SLOPE).collect()
         };
-        OpenEdges::of((0..shifts.len()).map(change))
+        OpenEdges::of(self.edges.open_ways().into_iter().map(change))
     }
 
     pub(crate) fn context(&self, index: usize, resolved_s: Option<f64>) -> RunContext<'_> {

@@ -8,6 +8,7 @@ mod settle;
 mod widen;
 
 use ieap_domain::Drive;
+use ieap_numerics::symmetric::Symmetric;
 
 use programme::Programme;
 pub(crate) use settle::settled;
@@ -15,6 +16,10 @@ pub(crate) use widen::widen;
 
 /// Standard deviation of a number that lies anywhere in a range, in lengths of the range.
 const OF_UNIFORM: f64 = 0.288_675_134_594_812_9;
+
+/// Part of what is not known of edges that they share. The clock of the readings may be that of the source, and then all edges
+/// are off alike, or another one: between the two, so that neither is taken for granted.
+const ALIKE: f64 = 0.75;
 
 /// Part of its range that a shift uses: an edge is never at the very reading before it, which would then lie behind it.
 const INSIDE: f64 = 1.0 - 1e-6;
@@ -34,6 +39,8 @@ pub struct Shift {
     /// How far the shift may go, s.
     low_s: f64,
     high_s: f64,
+    /// Whether it may be off as others are, which the same clock makes; not so the length of a period.
+    is_of_clock: bool,
 }
 
 impl Shift {
@@ -42,6 +49,7 @@ impl Shift {
             moves: (0..segments).map(|k| f64::from(u8::from(k == segment))).collect(),
             low_s: -INSIDE * reach_s,
             high_s: INSIDE * reach_s,
+            is_of_clock: true,
         }
     }
 
@@ -125,6 +133,41 @@ impl EdgeTimes {
             drive: self.shifted(by_s),
             shifts: self.shifts.iter().zip(by_s).map(left).collect(),
         }
+    }
+
+    /// Independent ways in which the shifts are not known before the readings tell, one standard deviation each, s: all alike,
+    /// and each by itself.
+    pub fn open_ways(&self) -> Vec<Vec<f64>> {
+        let of_clock = |shift: &Shift| f64::from(u8::from(shift.is_of_clock));
+        let several = self.shifts.iter().filter(|shift| shift.is_of_clock).count() > 1;
+        let part = if several { ALIKE } else { 0.0 };
+        let alike = |shift: &Shift| (part * of_clock(shift)).sqrt() * shift.standard_deviation_s();
+        let own = |shift: &Shift| (1.0 - part * of_clock(shift)).sqrt() * shift.standard_deviation_s();
+        let of_one = |k: usize| {
+            let mut way = vec![0.0; self.shifts.len()];
+            way[k] = own(&self.shifts[k]);
+            way
+        };
+        let all = several.then(|| self.shifts.iter().map(alike).collect());
+        all.into_iter()
+            .chain((0..self.shifts.len()).map(of_one))
+            .collect()
+    }
+
+    /// What is known of the shifts before the readings tell: the inverse of their covariance, 1/s2.
+    pub fn known_before(&self) -> Symmetric {
+        let ways = self.open_ways();
+        let count = self.shifts.len();
+        let covariance = Symmetric::from_fn(count, |a, b| ways.iter().map(|way| way[a] * way[b]).sum());
+        covariance.inverse(1e-12)
+    }
+
+    /// How far the middles of all ranges are from where the edges are taken to be, s.
+    pub fn middle(&self) -> Vec<f64> {
+        self.shifts
+            .iter()
+            .map(|shift| 0.5 * (shift.low_s + shift.high_s))
+            .collect()
     }
 
     /// Whether any edge is not known.

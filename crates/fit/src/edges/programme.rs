@@ -70,6 +70,7 @@ impl Programme {
                 .collect(),
             low_s: 0.5 * (from_s - to_s),
             high_s: 0.5 * (to_s - from_s),
+            is_of_clock: true,
         };
         let mut shifts: Vec<Shift> = self.first.iter().enumerate().map(of_place).collect();
         // About the middle round, so that the length of the period moves no edge that the places move.
@@ -79,6 +80,7 @@ impl Programme {
             moves: (0..segments).map(|k| 2.0 * round(k) / rounds - 1.0).collect(),
             low_s: -reach_s,
             high_s: reach_s,
+            is_of_clock: false,
         });
         EdgeTimes {
             drive: placed,

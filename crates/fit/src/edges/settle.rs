@@ -52,20 +52,9 @@ pub(crate) fn settled(input: &FitInput, options: &FitOptions) -> Result<Settled,
         .filter(|(_, electrical)| !electrical.conductances_a_per_v.is_empty())
         .and_then(|(sampled, electrical)| searched(&edges, sampled, electrical));
     Ok(found.unwrap_or_else(|| Settled {
-        open: of_ranges(&edges),
+        open: edges.open_ways(),
         edges,
     }))
-}
-
-/// Every shift by itself, with its whole range open.
-fn of_ranges(edges: &EdgeTimes) -> Vec<Vec<f64>> {
-    let count = edges.shifts().len();
-    let of = |k: usize| {
-        let mut own = vec![0.0; count];
-        own[k] = edges.shifts()[k].standard_deviation_s();
-        own
-    };
-    (0..count).map(of).collect()
 }
 
 fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Option<Settled> {
@@ -74,7 +63,17 @@ fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Op
     let mut conductances = electrical.conductances_a_per_v.clone();
     conductances.push(electrical.steady_a_per_v);
     let logs: Vec<f64> = electrical.time_constants_s.iter().map(|tau| tau.ln()).collect();
-    let (current, start) = Current::about(edges, &short, &conductances, &logs, (limits.low, limits.high));
+    let variance = electrical
+        .residuals
+        .long_run_variance(sums::peak(&sampled.values));
+    let (current, start) = Current::about(
+        edges,
+        &short,
+        &conductances,
+        &logs,
+        (limits.low, limits.high),
+        variance.sqrt(),
+    );
     let circuit = start.len() - edges.shifts().len();
     let rounding = 4.0 * f64::EPSILON * sampled.square();
     let begun_at = |part: &f64| {
@@ -96,23 +95,14 @@ fn searched(edges: &EdgeTimes, sampled: &Sampled, electrical: &Electrical) -> Op
         .map(begun_at)
         .filter(|found| found.local.square.is_finite())
         .min_by(|a, b| a.local.square.total_cmp(&b.local.square))?;
-    let variance = electrical
-        .residuals
-        .long_run_variance(sums::peak(&sampled.values));
     let known = best.local.normal;
-    let information = Symmetric::from_fn(start.len(), |a, b| {
-        let before = match a.checked_sub(circuit) {
-            Some(shift) if a == b => edges.shifts()[shift].standard_deviation_s().powi(-2),
-            _ => 0.0,
-        };
-        known.get(a, b) / variance + before
-    });
+    let information = Symmetric::from_fn(start.len(), |a, b| known.get(a, b) / variance);
     let covariance = information.floored_inverse(1e-13);
     let shifts: Vec<usize> = (circuit..start.len()).collect();
-    let (sizes, directions) = covariance.part(&shifts).eigen();
-    let open = sizes.iter().zip(&directions).map(|(size, direction)| {
+    let (sizes, vectors) = covariance.part(&shifts).eigen();
+    let open = sizes.iter().enumerate().map(|(place, size)| {
         let sd = size.max(0.0).sqrt();
-        direction.iter().map(|d| sd * d).collect()
+        vectors.iter().map(|of_shift| sd * of_shift[place]).collect()
     });
     Some(Settled {
         open: open.collect(),

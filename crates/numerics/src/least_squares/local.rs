@@ -32,6 +32,21 @@ impl Local {
         }
     }
 
+    /// Adds what is known of the last coordinates before any reading: that they are 0, with this inverse of their covariance
+    /// times `weight`, at the place `at`.
+    pub fn add_known_before(&mut self, inverse: &Symmetric, weight: f64, at: &[f64]) {
+        let first = at.len() - inverse.order();
+        let pull = inverse.times(&at[first..]);
+        self.square += weight * sums::dot(&pull, &at[first..]);
+        for (k, pull) in pull.iter().enumerate() {
+            self.descent[first + k] -= weight * pull;
+            for other in 0..=k {
+                let entry = self.normal.get(first + k, first + other) + weight * inverse.get(k, other);
+                self.normal.set(first + k, first + other, entry);
+            }
+        }
+    }
+
     /// From residuals and the columns of J.
     pub fn of(residuals: &[f64], columns: &[impl AsRef<[f64]>]) -> Local {
         let column = |k: usize| columns[k].as_ref();
