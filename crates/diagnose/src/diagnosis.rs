@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use ieap_domain::{CondemnedRun, GroupDiagnosis, RunAlone, Verdict};
 use ieap_model::FitModel;
 
+use crate::cause::evidence::is_slow_noise;
 use crate::cause::selection_input::SelectionInput;
+use crate::fitting::base_fit::refit;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
@@ -130,5 +132,22 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
         return builder.without_cause();
     }
     let selection = input.select(&null, &directions);
-    builder.with_cause(&selection)
+    let found = builder.with_cause(&selection);
+    match is_slow_noise(&found.posterior) {
+        true => beside_slow_noise(name, group, &base, options).unwrap_or(found),
+        false => found,
+    }
+}
+
+/// The same beside slow noise, where that is what is behind the misfit and leaves none; none where it was taken already.
+fn beside_slow_noise(
+    name: &str,
+    group: &RunGroup,
+    base: &Fitted,
+    options: &DiagnoseOptions,
+) -> Option<GroupDiagnosis> {
+    let slow = group.with_slow_noise(&base.problem.model(&base.at))?;
+    let base = refit(&slow, base)?;
+    let found = diagnosed(name, &slow, base, options);
+    (!found.verdict.is_misfit()).then_some(found)
 }

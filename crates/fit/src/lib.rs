@@ -30,10 +30,12 @@ mod outcome;
 mod parabola;
 mod sampled;
 mod search;
+mod settled_edges;
 mod strain;
 mod two_steps;
 mod uncertainty;
 mod whitened;
+mod widened;
 
 use ieap_domain::{Fit, Parameter};
 use ieap_model::rival_law;
@@ -71,14 +73,14 @@ mod tests;
 pub fn fit_run(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let readings = Readings::new(input)?;
     readings.check(input, options)?;
-    let settled = edges::settled(input, options)?;
+    let settled = settled_edges::settled(input, options)?;
     let placed = FitInput {
         drive: settled.edges.drive(),
         ..*input
     };
     let mut fit = fit_placed(&placed, options)?;
     if !settled.open.is_empty() {
-        edges::widen(&mut fit, &placed, options, &settled, in_two_steps);
+        widened::widen(&mut fit, &placed, options, &settled, in_two_steps);
     }
     Ok(fit)
 }

@@ -150,8 +150,12 @@ mod tests {
     fn a_mean_of_readings_is_that_of_the_model_over_the_same_readings() {
         for (count, step_s, edges) in [(36_000, 0.1, 1), (3_600, 1.0, 2), (36_000, 0.1, 900)] {
             let lasting_s = count as f64 * step_s;
-            let segment =
-                |k: usize| Segment::at(lasting_s * k as f64 / edges as f64, Level::Voltage(k as f64));
+            let segment = |k: usize| {
+                Segment::at(
+                    lasting_s * k as f64 / edges as f64,
+                    Level::Voltage((k % 2) as f64),
+                )
+            };
             let drive = Drive {
                 baseline_v: 0.0,
                 segments: (0..edges).map(segment).collect(),

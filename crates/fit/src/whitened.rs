@@ -229,32 +229,40 @@ impl WhitenedChannel {
     }
 
     /// The same channels with slow noise beside the white, one memory for all of them, where that is more likely than what each
-    /// has been found to have, each number that describes a memory being worth `evidence` in twice the log likelihood; none
-    /// where it is not. `fitted` is taken from each.
+    /// has been found to have, each number that describes a memory being `worth` so much in twice the log likelihood;
+    /// of the memories within `evidence` of the likeliest the slowest. None where it is not. `fitted` is taken from each.
     pub fn with_slow_noise(
         channels: &[&WhitenedChannel],
         fitted: &[&[f64]],
         per_signal: f64,
+        worth: f64,
         evidence: f64,
     ) -> Option<Vec<WhitenedChannel>> {
         let shortest = channels.iter().min_by_key(|channel| channel.len())?;
         let slow = slow::tried(&shortest.response.sampled);
+        // A memory that channels share is one for all of them.
+        let sharing = channels.iter().filter(|channel| channel.is_shared).count() as f64;
         let of_channel = |(channel, fitted): (&&WhitenedChannel, &&[f64])| {
             let own = std::iter::once(&channel.response.noise.autocorrelation);
             let memories: Vec<Autocorrelation> = own.chain(&slow).cloned().collect();
             let scale = channel.growing(fitted, per_signal);
             let found = slow::deviances(&channel.left(fitted), &scale, &memories);
-            let before = found[0] + evidence * channel.response.noise.autocorrelation.parameters() as f64;
+            let own = channel.response.noise.autocorrelation.parameters() as f64;
+            let parts = if channel.is_shared { sharing } else { 1.0 };
+            let before = found[0] + worth.max(0.0) * own / parts;
             found[1..].iter().map(|own| before - own).collect()
         };
         let gains: Vec<Vec<f64>> = channels.iter().zip(fitted).map(of_channel).collect();
         let whole = |place: usize| gains.iter().map(|own| own[place]).sum::<f64>();
-        let best = (0..slow.len()).max_by(|&a, &b| whole(a).total_cmp(&whole(b)))?;
-        let most = gains.iter().map(|own| own[best]).fold(0.0, f64::max);
-        // Noise is in every run, what a model misses in some: no single one decides.
-        let others = if gains.len() > 1 { whole(best) - most } else { most };
+        let most = (0..slow.len()).map(whole).fold(f64::NEG_INFINITY, f64::max);
+        // Of those that are as likely the slowest: what the readings do not exclude may be there.
+        let step_s = shortest.response.sampled.time_scales_s().0;
+        let slowness = |place: usize| slow[place].readings_per_independent(step_s);
+        let best = (0..slow.len())
+            .filter(|&place| whole(place) >= most - evidence)
+            .max_by(|&a, &b| slowness(a).total_cmp(&slowness(b)))?;
         let memory = &slow[best];
-        (others > evidence * SLOW_PARAMETERS).then(|| {
+        (whole(best) > worth * SLOW_PARAMETERS).then(|| {
             let each = channels.iter().zip(fitted);
             let with = |(channel, fitted): (&&WhitenedChannel, &&[f64])| {
                 channel.with_noise_of(fitted, per_signal, |left, scale, least| {

@@ -201,13 +201,19 @@ fn just_before(time_s: &[f64], level: Level) -> Segment {
 }
 
 fn stepped(first: Stretch, rest: &[Stretch], time_zero_is_step: bool) -> FoundDrive {
+    let holds_zero =
+        |stretch: &Stretch| time_zero_is_step && stretch.last_before_s < 0.0 && 0.0 <= stretch.start_s;
+    // A reading at the very instant of the stated step: the readings follow the clock of the source, and edges lie on them.
+    let is_one_clock = rest
+        .iter()
+        .any(|stretch| holds_zero(stretch) && stretch.start_s == 0.0);
     let segment = |stretch: &Stretch| {
         let level = Level::Voltage(stretch.level_v);
-        // Where the table's zero is the step it is more exact than the readings beside it.
-        let holds_zero = time_zero_is_step && stretch.last_before_s < 0.0 && 0.0 <= stretch.start_s;
-        match holds_zero {
-            true => Segment::at(0.0, level),
-            false => Segment {
+        match () {
+            // Where the table's zero is the step it is more exact than the readings beside it.
+            () if holds_zero(stretch) => Segment::at(0.0, level),
+            () if is_one_clock => Segment::at(stretch.start_s, level),
+            () => Segment {
                 last_before_s: Some(stretch.last_before_s),
                 ..Segment::at(stretch.start_s, level)
             },

@@ -32,6 +32,10 @@ const EVIDENCE: f64 = 6.0;
 /// Step of the slope by an edge's time, in standard deviations of what is not known of it.
 const SLOPE: f64 = 1e-2;
 
+/// What a number that describes a memory must bring in twice the log likelihood (Akaike): slow noise that is missed makes a
+/// simulation look wrong, slow noise taken in vain costs little.
+const SLOW_WORTH: f64 = 2.0;
+
 /// A run as it is given to a diagnosis.
 #[derive(Debug, Clone, Copy)]
 pub struct RunInput<'a> {
@@ -76,6 +80,8 @@ pub(crate) struct Block {
 #[derive(Debug, Clone)]
 pub(crate) struct RunGroup<'a> {
     pub(crate) runs: Vec<GroupRun<'a>>,
+    /// Whether slow noise is taken even where the readings alone do not ask for it.
+    is_slow: bool,
     pub(crate) blocks: Vec<Block>,
 }
 
@@ -91,7 +97,20 @@ impl<'a> RunGroup<'a> {
     pub(crate) fn new(given: &[RunInput<'a>]) -> RunGroup<'a> {
         let runs: Vec<GroupRun> = given.iter().filter_map(GroupRun::new).collect();
         let blocks = RunGroup::blocks(&runs);
-        RunGroup { runs, blocks }
+        RunGroup {
+            runs,
+            blocks,
+            is_slow: false,
+        }
+    }
+
+    /// The same readings with slow noise beside the white; none where that was taken before.
+    pub(crate) fn with_slow_noise(&self, model: &ExtendedModel) -> Option<RunGroup<'a>> {
+        let slow = RunGroup {
+            is_slow: true,
+            ..self.clone()
+        };
+        (!self.is_slow).then(|| slow.renoised(model))
     }
 
     /// The rows of those runs, one channel after the other.
@@ -190,7 +209,13 @@ impl<'a> RunGroup<'a> {
         if !are_alike(&channels) {
             return;
         }
-        let Some(slow) = WhitenedChannel::with_slow_noise(&channels, &fitted, per_signal, EVIDENCE) else {
+        let worth = if self.is_slow {
+            f64::NEG_INFINITY
+        } else {
+            SLOW_WORTH
+        };
+        let slow = WhitenedChannel::with_slow_noise(&channels, &fitted, per_signal, worth, EVIDENCE);
+        let Some(slow) = slow else {
             return;
         };
         let own = self.runs.iter_mut().filter_map(|run| run.channels[kind].as_mut());

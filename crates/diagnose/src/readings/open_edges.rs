@@ -9,20 +9,17 @@ use ieap_numerics::sums::dot;
 pub(crate) struct OpenEdges {
     /// Unit directions, with the part of each that is taken out.
     directions: Vec<(Vec<f64>, f64)>,
-    /// What the residuals would be more if every edge were in the middle of where it may be: a search has put them where they
-    /// leave least, and that part of the residuals, too, has its variance.
-    from_middle: Vec<f64>,
 }
 
 /// A change below this square, in variances of the noise, is not worth its row by row subtraction.
 const NEGLIGIBLE: f64 = 1e-4;
 
 impl OpenEdges {
-    /// From the change of all rows by one standard deviation of each, and by all edges going to the middle.
-    pub(crate) fn of(changes: impl Iterator<Item = Vec<f64>>, from_middle: Vec<f64>) -> OpenEdges {
+    /// From the change of all rows by one standard deviation of each.
+    pub(crate) fn of(changes: impl Iterator<Item = Vec<f64>>) -> OpenEdges {
         let mut open = OpenEdges::default();
         for mut change in changes {
-            open.shrink(&mut change);
+            open.take_out(&mut change);
             let square = dot(&change, &change);
             if square > NEGLIGIBLE && square.is_finite() {
                 let norm = square.sqrt();
@@ -31,19 +28,11 @@ impl OpenEdges {
                     .push((change, 1.0 - (1.0 + square).sqrt().recip()));
             }
         }
-        open.from_middle = from_middle;
         open
     }
 
     /// Brings the residuals of the run back to the variance of the noise.
     pub(crate) fn take_out(&self, rows: &mut [f64]) {
-        rows.iter_mut()
-            .zip(&self.from_middle)
-            .for_each(|(row, more)| *row += more);
-        self.shrink(rows);
-    }
-
-    fn shrink(&self, rows: &mut [f64]) {
         for (direction, part) in &self.directions {
             let of_rows = part * dot(direction, rows);
             rows.iter_mut()
@@ -61,7 +50,7 @@ mod tests {
     #[test]
     fn what_is_left_has_the_variance_of_the_noise() {
         let changes = [vec![3.0, 1.0, 0.0, -2.0], vec![2.0, 2.0, 0.5, 1.0], vec![0.0; 4]];
-        let open = OpenEdges::of(changes.iter().cloned(), vec![0.0; 4]);
+        let open = OpenEdges::of(changes.iter().cloned());
         assert_eq!(open.directions.len(), 2);
         let n = 4;
         let covariance = |a: usize, b: usize| {

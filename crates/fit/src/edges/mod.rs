@@ -4,15 +4,11 @@
 //! all else where the readings tell more, and what is left open of them widens what is stated.
 
 mod programme;
-mod settle;
-mod widen;
 
 use ieap_domain::Drive;
 use ieap_numerics::symmetric::Symmetric;
 
 use programme::Programme;
-pub(crate) use settle::settled;
-pub(crate) use widen::widen;
 
 /// Standard deviation of a number that lies anywhere in a range, in lengths of the range.
 const OF_UNIFORM: f64 = 0.288_675_134_594_812_9;
@@ -160,14 +156,6 @@ impl EdgeTimes {
         let count = self.shifts.len();
         let covariance = Symmetric::from_fn(count, |a, b| ways.iter().map(|way| way[a] * way[b]).sum());
         covariance.inverse(1e-12)
-    }
-
-    /// How far the middles of all ranges are from where the edges are taken to be, s.
-    pub fn middle(&self) -> Vec<f64> {
-        self.shifts
-            .iter()
-            .map(|shift| 0.5 * (shift.low_s + shift.high_s))
-            .collect()
     }
 
     /// Whether any edge is not known.

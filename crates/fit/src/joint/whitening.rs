@@ -355,8 +355,8 @@ mod tests {
     }
 
     fn sampled(time_s: &[f64]) -> Sampled {
-        let channel = Channel::new(Quantity::Current, time_s.into(), vec![0.0; time_s.len()].into());
-        Sampled::new(&channel, &Drive::step(1.0), false)
+        let channel = Channel::new(Quantity::Curvature, time_s.into(), vec![0.0; time_s.len()].into());
+        Sampled::new(&channel, &Drive::step(1.0), true)
     }
 
     /// Whitening W of a covariance V must give W V W' = 1.

@@ -395,3 +395,29 @@ fn a_voltage_that_follows_from_a_held_current_is_told_as_that_and_not_as_a_sweep
         );
     }
 }
+
+/// The last reading before each edge that only readings tell of.
+fn last_before(found: &FoundDrive) -> Vec<Option<f64>> {
+    let segments = &found.drive.as_ref().unwrap().segments;
+    segments.iter().map(|segment| segment.last_before_s).collect()
+}
+
+#[test]
+fn an_edge_lies_between_two_readings_unless_it_is_stated_or_one_clock_reads_and_drives() {
+    let level = |t: f64| if (0.0..30.0).contains(&t) { 2.0 } else { 0.0 };
+    let read = |first_s: f64| -> Vec<(f64, f64)> {
+        let times = (0..70).map(|k| first_s + f64::from(k));
+        times.map(|t| (t, level(t))).collect()
+    };
+    let beside = find(&[voltage(&read(-9.7))], true, None, &[]);
+    let starts: Vec<f64> = segments(&beside).iter().map(|own| own.0).collect();
+    assert!(starts[0] == 0.0 && (starts[1] - 30.3).abs() < 1e-9);
+    assert_eq!(last_before(&beside)[0], None, "the step at zero is stated");
+    assert!((last_before(&beside)[1].unwrap() - 29.3).abs() < 1e-9);
+    let on = find(&[voltage(&read(-10.0))], true, None, &[]);
+    assert_eq!(last_before(&on), [None, None]);
+    let unstated = find(&[voltage(&read(-9.7))], false, None, &[]);
+    assert!((last_before(&unstated)[0].unwrap() + 0.7).abs() < 1e-9);
+    let applied = find(&[voltage(&read(3.0)[..20])], false, None, &[]);
+    assert_eq!(last_before(&applied), [Some(2.0)], "less than an interval before");
+}

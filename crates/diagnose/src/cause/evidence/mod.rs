@@ -17,5 +17,5 @@ mod varies;
 mod verdict;
 
 pub(crate) use posterior::{Asked, weigh};
-pub(crate) use verdict::of_one_name;
 pub use verdict::{by_evidence, set_of};
+pub(crate) use verdict::{is_slow_noise, of_one_name};

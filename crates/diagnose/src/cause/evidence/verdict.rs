@@ -46,6 +46,12 @@ pub fn by_evidence(posterior: &[Hypothesis]) -> Verdict {
     }
 }
 
+/// Whether it is the noise that leaves the misfit: slow noise, at rest as under voltage, is what is behind it.
+pub(crate) fn is_slow_noise(posterior: &[Hypothesis]) -> bool {
+    let slow = posterior.iter().filter(|h| h.kind == HypothesisKind::SlowNoise);
+    slow.map(|h| h.mass).sum::<f64>() >= SURE
+}
+
 /// What becomes of one name that the rules give, asked of the probabilities, with the causes that stand beside it. The rules
 /// ask whether held-out readings are predicted, the probabilities allow for equations that are not exact: a name is given
 /// where both give it. Where the trace is stretched to fit, it resembles; where others are probable too, it is one of a set.

@@ -4,8 +4,8 @@ use ieap_numerics::least_squares::Levenberg;
 use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
-use super::EdgeTimes;
 use crate::coupled::Current;
+use crate::edges::EdgeTimes;
 use crate::electrical::Electrical;
 use crate::error::FitError;
 use crate::options::{FitInput, FitOptions};

@@ -3,9 +3,9 @@
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Estimate, Fit, Issue, Parameter};
 
-use super::settle::Settled;
 use crate::interval_rule::is_narrow_enough;
 use crate::options::{FitInput, FitOptions};
+use crate::settled_edges::Settled;
 
 /// An interval that grows by less than this part of itself stays as it is, and nothing is said.
 const WORTH: f64 = 0.02;
