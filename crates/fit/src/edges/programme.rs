@@ -14,6 +14,9 @@ const ALIKE: f64 = 0.02;
 /// Periods that are tried between the shortest and the longest that the edges leave.
 const TRIED: usize = 400;
 
+/// A period with where the edges of its first round may be, s.
+type Tried = (f64, Vec<(f64, f64)>);
+
 /// The period, and where the edges of its first round may be.
 pub(super) struct Programme {
     period_s: f64,
@@ -36,18 +39,16 @@ impl Programme {
         let low_s = (between[last].0 - between[0].1) / rounds as f64;
         let high_s = (between[last].1 - between[0].0) / rounds as f64;
         let tried = (0..=TRIED).map(|k| low_s + (high_s - low_s) * k as f64 / TRIED as f64);
-        let possible: Vec<(f64, Vec<(f64, f64)>, f64)> = tried
-            .filter_map(|period_s| {
-                let first = first_round(&between, cycle, period_s)?;
-                let room_s = first
-                    .iter()
-                    .map(|(from, to)| to - from)
-                    .fold(f64::INFINITY, f64::min);
-                Some((period_s, first, room_s))
-            })
-            .collect();
+        let first = |period_s: f64| Some((period_s, first_round(&between, cycle, period_s)?));
+        let possible: Vec<Tried> = tried.filter_map(first).collect();
         let (shortest_s, longest_s) = (possible.first()?.0, possible.last()?.0);
-        let (period_s, first, _) = possible.into_iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+        let room_s = |(_, first): &Tried| {
+            let rooms = first.iter().map(|(from, to)| to - from);
+            rooms.fold(f64::INFINITY, f64::min)
+        };
+        let (period_s, first) = possible
+            .into_iter()
+            .max_by(|a, b| room_s(a).total_cmp(&room_s(b)))?;
         Some(Programme {
             period_s,
             first,
