@@ -76,13 +76,22 @@ fn drive(batch: &RecordBatch, row: usize) -> Result<Drive, Issue> {
         let found = format!("{} starts and {} voltages", starts.len(), levels.len());
         return Err(unequal("drive_v", found));
     }
-    let segment = |(start_s, voltage_v): (f64, f64)| Segment::at(start_s, match voltage_v.is_nan() {
+    // Not in rows that were exported before edges were known to lie between readings.
+    let before = list(batch, "drive_last_before_s", row).unwrap_or_default();
+    let segment = |(place, (start_s, voltage_v)): (usize, (f64, f64))| {
+        let level = match voltage_v.is_nan() {
             true => Level::OpenCircuit,
             false => Level::Voltage(voltage_v),
-        });
+        };
+        Segment {
+            last_before_s: before.get(place).copied().filter(|s| s.is_finite()),
+            ..Segment::at(start_s, level)
+        }
+    };
+    let pairs = starts.into_iter().zip(levels).enumerate();
     Ok(Drive {
         baseline_v: number(batch, "baseline_v", row).unwrap_or(0.0),
-        segments: starts.into_iter().zip(levels).map(segment).collect(),
+        segments: pairs.map(segment).collect(),
     })
 }
 

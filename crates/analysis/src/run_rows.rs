@@ -159,6 +159,10 @@ fn of_drives(rows: &[RunRow<'_>]) -> Vec<(String, Cells)> {
         let segments = drive(row)?.segments;
         Some(segments.iter().map(|segment| Some(segment.start_s)).collect())
     });
+    let before = rows.iter().map(|row| {
+        let segments = drive(row)?.segments;
+        Some(segments.iter().map(|segment| segment.last_before_s).collect())
+    });
     let levels = rows.iter().map(|row| {
         let segments = drive(row)?.segments;
         let level = segments.iter().map(|segment| match segment.level {
@@ -170,6 +174,7 @@ fn of_drives(rows: &[RunRow<'_>]) -> Vec<(String, Cells)> {
     vec![
         named("baseline_v", Cells::Numbers(baseline.collect())),
         named("drive_start_s", Cells::Lists(starts.collect())),
+        named("drive_last_before_s", Cells::Lists(before.collect())),
         named("drive_v", Cells::Lists(levels.collect())),
     ]
 }
