@@ -19,8 +19,8 @@ use crate::analysis::laws::{CampaignLaws, contrast};
 use crate::analysis::online::{Turn, turns};
 use crate::domain::{
     Candidate, CondemnedRun, Confusable, DiagnosisNoise, EffectFinding, Fault, Gain, GroupDiagnosis,
-    Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterShift, RunAlone, RunRecord, StrengthProfile,
-    VaryingParameter, Verdict, Whereabouts,
+    Hypothesis, HypothesisKind, MisfitPercent, NextRun, ParameterScatter, ParameterShift, RunAlone,
+    RunRecord, StrengthProfile, VaryingParameter, Verdict, Whereabouts,
 };
 use crate::store::{DiagnosisKind, StoredDiagnosis};
 
@@ -142,6 +142,10 @@ pub struct GroupEntry {
     pub visible_percent: MisfitPercent,
     /// Parameters that differ between the runs, run by run.
     pub differs: Vec<VaryingParameter>,
+    /// By how much each parameter scatters from run to run; empty of fewer than three runs.
+    pub scatter: Vec<ParameterScatter>,
+    /// Whether that scatter was taken as noise in everything else that is said.
+    pub scatter_is_noise: bool,
     /// Which of its runs need the distributed model, as far as their fits say.
     pub lumped_or_distributed: Vec<LumpedOrDistributedEntry>,
 }
@@ -364,6 +368,8 @@ pub(super) fn group_entry(found: GroupDiagnosis, told: &[LumpedOrDistributedEntr
         misfit_percent: found.misfit_percent,
         visible_percent: found.visible_percent,
         differs: found.differs,
+        scatter: found.scatter,
+        scatter_is_noise: found.scatter_is_noise,
     }
 }
 

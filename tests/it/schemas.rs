@@ -48,7 +48,8 @@ pub fn check(document: &Value) {
         return;
     }
     let schema = schema(name).unwrap_or_else(|| panic!("{title} has no schema"));
-    let faults = faults(&schema, document);
+    let mut faults = faults(&schema, document);
+    cannot_be(document, "$", &mut faults);
     assert!(
         faults.is_empty(),
         "against schemas/{name}.json:\n{}",
@@ -62,6 +63,51 @@ fn faults(schema: &Value, document: &Value) -> Vec<String> {
     let mut found = Vec::new();
     Held { root: schema }.hold(schema, document, "$", &mut found);
     found
+}
+
+/// No quantity of a strip, and no error of one in any unit, is as large.
+const LARGEST: f64 = 1e30;
+
+/// Numbers that cannot be, as numbers and in sentences: a fault of the program, wherever they stand.
+fn cannot_be(value: &Value, place: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Number(number) if number.as_f64().is_none_or(|x| x.abs() > LARGEST) => {
+            found.push(format!("{place}: {number} cannot be"));
+        }
+        Value::String(text) => found.extend(
+            words_that_cannot_be(text)
+                .into_iter()
+                .map(|word| format!("{place}: {word:?} cannot be, in {text:?}")),
+        ),
+        Value::Array(each) => {
+            let each = each.iter().enumerate();
+            each.for_each(|(k, own)| cannot_be(own, &format!("{place}[{k}]"), found));
+        }
+        Value::Object(each) => {
+            let each = each.iter();
+            each.for_each(|(key, own)| cannot_be(own, &format!("{place}.{key}"), found));
+        }
+        _ => {}
+    }
+}
+
+/// Words of a sentence that are no number, or one that is too large to be.
+pub fn words_that_cannot_be(text: &str) -> Vec<&str> {
+    let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || ".+-".contains(c)));
+    let is_impossible = |word: &&str| {
+        let plain = word.trim_matches(|c: char| "+-.".contains(c));
+        matches!(plain, "NaN" | "inf" | "nan") || {
+            let is_number = plain.starts_with(|c: char| c.is_ascii_digit()) && plain.contains('e');
+            is_number && plain.parse::<f64>().is_ok_and(|x| x > LARGEST)
+        }
+    };
+    words.filter(is_impossible).collect()
+}
+
+#[test]
+fn a_number_that_cannot_be_is_found_in_a_sentence() {
+    let bad = "alpha was too large: 5.5e150 standard errors, 3 +- NaN, -inf ohm, 2e-40 A, run 12e99x, 4.1e3 s";
+    assert_eq!(words_that_cannot_be(bad), ["5.5e150", "NaN", "-inf"]);
 }
 
 struct Held<'a> {

@@ -4,14 +4,15 @@ use rayon::prelude::*;
 
 use ieap_domain::{CondemnedRun, GroupDiagnosis, RunAlone, Verdict};
 use ieap_model::FitModel;
+use ieap_model::extended::ExtendedModel;
 
-use crate::cause::evidence::is_slow_noise;
+use crate::cause::evidence::{follow_something, is_slow_noise, log_odds_of_no_cause};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::base_fit::refit;
 use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
 use crate::fitting::without_outliers::with_base;
-use crate::levels::WRONG;
+use crate::levels::{RIGHT, WRONG};
 use crate::misfit::odd_scale::odd_runs;
 use crate::misfit::residual_bins::residual_bins;
 use crate::misfit::signature::signatures;
@@ -20,6 +21,7 @@ use crate::outcome::finding::{FindingBuilder, nothing};
 use crate::outcome::per_run::in_words;
 use crate::outcome::varying;
 use crate::readings::group::{RunGroup, RunInput};
+use crate::readings::scatter;
 
 /// Diagnoses runs that one parameter set of the base model describes.
 ///
@@ -100,6 +102,8 @@ fn without(
 }
 
 fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptions) -> GroupDiagnosis {
+    let scattered = group.with_scatter(&base.problem.model(&base.at));
+    let scatter = scattered.as_ref().unwrap_or(group).scatter().cloned();
     let scale = scale(group, &base.problem, &base.at);
     let signatures = signatures(&base.problem, &base.at, &scale);
     let bins = residual_bins(group, &base);
@@ -126,28 +130,59 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
         bins: &bins,
         residuals: &residuals,
         p_misfit: null.p_misfit(&observed, calibration.as_ref()),
+        scatter: scatter.as_ref(),
         options,
     };
+    if builder.p_misfit >= RIGHT {
+        return builder.without_cause();
+    }
+    let beside = |group: Option<RunGroup>| diagnosed_beside(name, &group?, &base, options);
+    let model = base.problem.model(&base.at);
+    if scattered.is_some()
+        && is_rather_scatter(group, &model, observed.candidate - null.gain_at_5_percent())
+        && let Some(found) = beside(scattered)
+    {
+        return found;
+    }
     if builder.p_misfit >= WRONG {
         return builder.without_cause();
     }
     let selection = input.select(&null, &directions);
     let found = builder.with_cause(&selection);
-    match is_slow_noise(&found.posterior) {
-        true => beside_slow_noise(name, group, &base, options).unwrap_or(found),
-        false => found,
+    if is_slow_noise(&found.posterior) {
+        let slow = beside(group.with_slow_noise(&model));
+        return slow.filter(|slow| !slow.verdict.is_misfit()).unwrap_or(found);
     }
+    if explains_all(&found) {
+        return found;
+    }
+    // Beside a cause that explains most the runs scatter less than beside none.
+    let extended = selection.model.problem.model(&selection.model.at);
+    beside(group.with_scatter(&extended)).unwrap_or(found)
 }
 
-/// The same beside slow noise, where that is what is behind the misfit and leaves none; none where it was taken already.
-fn beside_slow_noise(
+/// Whether the runs scatter rather than that something is wrong with them, where the best candidate makes the sum of squares
+/// fall by so much more than chance. What explains more comes first: half of a fall is a logarithm of likelihoods. That runs
+/// scatter needs no cause; that they follow their voltage or a tag does.
+fn is_rather_scatter(group: &RunGroup, model: &ExtendedModel, of_candidate: f64) -> bool {
+    let forms = scatter::forms(group, model);
+    scatter::gain(&forms) > 0.5 * of_candidate - log_odds_of_no_cause() && !follow_something(group, &forms)
+}
+
+/// Whether a cause was found that leaves no misfit.
+fn explains_all(found: &GroupDiagnosis) -> bool {
+    found.verdict.extends_the_model() && found.p_leftover.is_some_and(|p| p >= WRONG)
+}
+
+/// The same beside other noise; none where it takes no scatter that was asked for.
+fn diagnosed_beside(
     name: &str,
     group: &RunGroup,
     base: &Fitted,
     options: &DiagnoseOptions,
 ) -> Option<GroupDiagnosis> {
-    let slow = group.with_slow_noise(&base.problem.model(&base.at))?;
-    let base = refit(&slow, base)?;
-    let found = diagnosed(name, &slow, base, options);
-    (!found.verdict.is_misfit()).then_some(found)
+    if group.scatter().is_some_and(|scatter| scatter.taken.is_empty()) {
+        return None;
+    }
+    Some(diagnosed(name, group, refit(group, base)?, options))
 }

@@ -393,8 +393,26 @@ impl GroupDiagnosis {
             misfit_percent: MisfitPercent::default(),
             visible_percent: MisfitPercent::default(),
             differs: Vec::new(),
+            scatter: Vec::new(),
+            scatter_is_noise: false,
         }
     }
+}
+
+/// By how much a parameter of the base model differs from run to run, in percent of itself: a standard deviation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterScatter {
+    /// Key, `alpha_per_c_cm`.
+    pub key: String,
+    /// The most likely one; 0 where the readings ask for none.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub percent: f64,
+    /// Ends of its 95 % interval.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub low_95_percent: f64,
+    /// As `low_95_percent`.
+    #[serde(deserialize_with = "number_or_null::one")]
+    pub high_95_percent: f64,
 }
 
 /// What is found of one run of a group by itself.
@@ -498,6 +516,13 @@ pub struct GroupDiagnosis {
     /// Parameters that differ between the runs, where that carries weight among what may be behind the misfit.
     #[serde(default)]
     pub differs: Vec<VaryingParameter>,
+    /// By how much each parameter scatters from run to run; empty of fewer than three runs, and in findings that were stored
+    /// before this was asked.
+    #[serde(default)]
+    pub scatter: Vec<ParameterScatter>,
+    /// Whether that scatter was taken as noise in everything else that is said.
+    #[serde(default)]
+    pub scatter_is_noise: bool,
     /// The least error of the base model, of current or curvature, that would have been seen in 95 of 100 such groups; of no
     /// charge. None in findings that were stored before this was asked.
     #[serde(default)]

@@ -21,6 +21,7 @@ pub mod ode;
 #[cfg(test)]
 mod problems;
 pub mod products;
+pub mod random_effects;
 pub mod robust;
 pub mod rosenbrock;
 pub mod student;

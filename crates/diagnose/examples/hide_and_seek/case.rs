@@ -93,6 +93,8 @@ pub struct Plan {
     pub autocorrelation: Option<f64>,
     /// The noise at the largest signal of a run is `sqrt(1 + growing^2)` times that at none.
     pub growing: f64,
+    /// Relative spread of every parameter from run to run.
+    pub scatter: f64,
 }
 
 impl Default for Plan {
@@ -126,6 +128,10 @@ impl Default for Plan {
                 .ok()
                 .and_then(|g| g.parse().ok())
                 .unwrap_or(0.0),
+            scatter: std::env::var("SCATTER")
+                .ok()
+                .and_then(|s| s.parse().ok())
+                .unwrap_or(0.0),
         }
     }
 }
@@ -133,6 +139,8 @@ impl Default for Plan {
 /// A group before anything is hidden in it.
 pub struct Case {
     pub base: LumpedModel,
+    /// The parameters of each run.
+    pub own: Vec<LumpedModel>,
     pub design: Vec<DesignRun>,
     pub noise: KnownNoise,
     pub generator: ChaCha8Rng,
@@ -227,13 +235,36 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         Clock::OnEdges | Clock::IrregularOnEdges => design.iter().map(|run| run.drive.clone()).collect(),
         Clock::Beside | Clock::Irregular => design.iter().map(as_seen).collect(),
     };
+    let mut scatter = ChaCha8Rng::seed_from_u64(seed ^ 0x5ca7_7e12);
+    let own = design
+        .iter()
+        .map(|_| scattered(&base, plan.scatter, &mut scatter));
     Case {
+        own: own.collect(),
         base,
         design,
         noise,
         generator,
         plan,
         seen,
+    }
+}
+
+/// The parameters of a run that scatter by that part about those of its sample.
+fn scattered(base: &LumpedModel, part: f64, generator: &mut ChaCha8Rng) -> LumpedModel {
+    let mut off = |value: f64| {
+        let unit: f64 = StandardNormal.sample(generator);
+        value * (part * unit).exp()
+    };
+    let branch = |branch: &Branch| Branch {
+        resistance_ohm_cm2: off(branch.resistance_ohm_cm2),
+        capacitance_f_per_cm2: off(branch.capacitance_f_per_cm2),
+    };
+    LumpedModel {
+        branches: base.branches.iter().map(branch).collect(),
+        steady_state_resistance_ohm_cm2: off(base.steady_state_resistance_ohm_cm2),
+        charge_to_curvature_per_c_cm: off(base.charge_to_curvature_per_c_cm),
+        relaxation_rate_per_s: off(base.relaxation_rate_per_s),
     }
 }
 
@@ -288,10 +319,6 @@ fn as_seen(run: &DesignRun) -> Drive {
 
 /// What the library gives, without noise.
 pub fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
-    let model = ExtendedModel {
-        base: case.base.clone(),
-        effects: applied.to_vec(),
-    };
     let each = case.design.iter().enumerate().map(|(index, run)| {
         let context = RunContext {
             index,
@@ -301,6 +328,10 @@ pub fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
             duration_s: case.lasting_s(),
             resolved_s: None,
             tags: &[],
+        };
+        let model = ExtendedModel {
+            base: case.own[index].clone(),
+            effects: applied.to_vec(),
         };
         model.responses(&context, &run.current_time_s, &run.curvature_time_s)
     });
@@ -334,17 +365,18 @@ pub fn true_responses(case: &Case, applied: &[Applied]) -> Option<Vec<Responses>
 
 /// What the truth simulator gives with these effects; none where it refuses them.
 pub fn truly(case: &Case, hidden: Vec<HiddenEffect>) -> Option<Vec<Responses>> {
-    let truth = Truth {
-        branches: case.base.branches.clone(),
-        steady_state_resistance_ohm_cm2: case.base.steady_state_resistance_ohm_cm2,
-        charge_to_curvature_per_c_cm: case.base.charge_to_curvature_per_c_cm,
-        relaxation_rate_per_s: case.base.relaxation_rate_per_s,
-        area_cm2: AREA,
-        length_cm: Some(LENGTH),
-        width_cm: None,
-        effects: hidden,
-    };
-    let each = case.design.iter().enumerate().map(|(index, run)| {
+    let each = case.design.iter().zip(&case.own).enumerate();
+    each.map(|(index, (run, own))| {
+        let truth = Truth {
+            branches: own.branches.clone(),
+            steady_state_resistance_ohm_cm2: own.steady_state_resistance_ohm_cm2,
+            charge_to_curvature_per_c_cm: own.charge_to_curvature_per_c_cm,
+            relaxation_rate_per_s: own.relaxation_rate_per_s,
+            area_cm2: AREA,
+            length_cm: Some(LENGTH),
+            width_cm: None,
+            effects: hidden.clone(),
+        };
         let found = simulate(
             &truth,
             &run.drive,
@@ -357,8 +389,8 @@ pub fn truly(case: &Case, hidden: Vec<HiddenEffect>) -> Option<Vec<Responses>> {
             current_a: found.current_a,
             curvature_per_cm: found.curvature_per_cm,
         })
-    });
-    each.collect()
+    })
+    .collect()
 }
 
 /// The series with noise of that size and memory.

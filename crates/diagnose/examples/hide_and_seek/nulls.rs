@@ -76,6 +76,22 @@ fn conditions() -> Vec<(&'static str, Plan)> {
                 ..white
             }),
         ),
+        (
+            "runs scatter by 1 %",
+            Plan {
+                scatter: 0.01,
+                ..white
+            },
+        ),
+        ("runs scatter by 3 %", Plan { scatter: 0.03, ..own }),
+        (
+            "three repeats scatter by 1 %",
+            Plan {
+                scatter: 0.01,
+                drives: Drives::Same,
+                ..white
+            },
+        ),
     ]
 }
 

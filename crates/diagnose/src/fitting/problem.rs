@@ -301,7 +301,7 @@ impl<'g> ExtendedProblem<'g> {
         let context = group_run.context(run, self.resolved_s);
         let first = out.len();
         group_run.whitened(&group_run.fitted(model, &context), out);
-        group_run.open_edges.take_out(&mut out[first..]);
+        group_run.take_out(&mut out[first..]);
     }
 
     /// Sum of squares with its slope, and the Jacobian of the residuals column by column.

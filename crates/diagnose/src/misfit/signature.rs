@@ -65,6 +65,7 @@ impl Signature {
     /// The same change whitened with the noise of `to`, where it was with that of `from`: the same readings in both.
     pub(crate) fn in_noise_of(&self, from: &RunGroup, to: &RunGroup) -> Signature {
         let mut change = self.change.clone();
+        from.put_back(&mut change);
         for (block, other) in from.blocks.iter().zip(&to.blocks) {
             if let Some((before, after)) = from.channel(block).zip(to.channel(other)) {
                 let rows = &mut change[block.first..block.end];
@@ -72,6 +73,7 @@ impl Signature {
                 after.whiten(rows);
             }
         }
+        to.take_out(&mut change);
         Signature {
             change,
             ..self.clone()

@@ -29,6 +29,7 @@ pub(crate) fn visible_percent(group: &RunGroup, base: &Fitted, bins: &[ResidualB
         channel.whiten(&mut own);
         let mut series = vec![0.0; group.rows()];
         series[block.first..block.end].copy_from_slice(&own);
+        group.take_out(&mut series);
         tangent.remove(&mut series);
         squares[block.channel] += series.iter().map(|v| v * v).sum::<f64>();
     }

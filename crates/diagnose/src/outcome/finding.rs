@@ -6,8 +6,8 @@ mod sentence;
 mod sets;
 
 use ieap_domain::{
-    DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterShift, ResidualCurve,
-    StrengthProfile, Verdict,
+    DiagnosisNoise, EffectFinding, GroupDiagnosis, MisfitPercent, Parameter, ParameterScatter,
+    ParameterShift, ResidualCurve, StrengthProfile, Verdict,
 };
 
 use crate::cause::between::refused_in_words;
@@ -26,10 +26,13 @@ use crate::misfit::whereabouts::whereabouts;
 use crate::options::DiagnoseOptions;
 use crate::outcome::gain::gain;
 use crate::outcome::next_run::next_run;
+use crate::outcome::noise_words::{beside_scatter, of_scatter, of_slow_noise};
 use crate::readings::drawn::{drawn, paired};
 use crate::readings::group::{RunGroup, RunInput, channel_name};
+use crate::readings::scatter::Scatter;
 use crate::readings::tags::not_asked;
 use ieap_model::effects::effect;
+use ieap_numerics::random_effects::Spread;
 use ieap_numerics::sums::dot;
 
 /// Where a misfit is left, a first cause that explains less than this part of everything names nothing: a cause that no
@@ -53,6 +56,8 @@ pub(crate) struct FindingBuilder<'a, 'g> {
     pub(crate) bins: &'a [ResidualBin],
     pub(crate) residuals: &'a [f64],
     pub(crate) p_misfit: f64,
+    /// What the runs scatter by; none of fewer runs than tell it.
+    pub(crate) scatter: Option<&'a Scatter>,
     pub(crate) options: &'a DiagnoseOptions,
 }
 
@@ -82,7 +87,8 @@ impl<'g> FindingBuilder<'_, 'g> {
         found.candidates = self.forecasts();
         found.sentence = match found.verdict {
             Verdict::Consistent => format!(
-                "The simulation is right to within the noise (p = {:.2}): {} would have been seen.",
+                "The simulation is right to within the noise{} (p = {:.2}): {} would have been seen.",
+                beside_scatter(&found.scatter, found.scatter_is_noise),
                 self.p_misfit,
                 error_words(found.visible_percent)
             ),
@@ -231,6 +237,11 @@ impl<'g> FindingBuilder<'_, 'g> {
             }
         }
         remarks.extend(crate::readings::louder::remarks(self.group));
+        let (scatter, scatter_is_noise) = (self.scatter(), self.group.scatter().is_some());
+        remarks.extend(of_scatter(&scatter, scatter_is_noise));
+        let noise = self.noise();
+        let visible_percent = visible_percent(self.group, self.base, self.bins);
+        remarks.extend(of_slow_noise(&noise, visible_percent));
         // Where the model is right its time constants do not depend on the record.
         if self.p_misfit < WRONG {
             remarks.extend(crate::readings::record_length::remark(
@@ -243,13 +254,26 @@ impl<'g> FindingBuilder<'_, 'g> {
             p_misfit: Some(self.p_misfit),
             whereabouts: Some(whereabouts(self.group, self.null, self.bins, self.residuals)),
             gain_at_5_percent: Some(self.null.gain_at_5_percent()),
-            noise: self.noise(),
+            noise,
             residuals: self.drawn(self.base),
             misfit_percent: misfit_percent(self.group, self.base),
-            visible_percent: visible_percent(self.group, self.base, self.bins),
+            visible_percent,
+            scatter,
+            scatter_is_noise,
             remarks,
             ..nothing(self.name, &given, self.options)
         }
+    }
+
+    fn scatter(&self) -> Vec<ParameterScatter> {
+        let told = self.scatter.map_or(&[][..], |scatter| &scatter.told);
+        let of = |(k, spread): (usize, &Spread)| ParameterScatter {
+            key: self.base.base_key(k),
+            percent: 100.0 * spread.best,
+            low_95_percent: 100.0 * spread.low,
+            high_95_percent: 100.0 * spread.high,
+        };
+        told.iter().enumerate().map(of).collect()
     }
 
     fn noise(&self) -> Vec<DiagnosisNoise> {

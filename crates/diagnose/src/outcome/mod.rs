@@ -8,5 +8,6 @@ pub(crate) mod finding;
 pub(crate) mod gain;
 pub(crate) mod lengthwise;
 pub(crate) mod next_run;
+pub(crate) mod noise_words;
 pub(crate) mod per_run;
 pub(crate) mod varying;

@@ -145,7 +145,7 @@ fn course(parameter: &VaryingParameter) -> Option<String> {
 }
 
 /// Three digits that count.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
@@ -157,7 +157,7 @@ fn short(value: f64) -> String {
 }
 
 /// Symbol, factor to the printed unit, and that unit.
-fn printed(key: &str) -> (String, f64, &'static str) {
+pub(crate) fn printed(key: &str) -> (String, f64, &'static str) {
     match key {
         "rss_ohm_cm2" => ("R_ss".into(), 1e-3, "kOhm cm2"),
         "alpha_per_c_cm" => ("alpha".into(), 1.0, "1/(C cm)"),
@@ -173,7 +173,7 @@ fn printed(key: &str) -> (String, f64, &'static str) {
     }
 }
 
-fn listed(parts: &[String]) -> String {
+pub(crate) fn listed(parts: &[String]) -> String {
     match parts {
         [] => "their parameters differ".to_owned(),
         [one] => one.clone(),

@@ -6,7 +6,8 @@ use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, RunContext};
 use ieap_numerics::robust::median_step;
 
-use crate::readings::open_edges::OpenEdges;
+use crate::readings::left_open::LeftOpen;
+use crate::readings::scatter::{Scatter, left_open};
 use crate::readings::spikes::without_spikes;
 
 /// Readings after the step that a channel needs to take part.
@@ -58,7 +59,9 @@ pub(crate) struct GroupRun<'a> {
     /// Its drive, with the edges where they are taken to be.
     pub(crate) edges: EdgeTimes,
     /// What is left open of the edges, taken out of its whitened residuals.
-    pub(crate) open_edges: OpenEdges,
+    pub(crate) open_edges: LeftOpen,
+    /// Likewise of its own parameters, where runs scatter.
+    pub(crate) open_parameters: LeftOpen,
     pub(crate) duration_s: f64,
     /// Current and curvature.
     pub(crate) channels: [Option<WhitenedChannel>; 2],
@@ -82,6 +85,8 @@ pub(crate) struct RunGroup<'a> {
     pub(crate) runs: Vec<GroupRun<'a>>,
     /// Whether slow noise is taken even where the readings alone do not ask for it.
     is_slow: bool,
+    /// What runs scatter by, where that was looked at.
+    scatter: Option<Scatter>,
     pub(crate) blocks: Vec<Block>,
 }
 
@@ -101,6 +106,7 @@ impl<'a> RunGroup<'a> {
             runs,
             blocks,
             is_slow: false,
+            scatter: None,
         }
     }
 
@@ -111,6 +117,35 @@ impl<'a> RunGroup<'a> {
             ..self.clone()
         };
         (!self.is_slow).then(|| slow.renoised(model))
+    }
+
+    /// The same readings with the noise that is left beside every run's own parameters, and with what these scatter by taken
+    /// as noise too; none of fewer runs than tell a scatter, and where it was looked at before.
+    pub(crate) fn with_scatter(&self, model: &ExtendedModel) -> Option<RunGroup<'a>> {
+        if self.scatter.is_some() {
+            return None;
+        }
+        let free = RunGroup {
+            scatter: Some(Scatter::most(self, model)?),
+            ..self.clone()
+        };
+        Some(free.renoised(model))
+    }
+
+    /// What was found of the scatter from run to run, where it was looked at.
+    pub(crate) fn scatter(&self) -> Option<&Scatter> {
+        self.scatter.as_ref()
+    }
+
+    /// Finds anew how the scatter of the parameters changes the whitened rows.
+    fn open_parameters_beside(&mut self, model: &ExtendedModel) {
+        let Some(scatter) = &self.scatter else { return };
+        let each = 0..self.runs.len();
+        let open: Vec<LeftOpen> = each.map(|run| left_open(self, model, run, scatter)).collect();
+        self.runs
+            .iter_mut()
+            .zip(open)
+            .for_each(|(run, open)| run.open_parameters = open);
     }
 
     /// The rows of those runs, one channel after the other.
@@ -137,8 +172,13 @@ impl<'a> RunGroup<'a> {
     /// (short stretches, and a correlation beyond all others of its kind) takes that of the middle run.
     pub(crate) fn renoised(&self, model: &ExtendedModel) -> RunGroup<'a> {
         let mut group = self.clone();
+        let own = self
+            .scatter
+            .as_ref()
+            .map(|scatter| scatter.own_models(self, model));
+        let model_of = |run: usize| own.as_ref().map_or(model, |own| &own[run]);
         let fitted: Vec<[Vec<f64>; 2]> = (self.runs.iter().enumerate())
-            .map(|(index, run)| run.fitted(model, &run.context(index, None)))
+            .map(|(index, run)| run.fitted(model_of(index), &run.context(index, None)))
             .collect();
         for kind in 0..2 {
             let per_signal = self.growth(kind, &fitted);
@@ -165,6 +205,8 @@ impl<'a> RunGroup<'a> {
             group.take_slow_noise(kind, per_signal, &fitted);
         }
         group.open_edges_beside(model);
+        group.scatter = self.scatter.as_ref().map(|scatter| scatter.again(&group, model));
+        group.open_parameters_beside(model);
         group
     }
 
@@ -234,6 +276,7 @@ impl<'a> RunGroup<'a> {
             }
         }
         group.open_edges_beside(model);
+        group.open_parameters_beside(model);
         group
     }
 
@@ -293,6 +336,32 @@ impl<'a> RunGroup<'a> {
         self.blocks.last().map_or(0, |block| block.end)
     }
 
+    /// Takes what is not known of each run out of whitened rows of all of them.
+    pub(crate) fn take_out(&self, rows: &mut [f64]) {
+        for (run, rows) in self.runs.iter().zip(self.by_run(rows)) {
+            run.take_out(rows);
+        }
+    }
+
+    /// Gives it back.
+    pub(crate) fn put_back(&self, rows: &mut [f64]) {
+        for (run, rows) in self.runs.iter().zip(self.by_run(rows)) {
+            run.open_parameters.put_back(rows);
+            run.open_edges.put_back(rows);
+        }
+    }
+
+    /// The rows of each run.
+    fn by_run<'r>(&self, mut rows: &'r mut [f64]) -> Vec<&'r mut [f64]> {
+        let of_run = |run: &GroupRun| {
+            let channels = run.channels.iter().flatten().map(WhitenedChannel::len);
+            let (own, rest) = std::mem::take(&mut rows).split_at_mut(channels.sum());
+            rows = rest;
+            own
+        };
+        self.runs.iter().map(of_run).collect()
+    }
+
     pub(crate) fn channel(&self, block: &Block) -> Option<&WhitenedChannel> {
         self.runs[block.run].channels[block.channel].as_ref()
     }
@@ -340,7 +409,8 @@ impl<'a> GroupRun<'a> {
         channels.iter().any(Option::is_some).then_some(GroupRun {
             given: *given,
             edges,
-            open_edges: OpenEdges::default(),
+            open_edges: LeftOpen::default(),
+            open_parameters: LeftOpen::default(),
             duration_s,
             channels,
             spikes,
@@ -384,7 +454,13 @@ impl<'a> GroupRun<'a> {
         }
     }
 
-    fn open_edges_beside(&self, model: &ExtendedModel, index: usize) -> OpenEdges {
+    /// Takes what is not known of the run beyond its group's model out of its whitened rows.
+    pub(crate) fn take_out(&self, rows: &mut [f64]) {
+        self.open_edges.take_out(rows);
+        self.open_parameters.take_out(rows);
+    }
+
+    fn open_edges_beside(&self, model: &ExtendedModel, index: usize) -> LeftOpen {
         let with = |by_s: &[f64]| {
             let drive = self.edges.shifted(by_s);
             let mut context = self.context(index, None);
@@ -399,7 +475,7 @@ impl<'a> GroupRun<'a> {
             let pairs = here.iter().zip(&there);
             pairs.map(|(here, there)| (there - here) / SLOPE).collect()
         };
-        OpenEdges::of(self.edges.open_ways().into_iter().map(change))
+        LeftOpen::of(self.edges.open_ways().into_iter().map(change))
     }
 
     pub(crate) fn context(&self, index: usize, resolved_s: Option<f64>) -> RunContext<'_> {

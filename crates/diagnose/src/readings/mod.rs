@@ -6,10 +6,11 @@
 
 pub(crate) mod drawn;
 pub(crate) mod group;
+pub(crate) mod left_open;
 pub(crate) mod louder;
-pub(crate) mod open_edges;
 pub(crate) mod outliers;
 pub(crate) mod quantities;
 pub(crate) mod record_length;
+pub(crate) mod scatter;
 pub(crate) mod spikes;
 pub(crate) mod tags;

@@ -29,7 +29,7 @@ pub(super) fn wrong(site: &Site) -> Option<Card> {
             count(&|v| v == Verdict::DataProblem),
         ),
     ];
-    let mis = groups.iter().filter(|found| found.verdict.is_misfit()).count();
+    let mis = count(&|v| v.is_misfit() && v != Verdict::Varies);
     let mut lines = vec![line(campaign_lead(groups), "findings.html")];
     let wrong = (0..groups.len()).filter(|&place| groups[place].verdict.is_misfit());
     let mut wrong: Vec<usize> = wrong.collect();

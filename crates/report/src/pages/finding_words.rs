@@ -226,11 +226,10 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
         proved(Verdict::Partial, "a cause is found for a part of it"),
         (unproved > 0).then(|| format!("in {unproved} a cause fits and is not proved")),
         (resembles > 0).then(|| format!("in {resembles} it looks like a known cause and is not it")),
-        (varies > 0).then(|| format!("in {varies} the runs differ in their parameters")),
         (unknown > 0).then(|| format!("in {unknown} the cause is unknown")),
     ];
     let details: Vec<String> = wrong.into_iter().flatten().collect();
-    let n_wrong = groups.iter().filter(|found| found.verdict.is_misfit()).count();
+    let n_wrong = groups.iter().filter(|found| found.verdict.is_misfit()).count() - varies;
     let asked = groups.len() - count(&[Verdict::DataProblem]);
     let mut lead = match (n_wrong, asked) {
         (_, 0) => "The readings of no group allow a finding".to_owned(),
@@ -243,6 +242,10 @@ pub fn campaign_lead(groups: &[GroupDiagnosis]) -> String {
     };
     if !details.is_empty() {
         lead += &format!(": {}", listed(&details));
+    }
+    if varies > 0 {
+        lead +=
+            &format!(". In {varies} the runs differ in their parameters, and each is described by its own");
     }
     lead + "."
 }
@@ -378,6 +381,12 @@ mod tests {
                 group(Verdict::Unknown)
             ]),
             "The simulation is wrong in 2 of 3 groups: in 1 one cause is found and in 1 the cause is unknown."
+        );
+        // Runs that differ are no error of the model.
+        assert_eq!(
+            campaign_lead(&[group(Verdict::Consistent), group(Verdict::Varies)]),
+            "In none of 2 groups is the simulation shown to be wrong. In 1 the runs differ in their parameters, and each is \
+             described by its own."
         );
     }
 }

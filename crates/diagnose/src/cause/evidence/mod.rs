@@ -16,6 +16,8 @@ mod unnamed;
 mod varies;
 mod verdict;
 
+pub(crate) use policy::log_odds_of_no_cause;
 pub(crate) use posterior::{Asked, weigh};
+pub(crate) use varies::follow_something;
 pub use verdict::{by_evidence, set_of};
 pub(crate) use verdict::{is_slow_noise, of_one_name};

@@ -8,6 +8,11 @@
 pub(super) const EFFECT: f64 = 1.0;
 /// Prior weight of the base alone. Prototype: below it a cause is told of noise.
 pub(super) const BASE: f64 = 100.0;
+/// Logarithm of how much more probable than a given cause it is, before any reading, that there is none.
+pub(crate) fn log_odds_of_no_cause() -> f64 {
+    (BASE / EFFECT).ln()
+}
+
 /// Prior weight of slow noise, of a record's own length. Prototype.
 pub(super) const SLOW_NOISE: f64 = 2.0;
 /// Prior weight of parameters that differ between the runs, all subsets and laws together. Prototype.

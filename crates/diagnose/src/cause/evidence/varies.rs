@@ -4,9 +4,9 @@
 //! parameters is shared and what differs is then asked in closed form: a parameter that differs freely scatters about a
 //! mean with a spread of its own, one that follows the voltage or a tag lies on a line.
 
+use ieap_numerics::random_effects::{Form, Shared};
 use ieap_numerics::symmetric::Symmetric;
 
-use super::own::RunForm;
 use super::policy::{KNOWN_BEFORE, SPREADS, VARIES, grid, log_mean};
 use crate::readings::group::RunGroup;
 
@@ -59,6 +59,13 @@ pub(super) fn covariates(group: &RunGroup) -> Vec<Covariate> {
     found
 }
 
+/// Whether parameters of the runs lie on lines over the voltage or a tag rather than scatter freely.
+pub(crate) fn follow_something(group: &RunGroup, forms: &[Form]) -> bool {
+    let all = subsets(forms, &covariates(group), 0.0);
+    let best = all.iter().max_by(|a, b| a.log_weight.total_cmp(&b.log_weight));
+    best.is_some_and(|best| best.with.is_some())
+}
+
 /// None where all runs have the same, or each of two runs its own: two points lie on any line.
 fn scaled(name: String, at: Vec<f64>) -> Option<Covariate> {
     let low = at.iter().copied().fold(f64::INFINITY, f64::min);
@@ -72,7 +79,7 @@ fn scaled(name: String, at: Vec<f64>) -> Option<Covariate> {
 
 /// Every subset with its weight. `log_base` is the logarithm of the base's evidence but for what all hypotheses share: half
 /// of its sum of squares and of its width, negative.
-pub(super) fn subsets(forms: &[RunForm], covariates: &[Covariate], log_base: f64) -> Vec<Subset> {
+pub(super) fn subsets(forms: &[Form], covariates: &[Covariate], log_base: f64) -> Vec<Subset> {
     let parameters = forms.first().map_or(0, |form| form.pull.len());
     let sets = sets(parameters);
     let mut of_size = vec![0_usize; parameters + 1];
@@ -113,68 +120,21 @@ fn sets(parameters: usize) -> Vec<Vec<usize>> {
 }
 
 /// Logarithm of the evidence where the parameters of `set` scatter freely by `spread` about a mean.
-fn free(forms: &[RunForm], set: &[usize], spread: f64) -> f64 {
-    let (shared, pull, square, widths) = shared_form(forms, set, spread);
-    concluded(&shared, &pull, square) - 0.5 * widths
+fn free(forms: &[Form], set: &[usize], spread: f64) -> f64 {
+    scattering(forms, set, spread).log_evidence(KNOWN_BEFORE)
 }
 
 /// Least sum of squares where the parameters of `set` are every run's own.
-pub(super) fn least(forms: &[RunForm], set: &[usize]) -> f64 {
-    let (shared, pull, square, _) = shared_form(forms, set, FREE);
-    let best = shared.solve(&pull, 1e-14);
-    square - best.iter().zip(&pull).map(|(x, p)| x * p).sum::<f64>()
+pub(super) fn least(forms: &[Form], set: &[usize]) -> f64 {
+    scattering(forms, set, FREE).least()
 }
 
-/// What the runs say of the parameters that they share once each run's deviations in `set` are integrated out: precision,
-/// pull, sum of squares at the origin, and the logarithms of what the deviations' widths cost.
-fn shared_form(forms: &[RunForm], set: &[usize], spread: f64) -> (Symmetric, Vec<f64>, f64, f64) {
-    let n = forms[0].pull.len();
-    let mut shared = Symmetric::zero(n);
-    let mut pull = vec![0.0; n];
-    let (mut square, mut widths) = (0.0, 0.0);
-    for form in forms {
-        // The run's own deviations, integrated out.
-        let mut own = Symmetric::zero(set.len());
-        for (a, &k) in set.iter().enumerate() {
-            for (b, &l) in set.iter().enumerate() {
-                own.add(a, b, spread * spread * form.precision.get(k, l));
-            }
-            own.add(a, a, 1.0);
-        }
-        widths += own.log_determinant();
-        let inverse = own.inverse(1e-14);
-        let taken = |right: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            let part = |a: usize| -> f64 {
-                let each = set.iter().enumerate();
-                each.map(|(b, &l)| spread * spread * inverse.get(a, b) * right(l))
-                    .sum()
-            };
-            (0..set.len()).map(part).collect()
-        };
-        let of_pull = taken(&|l| form.pull[l]);
-        square += form.at_origin;
-        square -= set
-            .iter()
-            .zip(&of_pull)
-            .map(|(&k, x)| form.pull[k] * x)
-            .sum::<f64>();
-        for (column, pull) in pull.iter_mut().enumerate() {
-            let of_column = taken(&|l| form.precision.get(l, column));
-            let back = |right: &dyn Fn(usize) -> f64| -> f64 {
-                set.iter().zip(&of_column).map(|(&k, x)| right(k) * x).sum()
-            };
-            *pull += form.pull[column] - back(&|k| form.pull[k]);
-            for row in 0..n {
-                let left = form.precision.get(row, column) - back(&|k| form.precision.get(k, row));
-                shared.add(row, column, left);
-            }
-        }
-    }
-    (shared, pull, square, widths)
+fn scattering(forms: &[Form], set: &[usize], spread: f64) -> Shared {
+    Shared::of(forms, &set.iter().map(|&k| (k, spread)).collect::<Vec<_>>())
 }
 
 /// Logarithm of the evidence where the parameters of `set` lie on lines over `at` whose rises scatter by `spread`.
-fn along(forms: &[RunForm], set: &[usize], at: &[f64], spread: f64) -> f64 {
+fn along(forms: &[Form], set: &[usize], at: &[f64], spread: f64) -> f64 {
     let n = forms[0].pull.len();
     let all = n + set.len();
     let place = |k: usize| if k < n { k } else { set[k - n] };
@@ -199,18 +159,13 @@ fn along(forms: &[RunForm], set: &[usize], at: &[f64], spread: f64) -> f64 {
     for k in n..all {
         shared.add(k, k, 1.0 - KNOWN_BEFORE);
     }
-    concluded(&shared, &pull, square)
-}
-
-/// Logarithm of the evidence of a form whose coordinates are integrated out.
-fn concluded(precision: &Symmetric, pull: &[f64], square: f64) -> f64 {
-    let mut known = precision.clone();
-    for k in 0..known.order() {
-        known.add(k, k, KNOWN_BEFORE);
-    }
-    let best = known.solve(pull, 1e-14);
-    let least = square - best.iter().zip(pull).map(|(x, p)| x * p).sum::<f64>();
-    -0.5 * least - 0.5 * known.log_determinant()
+    let all = Shared {
+        precision: shared,
+        pull,
+        square,
+        log_widths: 0.0,
+    };
+    all.log_evidence(KNOWN_BEFORE)
 }
 
 #[cfg(test)]
@@ -219,13 +174,13 @@ mod tests {
     use ieap_numerics::least_squares::Local;
 
     /// Runs that each know both of their parameters, at these places, to one standard error.
-    fn forms(places: &[[f64; 2]], error: f64) -> Vec<RunForm> {
+    fn forms(places: &[[f64; 2]], error: f64) -> Vec<Form> {
         let of = |at: &[f64; 2]| {
             let mut slope = Local::zero(2);
             for k in 0..2 {
                 slope.normal.add(k, k, error.powi(-2));
             }
-            RunForm::of(at, &slope)
+            Form::of(at, &slope)
         };
         places.iter().map(of).collect()
     }

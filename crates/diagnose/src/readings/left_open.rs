@@ -1,12 +1,12 @@
-//! What is not known of the times of the drive's edges, taken out of whitened residuals: a change that an edge in another
-//! place between its two readings would make says nothing against the model.
+//! What is not known of a run beyond the model of its group, taken out of whitened residuals: a change that an edge in another
+//! place between its two readings would make, or a parameter that scatters from run to run, says nothing against the model.
 
 use ieap_numerics::sums::dot;
 
-/// Changes of a run's whitened rows by one standard deviation of what is not known of its edges, integrated out: their part of
-/// the residuals has the variance of the noise and of the edges together, and is brought back to that of the noise.
+/// Changes of a run's whitened rows by one standard deviation of what is not known of it, integrated out: their part of the
+/// residuals has the variance of the noise and of these together, and is brought back to that of the noise.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct OpenEdges {
+pub(crate) struct LeftOpen {
     /// Unit directions, with the part of each that is taken out.
     directions: Vec<(Vec<f64>, f64)>,
 }
@@ -14,10 +14,10 @@ pub(crate) struct OpenEdges {
 /// A change below this square, in variances of the noise, is not worth its row by row subtraction.
 const NEGLIGIBLE: f64 = 1e-4;
 
-impl OpenEdges {
+impl LeftOpen {
     /// From the change of all rows by one standard deviation of each.
-    pub(crate) fn of(changes: impl Iterator<Item = Vec<f64>>) -> OpenEdges {
-        let mut open = OpenEdges::default();
+    pub(crate) fn of(changes: impl Iterator<Item = Vec<f64>>) -> LeftOpen {
+        let mut open = LeftOpen::default();
         for mut change in changes {
             open.take_out(&mut change);
             let square = dot(&change, &change);
@@ -34,12 +34,24 @@ impl OpenEdges {
     /// Brings the residuals of the run back to the variance of the noise.
     pub(crate) fn take_out(&self, rows: &mut [f64]) {
         for (direction, part) in &self.directions {
-            let of_rows = part * dot(direction, rows);
-            rows.iter_mut()
-                .zip(direction)
-                .for_each(|(row, d)| *row -= of_rows * d);
+            add(-part, direction, rows);
         }
     }
+
+    /// Gives back what was taken out.
+    pub(crate) fn put_back(&self, rows: &mut [f64]) {
+        for (direction, part) in self.directions.iter().rev() {
+            add(part / (1.0 - part), direction, rows);
+        }
+    }
+}
+
+/// Adds so many times what the rows hold of a unit direction.
+fn add(times: f64, direction: &[f64], rows: &mut [f64]) {
+    let of_rows = times * dot(direction, rows);
+    rows.iter_mut()
+        .zip(direction)
+        .for_each(|(row, d)| *row += of_rows * d);
 }
 
 #[cfg(test)]
@@ -50,7 +62,7 @@ mod tests {
     #[test]
     fn what_is_left_has_the_variance_of_the_noise() {
         let changes = [vec![3.0, 1.0, 0.0, -2.0], vec![2.0, 2.0, 0.5, 1.0], vec![0.0; 4]];
-        let open = OpenEdges::of(changes.iter().cloned());
+        let open = LeftOpen::of(changes.iter().cloned());
         assert_eq!(open.directions.len(), 2);
         let n = 4;
         let covariance = |a: usize, b: usize| {
@@ -75,6 +87,18 @@ mod tests {
                     "{a} {b}: {value}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn what_is_taken_out_is_put_back() {
+        let open = LeftOpen::of([vec![3.0, 1.0, 0.0], vec![20.0, 2.0, 0.5]].into_iter());
+        let mut rows = vec![1.0, -2.0, 0.5];
+        open.take_out(&mut rows);
+        assert!((rows[0] - 1.0).abs() > 0.1);
+        open.put_back(&mut rows);
+        for (row, before) in rows.iter().zip([1.0, -2.0, 0.5]) {
+            assert!((row - before).abs() < 1e-12, "{rows:?}");
         }
     }
 }

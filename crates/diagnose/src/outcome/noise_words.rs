@@ -1,0 +1,133 @@
+//! What is taken as noise beside that of single readings, in words: scatter from run to run, and what is slow.
+
+use ieap_domain::{DiagnosisNoise, MisfitPercent, ParameterScatter};
+
+use crate::outcome::varying::{listed, printed, short};
+
+/// Parameters that are told at most.
+const TOLD: usize = 3;
+
+/// What stands beside "to within the noise" where scatter is taken as noise.
+pub(crate) fn beside_scatter(scatter: &[ParameterScatter], is_noise: bool) -> String {
+    if !is_noise {
+        return String::new();
+    }
+    let of = |own: &&ParameterScatter| format!("{} {} %", printed(&own.key).0, short_percent(own.percent));
+    let parts: Vec<String> = leading(scatter).iter().map(of).collect();
+    format!(" and to the scatter from run to run ({})", parts.join(", "))
+}
+
+/// The scatter that is taken as noise, with its intervals.
+pub(crate) fn of_scatter(scatter: &[ParameterScatter], is_noise: bool) -> Option<String> {
+    let of = |own: &&ParameterScatter| {
+        format!(
+            "{} scatters by {} % ({} to {})",
+            printed(&own.key).0,
+            short_percent(own.percent),
+            short_percent(own.low_95_percent),
+            short_percent(own.high_95_percent)
+        )
+    };
+    let parts: Vec<String> = leading(scatter).iter().map(of).collect();
+    is_noise.then(|| format!("from run to run {}: taken as noise", listed(&parts)))
+}
+
+/// Independent readings among which one is slow, in parts of a record: noise that dies away from one reading to the next is
+/// not worth a sentence.
+const FEW: f64 = 0.25;
+
+/// Slow noise of each channel, with the least error of the simulation that it leaves to be seen.
+pub(crate) fn of_slow_noise(noise: &[DiagnosisNoise], visible: MisfitPercent) -> Vec<String> {
+    let of = |channel: &str, percent: Option<f64>| {
+        let own = noise.iter().filter(|own| own.channel == channel);
+        let slow = own.filter(|own| own.independent_readings < FEW * own.readings as f64);
+        let longest_s = slow.filter_map(|own| own.correlation_time_s).reduce(f64::max)?;
+        Some(format!(
+            "noise of the {channel} that lasts up to {} s is taken as noise: it hides errors below {} % of its range",
+            short(longest_s),
+            short_percent(percent?)
+        ))
+    };
+    [("current", visible.current), ("curvature", visible.curvature)]
+        .into_iter()
+        .filter_map(|(channel, percent)| of(channel, percent))
+        .collect()
+}
+
+/// The parameters that scatter, the most certain first.
+fn leading(scatter: &[ParameterScatter]) -> Vec<&ParameterScatter> {
+    let mut found: Vec<&ParameterScatter> = scatter.iter().filter(|own| own.percent > 0.0).collect();
+    found.sort_by(|a, b| {
+        let by_low = b.low_95_percent.total_cmp(&a.low_95_percent);
+        by_low.then(b.percent.total_cmp(&a.percent))
+    });
+    found.truncate(TOLD);
+    found
+}
+
+/// Two digits that count, below a hundredth of a percent none.
+fn short_percent(percent: f64) -> String {
+    match percent {
+        0.01.. => short((percent * 100.0).round() / 100.0),
+        _ => "0".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scatter_is_said_with_its_interval_the_most_certain_first() {
+        let of = |key: &str, percent, low, high| ParameterScatter {
+            key: key.into(),
+            percent,
+            low_95_percent: low,
+            high_95_percent: high,
+        };
+        let scatter = [
+            of("r1_ohm_cm2", 2.0, 0.0, 9.0),
+            of("alpha_per_c_cm", 1.234, 0.6, 3.52),
+            of("lambda_per_s", 0.0, 0.0, 4.0),
+        ];
+        assert_eq!(
+            of_scatter(&scatter, true).unwrap(),
+            "from run to run alpha scatters by 1.23 % (0.600 to 3.52) and R1 scatters by 2.00 % (0 to 9.00): taken as noise"
+        );
+        assert_eq!(
+            beside_scatter(&scatter, true),
+            " and to the scatter from run to run (alpha 1.23 %, R1 2.00 %)"
+        );
+        assert_eq!(
+            (of_scatter(&scatter, false), beside_scatter(&scatter, false)),
+            (None, String::new())
+        );
+    }
+
+    #[test]
+    fn slow_noise_is_said_with_what_it_hides() {
+        let of = |channel: &str, correlation_time_s, independent_readings| DiagnosisNoise {
+            run: "a".into(),
+            channel: channel.into(),
+            standard_deviation: 1e-4,
+            autoregression: Vec::new(),
+            correlation_time_s,
+            proportional: 0.0,
+            readings: 600,
+            independent_readings,
+            residual_rms_sigma: 1.0,
+        };
+        let noise = [of("current", Some(30.0), 40.0), of("curvature", None, 600.0)];
+        let visible = MisfitPercent {
+            current: Some(2.04),
+            curvature: Some(0.5),
+            charge: None,
+        };
+        assert_eq!(
+            of_slow_noise(&noise, visible),
+            [
+                "noise of the current that lasts up to 30.0 s is taken as noise: it hides errors below 2.04 % of its range"
+            ]
+        );
+    }
+}

@@ -1,0 +1,148 @@
+//! Scatter from run to run: parameters that differ between runs of one sample in one condition by nothing but chance.
+//!
+//! A specimen answers a second step a per cent differently. Where that is more than the noise, one parameter set for all runs
+//! leaves a misfit that is no error of the model. So the spread of every parameter is estimated over the runs, with what is
+//! shared integrated out, and each run's own deviations are then taken out of its residuals like noise.
+
+use ieap_model::LumpedModel;
+use ieap_model::extended::ExtendedModel;
+use ieap_numerics::least_squares::Local;
+use ieap_numerics::random_effects::{Form, Spread, most_likely, spreads};
+
+use crate::readings::group::RunGroup;
+use crate::readings::left_open::LeftOpen;
+
+/// Relative spread up to which runs scatter; beyond it they differ, which is a finding. Repeats of one strip agree to a few per
+/// cent. Not calibrated.
+pub(crate) const MOST: f64 = 0.1;
+/// Relative spread that is looked at to see whether there is more.
+const BEYOND: f64 = 3.0;
+/// Runs from which on a spread can be told from a difference.
+const RUNS: usize = 3;
+/// Precision with which what the runs share is known before, relative: hardly.
+const KNOWN_BEFORE: f64 = 1e-4;
+/// Rise of the logarithm of the likelihood that scatter must bring, and that more than [`MOST`] must bring beside it.
+const EVIDENCE: f64 = 3.0;
+/// Relative step of the slopes.
+const STEP: f64 = 1e-4;
+
+/// Scatter that was looked at.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Scatter {
+    /// Relative spread of every parameter of the base, in the order of [`moved`], up to where runs differ rather than scatter.
+    pub(crate) told: Vec<Spread>,
+    /// What of it is taken as noise; empty where the readings ask for none, or for more than scatter.
+    pub(crate) taken: Vec<f64>,
+}
+
+impl Scatter {
+    /// As much as is still scatter, of every parameter: to begin with.
+    pub(crate) fn most(group: &RunGroup, model: &ExtendedModel) -> Option<Scatter> {
+        (group.runs.len() >= RUNS).then(|| Scatter {
+            told: Vec::new(),
+            taken: vec![MOST; parameters(group, &model.base)],
+        })
+    }
+
+    /// Found anew in the readings beside `model`.
+    pub(crate) fn again(&self, group: &RunGroup, model: &ExtendedModel) -> Scatter {
+        let forms = forms(group, model);
+        let (taken, gain) = most_likely(&forms, KNOWN_BEFORE, MOST);
+        let is_noise = gain >= EVIDENCE && most_likely(&forms, KNOWN_BEFORE, BEYOND).1 <= gain + EVIDENCE;
+        Scatter {
+            told: match self.told.is_empty() {
+                true => spreads(&forms, KNOWN_BEFORE, BEYOND),
+                false => self.told.clone(),
+            },
+            taken: if is_noise { taken } else { Vec::new() },
+        }
+    }
+
+    /// The model of each run: that of the group with the run's own deviations.
+    pub(crate) fn own_models(&self, group: &RunGroup, model: &ExtendedModel) -> Vec<ExtendedModel> {
+        let of_run = |form: &Form| {
+            let deviations = form.deviations(&self.taken);
+            let each = deviations.iter().enumerate();
+            ExtendedModel {
+                base: each.fold(model.base.clone(), |base, (k, by)| moved(&base, k, *by)),
+                effects: model.effects.clone(),
+            }
+        };
+        forms(group, model).iter().map(of_run).collect()
+    }
+}
+
+/// How much more probable scatter makes what runs say of their own parameters: logarithm of the ratio of likelihoods, less one
+/// for each spread that is found.
+pub(crate) fn gain(forms: &[Form]) -> f64 {
+    let (taken, gain) = most_likely(forms, KNOWN_BEFORE, MOST);
+    gain - taken.iter().filter(|spread| **spread > 0.0).count() as f64
+}
+
+/// What every run says of its own parameters, as deviations from those of `model`.
+pub(crate) fn forms(group: &RunGroup, model: &ExtendedModel) -> Vec<Form> {
+    let of_run = |run: usize| {
+        let here = rows(group, model, run);
+        let columns: Vec<Vec<f64>> = (0..parameters(group, &model.base))
+            .map(|k| change(group, model, run, k, STEP, &here))
+            .collect();
+        let of_readings: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| column.iter().map(|change| -change / STEP).collect())
+            .collect();
+        let none = vec![0.0; columns.len()];
+        Form::of(&none, &Local::of(&here, &of_readings))
+    };
+    (0..group.runs.len()).map(of_run).collect()
+}
+
+/// What runs with that scatter leave open.
+pub(crate) fn left_open(group: &RunGroup, model: &ExtendedModel, run: usize, scatter: &Scatter) -> LeftOpen {
+    let here = rows(group, model, run);
+    let each = scatter
+        .taken
+        .iter()
+        .enumerate()
+        .filter(|(_, spread)| **spread > 0.0);
+    LeftOpen::of(each.map(|(k, spread)| {
+        let step = change(group, model, run, k, STEP, &here);
+        step.into_iter().map(|change| spread / STEP * change).collect()
+    }))
+}
+
+/// Change of the whitened rows of a run where parameter `k` is larger by that part.
+fn change(group: &RunGroup, model: &ExtendedModel, run: usize, k: usize, by: f64, here: &[f64]) -> Vec<f64> {
+    let there = ExtendedModel {
+        base: moved(&model.base, k, by),
+        effects: model.effects.clone(),
+    };
+    let mut rows = rows(group, &there, run);
+    rows.iter_mut().zip(here).for_each(|(row, here)| *row -= here);
+    rows
+}
+
+/// Whitened residuals of a run, with what is open of its edges taken out.
+fn rows(group: &RunGroup, model: &ExtendedModel, run: usize) -> Vec<f64> {
+    let own = &group.runs[run];
+    let mut rows = Vec::new();
+    own.whitened(&own.fitted(model, &own.context(run, None)), &mut rows);
+    own.open_edges.take_out(&mut rows);
+    rows
+}
+
+fn parameters(group: &RunGroup, base: &LumpedModel) -> usize {
+    2 * base.branches.len() + if group.bends() { 3 } else { 1 }
+}
+
+/// The model with parameter `k` larger by that part: resistances, capacitances, conductance at rest, alpha, lambda.
+fn moved(model: &LumpedModel, k: usize, by: f64) -> LumpedModel {
+    let (mut moved, n) = (model.clone(), model.branches.len());
+    match k {
+        k if k < n => moved.branches[k].resistance_ohm_cm2 *= by.exp(),
+        k if k < 2 * n => moved.branches[k - n].capacitance_f_per_cm2 *= by.exp(),
+        k if k == 2 * n => moved.steady_state_resistance_ohm_cm2 /= 1.0 + by,
+        k if k == 2 * n + 1 => moved.charge_to_curvature_per_c_cm *= 1.0 + by,
+        _ => moved.relaxation_rate_per_s *= 1.0 + by,
+    }
+    moved
+}
