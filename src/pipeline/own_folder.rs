@@ -90,11 +90,11 @@ impl Fresh {
         let parent = parent_of(target);
         if !fs::exists(target)? {
             fs::rename(&self.path, target)?;
-            sync(parent)?;
+            fs::sync_names(parent)?;
             return fs::remove_file(target.join(PASSING));
         }
         let before = listed_or_all(target)?;
-        mark(target, &fs::read_to_string(self.path.join(PASSING))?)?;
+        mark(target, &fs::read_own_text(self.path.join(PASSING))?)?;
         let aside = match fs::exchange(&self.path, target) {
             Ok(()) => self.path.clone(),
             Err(_) => {
@@ -107,7 +107,7 @@ impl Fresh {
         };
         // The names are exchanged on the disk before the old folder loses a file: it may be the one that is there after a
         // loss of power.
-        sync(parent)?;
+        fs::sync_names(parent)?;
         fs::remove_file(target.join(PASSING))?;
         remove_listed(&aside, &before)
     }
@@ -173,7 +173,7 @@ fn is_nobodys(name: &str) -> bool {
 
 /// The files that a finished folder lists; none where it has no list.
 fn listed(folder: &Path) -> Option<BTreeSet<String>> {
-    let text = fs::read_to_string(folder.join(WRITTEN)).ok()?;
+    let text = fs::read_own_text(folder.join(WRITTEN)).ok()?;
     Some(text.lines().map(str::to_owned).collect())
 }
 
@@ -257,17 +257,8 @@ fn parent_of(path: &Path) -> &Path {
 fn mark(folder: &Path, may_have: &str) -> io::Result<()> {
     let path = folder.join(PASSING);
     fs::write(&path, may_have)?;
-    sync(&path)?;
-    sync(folder)
-}
-
-/// Brings a file, or the names in a folder, to the disk.
-fn sync(path: &Path) -> io::Result<()> {
-    match cfg!(unix) || path.is_file() {
-        // Other systems open no folders, and bring names to the disk by themselves.
-        true => fs::File::open(path)?.sync_all(),
-        false => Ok(()),
-    }
+    fs::File::open_own(&path)?.sync_all()?;
+    fs::sync_names(folder)
 }
 
 /// Brings a folder with all that is in it to the disk.
@@ -280,8 +271,9 @@ fn sync_all(folder: &Path, _entries: &[Entry]) -> io::Result<()> {
 #[cfg(not(target_os = "linux"))]
 fn sync_all(folder: &Path, entries: &[Entry]) -> io::Result<()> {
     let paths = entries.iter().map(|entry| folder.join(&entry.name));
-    let all = paths.chain([folder.join(WRITTEN), folder.to_owned()]);
-    all.into_iter().try_for_each(|path| sync(&path))
+    let mut files = paths.chain([folder.join(WRITTEN)]).filter(|path| path.is_file());
+    files.try_for_each(|path| fs::File::open_own(path)?.sync_all())?;
+    fs::sync_names(folder)
 }
 
 /// Whether a folder carries the mark that it may be removed under the name that it has.
@@ -291,7 +283,7 @@ fn is_passing(folder: &Path) -> bool {
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    let marked = fs::read_to_string(folder.join(PASSING));
+    let marked = fs::read_own_text(folder.join(PASSING));
     marked.is_ok_and(|marked| name == marked || name == format!("{marked}.{ASIDE}"))
 }
 

@@ -67,7 +67,7 @@ struct Faulty {
 }
 
 fn faulty(folder: &Path) -> Option<Faulty> {
-    let text = fs::read_to_string(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
+    let text = fs::read_own_text(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
     serde_json::from_str(&text).ok()
 }
 
@@ -145,7 +145,7 @@ fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
 /// Whether a report with that stamp is there.
 fn stands(context: &Context, stamp: &str) -> bool {
     let folder = context.folder.join(REPORT_FOLDER);
-    let made_from = fs::read_to_string(folder.join(STAMP)).ok();
+    let made_from = fs::read_own_text(folder.join(STAMP)).ok();
     let made_from = made_from.or_else(|| Some(faulty(&context.folder)?.made_from));
     folder.join("index.html").exists() && made_from.is_some_and(|found| found == stamp)
 }
@@ -212,7 +212,7 @@ fn begins_as_page(path: &Path) -> bool {
     /// Bytes within which the layout names its style sheet: the title is the only part before it that grows.
     const HEAD_BYTES: u64 = 4096;
     let mut head = Vec::new();
-    let read = fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+    let read = fs::File::open_own(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
     let text = String::from_utf8_lossy(&head);
     read.is_ok() && text.starts_with("<!DOCTYPE html>") && text.contains("style.css") && text.contains(" · ")
 }

@@ -39,7 +39,7 @@ pub fn put_file<T>(
     }
     let part = temporary_beside(&target).map_err(failed)?;
     let done = fill(part.path())?;
-    let file = fs::File::open(part.path()).map_err(failed)?;
+    let file = fs::File::open_own(part.path()).map_err(failed)?;
     if let Some(known) = known {
         file.set_permissions(known.permissions()).map_err(failed)?;
     }

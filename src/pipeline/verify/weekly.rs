@@ -34,7 +34,7 @@ impl Weekly {
     /// # Errors
     /// The archive cannot be looked through, or the time cannot be written down.
     pub fn look(&self, context: &Context, now: jiff::Timestamp) -> Result<Option<Vec<Issue>>, PipelineError> {
-        let text = fs::read_to_string(&self.file).unwrap_or_default();
+        let text = fs::read_own_text(&self.file).unwrap_or_default();
         let last: Option<jiff::Timestamp> = text.trim().parse().ok();
         let since = last.and_then(|last| Duration::try_from(now.duration_since(last)).ok());
         if since.is_some_and(|since| since < WEEK) {

@@ -145,7 +145,7 @@ impl Archive {
         let folder = self.folder_of(file.hash);
         fs::create_dir_all(&folder).map_err(|source| sorted(&folder, "create", 0, source))?;
         Ok(match self.locate(file.hash)? {
-            Some(path) if fs::read(&path).is_ok_and(|there| hash(&there) == file.hash) => {
+            Some(path) if fs::read_own(&path).is_ok_and(|there| hash(&there) == file.hash) => {
                 (path, Outcome::AlreadyThere)
             }
             Some(path) => (path, Outcome::Repaired),
@@ -162,7 +162,7 @@ impl Archive {
     /// Where they are not there, are damaged, or cannot be read.
     pub fn read(&self, hash_text: &str) -> Result<Vec<u8>, ArchiveError> {
         let path = self.find(hash_text)?;
-        let bytes = fs::read(&path).map_err(|source| sorted(&path, "read", 0, source))?;
+        let bytes = fs::read_own(&path).map_err(|source| sorted(&path, "read", 0, source))?;
         let found = hash(&bytes);
         if found == hash_text {
             Ok(bytes)

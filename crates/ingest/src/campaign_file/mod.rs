@@ -69,7 +69,7 @@ pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
 }
 
 fn read_text(path: &Path) -> Result<String, CampaignFileError> {
-    let bytes = fs::read(path).map_err(|source| match source.kind() {
+    let bytes = fs::read_stated(path).map_err(|source| match source.kind() {
         std::io::ErrorKind::NotFound => CampaignFileError::Missing { path: path.into() },
         _ => CampaignFileError::Unreadable {
             path: path.into(),

@@ -19,7 +19,7 @@ pub(super) struct Last {
 
 /// The bytes without the part after the last line feed: a line whose writing was cut short, of which nobody was told. A
 /// disk that lost its power may keep the length of a line and not its content, which then reads as zeros.
-pub(super) fn without_torn_end(bytes: &[u8]) -> &[u8] {
+pub fn without_torn_end(bytes: &[u8]) -> &[u8] {
     let end = bytes.iter().rposition(|&byte| byte == b'\n');
     &bytes[..end.map_or(0, |end| end + 1)]
 }
