@@ -70,6 +70,19 @@ pub fn put_bytes(path: &Path, overwrite: bool, bytes: &[u8]) -> Result<(), Pipel
     })
 }
 
+/// The same for a file that the program itself keeps: in its place stands a regular file or nothing.
+///
+/// # Errors
+/// Something else stands there, or the disk refuses.
+pub fn put_own(path: &Path, bytes: &[u8]) -> Result<(), PipelineError> {
+    fs::check_own(path).map_err(|source| PipelineError::File {
+        path: path.to_owned(),
+        doing: "writing",
+        source,
+    })?;
+    put_bytes(path, true, bytes)
+}
+
 /// An empty file with the rights of a new one, under a name that no scan takes for data; it goes when it is dropped.
 fn temporary_beside(path: &Path) -> io::Result<Temporary> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

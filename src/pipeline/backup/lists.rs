@@ -9,7 +9,7 @@ use super::error::BackupError;
 use super::manifest::{FILE_NAME, LeftOut, Manifest, StoredFile};
 use super::shelf::{Shelf, failed};
 use crate::pipeline::PipelineError;
-use crate::pipeline::whole_file::put_bytes;
+use crate::pipeline::whole_file::put_own;
 use crate::system::fs;
 
 /// How the name of a list begins; its number follows.
@@ -66,7 +66,7 @@ impl Lists {
         let newest = folder.join(FILE_NAME);
         match Manifest::read(&newest) {
             Ok(Some(list)) if !lists.has(list.number) => {
-                put_bytes(&folder.join(name_of(&list)), true, list.text()?.as_bytes())?;
+                put_own(&folder.join(name_of(&list)), list.text()?.as_bytes())?;
             }
             // The only one, and it cannot be read: it is not written over.
             Err(_) if lists.whole.is_empty() => {
@@ -147,7 +147,7 @@ pub fn put(manifest: &Manifest, folder: &Path) -> Result<String, PipelineError> 
     let (name, text) = (name_of(manifest), manifest.text()?);
     for name in [name.as_str(), FILE_NAME] {
         let path = folder.join(name);
-        put_bytes(&path, true, text.as_bytes())?;
+        put_own(&path, text.as_bytes())?;
         fs::sync_names(folder).map_err(failed(folder, "bringing it to the disk"))?;
         if Manifest::read(&path)?.as_ref() != Some(manifest) {
             let (folder, path) = (folder.to_owned(), name.to_owned());

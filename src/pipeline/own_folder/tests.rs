@@ -49,7 +49,7 @@ fn whatever_else_lies_in_it_is_named_and_stays() {
         fs::write(&path, "mine").unwrap();
         let refused = put(root.path(), "runs/b.html").unwrap_err();
         assert!(refused.to_string().contains(other), "{refused}");
-        assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+        assert_eq!(fs::read_own_text(&path).unwrap(), "mine");
         assert!(report.join("runs/a.html").exists());
         assert_eq!(
             names(root.path())
@@ -188,7 +188,7 @@ fn the_new_name_is_on_the_disk_before_the_old_folder_loses_a_file() {
 fn every_path_has_a_folder_that_can_be_waited_for() {
     for (path, parent) in [("report", "."), ("a/report", "a"), ("/report", "/")] {
         assert_eq!(parent_of(Path::new(path)), Path::new(parent));
-        assert!(parent == "a" || sync(Path::new(parent)).is_ok());
+        assert!(parent == "a" || fs::sync_names(parent).is_ok());
     }
 }
 

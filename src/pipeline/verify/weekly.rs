@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::quick;
 use crate::domain::Issue;
-use crate::pipeline::whole_file::put_bytes;
+use crate::pipeline::whole_file::put_own;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
 
@@ -41,7 +41,7 @@ impl Weekly {
             return Ok(None);
         }
         let found = quick(context)?;
-        put_bytes(&self.file, true, format!("{now}\n").as_bytes())?;
+        put_own(&self.file, format!("{now}\n").as_bytes())?;
         Ok(Some(found))
     }
 }
@@ -49,6 +49,7 @@ impl Weekly {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::whole_file::put_bytes;
 
     #[test]
     fn a_week_passes_between_two_looks_and_what_is_lost_is_found() {

@@ -56,7 +56,8 @@ pub fn read(folder: &Path) -> Result<Loaded, CampaignFileError> {
 /// The nearest folder with a campaign.toml: `start` itself or one above it.
 pub fn find(start: &Path) -> Option<PathBuf> {
     let start = fs::canonicalize(start).ok()?;
-    let holds_campaign = |folder: &&Path| folder.join(FILE_NAME).is_file();
+    // Whatever has the name: one that cannot be read is told, not passed by.
+    let holds_campaign = |folder: &&Path| fs::symlink_metadata(folder.join(FILE_NAME)).is_ok();
     start.ancestors().find(holds_campaign).map(Path::to_path_buf)
 }
 
