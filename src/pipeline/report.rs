@@ -56,6 +56,8 @@ pub struct ReportSummary {
     pub refused: Option<String>,
     /// What a fault of the program left out of it.
     pub faults: Vec<Fault>,
+    /// Files that were not as they had been written, and were made anew with the others.
+    pub altered: Vec<String>,
 }
 
 /// What stands in [`FAULTS`].
@@ -91,13 +93,16 @@ impl RenderReport {
         let _snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
         let stamp = stamp(context, changes, &changed_at);
-        let current = stands(context, &stamp);
+        let altered = own_folder::altered(&target)
+            .map_err(failed(&target, "looking whether it is as it was written"))?;
+        let current = stands(context, &stamp) && altered.is_empty();
         let unchanged = |refused| ReportSummary {
             index: index.clone(),
             rendered: false,
             pages: 0,
             refused,
             faults: Vec::new(),
+            altered: Vec::new(),
         };
         if current && !self.again {
             return Ok(ReportSummary {
@@ -130,6 +135,7 @@ impl RenderReport {
             pages: rendered.pages,
             refused: None,
             faults: rendered.faults,
+            altered: altered.into_iter().map(|(name, _)| name).collect(),
         })
     }
 }
@@ -147,7 +153,8 @@ fn stands(context: &Context, stamp: &str) -> bool {
     let folder = context.folder.join(REPORT_FOLDER);
     let made_from = fs::read_own_text(folder.join(STAMP)).ok();
     let made_from = made_from.or_else(|| Some(faulty(&context.folder)?.made_from));
-    folder.join("index.html").exists() && made_from.is_some_and(|found| found == stamp)
+    let is_whole = folder.join("index.html").exists() && own_folder::is_hashed(&folder);
+    is_whole && made_from.is_some_and(|found| found == stamp)
 }
 
 /// Whether the report shows the campaign as it is.

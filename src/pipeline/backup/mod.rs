@@ -29,7 +29,7 @@ use contents::{Omitted, Wanted, listed, reason};
 use lists::Lists;
 use manifest::{Head, LeftOut, Manifest, StoredFile};
 use place::place;
-use shelf::{DATABASE, Shelf, UNFINISHED, failed, hash_of};
+use shelf::{DATABASE, Shelf, UNFINISHED, failed};
 
 pub use error::BackupError;
 pub use restore::{Restore, Restored};
@@ -157,7 +157,8 @@ impl Backup {
             let folder = self.folder.clone();
             return Err(BackupError::DatabaseDamaged { folder, detail }.into());
         }
-        let (blake3, size_bytes) = hash_of(&unfinished).map_err(failed(&unfinished, "reading"))?;
+        let (blake3, size_bytes) =
+            archive::hash_of_file(&unfinished).map_err(failed(&unfinished, "reading"))?;
         let name = format!("{DATABASE}{blake3}");
         let path = self.folder.join(&name);
         fs::rename(&unfinished, &path).map_err(failed(&path, "naming"))?;

@@ -14,8 +14,8 @@ use super::journal::JOURNAL;
 use super::lists;
 use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::place::place;
-use super::shelf::{DATABASE, failed, hash_of, is_database};
-use crate::ingest::archive::Archive;
+use super::shelf::{DATABASE, failed, is_database};
+use crate::ingest::archive::{Archive, hash_of_file};
 use crate::pipeline::status::{self, Status};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FILE_NAME as DATABASE_NAME;
@@ -216,7 +216,7 @@ fn copy_database(
     let copied = options.write(true).create_new(true).open(&to);
     let copied = copied.and_then(|mut copy| std::io::copy(&mut source, &mut copy));
     copied.map_err(failed(&to, "copying the database"))?;
-    let (found, _) = hash_of(&to).map_err(failed(&to, "reading what was copied"))?;
+    let (found, _) = hash_of_file(&to).map_err(failed(&to, "reading what was copied"))?;
     if found == database.blake3 {
         return Ok(None);
     }

@@ -1,13 +1,13 @@
 //! The folder of a backup: bytes under their hashes, as an archive keeps them, and copies of the database.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::error::BackupError;
 use super::lists;
 use super::manifest::{self, StoredFile};
-use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming};
+use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, hash_of_file, is_hash};
 use crate::pipeline::PipelineError;
 use crate::store::InstanceLock;
 use crate::system::fs;
@@ -163,7 +163,7 @@ impl Shelf {
         let path = self.folder.join(&database.path);
         let is_there = fs::symlink_metadata(&path)
             .is_ok_and(|found| found.is_file() && found.len() == database.size_bytes);
-        is_there && (!deep || hash_of(&path).is_ok_and(|(hash, _)| hash == database.blake3))
+        is_there && (!deep || hash_of_file(&path).is_ok_and(|(hash, _)| hash == database.blake3))
     }
 
     /// Removes bytes that no list names.
@@ -218,9 +218,7 @@ fn refuse_other(folder: &Path, is_begun: bool) -> Result<(), PipelineError> {
 /// Whether a name is that of a copy of the database: its hash, or that it is not finished.
 pub(super) fn is_database(name: &str) -> bool {
     let hash = name.strip_prefix(DATABASE);
-    hash.is_some_and(|hash| {
-        hash == UNFINISHED || hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit())
-    })
+    hash.is_some_and(|hash| hash == UNFINISHED || is_hash(hash))
 }
 
 fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
@@ -229,24 +227,6 @@ fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
         .flatten()
         .map(|entry| entry.file_name().to_string_lossy().into_owned());
     Ok(names.filter(|name| is_database(name)).collect())
-}
-
-/// BLAKE3 and size, bytes, of a file, read piece by piece.
-///
-/// # Errors
-/// What the system says.
-pub fn hash_of(path: &Path) -> io::Result<(String, u64)> {
-    let (mut hasher, mut size_bytes) = (blake3::Hasher::new(), 0);
-    let mut file = fs::File::open_own(path)?;
-    let mut piece = vec![0; 1 << 20];
-    loop {
-        let count = file.read(&mut piece)?;
-        if count == 0 {
-            return Ok((hasher.finalize().to_hex().to_string(), size_bytes));
-        }
-        hasher.update(&piece[..count]);
-        size_bytes += count as u64;
-    }
 }
 
 pub(super) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(io::Error) -> PipelineError {
