@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::diagnosis_document::current_findings;
-use super::whole_file::put_bytes;
+use super::whole_file::put_stated;
 use super::{Context, PipelineError};
 use crate::domain::GroupDiagnosis;
 use crate::domain::campaign::Adopted;
@@ -114,5 +114,5 @@ fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
              [[adopted]]\ngroup = {group}\nmodel = {model}\n"
         );
     }
-    put_bytes(&path, true, text.as_bytes())
+    put_stated(&path, text.as_bytes())
 }

@@ -9,6 +9,7 @@ mod contents;
 mod error;
 mod journal;
 mod lists;
+mod making;
 pub mod manifest;
 mod place;
 mod restore;

@@ -39,15 +39,15 @@ fn name(part: &str) -> Result<PathBuf, &'static str> {
 fn is_device(name: &Path) -> bool {
     let name = name.to_string_lossy().to_uppercase();
     let stem = name.split('.').next().unwrap_or_default().trim_end();
-    let is_numbered = |device: &&str| {
-        let rest = stem.strip_prefix(*device).unwrap_or_default();
+    let is_numbered = |device: &str| {
+        let rest = stem.strip_prefix(device).unwrap_or_default();
         let mut signs = rest.chars();
         matches!(
             (signs.next(), signs.next()),
             (Some('0'..='9' | '¹' | '²' | '³'), None)
         )
     };
-    DEVICES.contains(&stem) || NUMBERED_DEVICES.iter().any(|device| is_numbered(&device))
+    DEVICES.contains(&stem) || NUMBERED_DEVICES.iter().any(|device| is_numbered(device))
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use super::error::BackupError;
 #[cfg(unix)]
 use super::journal::JOURNAL;
 use super::lists;
+use super::making::Making;
 use super::manifest::{LeftOut, Manifest, StoredFile};
 use super::place::place;
 use super::shelf::{DATABASE, failed, is_database};
@@ -115,7 +116,8 @@ impl Restore {
             false => None,
         };
         sync(making.path());
-        self.put(making)?;
+        let placed = making.put(&self.folder);
+        placed.map_err(failed(&self.folder, "putting the restored campaign in place"))?;
         Ok(Restored {
             folder: self.folder.clone(),
             files,
@@ -127,33 +129,13 @@ impl Restore {
     }
 
     /// Makes a folder beside the one to be; it goes again where anything fails.
-    fn begin(&self) -> Result<tempfile::TempDir, PipelineError> {
+    fn begin(&self) -> Result<Making, PipelineError> {
         let parent = std::path::absolute(&self.folder)
             .ok()
             .and_then(|path| path.parent().map(Path::to_owned))
             .unwrap_or_else(|| PathBuf::from("."));
         fs::create_dir_all(&parent).map_err(failed(&parent, "making the folder"))?;
-        let mut builder = tempfile::Builder::new();
-        let made = builder.prefix(".ieap-restoring-").tempdir_in(&parent);
-        made.map_err(failed(&parent, "making a folder"))
-    }
-
-    /// Gives the folder its name.
-    fn put(&self, making: tempfile::TempDir) -> Result<(), PipelineError> {
-        let failed = failed(&self.folder, "putting the restored campaign in place");
-        let place = || {
-            readable(making.path())?;
-            if self.folder.exists() {
-                fs::remove_dir(&self.folder)?;
-            }
-            fs::rename(making.path(), &self.folder)?;
-            let above = making.path().parent().unwrap_or(Path::new("."));
-            fs::sync_names(above)
-        };
-        place().map_err(failed)?;
-        // It has another name now, under which nothing removes it.
-        let _ = making.keep();
-        Ok(())
+        Making::begin(&parent).map_err(failed(&parent, "making a folder"))
     }
 }
 
@@ -321,16 +303,4 @@ fn sync(folder: &Path) {
     }
     #[cfg(not(target_os = "linux"))]
     let _ = folder;
-}
-
-/// Gives a temporary folder, which is its owner's alone, the rights of any other.
-#[cfg(unix)]
-fn readable(folder: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))
-}
-
-#[cfg(not(unix))]
-fn readable(_folder: &Path) -> std::io::Result<()> {
-    Ok(())
 }

@@ -281,6 +281,25 @@ mod tests {
     }
 
     #[test]
+    fn the_first_rows_and_a_twentieth_of_the_others_are_fitted_again() {
+        let made = fit(&[("r1_ohm_cm2", known(10.0, 0.1))]);
+        let mut again = Again::default();
+        let mut chosen = |number: usize| {
+            let run = format!("runs/{number}.csv");
+            again.chooses(&FitResult::of(
+                &run,
+                "d",
+                "i",
+                &AskedFit::default(),
+                Ok(made.clone()),
+            ))
+        };
+        assert!((0..FEWEST).all(&mut chosen));
+        let others = (FEWEST..4000).filter(|&number| chosen(number)).count();
+        assert!((150..250).contains(&others), "{others}");
+    }
+
+    #[test]
     fn numbers_that_contradict_each_other_look_odd() {
         let made = fit(&[("r1_ohm_cm2", known(10.0, 0.1))]);
         let is_odd = |change: &dyn Fn(&mut Fit)| {

@@ -64,7 +64,7 @@ mod tests {
         // The clock was set back: rather one look more.
         assert_eq!((looked(8), looked(1), looked(2)), (Some(0), Some(0), None));
         let journal = crate::store::journal::path_in(folder.path());
-        put_bytes(&journal, true, b"no line of a journal\n").unwrap();
+        put_own(&journal, b"no line of a journal\n").unwrap();
         assert_eq!(looked(9), Some(1));
     }
 }
