@@ -19,6 +19,7 @@ use ieap_domain::{Campaign, Issue};
 use ieap_system::fs;
 
 pub use error::CampaignFileError;
+pub use keys::UNKNOWN_KEY;
 pub(crate) use nearest::nearest;
 pub use publication::{Author, Publication, publication};
 pub use template::template;
