@@ -434,7 +434,11 @@ fn every_verb_that_works_on_a_campaign_says_what_in_its_file_is_not_understood()
         ("status", 3),
     ] {
         let told = folder.ieap(&[verb]).expect(status);
-        let said = if verb == "status" { told.stdout } else { told.stderr };
+        let said = if verb == "status" {
+            told.stdout
+        } else {
+            told.stderr
+        };
         assert!(
             said.contains("time_zone") && said.contains("timezone"),
             "{verb}: {said}"
