@@ -331,6 +331,76 @@ fn a_file_that_cannot_be_read_leaves_the_earlier_copy_and_an_interruption_nothin
     }
 }
 
+/// Refuses the call of that number, and all after it where the disk is gone for good.
+struct RefusesFrom {
+    call: usize,
+    for_good: bool,
+    asked: std::sync::atomic::AtomicUsize,
+}
+
+impl ieap::system::World for RefusesFrom {
+    fn before(&self, _call: &ieap::system::Call<'_>) -> std::io::Result<()> {
+        let asked = self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let refuses = asked == self.call || self.for_good && asked > self.call;
+        // ENOSPC for good, EIO once.
+        let errno = if self.for_good { 28 } else { 5 };
+        match refuses {
+            true => Err(std::io::Error::from_raw_os_error(errno)),
+            false => Ok(()),
+        }
+    }
+
+    fn after(&self, _call: &ieap::system::Call<'_>) {}
+
+    fn now(&self) -> std::time::SystemTime {
+        std::time::SystemTime::now()
+    }
+}
+
+/// Also where only one is kept, and every backup has something new.
+#[test]
+fn whatever_call_the_system_refuses_a_backup_can_be_restored() {
+    use ieap::pipeline::backup::Restore;
+    let folder = campaign();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let backup = elsewhere.path().join("backup");
+    folder.ieap(&["backup", text(&backup)]).expect(0);
+    let context = Context::open_read_only(folder.path()).unwrap();
+    let (mut call, mut refused, mut is_through) = (0, 0, false);
+    while !is_through {
+        folder.write("runs/a.csv.toml", format!("cycle = {}\n", call + 3));
+        for for_good in [false, true] {
+            let world = std::sync::Arc::new(RefusesFrom {
+                call,
+                for_good,
+                asked: 0.into(),
+            });
+            let verb = Backup {
+                folder: backup.clone(),
+                deep: false,
+                keep: 1,
+            };
+            let done = ieap::system::within(world.clone(), || verb.run(&context, &Silent));
+            refused += usize::from(done.is_err());
+            is_through = world.asked.load(std::sync::atomic::Ordering::Relaxed) <= call;
+            let new = elsewhere.path().join("new");
+            let restore = Restore {
+                backup: backup.clone(),
+                folder: new.clone(),
+                damaged: false,
+            };
+            let restored = restore.run(&Silent);
+            let runs = restored
+                .unwrap_or_else(|error| panic!("call {call}: {error}, after {done:?}"))
+                .runs;
+            assert_eq!(runs, Some(3), "call {call}");
+            std::fs::remove_dir_all(new).unwrap();
+        }
+        call += counted(11, 1);
+    }
+    assert!(refused > 10, "{refused} of {call} calls");
+}
+
 #[test]
 fn a_journal_that_is_damaged_cut_or_missing_takes_the_place_of_no_good_copy() {
     let folder = campaign();
