@@ -46,6 +46,7 @@ FIT_COLUMNS: dict[str, tuple[str, str]] = {
     "asked": ("string", "of a run of a campaign: what this call asked for, as JSON; for `ieap import-fits`"),
     "fit": ("string", "of a run of a campaign: the fit with its curves, as JSON; for `ieap import-fits`"),
     "issue": ("string", "of a run of a campaign: why it could not be fitted, as JSON; for `ieap import-fits`"),
+    "checksum": ("string", "of a run of a campaign: that of its row, which `ieap import-fits` holds it against"),
 }
 """Type and comment of every column that `fit` gives."""
 

@@ -71,7 +71,7 @@ pub fn fits(rows: &[Fitted]) -> Result<RecordBatch, ArrowError> {
 }
 
 /// What `ieap import-fits` takes, as JSON; empty for runs that no campaign holds.
-fn for_import(rows: &[Fitted]) -> [(&'static str, ArrayRef); 3] {
+fn for_import(rows: &[Fitted]) -> [(&'static str, ArrayRef); 4] {
     let part =
         |of: fn(&FitResult) -> Option<String>| texts(rows.iter().map(|row| row.result.as_ref().and_then(of)));
     [
@@ -84,6 +84,7 @@ fn for_import(rows: &[Fitted]) -> [(&'static str, ArrayRef); 3] {
             "issue",
             part(|result| serde_json::to_string(result.issue.as_ref()?).ok()),
         ),
+        ("checksum", part(|result| Some(result.checksum.clone()))),
     ]
 }
 

@@ -10,7 +10,7 @@ use super::output::{Output, counted};
 use super::{CampaignArg, Global};
 use crate::domain::Issue;
 use crate::pipeline::backup::manifest::LeftOut;
-use crate::pipeline::backup::{Backup, Restore};
+use crate::pipeline::backup::{Backup, KEEP, Restore};
 
 /// Copy the campaign into a folder elsewhere, while everything runs; the next time only what is new is copied
 #[derive(Debug, Args)]
@@ -23,12 +23,15 @@ pub struct BackupArgs {
     /// Read every file that is in the backup already, and copy damaged ones again
     #[arg(long)]
     deep: bool,
+    /// How many backups can be restored, this one counted; older ones go. Each costs a copy of the database
+    #[arg(long, value_name = "N", default_value_t = KEEP, value_parser = at_least_one)]
+    keep: usize,
 }
 
 /// Make a campaign of a backup, in a new folder, and try it
 #[derive(Debug, Args)]
 pub struct RestoreArgs {
-    /// Folder of the backup
+    /// Folder of the backup; or one of its lists, DIR/backup-NUMBER-TIME.json, for an earlier backup
     #[arg(value_name = "DIR")]
     backup: PathBuf,
     /// Folder of the campaign to be: one that does not exist yet
@@ -44,6 +47,7 @@ pub fn run(args: &BackupArgs, _global: &Global, output: &Output) -> Result<u8, C
     let backup = Backup {
         folder: args.folder.clone(),
         deep: args.deep,
+        keep: args.keep,
     };
     let done = backup.run(&context, output)?;
     output.document(&json!({ "schema": "ieap/backup/1", "backup": done }))?;
@@ -62,7 +66,16 @@ pub fn run(args: &BackupArgs, _global: &Global, output: &Output) -> Result<u8, C
         counted(done.copied, "file"),
         megabytes(done.copied_bytes),
     ));
-    Ok(after(&done.left_out, "not in the backup", output))
+    if !done.earlier.is_empty() {
+        let earlier = counted(done.earlier.len(), "earlier backup");
+        output.message(&format!(
+            "{earlier} can be restored, too: {}.",
+            done.earlier.join(", ")
+        ));
+    }
+    let left_out = after(&done.left_out, "file", "not in the backup as it is now", output);
+    let damaged = after(&done.damaged, "earlier backup", "damaged", output);
+    Ok(left_out.max(damaged))
 }
 
 pub fn run_restore(args: &RestoreArgs, output: &Output) -> Result<u8, CliError> {
@@ -83,21 +96,33 @@ pub fn run_restore(args: &RestoreArgs, output: &Output) -> Result<u8, CliError> 
         done.made_at,
         counted(done.files, "file"),
     ));
-    let known = after(&done.left_out, "never in the backup", output);
-    let lost = after(&done.lost, "lost: damaged in the backup", output);
+    let known = after(
+        &done.left_out,
+        "file",
+        "not as it was when the backup was made",
+        output,
+    );
+    let lost = after(&done.lost, "file", "lost: damaged in the backup", output);
     Ok(known.max(lost))
 }
 
 /// Lists what is not there; gives the exit status that says so.
-fn after(left_out: &[LeftOut], what: &str, output: &Output) -> u8 {
+fn after(left_out: &[LeftOut], thing: &str, what: &str, output: &Output) -> u8 {
     if left_out.is_empty() {
         return DONE;
     }
-    output.message(&format!("{}, {what}:", counted(left_out.len(), "file")));
+    output.message(&format!("{}, {what}:", counted(left_out.len(), thing)));
     for left in left_out {
         output.issue(&left.path, &Issue::warning("left-out", &left.reason));
     }
     SOME_REFUSED
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if count >= 1 => Ok(count),
+        _ => Err("needed a number of backups, at least 1".to_owned()),
+    }
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -13,8 +13,9 @@ use crate::pipeline::import_fits::{ImportFits, ImportSummary};
 
 /// Bring fits that were computed elsewhere into the campaign: by `ieap fit --shard`, or on a cluster
 ///
-/// A row is taken where it is of a run as it is now and was fitted as the campaign would fit it; every other row is listed with
-/// the reason.
+/// A row is taken where its checksum holds, it is of a run as it is now and was fitted as the campaign would fit it; every other
+/// row is listed with the reason. Every twentieth run, the first 20 rows and those that look odd are fitted again before: where
+/// one differs all rows of its file are.
 #[derive(Debug, Args)]
 pub struct ImportFitsArgs {
     /// Files with a row a run (.jsonl, .parquet), or folders of them
@@ -31,21 +32,22 @@ pub fn run(args: &ImportFitsArgs, global: &Global, output: &Output) -> Result<u8
     let import = ImportFits {
         files: args.files.clone(),
     };
-    let summary = import.run(&mut context)?;
+    let summary = import.run(&mut context, output)?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/import-fits/1", "imported": summary }))?;
-    Ok(exit::after(false, summary.refused.is_empty()))
+    Ok(exit::after(false, summary.is_whole()))
 }
 
 fn print(summary: &ImportSummary, output: &Output) {
     output.result(&format!(
-        "{} of {}: {} imported, {} there already, {} could not be fitted, {} refused",
+        "{} of {}: {} imported, {} there already, {} could not be fitted, {} refused; {} fitted again to hold them against",
         counted(summary.rows, "row"),
         counted(summary.files, "file"),
         summary.imported,
         summary.up_to_date,
         summary.failed.len(),
-        summary.refused.len()
+        summary.refused.len(),
+        summary.fitted_again
     ));
     summary
         .failed
@@ -59,6 +61,9 @@ fn print(summary: &ImportSummary, output: &Output) {
             row.row,
             row.reason
         ));
+    }
+    for damaged in &summary.damaged_files {
+        output.message(&format!("  {}: {}", damaged.file.display(), damaged.reason));
     }
     if summary.imported > 0 {
         output.message("`ieap run` diagnoses and renders from them.");

@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::exit::{CliError, DONE};
 use super::output::{Output, counted};
+use crate::domain::safe_text::one_line;
 use crate::domain::tag::keys;
 use crate::pipeline::{InitFrom, PlannedFile, Proposed, Taken, init};
 
@@ -95,14 +96,14 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
         output.result(&format!(
             "profiles/{}.toml reads {}",
             profile.id,
-            profile.files.join(", ")
+            one_line(&profile.files.join(", "))
         ));
     }
     output.result("to fill in:");
     proposed
         .fill_in
         .iter()
-        .for_each(|open| output.result(&format!("  {open}")));
+        .for_each(|open| output.result(&format!("  {}", one_line(open))));
     let folder = args.folder.display();
     match proposed.written {
         true => output.message(&format!(
@@ -147,6 +148,11 @@ fn table(files: &[PlannedFile], output: &Output) {
             told.join("; "),
         ]);
     }
+    // A name of a file may hold anything.
+    let rows: Vec<[String; 7]> = rows
+        .into_iter()
+        .map(|row| row.map(|cell| one_line(&cell)))
+        .collect();
     let width = |column: usize| {
         rows.iter()
             .map(|row| row[column].chars().count())
@@ -162,6 +168,10 @@ fn table(files: &[PlannedFile], output: &Output) {
         output.result(cells.collect::<Vec<_>>().join("  ").trim_end());
     }
     for file in files.iter().filter(|file| !file.seen.columns.is_empty()) {
-        output.detail(&format!("{}: {}", file.seen.path, file.seen.columns.join(", ")));
+        output.detail(&one_line(&format!(
+            "{}: {}",
+            file.seen.path,
+            file.seen.columns.join(", ")
+        )));
     }
 }

@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::exit::{self, CliError, STORAGE};
-use super::output::Output;
+use super::output::{Output, counted};
 use super::{CampaignArg, Global, run};
 use crate::pipeline::{RenderReport, ReportSummary};
 
@@ -29,9 +29,25 @@ pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, Cl
     })
 }
 
+/// Most files that are named.
+const NAMED: usize = 5;
+
 /// Where the report is and what it lacks, or why it was not made.
 pub fn print(summary: &ReportSummary, output: &Output) {
     run::say_faults(&summary.faults, output);
+    if !summary.altered.is_empty() {
+        let files = counted(summary.altered.len(), "file");
+        let first: Vec<&str> = summary.altered.iter().map(String::as_str).take(NAMED).collect();
+        let more = if first.len() < summary.altered.len() {
+            ", ..."
+        } else {
+            ""
+        };
+        output.message(&format!(
+            "{files} of the report not as written before, made anew: {}{more}",
+            first.join(", ")
+        ));
+    }
     match (&summary.refused, summary.rendered) {
         (Some(refused), _) => output.error(&format!("the report was not written. {refused}")),
         // A report that could not be made has no page to open.

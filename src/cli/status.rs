@@ -3,10 +3,11 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{ALARM, CliError, DONE};
+use super::exit::{self, ALARM, CliError, DONE};
 use super::output::{Output, counted};
-use super::{CampaignArg, ingest};
+use super::{CampaignArg, ingest, say_what_is_not_understood};
 use crate::domain::{Fault, Issue};
+use crate::pipeline::Context;
 use crate::pipeline::mends::together;
 use crate::pipeline::status::{Reasoned, Status, WAITS, status};
 
@@ -21,14 +22,16 @@ pub struct StatusArgs {
 }
 
 pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open_read_only(output)?;
+    // What is odd in campaign.toml is part of the answer.
+    let context = Context::open_read_only(&args.campaign.folder()?)?;
     let status = status(&context)?;
     if args.alarms {
+        say_what_is_not_understood(&context, output);
         return alarms_only(&status, output);
     }
     print(&status, output);
     output.document(&json!({ "schema": "ieap/status/1", "status": status }))?;
-    Ok(DONE)
+    Ok(exit::after(false, !status.has_slip()))
 }
 
 /// The alarms alone, with an exit status that scripts can act on.
@@ -85,6 +88,11 @@ fn print(status: &Status, output: &Output) {
         status.runs,
         states.join(", ")
     ));
+    if !status.campaign_file.is_empty() {
+        output.result("campaign.toml:");
+        let odd = status.campaign_file.iter();
+        odd.for_each(|found| issue(output, "  ", found));
+    }
     if !status.modulus_logs_by_state.is_empty() {
         let states = status.modulus_logs_by_state.iter();
         let states: Vec<String> = states

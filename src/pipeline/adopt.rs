@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::diagnosis_document::current_findings;
-use super::whole_file::put_bytes;
+use super::whole_file::put_stated;
 use super::{Context, PipelineError};
 use crate::domain::GroupDiagnosis;
 use crate::domain::campaign::Adopted;
@@ -96,7 +96,7 @@ fn current<'a>(context: &'a Context, group: &str) -> Option<&'a str> {
 /// Adds entries at the end of campaign.toml; the file is exchanged whole.
 fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
     let path = context.folder.join(FILE_NAME);
-    let mut text = fs::read_to_string(&path).map_err(|source| PipelineError::File {
+    let mut text = fs::read_stated_text(&path).map_err(|source| PipelineError::File {
         path: path.clone(),
         doing: "reading",
         source,
@@ -114,5 +114,5 @@ fn append(context: &Context, adopted: &[Adopted]) -> Result<(), PipelineError> {
              [[adopted]]\ngroup = {group}\nmodel = {model}\n"
         );
     }
-    put_bytes(&path, true, text.as_bytes())
+    put_stated(&path, text.as_bytes())
 }

@@ -14,6 +14,7 @@ use crate::model::effects::TagAt;
 use crate::store::FitTask;
 
 /// A run to be fitted, and how.
+#[derive(Debug, Clone)]
 pub(super) struct Planned {
     pub(super) task: FitTask,
     pub(super) chosen: Chosen,

@@ -8,11 +8,10 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-use super::context::CODE_VERSION;
 use super::fit::{Due, FitRuns, fit_batch};
 use super::fit_extended;
 use super::fit_plan::fit_plan;
-use super::fit_result::{FitResult, SCHEMA};
+use super::fit_result::{End, FitResult};
 use super::whole_file::put_file;
 use super::{Context, Observer, PipelineError};
 use crate::domain::Issue;
@@ -131,6 +130,7 @@ impl FitShard {
             source,
         };
         let mut file = fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
+        let (mut rows, mut sum) = (0, blake3::Hasher::new());
         observer.begin("fitting", due.len() as u64);
         for batch in due.chunks(BATCH) {
             let outcomes = fit_batch(context, batch, observer)?;
@@ -142,27 +142,23 @@ impl FitShard {
                     summary.failed.push((run.task.path.clone(), issue.clone()));
                 }
                 summary.fitted += usize::from(outcome.is_ok());
-                let (fit, issue) = match outcome {
-                    Ok(fit) => (Some(fit), None),
-                    Err(issue) => (None, Some(issue)),
-                };
-                let line = FitResult {
-                    schema: SCHEMA.to_owned(),
-                    run: run.task.path.clone(),
-                    data_hash: run.task.data_hash.clone(),
-                    input_hash: input_hash.clone(),
-                    code_version: CODE_VERSION.to_owned(),
-                    asked: run.chosen.asked.clone(),
-                    fit,
-                    issue,
-                };
-                let text = serde_json::to_string(&line).map_err(|error| failed(error.into()))?;
-                file.write_all(format!("{text}\n").as_bytes()).map_err(failed)?;
+                let (task, asked) = (&run.task, &run.chosen.asked);
+                let result = FitResult::of(&task.path, &task.data_hash, input_hash, asked, outcome);
+                sum.update(line(&result, &mut file).map_err(failed)?.as_bytes());
+                rows += 1;
             }
         }
         observer.end();
+        line(&End::of(rows, &sum), &mut file).map_err(failed)?;
         Ok(())
     }
+}
+
+/// Writes a line of JSON; gives what was written.
+fn line(what: &impl Serialize, file: &mut fs::File) -> std::io::Result<String> {
+    let text = serde_json::to_string(what)? + "\n";
+    file.write_all(text.as_bytes())?;
+    Ok(text)
 }
 
 #[cfg(test)]

@@ -1,17 +1,20 @@
 //! Folders that the program makes as a whole: written beside their place, exchanged in one step so that a reader never
 //! sees half of one, and never at the cost of a file that somebody else put there.
 //!
-//! A finished folder lists what was written into it. Only a folder that holds nothing else is exchanged, and what is
+//! A finished folder lists what was written into it, with the hash of each file. Only a folder that holds nothing else is exchanged, and what is
 //! removed is removed file by file from that list: a file that comes in between is left where it is.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::PipelineError;
+use crate::ingest::archive::{hash_of_file, is_hash};
 use crate::system::fs;
 
-/// Lists the files of a finished folder by their paths in it, one a line.
+/// Lists the files of a finished folder, one a line: the hash of its bytes, two blanks, its path in the folder.
 const WRITTEN: &str = ".written";
 /// Holds the name under which a folder may be removed: that of a folder half-made, or put aside to be removed. A copy
 /// that somebody keeps under another name is so never taken for one.
@@ -64,9 +67,16 @@ impl Fresh {
     pub fn finish(&self) -> io::Result<()> {
         let entries = entries(&self.path)?;
         let files = entries.iter().filter(|entry| !entry.is_dir);
-        let names = files.map(|entry| entry.name.as_str());
-        let listed: Vec<&str> = names.filter(|name| *name != PASSING).collect();
-        fs::write(self.path.join(WRITTEN), listed.join("\n") + "\n")?;
+        let names: Vec<&str> = files
+            .map(|entry| entry.name.as_str())
+            .filter(|name| *name != PASSING)
+            .collect();
+        let line = |name: &&str| {
+            let (hash, _) = hash_of_file(&self.path.join(name))?;
+            Ok(format!("{hash}  {name}\n"))
+        };
+        let lines: io::Result<Vec<String>> = names.par_iter().map(line).collect();
+        fs::write(self.path.join(WRITTEN), lines?.concat())?;
         sync_all(&self.path, &entries)
     }
 
@@ -90,11 +100,11 @@ impl Fresh {
         let parent = parent_of(target);
         if !fs::exists(target)? {
             fs::rename(&self.path, target)?;
-            sync(parent)?;
+            fs::sync_names(parent)?;
             return fs::remove_file(target.join(PASSING));
         }
         let before = listed_or_all(target)?;
-        mark(target, &fs::read_to_string(self.path.join(PASSING))?)?;
+        mark(target, &fs::read_own_text(self.path.join(PASSING))?)?;
         let aside = match fs::exchange(&self.path, target) {
             Ok(()) => self.path.clone(),
             Err(_) => {
@@ -107,7 +117,7 @@ impl Fresh {
         };
         // The names are exchanged on the disk before the old folder loses a file: it may be the one that is there after a
         // loss of power.
-        sync(parent)?;
+        fs::sync_names(parent)?;
         fs::remove_file(target.join(PASSING))?;
         remove_listed(&aside, &before)
     }
@@ -152,14 +162,14 @@ fn foreign(folder: &Path, is_earlier: &dyn Fn(&Path) -> bool) -> io::Result<Opti
         Ok(_) => {}
     }
     let entries = entries(folder)?;
-    let listed = listed(folder);
+    let listed = listed(folder)?;
     if listed.is_none() && is_earlier(folder) {
         return Ok(None);
     }
     let listed = listed.unwrap_or_default();
     // A folder is as good as what is in it.
     let is_ours = |entry: &&Entry| {
-        entry.is_dir || entry.is_file && (listed.contains(&entry.name) || is_nobodys(&entry.name))
+        entry.is_dir || entry.is_file && (listed.contains_key(&entry.name) || is_nobodys(&entry.name))
     };
     let other = entries.iter().find(|entry| !is_ours(entry));
     Ok(other.map(|entry| folder.join(&entry.name)))
@@ -171,23 +181,63 @@ fn is_nobodys(name: &str) -> bool {
     name == WRITTEN || name == PASSING || OF_FILE_MANAGERS.contains(&last.as_str())
 }
 
-/// The files that a finished folder lists; none where it has no list.
-fn listed(folder: &Path) -> Option<BTreeSet<String>> {
-    let text = fs::read_to_string(folder.join(WRITTEN)).ok()?;
-    Some(text.lines().map(str::to_owned).collect())
+/// The files that a finished folder lists with the hashes of what was written, which earlier versions did not list; none where it
+/// has no list.
+fn listed(folder: &Path) -> io::Result<Option<BTreeMap<String, Option<String>>>> {
+    let text = match fs::read_own_text(folder.join(WRITTEN)) {
+        Ok(text) => text,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => {
+            let said = format!("{WRITTEN}, the list of what was written into it, cannot be read: {error}");
+            return Err(io::Error::new(error.kind(), said));
+        }
+    };
+    let of_line = |line: &str| match line.split_once("  ").filter(|(hash, _)| is_hash(hash)) {
+        Some((hash, name)) => (name.to_owned(), Some(hash.to_owned())),
+        None => (line.to_owned(), None),
+    };
+    let lines = text.lines().filter(|line| !line.is_empty());
+    Ok(Some(lines.map(of_line).collect()))
 }
 
-/// Files that a finished folder lists and that are not there.
-pub fn missing(folder: &Path) -> Vec<String> {
-    let mut listed = listed(folder).unwrap_or_default();
-    listed.retain(|name| !name.is_empty() && !folder.join(name).exists());
-    listed.into_iter().collect()
+/// Whether the hashes of what was written into a folder are known.
+pub fn is_hashed(folder: &Path) -> bool {
+    listed(folder).is_ok_and(|listed| listed.is_some_and(|files| files.values().all(Option::is_some)))
 }
 
-/// The same; of a folder without a list, which was looked through before, all that is in it.
+/// What became of a file that was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Altered {
+    /// It is not there.
+    Missing,
+    /// Its bytes are others.
+    Changed,
+    /// The system does not give it, for this reason.
+    Unreadable(String),
+}
+
+/// Files of a finished folder that are not as they were written, by their paths in it.
+///
+/// # Errors
+/// The list cannot be read.
+pub fn altered(folder: &Path) -> io::Result<Vec<(String, Altered)>> {
+    let listed = listed(folder)?.unwrap_or_default();
+    let look = |(name, hash): (String, Option<String>)| {
+        let found = match hash_of_file(&folder.join(&name)) {
+            Ok((found, _)) if hash.is_none_or(|hash| hash == found) => return None,
+            Ok(_) => Altered::Changed,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Altered::Missing,
+            Err(error) => Altered::Unreadable(error.to_string()),
+        };
+        Some((name, found))
+    };
+    Ok(listed.into_par_iter().filter_map(look).collect())
+}
+
+/// The names of the files that a folder lists; of a folder without a list, which was looked through before, all that is in it.
 fn listed_or_all(folder: &Path) -> io::Result<BTreeSet<String>> {
-    if let Some(listed) = listed(folder) {
-        return Ok(listed);
+    if let Some(listed) = listed(folder)? {
+        return Ok(listed.into_keys().collect());
     }
     let files = entries(folder)?.into_iter().filter(|entry| entry.is_file);
     Ok(files.map(|entry| entry.name).collect())
@@ -233,8 +283,10 @@ pub fn remove_leftovers(parent: &Path, prefix: &str) -> Vec<PathBuf> {
         }
         if is_passing(&path) || is_just_begun(&path) {
             let _ = match listed(&path) {
-                Some(listed) => remove_listed(&path, &listed),
-                None => fs::remove_dir_all(&path),
+                Ok(Some(listed)) => remove_listed(&path, &listed.into_keys().collect()),
+                Ok(None) => fs::remove_dir_all(&path),
+                // Nobody knows what was written into it: another try may tell.
+                Err(_) => Ok(()),
             };
         } else if rest
             .trim_end_matches(".old")
@@ -257,17 +309,8 @@ fn parent_of(path: &Path) -> &Path {
 fn mark(folder: &Path, may_have: &str) -> io::Result<()> {
     let path = folder.join(PASSING);
     fs::write(&path, may_have)?;
-    sync(&path)?;
-    sync(folder)
-}
-
-/// Brings a file, or the names in a folder, to the disk.
-fn sync(path: &Path) -> io::Result<()> {
-    match cfg!(unix) || path.is_file() {
-        // Other systems open no folders, and bring names to the disk by themselves.
-        true => fs::File::open(path)?.sync_all(),
-        false => Ok(()),
-    }
+    fs::File::open_own(&path)?.sync_all()?;
+    fs::sync_names(folder)
 }
 
 /// Brings a folder with all that is in it to the disk.
@@ -280,8 +323,9 @@ fn sync_all(folder: &Path, _entries: &[Entry]) -> io::Result<()> {
 #[cfg(not(target_os = "linux"))]
 fn sync_all(folder: &Path, entries: &[Entry]) -> io::Result<()> {
     let paths = entries.iter().map(|entry| folder.join(&entry.name));
-    let all = paths.chain([folder.join(WRITTEN), folder.to_owned()]);
-    all.into_iter().try_for_each(|path| sync(&path))
+    let mut files = paths.chain([folder.join(WRITTEN)]).filter(|path| path.is_file());
+    files.try_for_each(|path| fs::File::open_own(path)?.sync_all())?;
+    fs::sync_names(folder)
 }
 
 /// Whether a folder carries the mark that it may be removed under the name that it has.
@@ -291,7 +335,7 @@ fn is_passing(folder: &Path) -> bool {
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    let marked = fs::read_to_string(folder.join(PASSING));
+    let marked = fs::read_own_text(folder.join(PASSING));
     marked.is_ok_and(|marked| name == marked || name == format!("{marked}.{ASIDE}"))
 }
 

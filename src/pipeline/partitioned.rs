@@ -82,7 +82,7 @@ impl ExportPartitioned {
                 source,
             })
         };
-        let file = fs::OpenOptions::new()
+        let file = fs::OpenOptions::own()
             .write(true)
             .create_new(true)
             .open(path)

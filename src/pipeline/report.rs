@@ -56,6 +56,8 @@ pub struct ReportSummary {
     pub refused: Option<String>,
     /// What a fault of the program left out of it.
     pub faults: Vec<Fault>,
+    /// Files that were not as they had been written, and were made anew with the others.
+    pub altered: Vec<String>,
 }
 
 /// What stands in [`FAULTS`].
@@ -67,7 +69,7 @@ struct Faulty {
 }
 
 fn faulty(folder: &Path) -> Option<Faulty> {
-    let text = fs::read_to_string(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
+    let text = fs::read_own_text(folder.join(REPORT_FOLDER).join(FAULTS)).ok()?;
     serde_json::from_str(&text).ok()
 }
 
@@ -91,13 +93,16 @@ impl RenderReport {
         let _snapshot = context.store.snapshot()?;
         let (changes, changed_at) = context.store.changes()?;
         let stamp = stamp(context, changes, &changed_at);
-        let current = stands(context, &stamp);
+        let altered = own_folder::altered(&target)
+            .map_err(failed(&target, "looking whether it is as it was written"))?;
+        let current = stands(context, &stamp) && altered.is_empty();
         let unchanged = |refused| ReportSummary {
             index: index.clone(),
             rendered: false,
             pages: 0,
             refused,
             faults: Vec::new(),
+            altered: Vec::new(),
         };
         if current && !self.again {
             return Ok(ReportSummary {
@@ -130,6 +135,7 @@ impl RenderReport {
             pages: rendered.pages,
             refused: None,
             faults: rendered.faults,
+            altered: altered.into_iter().map(|(name, _)| name).collect(),
         })
     }
 }
@@ -145,9 +151,10 @@ fn stamp(context: &Context, changes: u64, changed_at: &str) -> String {
 /// Whether a report with that stamp is there.
 fn stands(context: &Context, stamp: &str) -> bool {
     let folder = context.folder.join(REPORT_FOLDER);
-    let made_from = fs::read_to_string(folder.join(STAMP)).ok();
+    let made_from = fs::read_own_text(folder.join(STAMP)).ok();
     let made_from = made_from.or_else(|| Some(faulty(&context.folder)?.made_from));
-    folder.join("index.html").exists() && made_from.is_some_and(|found| found == stamp)
+    let is_whole = folder.join("index.html").exists() && own_folder::is_hashed(&folder);
+    is_whole && made_from.is_some_and(|found| found == stamp)
 }
 
 /// Whether the report shows the campaign as it is.
@@ -212,7 +219,7 @@ fn begins_as_page(path: &Path) -> bool {
     /// Bytes within which the layout names its style sheet: the title is the only part before it that grows.
     const HEAD_BYTES: u64 = 4096;
     let mut head = Vec::new();
-    let read = fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+    let read = fs::File::open_own(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
     let text = String::from_utf8_lossy(&head);
     read.is_ok() && text.starts_with("<!DOCTYPE html>") && text.contains("style.css") && text.contains(" · ")
 }

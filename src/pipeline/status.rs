@@ -23,6 +23,7 @@ use crate::domain::{
     Alarm, ClimateAssessment, Fault, FileState, Issue, RunKind, RunRecord, RunState, Severity,
 };
 use crate::ingest::archive::{Archive, Archived, BlobFinding};
+use crate::ingest::campaign_file::UNKNOWN_KEY;
 use crate::ingest::name_pattern::{self, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, NAMES_CONTRADICT, UNDECLARED, UNKNOWN_SAMPLE};
 use crate::store::RunContent;
@@ -32,6 +33,8 @@ use crate::store::RunContent;
 pub struct Status {
     /// Campaign id.
     pub campaign: String,
+    /// What is odd in campaign.toml: keys that are not known, which a slip makes of others.
+    pub campaign_file: Vec<Issue>,
     /// Number of current runs.
     pub runs: usize,
     /// Current runs by state; fitted ones counted as `fitted`, those that no result is made from as `dropped`, `condemned` or
@@ -101,6 +104,13 @@ pub struct Status {
     pub report_refused: Option<String>,
     /// What a fault of the program left out: of the report that stands, and of what is said here.
     pub faults: Vec<Fault>,
+}
+
+impl Status {
+    /// Whether campaign.toml says something that is not understood: what somebody wanted is not done.
+    pub fn has_slip(&self) -> bool {
+        self.campaign_file.iter().any(|issue| issue.code == UNKNOWN_KEY)
+    }
 }
 
 /// Climate logs and what they come to.
@@ -213,6 +223,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     Ok(Status {
         proposed_pattern: proposed_pattern(context, untagged.iter().map(|run| run.path.as_str())),
         campaign: context.campaign.id.clone(),
+        campaign_file: context.warnings.clone(),
         runs: runs.len() + set_aside.len(),
         runs_by_state,
         modulus_logs_by_state,

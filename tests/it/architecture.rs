@@ -249,6 +249,51 @@ fn what_is_kept_of_a_campaign_goes_through_one_seam() {
     }
 }
 
+/// Past these a pipe in the place of a file is waited for for ever, and a link leads to a file of somebody else.
+#[test]
+fn what_a_campaign_consists_of_is_opened_only_where_a_regular_file_is() {
+    // They read what a user names, or write where a user says: there a pipe or a device may be meant.
+    let named_by_a_user = [
+        "at_hand/read.rs",
+        "fit_shard.rs",
+        "forward/drive_file.rs",
+        "import_fits/part.rs",
+        "inspect.rs",
+        "profile.rs",
+        "research_crate/mod.rs",
+        "whole_file.rs",
+        // Its own temporary file.
+        "export.rs",
+    ];
+    // They open folders, to bring names to the disk.
+    let of_folders = ["own_folder.rs", "backup/restore.rs", "archive/durability.rs"];
+    let pipeline = house().join("src/pipeline");
+    let folders = [
+        house().join("crates/store/src"),
+        house().join("crates/ingest/src"),
+        house().join("crates/report/src"),
+        pipeline.clone(),
+    ];
+    let beside = ["init", "simulate", "serve", "command.rs"];
+    for file in folders.iter().flat_map(|folder| rust_files(folder)) {
+        let is_beside = beside.iter().any(|name| file.starts_with(pipeline.join(name)));
+        if is_beside || file.ends_with("tests.rs") || file.to_string_lossy().contains("_tests") {
+            continue;
+        }
+        let may_be_named = named_by_a_user.iter().any(|name| file == pipeline.join(name));
+        let is_of_folders = of_folders.iter().any(|name| file.ends_with(name));
+        let text = std::fs::read_to_string(&file).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let code = code.split("#[cfg(all(test").next().unwrap_or_default();
+        for line in code.lines().filter(|line| !line.trim_start().starts_with("//")) {
+            let anything = ["fs::read(", "fs::read_text(", "OpenOptions::new("];
+            let past = !may_be_named && anything.iter().any(|past| line.contains(past))
+                || !is_of_folders && line.contains("File::open(");
+            assert!(!past, "{}: {line}", file.display());
+        }
+    }
+}
+
 #[test]
 fn every_file_begins_with_what_it_is() {
     let tests = rust_files(&house().join("tests"));

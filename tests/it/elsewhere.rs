@@ -1,9 +1,10 @@
 //! Fits made elsewhere: in parts, on other computers, and brought back.
 
+use ieap::pipeline::fit_result::{End, FitResult};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 
-use crate::campaign::{CampaignFolder, run_table};
+use crate::campaign::{CampaignFolder, counted, run_table};
 
 /// A campaign with runs that are taken in and not fitted.
 fn taken_in(runs: u32) -> CampaignFolder {
@@ -31,9 +32,25 @@ fn results(folder: &CampaignFolder, parts: u32) -> Vec<String> {
             .ieap(&["fit", "--shard", &format!("{part}/{parts}")])
             .expect(0);
         let text = std::fs::read_to_string(folder.join(&format!("fits-{part}-of-{parts}.jsonl"))).unwrap();
-        lines.extend(text.lines().map(str::to_owned));
+        let is_result = |line: &&str| !line.contains("fit-results-end");
+        lines.extend(text.lines().filter(is_result).map(str::to_owned));
     }
     lines
+}
+
+/// A row with a checksum of its own, as if it had been written so.
+fn sealed(row: &Value) -> String {
+    let mut result: FitResult = serde_json::from_value(row.clone()).unwrap();
+    result.checksum = result.sum();
+    serde_json::to_string(&result).unwrap()
+}
+
+/// A part of these rows, with its end.
+fn part(rows: &[String]) -> String {
+    let text: String = rows.iter().map(|row| format!("{row}\n")).collect();
+    let mut sum = blake3::Hasher::new();
+    sum.update(text.as_bytes());
+    text + &serde_json::to_string(&End::of(rows.len(), &sum)).unwrap() + "\n"
 }
 
 #[test]
@@ -87,7 +104,7 @@ fn a_row_that_cannot_be_used_stops_no_other_and_is_told() {
     let changed = |line: &str, key: &str, value: Value| {
         let mut object: Value = serde_json::from_str(line).unwrap();
         object[key] = value;
-        object.to_string()
+        sealed(&object)
     };
     let mut other_model: Value = serde_json::from_str(&lines[3]).unwrap();
     other_model["fit"]["parameters"][0]["key"] = "beauty".into();
@@ -99,10 +116,10 @@ fn a_row_that_cannot_be_used_stops_no_other_and_is_told() {
         changed(&lines[1], "run", "runs/nowhere.csv".into()),
         changed(&lines[1], "fit", Value::Null),
         changed(&lines[1], "schema", "ieap/fit-result/9".into()),
-        other_model.to_string(),
+        sealed(&other_model),
         lines[2].clone(),
     ];
-    folder.write("results/part.jsonl", rows.join("\n"));
+    folder.write("results/part.jsonl", part(&rows));
     let ended = folder.ieap(&["import-fits", "results", "--json"]).expect(3);
     let imported = ended.json()["imported"].clone();
     assert_eq!((&imported["rows"], &imported["imported"]), (&9.into(), &2.into()));
@@ -124,6 +141,103 @@ fn a_row_that_cannot_be_used_stops_no_other_and_is_told() {
     assert!(reason(8).contains("beauty"), "{refused:?}");
     assert!(ended.stderr.contains("row 3, runs/"), "{ended:?}");
     folder.ieap(&["import-fits", "nothing.jsonl"]).expect(4);
+}
+
+/// A copy of a campaign.
+fn copied(of: &CampaignFolder) -> CampaignFolder {
+    let copy = CampaignFolder::new();
+    let made = std::process::Command::new("cp")
+        .arg("-a")
+        .arg(format!("{}/.", of.path().display()))
+        .arg(copy.path())
+        .status();
+    assert!(made.unwrap().success());
+    copy
+}
+
+/// Bits all over a part, one at a time: what came of another number is never stored.
+#[test]
+fn a_part_that_was_damaged_on_its_way_brings_no_other_number() {
+    let folder = taken_in(2);
+    let whole = part(&results(&folder, 1)).into_bytes();
+    let direct = copied(&folder);
+    direct.ieap(&["fit"]).expect(0);
+    let fits = |folder: &CampaignFolder| {
+        folder
+            .ieap(&["export", "--what", "fits", "--json"])
+            .expect(0)
+            .stdout
+    };
+    let sound = fits(&direct);
+    for turn in 0..counted(24, 2000) {
+        let folder = copied(&folder);
+        let mut flipped = whole.clone();
+        let at = (turn * 7919 + 13) % flipped.len();
+        flipped[at] ^= 1 << (turn % 8);
+        folder.write("part.jsonl", &flipped);
+        let ended = folder.ieap(&["import-fits", "part.jsonl", "--json"]).expect(3);
+        assert!(ended.json()["imported"]["imported"].as_u64().unwrap() <= 2);
+        folder.ieap(&["fit"]).expect(0);
+        assert_eq!(fits(&folder), sound, "byte {at}");
+    }
+}
+
+#[test]
+fn numbers_that_no_fit_of_the_run_has_are_found_by_fitting_it_again() {
+    let folder = taken_in(4);
+    let lines = results(&folder, 1);
+    for factor in [1.1, 1e308] {
+        let folder = copied(&folder);
+        let mut rows = lines.clone();
+        let mut wrong: Value = serde_json::from_str(&rows[2]).unwrap();
+        for name in ["value", "standard_error", "low_95", "high_95"] {
+            let number = &mut wrong["fit"]["parameters"][0]["estimate"][name];
+            *number = (number.as_f64().unwrap() * factor).min(f64::MAX).into();
+        }
+        rows[2] = sealed(&wrong);
+        folder.write("part.jsonl", part(&rows));
+        let ended = folder.ieap(&["import-fits", "part.jsonl", "--json"]).expect(3);
+        let imported = ended.json()["imported"].clone();
+        assert_eq!(
+            (&imported["imported"], &imported["fitted_again"]),
+            (&3.into(), &4.into()),
+            "{imported}"
+        );
+        let reason = imported["refused"][0]["reason"].as_str().unwrap().to_owned();
+        assert!(
+            reason.contains("fitted again here") && reason.contains("the row says"),
+            "{reason}"
+        );
+        let left = folder.ieap(&["fit"]).expect(0);
+        assert!(left.stderr.contains("1 fitted, 3 up to date"), "{left:?}");
+    }
+}
+
+#[test]
+fn parts_of_an_earlier_version_and_cut_ones_are_told_with_the_mend() {
+    let folder = taken_in(2);
+    let lines = results(&folder, 1);
+    let old = lines.iter().map(|line| {
+        let mut row: Value = serde_json::from_str(line).unwrap();
+        row.as_object_mut().unwrap().remove("checksum");
+        row.to_string()
+    });
+    folder.write("old.jsonl", old.collect::<Vec<String>>().join("\n"));
+    let ended = folder.ieap(&["import-fits", "old.jsonl", "--json"]).expect(3);
+    let imported = ended.json()["imported"].clone();
+    assert_eq!(imported["imported"], 0);
+    let reason = imported["refused"][0]["reason"].as_str().unwrap();
+    assert!(reason.contains("an earlier version"), "{imported}");
+    // Cut at the end of a line: what is there is sound, and that something is lost is said.
+    folder.write("cut.jsonl", format!("{}\n", lines[0]));
+    let ended = folder.ieap(&["import-fits", "cut.jsonl", "--json"]).expect(3);
+    let imported = ended.json()["imported"].clone();
+    assert_eq!(imported["imported"], 1);
+    let reason = imported["damaged_files"][0]["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("its end is missing") && reason.contains("ieap fit --shard"),
+        "{imported}"
+    );
 }
 
 #[test]
@@ -166,7 +280,15 @@ fn results_come_back_from_parquet() {
             .collect();
         Column::from(Series::new(name.into(), texts))
     };
-    let columns = ["run", "data_hash", "input_hash", "code_version", "fit"].map(column);
+    let columns = [
+        "run",
+        "data_hash",
+        "input_hash",
+        "code_version",
+        "fit",
+        "checksum",
+    ]
+    .map(column);
     let mut table = DataFrame::new(2, columns.to_vec()).unwrap();
     let mut bytes = Vec::new();
     polars_io::parquet::write::ParquetWriter::new(&mut bytes)

@@ -58,6 +58,8 @@ mod published;
 mod random_strips;
 mod readouts;
 mod rebuild;
+#[cfg(unix)]
+mod regular_files;
 mod rendered;
 mod report_fixture;
 mod report_goldens;

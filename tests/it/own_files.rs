@@ -313,3 +313,19 @@ fn the_same_mend_of_many_runs_is_told_once_with_the_pattern_that_gives_it() {
     let fits = folder.ieap(&["fit", "--json"]).expect(0).json();
     assert_eq!(fits["fits"].as_array().unwrap().len(), 4);
 }
+
+#[test]
+fn a_slip_in_campaign_toml_is_in_status_its_document_and_its_exit_status() {
+    let folder = CampaignFolder::new();
+    folder.ieap(&["status"]).expect(0);
+    folder.write("campaign.toml", CAMPAIGN_TOML.replace("timezone", "timezome"));
+    let told = folder.ieap(&["status"]).expect(3);
+    assert!(
+        told.stdout.contains("`timezome`") && told.stdout.contains("write `timezone`"),
+        "{told:#?}"
+    );
+    let document = folder.ieap(&["status", "--json"]).expect(3).json();
+    assert_eq!(document["status"]["campaign_file"][0]["code"], "unknown-key");
+    let alarms = folder.ieap(&["status", "--alarms"]).expect(0);
+    assert!(alarms.stderr.contains("`timezome`"), "{alarms:#?}");
+}

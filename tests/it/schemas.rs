@@ -26,7 +26,12 @@ const KEYWORDS: [&str; 16] = [
     "anyOf",
 ];
 /// Files, not documents of `--json`, that name a schema of their own.
-const FILES: [&str; 3] = ["simulation-truth", "backup-contents", "fit-result"];
+const FILES: [&str; 4] = [
+    "simulation-truth",
+    "backup-contents",
+    "fit-result",
+    "fit-results-end",
+];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas")

@@ -166,3 +166,67 @@ fn raw_files_are_looked_for_after_a_disorderly_end() {
         told.stderr
     );
 }
+
+/// The report is what people look at: a number in it that nobody computed is found, and made anew.
+#[test]
+fn a_report_that_was_changed_is_damage_and_is_made_anew() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let path = folder.join("report/table5.csv");
+    let sound = std::fs::read(&path).unwrap();
+    let again = folder.ieap(&["report"]).expect(0);
+    assert!(again.stdout.contains("(unchanged)"), "{again:#?}");
+    let names = std::fs::read_to_string(folder.join("report/.written")).unwrap();
+    assert!(names.lines().count() > 10, "{names}");
+    let mut flips = 0;
+    for name in names
+        .lines()
+        .map(|line| line.split_once("  ").unwrap().1)
+        .chain([".written"])
+    {
+        let path = folder.join("report").join(name);
+        let mut bytes = std::fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+        let verified = folder.ieap(&["verify", "--json"]).expect(4).json();
+        let report = &verified["verify"]["parts"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|part| part["part"] == "report")
+            .unwrap()["findings"];
+        assert_eq!(report[0]["severity"], "error", "{name}: {report}");
+        if name != ".written" {
+            assert_eq!(report[0]["place"], format!("report/{name}"));
+        }
+        let made = folder.ieap(&["report", "--json"]);
+        let document = made.json();
+        match made.status {
+            0 => assert_eq!(document["report"]["rendered"], true),
+            // A name in the list that is no name of a file: whose the file is nobody knows.
+            _ => assert!(name == ".written" && document["report"]["refused"].is_string()),
+        }
+        flips += 1;
+    }
+    assert!(flips > 10);
+    assert_eq!(std::fs::read(&path).unwrap(), sound);
+}
+
+#[test]
+fn a_report_without_hashes_of_an_earlier_version_is_made_anew_once() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let list = folder.join("report/.written");
+    let names = std::fs::read_to_string(&list).unwrap();
+    let names: String = names
+        .lines()
+        .map(|line| format!("{}\n", line.split_once("  ").unwrap().1))
+        .collect();
+    std::fs::write(&list, names).unwrap();
+    folder.ieap(&["verify"]).expect(0);
+    assert!(!folder.ieap(&["report"]).expect(0).stdout.contains("(unchanged)"));
+    assert!(folder.ieap(&["report"]).expect(0).stdout.contains("(unchanged)"));
+}

@@ -27,7 +27,7 @@ pub fn order_beside(file: &Path, date: &str) -> Option<DateOrder> {
     let mut found = None;
     for other in others.into_iter().take(MOST_FILES) {
         let mut head = Vec::new();
-        let opened = fs::File::open(&other);
+        let opened = fs::File::open_stated(&other);
         if opened
             .and_then(|opened| opened.take(LOOKED_AT_BYTES).read_to_end(&mut head))
             .is_err()

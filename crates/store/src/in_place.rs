@@ -28,11 +28,27 @@ pub enum Found {
 /// Looks for the database of the campaign in `folder`; nothing is made or changed.
 pub fn found(folder: &Path) -> Found {
     let path = folder.join(FILE_NAME);
-    match fs::metadata(&path) {
+    match fs::symlink_metadata(&path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Found::Nothing,
+        // Whoever opens it refuses it, with the reason.
+        Ok(file) if !file.is_file() => Found::Something,
         Ok(file) if file.len() < SMALLEST_BYTES || is_blank(&path) => Found::Empty { bytes: file.len() },
         _ => Found::Something,
     }
+}
+
+/// Refuses a link, a pipe or a device in the place of a database or of what SQLite keeps beside it. It is not opened for that:
+/// closing a file frees what locks this program has on it.
+pub(super) fn refuse_other_than_files(database: &Path) -> Result<(), StoreError> {
+    for companion in ["", "-wal", "-shm", "-journal"] {
+        let path = PathBuf::from(format!("{}{companion}", database.display()));
+        fs::check_own(&path).map_err(|source| StoreError::File {
+            path,
+            doing: "opening the database",
+            source,
+        })?;
+    }
+    Ok(())
 }
 
 fn is_blank(path: &Path) -> bool {
@@ -87,14 +103,11 @@ pub fn put_in_place(made: &Path, folder: &Path, mark: &str) -> Result<Option<Pat
         doing: "putting the new database in place",
         source,
     };
-    let synced = fs::File::open(&from).and_then(|file| file.sync_all());
+    let synced = fs::File::open_own(&from).and_then(|file| file.sync_all());
     synced.map_err(|source| failed(&from, source))?;
     let aside = set_aside(folder, mark)?;
     fs::rename(&from, &to).map_err(|source| failed(&to, source))?;
-    #[cfg(unix)]
-    fs::File::open(folder)
-        .and_then(|folder| folder.sync_all())
-        .map_err(|source| failed(folder, source))?;
+    fs::sync_names(folder).map_err(|source| failed(folder, source))?;
     Ok(aside)
 }
 

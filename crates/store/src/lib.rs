@@ -92,6 +92,7 @@ impl Store {
     pub fn open(folder: &Path) -> Result<Store, StoreError> {
         check_sqlite()?;
         let path = folder.join(FILE_NAME);
+        in_place::refuse_other_than_files(&path)?;
         let mut connection = Connection::open_with_flags(
             &path,
             OpenFlags::SQLITE_OPEN_READ_WRITE
@@ -121,6 +122,7 @@ impl Store {
     pub fn open_read_only(folder: &Path) -> Result<Option<Store>, StoreError> {
         check_sqlite()?;
         let path = folder.join(FILE_NAME);
+        in_place::refuse_other_than_files(&path)?;
         let there = fs::exists(&path).map_err(|source| StoreError::File {
             path: path.clone(),
             doing: "looking for the database",

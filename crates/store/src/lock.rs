@@ -104,10 +104,8 @@ const LONGEST: u64 = 512;
 
 /// Without following a link, and without a change before the lock is had.
 fn options() -> OpenOptions {
-    let mut options = OpenOptions::new();
+    let mut options = OpenOptions::own();
     options.read(true).write(true).create(true).truncate(false);
-    #[cfg(unix)]
-    options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
     options
 }
 

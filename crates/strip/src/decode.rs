@@ -115,9 +115,16 @@ fn damaged(format: &'static str, reason: impl ToString) -> DecodeError {
 }
 
 fn png(bytes: &[u8]) -> Result<Gray, DecodeError> {
+    png_within(bytes, MOST_BYTES)
+}
+
+fn png_within(bytes: &[u8], most_bytes: usize) -> Result<Gray, DecodeError> {
     const FORMAT: &str = "PNG";
-    let limits = png::Limits { bytes: MOST_BYTES };
+    let limits = png::Limits { bytes: most_bytes };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    // Texts and profiles say nothing of the strip, and may be many times as large as the picture.
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(|error| damaged(FORMAT, error))?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 pub use std::fs::{DirEntry, Metadata, Permissions, ReadDir, TryLockError};
 
+use crate::regular::{self, Links};
 use crate::{Call, Kind, call, call_on};
 
 /// An open file or folder.
@@ -15,12 +16,28 @@ pub struct File {
 }
 
 impl File {
-    /// Opens what is there to read it.
+    /// Opens what is there to read it, a folder or a file that a user names.
     ///
     /// # Errors
     /// What the system says, as of all functions here.
     pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
         OpenOptions::new().read(true).open(path)
+    }
+
+    /// Opens a file that the program itself keeps: see [`OpenOptions::own`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn open_own(path: impl AsRef<Path>) -> io::Result<File> {
+        OpenOptions::own().read(true).open(path)
+    }
+
+    /// Opens a file that people put into a campaign: see [`OpenOptions::stated`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn open_stated(path: impl AsRef<Path>) -> io::Result<File> {
+        OpenOptions::stated().read(true).open(path)
     }
 
     /// Returns when its bytes, or a folder's names, are on the disk.
@@ -62,7 +79,7 @@ impl File {
     /// What the system says.
     pub fn set_permissions(&self, permissions: Permissions) -> io::Result<()> {
         call(Kind::Rights, &self.path, || {
-            self.file.set_permissions(permissions)
+            self.file.set_permissions(permissions.clone())
         })
     }
 
@@ -146,6 +163,8 @@ impl Seek for File {
 pub struct OpenOptions {
     options: std::fs::OpenOptions,
     makes: bool,
+    /// Only a regular file is opened, and whether behind a link, too; none for whatever has the name.
+    regular: Option<Links>,
 }
 
 impl Default for OpenOptions {
@@ -155,11 +174,29 @@ impl Default for OpenOptions {
 }
 
 impl OpenOptions {
-    /// For nothing yet.
+    /// For nothing yet, of whatever has the name: what a user names may be a pipe or a device.
     pub fn new() -> OpenOptions {
         OpenOptions {
             options: std::fs::OpenOptions::new(),
             makes: false,
+            regular: None,
+        }
+    }
+
+    /// The same for a file that the program itself keeps. A link is not followed, and only a regular file is opened: else the
+    /// program changes a file of somebody else, or waits for a pipe for ever.
+    pub fn own() -> OpenOptions {
+        OpenOptions {
+            regular: Some(Links::Refused),
+            ..OpenOptions::new()
+        }
+    }
+
+    /// The same for a file that people put into a campaign: a regular one, or a link to one.
+    pub fn stated() -> OpenOptions {
+        OpenOptions {
+            regular: Some(Links::Followed),
+            ..OpenOptions::new()
         }
     }
 
@@ -196,13 +233,6 @@ impl OpenOptions {
         self
     }
 
-    /// With these flags of the system.
-    #[cfg(unix)]
-    pub fn custom_flags(&mut self, flags: i32) -> &mut OpenOptions {
-        std::os::unix::fs::OpenOptionsExt::custom_flags(&mut self.options, flags);
-        self
-    }
-
     /// With these rights where it is made.
     #[cfg(unix)]
     pub fn mode(&mut self, rights: u32) -> &mut OpenOptions {
@@ -217,51 +247,109 @@ impl OpenOptions {
     pub fn open(&self, path: impl AsRef<Path>) -> io::Result<File> {
         let path = path.as_ref();
         let kind = if self.makes { Kind::Make } else { Kind::Open };
-        let file = call(kind, path, || self.options.open(path))?;
+        let file = call(kind, path, || match self.regular {
+            Some(links) => regular::open(&self.options, links, path),
+            None => self.options.open(path),
+        })?;
         let path = path.to_owned();
         Ok(File { file, path })
     }
 }
 
-/// All bytes of a file.
+/// All bytes of a file that a user names, which may be a pipe.
 ///
 /// # Errors
 /// What the system says.
 pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
-    let path = path.as_ref();
-    call(Kind::Open, path, || Ok(()))?;
-    call(Kind::Read, path, || std::fs::read(path))
+    read_all(&OpenOptions::new(), path.as_ref())
 }
 
-/// All text of a file.
+/// The same as text.
 ///
 /// # Errors
 /// What the system says; it is no UTF-8.
-pub fn read_to_string(path: impl AsRef<Path>) -> io::Result<String> {
-    let path = path.as_ref();
-    call(Kind::Open, path, || Ok(()))?;
-    call(Kind::Read, path, || std::fs::read_to_string(path))
+pub fn read_text(path: impl AsRef<Path>) -> io::Result<String> {
+    read(path).and_then(text)
 }
 
-/// Writes a file anew.
+/// All bytes of a file that the program itself keeps: see [`OpenOptions::own`].
 ///
 /// # Errors
-/// What the system says.
+/// As there.
+pub fn read_own(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    read_all(&OpenOptions::own(), path.as_ref())
+}
+
+/// The same as text.
+///
+/// # Errors
+/// As there; it is no UTF-8.
+pub fn read_own_text(path: impl AsRef<Path>) -> io::Result<String> {
+    read_own(path).and_then(text)
+}
+
+/// All bytes of a file that people put into a campaign: see [`OpenOptions::stated`].
+///
+/// # Errors
+/// As there.
+pub fn read_stated(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    read_all(&OpenOptions::stated(), path.as_ref())
+}
+
+/// The same as text.
+///
+/// # Errors
+/// As there; it is no UTF-8.
+pub fn read_stated_text(path: impl AsRef<Path>) -> io::Result<String> {
+    read_stated(path).and_then(text)
+}
+
+fn read_all(options: &OpenOptions, path: &Path) -> io::Result<Vec<u8>> {
+    let file = options.clone().read(true).open(path)?;
+    call(Kind::Read, path, || {
+        let size_bytes = file.file.metadata().map_or(0, |found| found.len());
+        let mut bytes = Vec::with_capacity(usize::try_from(size_bytes).unwrap_or(0));
+        (&file.file).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    })
+}
+
+fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+}
+
+/// Writes a file of the program anew: see [`OpenOptions::own`].
+///
+/// # Errors
+/// As there.
 pub fn write(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> io::Result<()> {
-    let mut options = OpenOptions::new();
+    let mut options = OpenOptions::own();
     let mut file = options.write(true).create(true).truncate(true).open(path)?;
     file.write_all(bytes.as_ref())
 }
 
-/// Copies the bytes and rights of a file; gives the number of bytes.
+/// Refuses what is no regular file of the program itself, for files that a library opens: see [`OpenOptions::own`]. One that is
+/// not there is no obstacle.
+///
+/// # Errors
+/// As there.
+pub fn check_own(path: impl AsRef<Path>) -> io::Result<()> {
+    match symlink_metadata(path) {
+        Ok(found) => regular::check(found.file_type()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error),
+    }
+}
+
+/// Brings the names in a folder to the disk, where the system can; others do it by themselves.
 ///
 /// # Errors
 /// What the system says.
-pub fn copy(from: impl AsRef<Path>, to: impl AsRef<Path>) -> io::Result<u64> {
-    let (from, to) = (from.as_ref(), to.as_ref());
-    call(Kind::Read, from, || Ok(()))?;
-    call(Kind::Make, to, || std::fs::File::create(to).map(drop))?;
-    call(Kind::Write, to, || std::fs::copy(from, to))
+pub fn sync_names(folder: impl AsRef<Path>) -> io::Result<()> {
+    match cfg!(unix) {
+        true => File::open(folder)?.sync_all(),
+        false => Ok(()),
+    }
 }
 
 /// Gives a file or folder another name, at the cost of a file that has that name.
@@ -400,7 +488,9 @@ pub fn exists(path: impl AsRef<Path>) -> io::Result<bool> {
 /// What the system says.
 pub fn set_permissions(path: impl AsRef<Path>, permissions: Permissions) -> io::Result<()> {
     let path = path.as_ref();
-    call(Kind::Rights, path, || std::fs::set_permissions(path, permissions))
+    call(Kind::Rights, path, || {
+        std::fs::set_permissions(path, permissions.clone())
+    })
 }
 
 /// Whether a folder has that name, or a link to one.

@@ -5,6 +5,7 @@
 //! of power does. What SQLite does with its own files does not pass here.
 
 pub mod fs;
+mod regular;
 mod temporary;
 
 use std::cell::RefCell;
@@ -119,16 +120,25 @@ fn world() -> Option<Arc<dyn World>> {
 }
 
 /// Does a call where the world does not refuse it.
-fn call<T>(kind: Kind, path: &Path, work: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+fn call<T>(kind: Kind, path: &Path, work: impl FnMut() -> io::Result<T>) -> io::Result<T> {
     call_on(Call { kind, path, to: None }, work)
 }
 
-/// The same with two names.
-fn call_on<T>(call: Call<'_>, work: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+/// The same with two names. One that a signal interrupted is done again: it says nothing of the disk.
+fn call_on<T>(call: Call<'_>, mut work: impl FnMut() -> io::Result<T>) -> io::Result<T> {
+    loop {
+        match once(&call, &mut work) {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            done => return done,
+        }
+    }
+}
+
+fn once<T>(call: &Call<'_>, work: &mut impl FnMut() -> io::Result<T>) -> io::Result<T> {
     let Some(world) = world() else { return work() };
-    world.before(&call)?;
+    world.before(call)?;
     let done = work()?;
-    world.after(&call);
+    world.after(call);
     Ok(done)
 }
 
@@ -172,6 +182,45 @@ mod tests {
         fs::rename(&one, &two).unwrap();
         assert_ne!(now(), SystemTime::UNIX_EPOCH);
         assert_eq!(*world.1.lock().unwrap(), [Kind::Make, Kind::Write]);
+    }
+
+    /// Interrupts every call of the system twice.
+    struct Interrupts(Mutex<Vec<Kind>>);
+
+    impl World for Interrupts {
+        fn before(&self, call: &Call<'_>) -> io::Result<()> {
+            let mut asked = self.0.lock().unwrap();
+            asked.push(call.kind);
+            let times = asked.iter().rev().take_while(|kind| **kind == call.kind).count();
+            match times % 3 {
+                0 => Ok(()),
+                _ => Err(io::Error::from_raw_os_error(4)),
+            }
+        }
+
+        fn after(&self, _call: &Call<'_>) {}
+
+        fn now(&self) -> SystemTime {
+            SystemTime::now()
+        }
+    }
+
+    #[test]
+    fn a_call_that_was_interrupted_is_done_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let (one, two) = (folder.path().join("one"), folder.path().join("two"));
+        let world = Arc::new(Interrupts(Mutex::default()));
+        within(world.clone(), || {
+            let mut made = Temporary::new_in(folder.path(), ".part-", "", 0o644).unwrap();
+            std::io::Write::write_all(&mut made, b"kept").unwrap();
+            made.sync_all().unwrap();
+            made.persist(&one).unwrap();
+            fs::rename(&one, &two).unwrap();
+            assert_eq!(fs::read_own(&two).unwrap(), b"kept");
+            fs::sync_names(folder.path()).unwrap();
+        });
+        let asked = world.0.lock().unwrap();
+        assert_eq!(asked.len() % 3, 0, "{asked:?}");
     }
 
     #[test]

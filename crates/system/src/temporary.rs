@@ -66,7 +66,7 @@ impl Temporary {
         mut self,
         kind: Kind,
         to: &Path,
-        name: impl FnOnce(NamedTempFile) -> Result<std::fs::File, tempfile::PersistError>,
+        name: impl Fn(NamedTempFile) -> Result<std::fs::File, tempfile::PersistError>,
     ) -> io::Result<()> {
         let from = self.path().to_owned();
         let (path, to) = (from.as_path(), Some(to));

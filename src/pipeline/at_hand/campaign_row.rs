@@ -8,7 +8,7 @@ use crate::fit::FitOptions;
 use crate::pipeline::context::CODE_VERSION;
 use crate::pipeline::fit::input_hash;
 use crate::pipeline::fit_choice::FitChoice;
-use crate::pipeline::fit_result::{FitResult, SCHEMA};
+use crate::pipeline::fit_result::FitResult;
 use crate::store::FitTask;
 
 /// What a row says of a run and of its fit.
@@ -67,16 +67,8 @@ impl CampaignRow {
         let hash = made
             .as_ref()
             .map_or(&self.input_hash, |(_, stated)| &stated.input_hash);
-        let result = FitResult {
-            schema: SCHEMA.to_owned(),
-            run: self.run.clone(),
-            data_hash: self.data_hash.clone(),
-            input_hash: hash.clone(),
-            code_version: CODE_VERSION.to_owned(),
-            asked,
-            fit: made.as_ref().ok().map(|(fit, _)| fit.clone()),
-            issue: made.as_ref().err().cloned(),
-        };
+        let outcome = made.as_ref().map(|(fit, _)| fit.clone()).map_err(Issue::clone);
+        let result = FitResult::of(&self.run, &self.data_hash, hash, &asked, outcome);
         (made.map(|(_, stated)| stated), result)
     }
 

@@ -54,21 +54,37 @@ pub enum BackupError {
         path: String,
     },
     /// There is no backup in the folder.
-    #[error("{}: there is no finished backup ({}) in it. Name the folder that was given to `ieap backup`.", folder.display(), super::manifest::FILE_NAME)]
+    #[error("{}: there is no finished backup ({}) in it. Name the folder that was given to `ieap backup`.{others}", folder.display(), super::manifest::FILE_NAME)]
     NoBackup {
         /// The folder named.
         folder: PathBuf,
+        /// Lists that can be restored, in words.
+        others: String,
     },
     /// The list of what the backup holds is damaged.
-    #[error("{}: {} is damaged ({detail}), so that it is not known what the backup holds. If the campaign is still there, make the backup into a new folder. If not, the raw files lie in `archive/` of the backup under their hashes, and the database beside them.", folder.display(), super::manifest::FILE_NAME)]
+    #[error("{}: the list is damaged ({detail}), so that it is not known what that backup holds. If the campaign is still there, `ieap backup` into the same folder writes a new one. If not, the raw files lie in `archive/` of the backup under their hashes, and the database beside them.{others}", path.display())]
     DamagedManifest {
-        /// The backup folder.
-        folder: PathBuf,
+        /// The list.
+        path: PathBuf,
         /// What is wrong.
         detail: String,
+        /// Lists that can be restored, in words.
+        others: String,
+    },
+    /// The list names what would not lie in the restored folder.
+    #[error("{}: the list names {count} files that would not lie in the restored folder: {first}. No `ieap backup` writes such a list: it was changed. Nothing was written. If the campaign is still there, `ieap backup` into the same folder writes a new list. If it is not, `ieap restore --damaged` restores the other files and lists these.{others}", path.display())]
+    OutOfPlace {
+        /// The list.
+        path: PathBuf,
+        /// How many files.
+        count: usize,
+        /// The first of them, with the reason.
+        first: String,
+        /// Lists that can be restored, in words.
+        others: String,
     },
     /// Files of the backup are missing or have other bytes.
-    #[error("{}: {count} of its files are missing or damaged: {first}. Nothing was restored. If the campaign is still there, `ieap backup --deep` into the same folder mends them. If it is not, `ieap restore --damaged` restores what is whole and lists the rest.", folder.display())]
+    #[error("{}: {count} of its files are missing or damaged: {first}. Nothing was restored. If the campaign is still there, `ieap backup --deep` into the same folder mends them. If it is not, `ieap restore --damaged` restores what is whole and lists the rest.{others}", folder.display())]
     Damaged {
         /// The backup folder.
         folder: PathBuf,
@@ -76,12 +92,16 @@ pub enum BackupError {
         count: usize,
         /// The first of them, by the names that they have in the campaign.
         first: String,
+        /// Lists that can be restored, in words.
+        others: String,
     },
     /// The new folder is not empty.
-    #[error("{}: is not empty, and nothing in it was touched. Name a folder that does not exist yet.", folder.display())]
+    #[error("{}: {found}, and nothing in it was touched. Name a folder that does not exist yet.", folder.display())]
     NotEmpty {
         /// The folder named.
         folder: PathBuf,
+        /// What it is.
+        found: &'static str,
     },
     /// What was restored is not what was backed up.
     #[error("what was restored does not hold: {detail}. It was removed again; the backup was not touched.")]
@@ -92,6 +112,19 @@ pub enum BackupError {
 }
 
 impl BackupError {
+    /// The same with what else can be restored.
+    pub(super) fn with_others(mut self, said: String) -> BackupError {
+        use BackupError as E;
+        if let E::NoBackup { others, .. }
+        | E::DamagedManifest { others, .. }
+        | E::OutOfPlace { others, .. }
+        | E::Damaged { others, .. } = &mut self
+        {
+            *others = said;
+        }
+        self
+    }
+
     /// Whether the user named a wrong folder, rather than a disk or a database being at fault.
     pub fn is_usage(&self) -> bool {
         use BackupError as E;

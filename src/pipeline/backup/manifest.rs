@@ -1,5 +1,6 @@
-//! What a backup holds: `backup.json`, written last. A folder without one is no backup, or one that was never finished.
+//! What a backup holds: its list, written last. A folder without one is no backup, or one that was never finished.
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
 
@@ -7,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::error::BackupError;
+use super::journal::JOURNAL;
 use crate::pipeline::PipelineError;
-use crate::pipeline::whole_file::put_bytes;
 use crate::system::fs;
 
-/// Name of the file inside the backup.
+/// Name of the newest list inside the backup.
 pub const FILE_NAME: &str = "backup.json";
 /// Schema of the document.
 const SCHEMA: &str = "ieap/backup-contents/1";
@@ -25,6 +26,9 @@ pub struct Manifest {
     pub campaign: String,
     /// Id of the database.
     pub database_id: String,
+    /// Its number among the lists of the backup; 0 of one that an earlier version of the program wrote.
+    #[serde(default)]
+    pub number: u64,
     /// When it was made, RFC 3339 UTC.
     pub made_at: String,
     /// Program that made it.
@@ -67,6 +71,8 @@ pub struct Head {
     pub campaign: String,
     /// Id of the database.
     pub database_id: String,
+    /// Its number among the lists of the backup.
+    pub number: u64,
     /// When the backup is made, RFC 3339 UTC.
     pub made_at: String,
     /// Number of changes of the database.
@@ -80,6 +86,7 @@ impl Manifest {
             schema: SCHEMA.to_owned(),
             campaign: head.campaign,
             database_id: head.database_id,
+            number: head.number,
             made_at: head.made_at,
             program: format!("ieap {}", crate::pipeline::CODE_VERSION),
             changes: head.changes,
@@ -89,13 +96,13 @@ impl Manifest {
         }
     }
 
-    /// Reads that of the backup in `folder`; none where there is none.
+    /// Reads that of the name `path`; none where there is none.
     ///
     /// # Errors
     /// It cannot be read, or is damaged.
-    pub fn read(folder: &Path) -> Result<Option<Manifest>, PipelineError> {
-        let path = folder.join(FILE_NAME);
-        let text = match fs::read(&path) {
+    pub fn read(path: &Path) -> Result<Option<Manifest>, PipelineError> {
+        let path = path.to_owned();
+        let text = match fs::read_own(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(source) => {
@@ -107,16 +114,31 @@ impl Manifest {
             }
         };
         parsed(&text).map(Some).map_err(|detail| {
-            let folder = folder.to_owned();
-            BackupError::DamagedManifest { folder, detail }.into()
+            let others = String::new();
+            BackupError::DamagedManifest { path, detail, others }.into()
         })
     }
 
-    /// Writes it in one step, safe on the disk: from here on the backup is the new one.
+    /// Hashes of the files that it names.
+    pub fn hashes(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|file| file.blake3.as_str())
+    }
+
+    /// Those of files that a backup may give back to the disk when no list names them. Raw files of the archive stay: nothing
+    /// removes one, and one that the campaign lost is here.
+    pub fn hashes_to_forget(&self) -> impl Iterator<Item = &str> {
+        let is_raw = |file: &&StoredFile| file.path.starts_with("archive/") && file.path != JOURNAL;
+        let raw: BTreeSet<&str> = (self.files.iter().filter(is_raw))
+            .map(|file| file.blake3.as_str())
+            .collect();
+        self.hashes().filter(move |hash| !raw.contains(hash))
+    }
+
+    /// Its text.
     ///
     /// # Errors
-    /// The disk refuses.
-    pub fn write(&self, folder: &Path) -> Result<(), PipelineError> {
+    /// A fault of the program.
+    pub fn text(&self) -> Result<String, PipelineError> {
         let internal = |error: serde_json::Error| PipelineError::Fault {
             step: "writing what the backup holds".to_owned(),
             reason: error.to_string(),
@@ -124,7 +146,7 @@ impl Manifest {
         let backup = serde_json::to_value(self).map_err(internal)?;
         let document = serde_json::json!({ "checksum": checksum(&backup), "backup": backup });
         let text = serde_json::to_string_pretty(&document).map_err(internal)?;
-        put_bytes(&folder.join(FILE_NAME), true, format!("{text}\n").as_bytes())
+        Ok(format!("{text}\n"))
     }
 }
 
@@ -162,6 +184,7 @@ mod tests {
         let head = Head {
             campaign: "c".to_owned(),
             database_id: "d".to_owned(),
+            number: 3,
             made_at: "2026-01-01T00:00:00Z".to_owned(),
             changes: u64::MAX,
         };
@@ -176,16 +199,16 @@ mod tests {
     #[test]
     fn what_was_written_is_read_and_any_flipped_byte_is_noticed() {
         let folder = tempfile::tempdir().unwrap();
-        assert_eq!(Manifest::read(folder.path()).unwrap(), None);
-        manifest().write(folder.path()).unwrap();
-        assert_eq!(Manifest::read(folder.path()).unwrap(), Some(manifest()));
         let path = folder.path().join(FILE_NAME);
-        let sound = fs::read(&path).unwrap();
+        assert_eq!(Manifest::read(&path).unwrap(), None);
+        fs::write(&path, manifest().text().unwrap()).unwrap();
+        assert_eq!(Manifest::read(&path).unwrap(), Some(manifest()));
+        let sound = fs::read_own(&path).unwrap();
         for at in 0..sound.len() {
             let mut flipped = sound.clone();
             flipped[at] ^= 1;
             fs::write(&path, &flipped).unwrap();
-            let read = Manifest::read(folder.path());
+            let read = Manifest::read(&path);
             // A blank between two words of JSON may become another one.
             assert!(read.is_err() || read.unwrap() == Some(manifest()), "byte {at}");
         }

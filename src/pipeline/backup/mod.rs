@@ -1,12 +1,17 @@
 //! Backups: a copy of a campaign in a folder elsewhere, made while everything runs, and restored into a new folder.
 //!
 //! All bytes but those of the database lie under their hashes, so that a second backup copies what is new and nothing can
-//! be half-changed: the list of what belongs to the backup, written last and in one step, is the backup. The database is
-//! copied first: the archive holds whatever it names, since raw files are archived before the database names them.
+//! be half-changed: the list of what belongs to the backup, written last and in one step, is the backup. The lists before it
+//! stay, and what they name: a new backup takes nothing away that can still be needed. The database is copied first: the
+//! archive holds whatever it names, since raw files are archived before the database names them.
 
 mod contents;
 mod error;
+mod journal;
+mod lists;
+mod making;
 pub mod manifest;
+mod place;
 mod restore;
 mod shelf;
 
@@ -17,19 +22,21 @@ use serde::Serialize;
 
 use super::context::now;
 use super::{Context, Observer, PipelineError};
-use crate::ingest::archive::{self, Archive, FOLDER};
+use crate::ingest::archive::{self, Archive};
 use crate::numerics::interrupt;
 use crate::store::{Found, Store, found};
 use crate::system::fs;
-use contents::{Wanted, listed, reason};
+use contents::{Omitted, Wanted, listed, reason};
+use lists::Lists;
 use manifest::{Head, LeftOut, Manifest, StoredFile};
-use shelf::{DATABASE, Shelf, UNFINISHED, failed, hash_of, sync_names};
+use place::place;
+use shelf::{DATABASE, Shelf, UNFINISHED, failed};
 
 pub use error::BackupError;
 pub use restore::{Restore, Restored};
 
-/// What no file holds, one JSON document a line, inside the archive: it is only ever appended to.
-const JOURNAL: &str = "journal.jsonl";
+/// Lists that stay unless the user says otherwise, the new one counted: a week of evenings. Each costs a copy of the database.
+pub const KEEP: usize = 7;
 /// Largest file that is read into a backup, bytes: none that is taken in is larger.
 const LARGEST_FILE_BYTES: u64 = 1 << 30;
 
@@ -40,6 +47,8 @@ pub struct Backup {
     pub folder: PathBuf,
     /// Whether every file that is there already is read and held against its hash; a damaged one is copied again.
     pub deep: bool,
+    /// How many lists stay, the new one counted; at least one.
+    pub keep: usize,
 }
 
 /// What `backup` did.
@@ -59,8 +68,14 @@ pub struct BackedUp {
     pub copied_bytes: u64,
     /// Files of the backup that were damaged and are whole again.
     pub mended: usize,
-    /// What is not in the backup, with the reason.
+    /// Its list, which is kept beside `backup.json`.
+    pub list: String,
+    /// Lists of backups before it that can be restored, the newest first.
+    pub earlier: Vec<String>,
+    /// What is not in the backup as it is now, with the reason.
     pub left_out: Vec<LeftOut>,
+    /// Lists of backups before it that are damaged, or of which files are lost.
+    pub damaged: Vec<LeftOut>,
 }
 
 impl Backup {
@@ -76,47 +91,46 @@ impl Backup {
             .into());
         }
         let mut shelf = Shelf::open(&self.folder, &context.folder, &context.store.identity()?)?;
-        // A damaged list is written anew; what it named is held against its hash below.
-        let earlier = Manifest::read(&self.folder).ok().flatten();
+        let before = Lists::numbered(&self.folder)?;
+        let earlier = before.whole.first().map(|(_, list)| list);
         let damaged = match self.deep {
             true => shelf.check_all()?,
             false => Vec::new(),
         };
         let (database, copy) = self.copy_database(context, observer)?;
-        let mut left_out = Vec::new();
-        let mut files = raw_files(context, &copy, &mut shelf, observer, &mut left_out)?;
-        files.extend(journal(context, &mut shelf)?);
-        for wanted in listed(context, &copy, &mut left_out)? {
-            interrupt::check();
-            files.extend(kept(context, &wanted, &mut shelf, &mut left_out)?);
-        }
-        shelf.write()?;
-        files.sort_by(|a, b| a.path.cmp(&b.path));
-        left_out.sort();
-        let made_at = now();
+        let (files, left_out) = gathered(context, &copy, earlier, &mut shelf, observer)?;
         let head = Head {
             campaign: context.campaign.id.clone(),
             database_id: copy.identity()?,
-            made_at: made_at.clone(),
+            number: before.next_number(),
+            made_at: now(),
             changes: copy.changes()?.0,
         };
         drop(copy);
         let manifest = Manifest::of(head, database, files, left_out);
-        // Its names before the list that speaks of them.
-        let synced = || sync_names(&self.folder).map_err(failed(&self.folder, "bringing it to the disk"));
-        synced()?;
-        manifest.write(&self.folder)?;
-        synced()?;
-        shelf.forget(&manifest.database.path, forgotten(earlier.as_ref(), &manifest))?;
+        let list = lists::put(&manifest, &self.folder)?;
+        // From here on the backup is the new one.
+        let mut lists = Lists::of(&self.folder)?;
+        lists.keep(self.keep.max(1), &self.folder, &shelf)?;
+        lists.look_for_losses(&shelf, self.deep);
+        let is_lost = |name: &String| lists.damaged.iter().any(|lost| lost.path == *name);
+        let others = lists
+            .whole
+            .iter()
+            .map(|(name, _)| name)
+            .filter(|name| **name != list);
         Ok(BackedUp {
             folder: self.folder.clone(),
-            made_at,
+            made_at: manifest.made_at,
             files: manifest.files.len(),
             database_bytes: manifest.database.size_bytes,
             copied: shelf.copied.0,
             copied_bytes: shelf.copied.1,
             mended: shelf.count_of(&damaged),
+            earlier: others.filter(|name| !is_lost(name)).cloned().collect(),
+            list,
             left_out: manifest.left_out,
+            damaged: lists.damaged,
         })
     }
 
@@ -135,7 +149,7 @@ impl Backup {
         let copied = context.store.copy_to(&unfinished, &reach);
         observer.end();
         copied?;
-        let file = fs::File::open(&unfinished).map_err(failed(&unfinished, "opening"))?;
+        let file = fs::File::open_own(&unfinished).map_err(failed(&unfinished, "opening"))?;
         file.sync_all()
             .map_err(failed(&unfinished, "bringing it to the disk"))?;
         let wrong = Store::open_copy(&unfinished)?.check_all()?;
@@ -144,7 +158,8 @@ impl Backup {
             let folder = self.folder.clone();
             return Err(BackupError::DatabaseDamaged { folder, detail }.into());
         }
-        let (blake3, size_bytes) = hash_of(&unfinished).map_err(failed(&unfinished, "reading"))?;
+        let (blake3, size_bytes) =
+            archive::hash_of_file(&unfinished).map_err(failed(&unfinished, "reading"))?;
         let name = format!("{DATABASE}{blake3}");
         let path = self.folder.join(&name);
         fs::rename(&unfinished, &path).map_err(failed(&path, "naming"))?;
@@ -156,6 +171,35 @@ impl Backup {
         };
         Ok((stored, Store::open_copy(&path)?))
     }
+}
+
+/// Copies every file that is not there yet; gives what the list names, and what it does not.
+fn gathered(
+    context: &Context,
+    copy: &Store,
+    earlier: Option<&Manifest>,
+    shelf: &mut Shelf,
+    observer: &dyn Observer,
+) -> Result<(Vec<StoredFile>, Vec<LeftOut>), PipelineError> {
+    let mut omitted = Omitted::default();
+    let mut files = raw_files(context, copy, shelf, observer, &mut omitted.unread)?;
+    files.extend(journal::kept(context, copy, earlier, shelf, &mut omitted.never)?);
+    for wanted in listed(context, copy, &mut omitted)? {
+        interrupt::check();
+        files.extend(kept(context, &wanted, shelf, &mut omitted.unread)?);
+    }
+    shelf.write()?;
+    files.extend(omitted.of_earlier(earlier, &files, shelf));
+    // What could not be restored everywhere is no part of a backup.
+    files.retain(|file| match place(&file.path) {
+        Ok(_) => true,
+        Err(why) => {
+            omitted.never.push(reason(&file.path, why));
+            false
+        }
+    });
+    files.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok((files, omitted.sorted()))
 }
 
 /// Copies raw files that are not there yet: those of the archive, and those that the database names. One that the archive
@@ -203,30 +247,6 @@ fn raw_files(
     Ok(files)
 }
 
-/// The journal as far as its lines are whole: it is appended to meanwhile, and read after the database was copied, so that
-/// it holds whatever the database does.
-fn journal(context: &Context, shelf: &mut Shelf) -> Result<Option<StoredFile>, PipelineError> {
-    let path = context.folder.join(FOLDER).join(JOURNAL);
-    let mut bytes = match fs::read(&path) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(source) => return Err(failed(&path, "reading")(source)),
-    };
-    let whole = bytes
-        .iter()
-        .rposition(|byte| *byte == b'\n')
-        .map_or(0, |at| at + 1);
-    bytes.truncate(whole);
-    let stored = StoredFile {
-        path: format!("{FOLDER}/{JOURNAL}"),
-        size_bytes: bytes.len() as u64,
-        blake3: archive::hash(&bytes),
-        modified_ns: 0,
-    };
-    shelf.keep(stored.blake3.clone(), bytes, &path)?;
-    Ok(Some(stored))
-}
-
 /// Copies a file that people wrote or measured; none where it cannot be read now.
 fn kept(
     context: &Context,
@@ -258,21 +278,4 @@ fn kept(
             Ok(None)
         }
     }
-}
-
-/// Hashes that the earlier list named, and this one does not.
-fn forgotten(earlier: Option<&Manifest>, now: &Manifest) -> impl Iterator<Item = String> {
-    let named: BTreeSet<&String> = now.files.iter().map(|file| &file.blake3).collect();
-    let before = earlier.into_iter().flat_map(|earlier| &earlier.files);
-    // Raw files of the archive stay: nothing removes one, and one that is lost is here.
-    let archived: BTreeSet<&String> = (earlier.iter().flat_map(|earlier| &earlier.files))
-        .filter(|file| file.path.starts_with(&format!("{FOLDER}/")) && !file.path.ends_with(JOURNAL))
-        .map(|file| &file.blake3)
-        .collect();
-    let gone: BTreeSet<String> = before
-        .map(|file| &file.blake3)
-        .filter(|hash| !named.contains(hash) && !archived.contains(hash))
-        .cloned()
-        .collect();
-    gone.into_iter()
 }

@@ -1,16 +1,22 @@
 //! Restores a backup into a new folder, and tries what was restored before it gets its name.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use serde::Serialize;
 
+use super::contents::reason;
 use super::error::BackupError;
+#[cfg(unix)]
+use super::journal::JOURNAL;
+use super::lists;
+use super::making::Making;
 use super::manifest::{LeftOut, Manifest, StoredFile};
-use super::shelf::{failed, hash_of, sync_names};
-use crate::ingest::archive::Archive;
-use crate::ingest::scan::parse_display_path;
+use super::place::place;
+use super::shelf::{DATABASE, failed, is_database};
+use crate::ingest::archive::{Archive, hash_of_file};
 use crate::pipeline::status::{self, Status};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FILE_NAME as DATABASE_NAME;
@@ -19,7 +25,7 @@ use crate::system::fs;
 /// The verb `restore`.
 #[derive(Debug, Clone)]
 pub struct Restore {
-    /// Folder of the backup.
+    /// Folder of the backup, or one of the lists in it.
     pub backup: PathBuf,
     /// Folder of the campaign to be: not there yet, or empty.
     pub folder: PathBuf,
@@ -52,29 +58,51 @@ impl Restore {
     /// There is no backup, it is damaged, the new folder is not empty, the result does not hold, or a disk refuses.
     /// Nothing is left then.
     pub fn run(&self, observer: &dyn Observer) -> Result<Restored, PipelineError> {
-        let Some(manifest) = Manifest::read(&self.backup)? else {
+        let (backup, list) = lists::meant(&self.backup);
+        self.restored(&backup, &list, observer)
+            .map_err(|error| match error {
+                PipelineError::Backup(error) => error.with_others(lists::others(&backup, &list)).into(),
+                error => error,
+            })
+    }
+
+    fn restored(
+        &self,
+        backup: &Path,
+        list: &Path,
+        observer: &dyn Observer,
+    ) -> Result<Restored, PipelineError> {
+        let Some(manifest) = Manifest::read(list)? else {
             return Err(BackupError::NoBackup {
                 folder: self.backup.clone(),
+                others: String::new(),
             }
             .into());
         };
+        // Before anything is written.
+        let (placed, mut lost) = places(&manifest);
+        if let (false, Some(first)) = (self.damaged, lost.first()) {
+            return Err(BackupError::OutOfPlace {
+                path: list.to_owned(),
+                count: lost.len(),
+                first: told(first),
+                others: String::new(),
+            }
+            .into());
+        }
         refuse_filled(&self.folder)?;
-        let parent = std::path::absolute(&self.folder)
-            .ok()
-            .and_then(|path| path.parent().map(Path::to_owned))
-            .unwrap_or_else(|| PathBuf::from("."));
-        fs::create_dir_all(&parent).map_err(failed(&parent, "making the folder"))?;
-        // It goes again where anything fails.
-        let making = tempfile::Builder::new()
-            .prefix(".ieap-restoring-")
-            .tempdir_in(&parent)
-            .map_err(failed(&parent, "making a folder"))?;
-        let mut lost = self.copy_all(&manifest, making.path(), observer)?;
+        let making = self.begin()?;
+        lost.extend(copy_all(backup, &placed, making.path(), observer)?);
+        if !lost.iter().any(|lost| lost.path == DATABASE_NAME) {
+            lost.extend(copy_database(backup, &manifest.database, making.path())?);
+        }
+        observer.end();
         if let (false, Some(first)) = (self.damaged, lost.first()) {
             return Err(BackupError::Damaged {
-                folder: self.backup.clone(),
+                folder: backup.to_owned(),
                 count: lost.len(),
-                first: format!("{} ({})", first.path, first.reason),
+                first: told(first),
+                others: String::new(),
             }
             .into());
         }
@@ -88,7 +116,8 @@ impl Restore {
             false => None,
         };
         sync(making.path());
-        self.put(making)?;
+        let placed = making.put(&self.folder);
+        placed.map_err(failed(&self.folder, "putting the restored campaign in place"))?;
         Ok(Restored {
             folder: self.folder.clone(),
             files,
@@ -99,94 +128,105 @@ impl Restore {
         })
     }
 
-    /// Copies every file; gives those that are not as they were backed up.
-    fn copy_all(
-        &self,
-        manifest: &Manifest,
-        into: &Path,
-        observer: &dyn Observer,
-    ) -> Result<Vec<LeftOut>, PipelineError> {
-        let archive = Archive::new(&self.backup);
-        let mut lost = Vec::new();
-        observer.begin("restoring", manifest.files.len() as u64 + 1);
-        for file in &manifest.files {
-            crate::numerics::interrupt::check();
-            match archive.read(&file.blake3) {
-                Ok(bytes) => write(into, file, &bytes)?,
-                Err(error) => lost.push(LeftOut {
-                    path: file.path.clone(),
-                    reason: error.to_string(),
-                }),
-            }
-            observer.advance();
-        }
-        lost.extend(self.copy_database(&manifest.database, into)?);
-        observer.end();
-        Ok(lost)
-    }
-
-    fn copy_database(&self, database: &StoredFile, into: &Path) -> Result<Option<LeftOut>, PipelineError> {
-        let (from, to) = (self.backup.join(&database.path), into.join(DATABASE_NAME));
-        let lost = |reason: String| {
-            Some(LeftOut {
-                path: DATABASE_NAME.to_owned(),
-                reason,
-            })
-        };
-        if let Err(error) = fs::metadata(&from) {
-            return Ok(lost(format!("{}: {error}", database.path)));
-        }
-        fs::copy(&from, &to).map_err(failed(&to, "copying the database"))?;
-        let (found, _) = hash_of(&to).map_err(failed(&to, "reading what was copied"))?;
-        match found == database.blake3 {
-            true => Ok(None),
-            false => {
-                fs::remove_file(&to).map_err(failed(&to, "removing"))?;
-                Ok(lost(format!("{}: its bytes hash to {found}", database.path)))
-            }
-        }
-    }
-
-    /// Gives the folder its name.
-    fn put(&self, making: tempfile::TempDir) -> Result<(), PipelineError> {
-        let failed = failed(&self.folder, "putting the restored campaign in place");
-        let place = || {
-            readable(making.path())?;
-            if self.folder.exists() {
-                fs::remove_dir(&self.folder)?;
-            }
-            fs::rename(making.path(), &self.folder)?;
-            let above = making.path().parent().unwrap_or(Path::new("."));
-            sync_names(above)
-        };
-        place().map_err(failed)?;
-        // It has another name now, under which nothing removes it.
-        let _ = making.keep();
-        Ok(())
+    /// Makes a folder beside the one to be; it goes again where anything fails.
+    fn begin(&self) -> Result<Making, PipelineError> {
+        let parent = std::path::absolute(&self.folder)
+            .ok()
+            .and_then(|path| path.parent().map(Path::to_owned))
+            .unwrap_or_else(|| PathBuf::from("."));
+        fs::create_dir_all(&parent).map_err(failed(&parent, "making the folder"))?;
+        Making::begin(&parent).map_err(failed(&parent, "making a folder"))
     }
 }
 
-/// Refuses a folder that holds something.
-fn refuse_filled(folder: &Path) -> Result<(), PipelineError> {
-    let is_free = match fs::read_dir(folder) {
-        Ok(mut entries) => entries.next().is_none(),
-        Err(error) => error.kind() == std::io::ErrorKind::NotFound,
-    };
-    match is_free {
-        true => Ok(()),
-        false => Err(BackupError::NotEmpty {
-            folder: folder.to_owned(),
+fn told(left: &LeftOut) -> String {
+    format!("{} ({})", left.path, left.reason)
+}
+
+/// Where each file of a list goes; and those that have no place in a campaign, with the reason.
+fn places(list: &Manifest) -> (Vec<(PathBuf, &StoredFile)>, Vec<LeftOut>) {
+    let (mut placed, mut taken, mut refused) = (Vec::new(), BTreeSet::new(), Vec::new());
+    for file in &list.files {
+        match place(&file.path) {
+            Err(why) => refused.push(reason(&file.path, why)),
+            Ok(path) if !taken.insert(path.clone()) => refused.push(reason(&file.path, "it is named twice")),
+            Ok(path) => placed.push((path, file)),
         }
-        .into()),
     }
+    let database = &list.database;
+    if !is_database(&database.path) || database.path != format!("{DATABASE}{}", database.blake3) {
+        let said = format!("{} is no copy of a database", database.path);
+        refused.push(reason(DATABASE_NAME, &said));
+    }
+    (placed, refused)
+}
+
+/// Copies files; gives those that are not as they were backed up.
+fn copy_all(
+    backup: &Path,
+    placed: &[(PathBuf, &StoredFile)],
+    into: &Path,
+    observer: &dyn Observer,
+) -> Result<Vec<LeftOut>, PipelineError> {
+    let archive = Archive::new(backup);
+    let mut lost = Vec::new();
+    observer.begin("restoring", placed.len() as u64 + 1);
+    for (path, file) in placed {
+        crate::numerics::interrupt::check();
+        match archive.read(&file.blake3) {
+            Ok(bytes) => write(into, path, file, &bytes)?,
+            Err(error) => lost.push(reason(&file.path, &error.to_string())),
+        }
+        observer.advance();
+    }
+    Ok(lost)
+}
+
+/// Copies the database; gives it where it is not as it was backed up.
+fn copy_database(
+    backup: &Path,
+    database: &StoredFile,
+    into: &Path,
+) -> Result<Option<LeftOut>, PipelineError> {
+    let (from, to) = (backup.join(&database.path), into.join(DATABASE_NAME));
+    let lost = |said: String| Ok(Some(reason(DATABASE_NAME, &format!("{}: {said}", database.path))));
+    let mut source = match fs::File::open_own(&from) {
+        Ok(source) => source,
+        Err(error) => return lost(error.to_string()),
+    };
+    let mut options = fs::OpenOptions::own();
+    let copied = options.write(true).create_new(true).open(&to);
+    let copied = copied.and_then(|mut copy| std::io::copy(&mut source, &mut copy));
+    copied.map_err(failed(&to, "copying the database"))?;
+    let (found, _) = hash_of_file(&to).map_err(failed(&to, "reading what was copied"))?;
+    if found == database.blake3 {
+        return Ok(None);
+    }
+    fs::remove_file(&to).map_err(failed(&to, "removing"))?;
+    lost(format!("its bytes hash to {found}"))
+}
+
+/// Refuses a folder that holds something, and what is no folder.
+fn refuse_filled(folder: &Path) -> Result<(), PipelineError> {
+    let found = match fs::symlink_metadata(folder) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Ok(found) if found.is_symlink() => "it is a link to another place",
+        Ok(found) if !found.is_dir() => "it is no folder",
+        _ => match fs::read_dir(folder).map(|mut entries| entries.next().is_none()) {
+            Ok(true) => return Ok(()),
+            _ => "it is not empty",
+        },
+    };
+    let folder = folder.to_owned();
+    Err(BackupError::NotEmpty { folder, found }.into())
 }
 
 /// Writes a file of the campaign, with its time where that is known.
-fn write(into: &Path, file: &StoredFile, bytes: &[u8]) -> Result<(), PipelineError> {
-    let path = into.join(parse_display_path(&file.path));
+fn write(into: &Path, place: &Path, file: &StoredFile, bytes: &[u8]) -> Result<(), PipelineError> {
+    let path = into.join(place);
     let write = || {
         fs::create_dir_all(path.parent().unwrap_or(into))?;
-        let mut options = fs::OpenOptions::new();
+        let mut options = fs::OpenOptions::own();
         options.write(true).create_new(true);
         #[cfg(unix)]
         if is_raw(&file.path) {
@@ -205,7 +245,7 @@ fn write(into: &Path, file: &StoredFile, bytes: &[u8]) -> Result<(), PipelineErr
 
 #[cfg(unix)]
 fn is_raw(path: &str) -> bool {
-    path.starts_with("archive/") && !path.ends_with(super::JOURNAL)
+    path.starts_with("archive/") && path != JOURNAL
 }
 
 /// Opens what was restored and looks it through; gives the number of current runs.
@@ -242,10 +282,7 @@ fn drill(
     });
     for raw in unknown {
         match damaged {
-            true => lost.push(super::contents::reason(
-                &raw.path,
-                "its raw file is not in the archive",
-            )),
+            true => lost.push(reason(&raw.path, "its raw file is not in the archive")),
             false => return Err(fails(format!("the raw file of {} is not in the archive", raw.path)).into()),
         }
     }
@@ -266,16 +303,4 @@ fn sync(folder: &Path) {
     }
     #[cfg(not(target_os = "linux"))]
     let _ = folder;
-}
-
-/// Gives a temporary folder, which is its owner's alone, the rights of any other.
-#[cfg(unix)]
-fn readable(folder: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))
-}
-
-#[cfg(not(unix))]
-fn readable(_folder: &Path) -> std::io::Result<()> {
-    Ok(())
 }

@@ -1,12 +1,13 @@
 //! The folder of a backup: bytes under their hashes, as an archive keeps them, and copies of the database.
 
-use std::collections::BTreeMap;
-use std::io::{self, Read};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::error::BackupError;
-use super::manifest;
-use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming};
+use super::lists;
+use super::manifest::{self, StoredFile};
+use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, hash_of_file, is_hash};
 use crate::pipeline::PipelineError;
 use crate::store::InstanceLock;
 use crate::system::fs;
@@ -149,19 +150,41 @@ impl Shelf {
         Ok(())
     }
 
-    /// Removes what only earlier backups named: copies of the database, and files that people have changed since.
+    /// The bytes with that hash, checked.
+    ///
+    /// # Errors
+    /// They are not there, damaged, or cannot be read.
+    pub fn read(&self, hash: &str) -> Result<Vec<u8>, PipelineError> {
+        Ok(self.archive.read(hash)?)
+    }
+
+    /// Whether a copy of the database is there; looked at is its size, and asked for deeply its bytes.
+    pub fn holds_database(&self, database: &StoredFile, deep: bool) -> bool {
+        let path = self.folder.join(&database.path);
+        let is_there = fs::symlink_metadata(&path)
+            .is_ok_and(|found| found.is_file() && found.len() == database.size_bytes);
+        is_there && (!deep || hash_of_file(&path).is_ok_and(|(hash, _)| hash == database.blake3))
+    }
+
+    /// Removes bytes that no list names.
     ///
     /// # Errors
     /// The disk refuses.
-    pub fn forget(&self, database: &str, hashes: impl Iterator<Item = String>) -> Result<(), PipelineError> {
-        for hash in hashes.filter(|hash| self.there.contains_key(hash)) {
-            let path = self.archive.find(&hash)?;
+    pub fn forget<'a>(&self, hashes: impl Iterator<Item = &'a str>) -> Result<(), PipelineError> {
+        let hashes: BTreeSet<&str> = hashes.filter(|hash| self.there.contains_key(*hash)).collect();
+        for hash in hashes {
+            let path = self.archive.find(hash)?;
             fs::remove_file(&path).map_err(failed(&path, "removing"))?;
         }
-        for name in databases(&self.folder)?
-            .into_iter()
-            .filter(|name| name != database)
-        {
+        Ok(())
+    }
+
+    /// Removes copies of the database by their names.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn forget_databases(&self, goes: impl Fn(&str) -> bool) -> Result<(), PipelineError> {
+        for name in databases(&self.folder)?.into_iter().filter(|name| goes(name)) {
             let path = self.folder.join(name);
             fs::remove_file(&path).map_err(failed(&path, "removing"))?;
         }
@@ -180,6 +203,7 @@ fn refuse_other(folder: &Path, is_begun: bool) -> Result<(), PipelineError> {
         let entry = entry.map_err(failed(folder, "looking into it"))?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let ours = is_database(&name)
+            || lists::number_in(&name).is_some()
             || [FOLDER, manifest::FILE_NAME, InstanceLock::FILE_NAME].contains(&name.as_str())
             // Of a list that was cut short, or of a file manager.
             || name.starts_with('.');
@@ -192,11 +216,9 @@ fn refuse_other(folder: &Path, is_begun: bool) -> Result<(), PipelineError> {
 }
 
 /// Whether a name is that of a copy of the database: its hash, or that it is not finished.
-fn is_database(name: &str) -> bool {
+pub(super) fn is_database(name: &str) -> bool {
     let hash = name.strip_prefix(DATABASE);
-    hash.is_some_and(|hash| {
-        hash == UNFINISHED || hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit())
-    })
+    hash.is_some_and(|hash| hash == UNFINISHED || is_hash(hash))
 }
 
 fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
@@ -205,35 +227,6 @@ fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
         .flatten()
         .map(|entry| entry.file_name().to_string_lossy().into_owned());
     Ok(names.filter(|name| is_database(name)).collect())
-}
-
-/// BLAKE3 and size, bytes, of a file, read piece by piece.
-///
-/// # Errors
-/// What the system says.
-pub fn hash_of(path: &Path) -> io::Result<(String, u64)> {
-    let (mut hasher, mut size_bytes) = (blake3::Hasher::new(), 0);
-    let mut file = fs::File::open(path)?;
-    let mut piece = vec![0; 1 << 20];
-    loop {
-        let count = file.read(&mut piece)?;
-        if count == 0 {
-            return Ok((hasher.finalize().to_hex().to_string(), size_bytes));
-        }
-        hasher.update(&piece[..count]);
-        size_bytes += count as u64;
-    }
-}
-
-/// Brings the names in a folder to the disk, where the system can.
-///
-/// # Errors
-/// What the system says.
-pub fn sync_names(folder: &Path) -> io::Result<()> {
-    match cfg!(unix) {
-        true => fs::File::open(folder)?.sync_all(),
-        false => Ok(()),
-    }
 }
 
 pub(super) fn failed(path: &Path, doing: &'static str) -> impl FnOnce(io::Error) -> PipelineError {

@@ -41,7 +41,7 @@ pub fn write_drive(drive: &Drive) -> String {
 }
 
 fn read(path: &Path, column: &'static str) -> Result<Vec<(f64, f64)>, PipelineError> {
-    let text = fs::read_to_string(path).map_err(|source| PipelineError::File {
+    let text = fs::read_text(path).map_err(|source| PipelineError::File {
         path: path.to_owned(),
         doing: "reading",
         source,

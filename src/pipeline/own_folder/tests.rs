@@ -49,7 +49,7 @@ fn whatever_else_lies_in_it_is_named_and_stays() {
         fs::write(&path, "mine").unwrap();
         let refused = put(root.path(), "runs/b.html").unwrap_err();
         assert!(refused.to_string().contains(other), "{refused}");
-        assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+        assert_eq!(fs::read_own_text(&path).unwrap(), "mine");
         assert!(report.join("runs/a.html").exists());
         assert_eq!(
             names(root.path())
@@ -98,7 +98,7 @@ fn a_file_that_comes_while_the_old_folder_is_removed_stays() {
     let root = tempfile::tempdir().unwrap();
     put(root.path(), "runs/a.html").unwrap();
     let report = root.path().join("report");
-    let listed = listed(&report).unwrap();
+    let listed = listed_or_all(&report).unwrap();
     fs::write(report.join("runs/late.txt"), "mine").unwrap();
     remove_listed(&report, &listed).unwrap();
     assert_eq!(names(&report), ["runs", "runs/late.txt"]);
@@ -188,7 +188,7 @@ fn the_new_name_is_on_the_disk_before_the_old_folder_loses_a_file() {
 fn every_path_has_a_folder_that_can_be_waited_for() {
     for (path, parent) in [("report", "."), ("a/report", "a"), ("/report", "/")] {
         assert_eq!(parent_of(Path::new(path)), Path::new(parent));
-        assert!(parent == "a" || sync(Path::new(parent)).is_ok());
+        assert!(parent == "a" || fs::sync_names(parent).is_ok());
     }
 }
 
@@ -202,4 +202,55 @@ fn a_folder_with_a_torn_mark_alone_goes() {
         assert_eq!(remove_leftovers(root.path(), ".report-"), Vec::<PathBuf>::new());
         assert!(!folder.exists(), "{mark:?}");
     }
+}
+
+#[test]
+fn a_file_that_is_not_as_it_was_written_is_found() {
+    let root = tempfile::tempdir().unwrap();
+    put(root.path(), "runs/a.html").unwrap();
+    let report = root.path().join("report");
+    assert!(is_hashed(&report) && altered(&report).unwrap().is_empty());
+    let path = report.join("runs/a.html");
+    fs::write(&path, "runs/b.html").unwrap();
+    let found = |what| vec![("runs/a.html".to_owned(), what)];
+    assert_eq!(altered(&report).unwrap(), found(Altered::Changed));
+    fs::remove_file(&path).unwrap();
+    assert_eq!(altered(&report).unwrap(), found(Altered::Missing));
+    fs::create_dir(&path).unwrap();
+    assert!(matches!(altered(&report).unwrap()[0].1, Altered::Unreadable(_)));
+    // As an earlier version wrote it: whether it is the same nobody knows.
+    fs::remove_dir(&path).unwrap();
+    fs::write(&path, "anything").unwrap();
+    fs::write(report.join(WRITTEN), "runs/a.html\n").unwrap();
+    assert!(!is_hashed(&report) && altered(&report).unwrap().is_empty());
+    put(root.path(), "runs/a.html").unwrap();
+}
+
+/// Refuses to read the list of a folder.
+struct NoList;
+
+impl World for NoList {
+    fn before(&self, call: &Call<'_>) -> io::Result<()> {
+        match call.kind == Kind::Read && call.path.ends_with(WRITTEN) {
+            true => Err(io::Error::from_raw_os_error(5)),
+            false => Ok(()),
+        }
+    }
+
+    fn after(&self, _call: &Call<'_>) {}
+
+    fn now(&self) -> std::time::SystemTime {
+        std::time::SystemTime::now()
+    }
+}
+
+/// It was told as files that somebody else wrote and that are to be moved out.
+#[test]
+fn a_list_that_the_disk_does_not_give_is_an_error_of_the_disk() {
+    let root = tempfile::tempdir().unwrap();
+    put(root.path(), "a.html").unwrap();
+    let refused = within(Arc::new(NoList), || put(root.path(), "b.html")).unwrap_err();
+    assert!(matches!(refused, PipelineError::File { .. }), "{refused}");
+    assert!(refused.to_string().contains(WRITTEN), "{refused}");
+    put(root.path(), "b.html").unwrap();
 }

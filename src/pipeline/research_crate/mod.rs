@@ -58,7 +58,7 @@ impl ExportCrate {
     /// campaign.toml has no `[publication]` with a licence and an author; the disk refuses.
     pub fn run(&self, context: &Context) -> Result<CrateSummary, PipelineError> {
         let path = context.folder.join(campaign_file::FILE_NAME);
-        let text = fs::read_to_string(&path).map_err(|source| PipelineError::File {
+        let text = fs::read_stated_text(&path).map_err(|source| PipelineError::File {
             path: path.clone(),
             doing: "reading",
             source,

@@ -7,8 +7,8 @@ use super::{Part, counted};
 use crate::domain::{AskedFit, Issue, RunWord};
 use crate::pipeline::rebuild::what_is_wrong;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::HandTag;
 use crate::store::journal::{self, Entry, Found};
+use crate::store::{HandTag, Store};
 
 /// Name of the part.
 const NAME: &str = "journal";
@@ -64,9 +64,22 @@ fn of_lines(found: Option<&Found>) -> Part {
 }
 
 fn differences(context: &Context) -> Result<Vec<Issue>, PipelineError> {
-    let stored = context.store.journal_entries()?;
+    let found = || Ok(journal::read(&context.folder)?.unwrap_or_default());
+    against(found, &context.store)
+}
+
+/// What a journal lacks of what a database says, and the words of it that the database does not know.
+///
+/// # Errors
+/// One of them cannot be read.
+pub fn against(
+    found: impl FnOnce() -> Result<Found, PipelineError>,
+    store: &Store,
+) -> Result<Vec<Issue>, PipelineError> {
+    let stored = store.journal_entries()?;
     let stored = Told::of(stored.iter().map(|(_, entry)| entry));
-    let lines = journal::read(&context.folder)?.unwrap_or_default().lines;
+    // After the database: it is said there first.
+    let lines = found()?.lines;
     Ok(Told::of(lines.iter().map(|line| &line.entry)).against(&stored))
 }
 

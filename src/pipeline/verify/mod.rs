@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::{Context, Observer, PipelineError};
 use crate::domain::{Issue, Severity};
+pub(super) use journal::against as journal_against;
 pub(super) use weekly::Weekly;
 
 /// The verb `verify`.

@@ -1,11 +1,12 @@
-//! The report: whether it is whole, and made from what the database says now.
+//! The report: whether it is as it was written, and made from what the database says now.
 
 use super::Part;
 use crate::domain::Issue;
+use crate::pipeline::own_folder::{self, Altered};
 use crate::pipeline::report::{REPORT_FOLDER, is_current, not_ours, report_faults};
-use crate::pipeline::{Context, PipelineError, own_folder};
+use crate::pipeline::{Context, PipelineError};
 
-/// Holds it against its list of files and its stamp.
+/// Holds it against the hashes of its files and its stamp.
 ///
 /// # Errors
 /// The database or the folder cannot be read.
@@ -19,14 +20,26 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
     if !folder.exists() {
         return Ok(part("there is none", Vec::new()));
     }
-    let mut findings: Vec<Issue> = own_folder::missing(&folder)
-        .into_iter()
-        .map(|name| {
-            Issue::error("report-file-missing", "it was written and is not there")
-                .at(format!("{REPORT_FOLDER}/{name}"))
-                .mend("`ieap report --again` writes the report anew")
-        })
-        .collect();
+    let altered = own_folder::altered(&folder).map_err(|source| PipelineError::File {
+        path: folder.clone(),
+        doing: "looking whether it is as it was written",
+        source,
+    })?;
+    let of_file = |(name, found): (String, Altered)| {
+        let issue = match found {
+            Altered::Missing => Issue::error("report-file-missing", "it was written and is not there"),
+            Altered::Changed => {
+                Issue::error("report-file-changed", "its bytes are not those that were written")
+            }
+            Altered::Unreadable(reason) => {
+                Issue::error("report-file-unreadable", format!("it cannot be read: {reason}"))
+            }
+        };
+        issue
+            .at(format!("{REPORT_FOLDER}/{name}"))
+            .mend("`ieap report` writes the report anew")
+    };
+    let mut findings: Vec<Issue> = altered.into_iter().map(of_file).collect();
     if let Some(refused) = not_ours(&context.folder)? {
         findings.push(Issue::error("report-foreign-file", refused));
     }
@@ -39,5 +52,8 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
         let out_of_date = "it was made from an earlier state of the database or of campaign.toml";
         findings.push(Issue::note("report-out-of-date", out_of_date).mend("`ieap report` writes it anew"));
     }
-    Ok(part("list of its files, stamp", findings))
+    Ok(part(
+        "its files against the hashes of what was written, stamp",
+        findings,
+    ))
 }

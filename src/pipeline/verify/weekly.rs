@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::quick;
 use crate::domain::Issue;
-use crate::pipeline::whole_file::put_bytes;
+use crate::pipeline::whole_file::put_own;
 use crate::pipeline::{Context, PipelineError};
 use crate::system::fs;
 
@@ -34,14 +34,14 @@ impl Weekly {
     /// # Errors
     /// The archive cannot be looked through, or the time cannot be written down.
     pub fn look(&self, context: &Context, now: jiff::Timestamp) -> Result<Option<Vec<Issue>>, PipelineError> {
-        let text = fs::read_to_string(&self.file).unwrap_or_default();
+        let text = fs::read_own_text(&self.file).unwrap_or_default();
         let last: Option<jiff::Timestamp> = text.trim().parse().ok();
         let since = last.and_then(|last| Duration::try_from(now.duration_since(last)).ok());
         if since.is_some_and(|since| since < WEEK) {
             return Ok(None);
         }
         let found = quick(context)?;
-        put_bytes(&self.file, true, format!("{now}\n").as_bytes())?;
+        put_own(&self.file, format!("{now}\n").as_bytes())?;
         Ok(Some(found))
     }
 }
@@ -49,6 +49,7 @@ impl Weekly {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::whole_file::put_bytes;
 
     #[test]
     fn a_week_passes_between_two_looks_and_what_is_lost_is_found() {
@@ -63,7 +64,7 @@ mod tests {
         // The clock was set back: rather one look more.
         assert_eq!((looked(8), looked(1), looked(2)), (Some(0), Some(0), None));
         let journal = crate::store::journal::path_in(folder.path());
-        put_bytes(&journal, true, b"no line of a journal\n").unwrap();
+        put_own(&journal, b"no line of a journal\n").unwrap();
         assert_eq!(looked(9), Some(1));
     }
 }

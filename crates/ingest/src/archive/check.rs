@@ -95,7 +95,7 @@ impl Archive {
         let Some(path) = self.locate(&wanted.hash)? else {
             return Ok(Some(BlobFault::Missing));
         };
-        Ok(match fs::read(&path) {
+        Ok(match fs::read_own(&path) {
             Err(error) => Some(BlobFault::Unreadable {
                 reason: error.to_string(),
             }),

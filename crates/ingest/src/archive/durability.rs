@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::error::{ArchiveError, sorted};
-use ieap_system::Temporary;
+#[cfg(target_os = "linux")]
 use ieap_system::fs::File;
+use ieap_system::{Temporary, fs};
 
 /// More files or folders than these wait for their file system as a whole. Fewer wait each by itself, which does not
 /// write out what other programs left to be written.
@@ -52,10 +53,9 @@ impl Durability {
         if cfg!(not(unix)) || self.sync_whole(folders.len())? {
             return Ok(());
         }
-        folders.iter().try_for_each(|folder| {
-            let synced = File::open(folder).and_then(|folder| folder.sync_all());
-            synced.map_err(|source| sorted(folder, "sync", 0, source))
-        })
+        let mut folders = folders.iter();
+        folders
+            .try_for_each(|folder| fs::sync_names(folder).map_err(|source| sorted(folder, "sync", 0, source)))
     }
 
     /// Waits for the whole file system where so many files are worth it; tells whether it did.

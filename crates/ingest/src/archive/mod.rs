@@ -7,7 +7,7 @@ mod owner;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use ieap_system::{Temporary, fs};
@@ -23,6 +23,9 @@ pub const FOLDER: &str = "archive";
 
 /// Begin of the names of files that are not written to their end yet.
 const PARTIAL: &str = ".part-";
+
+/// Bytes of a file that are in memory while it is hashed.
+const HASHED_BYTES: usize = 256 << 10;
 
 /// Most files that are open at once: systems allow 256 and more.
 const MOST_OPEN: usize = 128;
@@ -63,6 +66,30 @@ pub struct Archived {
 /// BLAKE3 of some bytes, 64 hexadecimal digits.
 pub fn hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
+}
+
+/// BLAKE3 and size, bytes, of a file of the program, read piece by piece.
+///
+/// # Errors
+/// What the system says.
+pub fn hash_of_file(path: &Path) -> io::Result<(String, u64)> {
+    let (mut hasher, mut size_bytes) = (blake3::Hasher::new(), 0);
+    let mut file = fs::File::open_own(path)?;
+    let mut piece = vec![0; HASHED_BYTES];
+    loop {
+        let count = file.read(&mut piece)?;
+        if count == 0 {
+            return Ok((hasher.finalize().to_hex().to_string(), size_bytes));
+        }
+        hasher.update(&piece[..count]);
+        size_bytes += count as u64;
+    }
+}
+
+/// Whether a text can be such a hash.
+pub fn is_hash(text: &str) -> bool {
+    let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
+    text.len() == 64 && text.bytes().all(is_digit)
 }
 
 /// The archive of one campaign.
@@ -145,7 +172,7 @@ impl Archive {
         let folder = self.folder_of(file.hash);
         fs::create_dir_all(&folder).map_err(|source| sorted(&folder, "create", 0, source))?;
         Ok(match self.locate(file.hash)? {
-            Some(path) if fs::read(&path).is_ok_and(|there| hash(&there) == file.hash) => {
+            Some(path) if fs::read_own(&path).is_ok_and(|there| hash(&there) == file.hash) => {
                 (path, Outcome::AlreadyThere)
             }
             Some(path) => (path, Outcome::Repaired),
@@ -162,7 +189,7 @@ impl Archive {
     /// Where they are not there, are damaged, or cannot be read.
     pub fn read(&self, hash_text: &str) -> Result<Vec<u8>, ArchiveError> {
         let path = self.find(hash_text)?;
-        let bytes = fs::read(&path).map_err(|source| sorted(&path, "read", 0, source))?;
+        let bytes = fs::read_own(&path).map_err(|source| sorted(&path, "read", 0, source))?;
         let found = hash(&bytes);
         if found == hash_text {
             Ok(bytes)
@@ -176,8 +203,7 @@ impl Archive {
     /// # Errors
     /// Where it is not there or the folder cannot be read.
     pub fn find(&self, hash: &str) -> Result<PathBuf, ArchiveError> {
-        let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
-        if hash.len() != 64 || !hash.bytes().all(is_digit) {
+        if !is_hash(hash) {
             return Err(ArchiveError::NotAHash {
                 found: hash.to_owned(),
             });

@@ -16,7 +16,7 @@ impl Archive {
     /// Where the file is there and cannot be read.
     pub fn owner(&self) -> Result<Option<String>, ArchiveError> {
         let path = self.campaign.join(FOLDER).join(OWNER);
-        match fs::read_to_string(&path) {
+        match fs::read_own_text(&path) {
             Ok(text) => Ok(text.split_whitespace().next().map(str::to_owned)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(source) => Err(sorted(&path, "read", 0, source)),
@@ -39,12 +39,7 @@ impl Archive {
             .and_then(|()| file.sync_all())
             .map_err(failed)?;
         file.persist(&path).map_err(failed)?;
-        if cfg!(unix) {
-            fs::File::open(&folder)
-                .and_then(|folder| folder.sync_all())
-                .map_err(failed)?;
-        }
-        Ok(())
+        fs::sync_names(&folder).map_err(failed)
     }
 
     /// Whether the archive holds a raw file.

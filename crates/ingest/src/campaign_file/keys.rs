@@ -7,6 +7,9 @@ use super::lines::Lines;
 use super::nearest;
 use ieap_domain::Issue;
 
+/// Code of what is said of a key that nothing reads.
+pub const UNKNOWN_KEY: &str = "unknown-key";
+
 /// Each table with the keys that it may hold.
 const KNOWN: [(&str, &[&str]); 16] = [
     (
@@ -176,5 +179,5 @@ fn warning(key: &str, table: &str, known: &[&str]) -> Issue {
         Some(meant) => format!("write `{meant}` if that is meant"),
         None => format!("known here: {}", known.join(", ")),
     };
-    Issue::warning("unknown-key", message).mend(mend)
+    Issue::warning(UNKNOWN_KEY, message).mend(mend)
 }

@@ -19,6 +19,7 @@ use ieap_domain::{Campaign, Issue};
 use ieap_system::fs;
 
 pub use error::CampaignFileError;
+pub use keys::UNKNOWN_KEY;
 pub(crate) use nearest::nearest;
 pub use publication::{Author, Publication, publication};
 pub use template::template;
@@ -56,7 +57,8 @@ pub fn read(folder: &Path) -> Result<Loaded, CampaignFileError> {
 /// The nearest folder with a campaign.toml: `start` itself or one above it.
 pub fn find(start: &Path) -> Option<PathBuf> {
     let start = fs::canonicalize(start).ok()?;
-    let holds_campaign = |folder: &&Path| folder.join(FILE_NAME).is_file();
+    // Whatever has the name: one that cannot be read is told, not passed by.
+    let holds_campaign = |folder: &&Path| fs::symlink_metadata(folder.join(FILE_NAME)).is_ok();
     start.ancestors().find(holds_campaign).map(Path::to_path_buf)
 }
 
@@ -69,7 +71,7 @@ pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
 }
 
 fn read_text(path: &Path) -> Result<String, CampaignFileError> {
-    let bytes = fs::read(path).map_err(|source| match source.kind() {
+    let bytes = fs::read_stated(path).map_err(|source| match source.kind() {
         std::io::ErrorKind::NotFound => CampaignFileError::Missing { path: path.into() },
         _ => CampaignFileError::Unreadable {
             path: path.into(),

@@ -160,7 +160,7 @@ impl FrameSettings {
 /// It cannot be read, is no TOML, or states what cannot be.
 pub fn of_folder(folder: &Path) -> Result<FrameSettings, FramesError> {
     let path = folder.join(FILE_NAME);
-    let text = match fs::read_to_string(&path) {
+    let text = match fs::read_stated_text(&path) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(FrameSettings::default()),
         Err(source) => return Err(FramesError::Unreadable { path, source }),

@@ -4,7 +4,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use super::{changed_ns, identity, modified_ns};
-use ieap_system::fs::{self, File, Metadata, OpenOptions};
+use ieap_system::fs::{self, File, Metadata};
 
 /// Largest file that is read unless the caller says otherwise: 1 GiB.
 pub const DEFAULT_LIMIT_BYTES: u64 = 1 << 30;
@@ -91,9 +91,6 @@ pub fn read_stable(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ReadFileErr
         source,
     };
     let before = opened.metadata().map_err(failed)?;
-    if !before.is_file() {
-        return Err(ReadFileError::NotAFile { path: path.into() });
-    }
     let size_bytes = before.len();
     if size_bytes > limit_bytes {
         return Err(ReadFileError::TooLarge {
@@ -132,23 +129,12 @@ fn fingerprint(metadata: &Metadata) -> (u64, i64, i64, (u64, u64)) {
     (metadata.len(), times.0, times.1, identity(metadata))
 }
 
-/// Opens without following a link.
 fn open(path: &Path) -> Result<File, ReadFileError> {
-    let mut options = OpenOptions::new();
-    options.read(true);
-    // Nor waiting for the writer of a pipe; and safe against a link put there a moment ago.
-    #[cfg(unix)]
-    {
-        let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
-        options.custom_flags(flags.bits().cast_signed());
-    }
     let is_link = || fs::symlink_metadata(path).is_ok_and(|named| named.is_symlink());
-    if cfg!(not(unix)) && is_link() {
-        return Err(ReadFileError::IsLink { path: path.into() });
-    }
-    options.open(path).map_err(|source| match source.kind() {
+    File::open_own(path).map_err(|source| match source.kind() {
         io::ErrorKind::NotFound => ReadFileError::Gone { path: path.into() },
         _ if is_link() => ReadFileError::IsLink { path: path.into() },
+        io::ErrorKind::InvalidInput => ReadFileError::NotAFile { path: path.into() },
         io::ErrorKind::PermissionDenied => ReadFileError::Denied {
             path: path.into(),
             source,

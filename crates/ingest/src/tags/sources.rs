@@ -146,12 +146,11 @@ fn read_limited(path: &Path) -> io::Result<Option<Vec<u8>>> {
             Ok(None)
         }
         Err(error) => Err(error),
-        Ok(found) if !found.is_file() => Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a file")),
         Ok(found) if found.len() > LARGEST_BYTES => {
             let message = format!("it has {} bytes, more than {LARGEST_BYTES}", found.len());
             Err(io::Error::new(io::ErrorKind::FileTooLarge, message))
         }
-        Ok(_) => fs::read(path).map(Some),
+        Ok(_) => fs::read_stated(path).map(Some),
     }
 }
 

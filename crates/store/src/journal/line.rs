@@ -2,6 +2,8 @@
 
 use super::entry::Line;
 
+/// What every line begins with.
+pub(super) const BEGIN: &str = "{\"n\":";
 /// What stands between the entry and its checksum.
 const BEFORE_SUM: &str = ",\"sum\":\"";
 /// What ends a line, but for the line feed.

@@ -24,6 +24,7 @@ use ieap_system::Temporary;
 use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
 pub use entry::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+pub use tail::without_torn_end;
 
 /// Folder of the journal inside a campaign: that of the raw files.
 const FOLDER: &str = "archive";
@@ -83,7 +84,7 @@ impl Journal {
             return Ok(());
         };
         let path = path_in(campaign);
-        let mut options = OpenOptions::new();
+        let mut options = OpenOptions::own();
         let mut file = match options.read(true).write(true).open(&path) {
             Ok(file) => file,
             // The database holds all that was ever said, this included.
@@ -168,7 +169,7 @@ pub struct HeldJournal {
 /// It cannot be opened, or somebody else holds it for long.
 pub fn hold(folder: &Path) -> Result<HeldJournal, StoreError> {
     let path = path_in(folder);
-    match OpenOptions::new().read(true).write(true).open(&path) {
+    match OpenOptions::own().read(true).write(true).open(&path) {
         Ok(file) => {
             lock(&file, &path)?;
             Ok(HeldJournal { _file: Some(file) })
@@ -197,14 +198,15 @@ pub struct Found {
 /// It cannot be read.
 pub fn read(folder: &Path) -> Result<Option<Found>, StoreError> {
     let path = path_in(folder);
-    match fs::read(&path) {
+    match fs::read_own(&path) {
         Ok(bytes) => Ok(Some(found(&bytes))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(source) => Err(failed(&path, source)),
     }
 }
 
-fn found(bytes: &[u8]) -> Found {
+/// What the bytes of a journal hold.
+pub fn found(bytes: &[u8]) -> Found {
     let mut found = Found::default();
     let whole = tail::without_torn_end(bytes);
     found.is_torn = whole.len() < bytes.len();
@@ -244,11 +246,8 @@ fn put(campaign: &Path, text: &str) -> Result<(), StoreError> {
         file.write_all(text.as_bytes())?;
         file.sync_all()?;
         file.persist_to_free(&path)?;
-        #[cfg(unix)]
-        for folder in [folder.as_path(), campaign] {
-            File::open(folder)?.sync_all()?;
-        }
-        Ok(())
+        fs::sync_names(&folder)?;
+        fs::sync_names(campaign)
     };
     place().map_err(|source| failed(&path, source))
 }

@@ -19,7 +19,7 @@ pub(super) struct Last {
 
 /// The bytes without the part after the last line feed: a line whose writing was cut short, of which nobody was told. A
 /// disk that lost its power may keep the length of a line and not its content, which then reads as zeros.
-pub(super) fn without_torn_end(bytes: &[u8]) -> &[u8] {
+pub fn without_torn_end(bytes: &[u8]) -> &[u8] {
     let end = bytes.iter().rposition(|&byte| byte == b'\n');
     &bytes[..end.map_or(0, |end| end + 1)]
 }
@@ -39,6 +39,7 @@ pub(super) fn mended(file: &mut File) -> io::Result<Last> {
             found => {
                 let bytes = from + whole.len() as u64;
                 if bytes < size {
+                    refuse_foreign(&end[whole.len()..])?;
                     file.set_len(bytes)?;
                 }
                 file.seek(SeekFrom::Start(bytes))?;
@@ -46,6 +47,21 @@ pub(super) fn mended(file: &mut File) -> io::Result<Last> {
                 return Ok(Last { n, bytes });
             }
         }
+    }
+}
+
+/// Refuses an end that no journal left: a file of somebody else may have this name, by a copy or a second name of it.
+fn refuse_foreign(torn: &[u8]) -> io::Result<()> {
+    let zeros = torn.iter().rev().take_while(|&&byte| byte == 0).count();
+    let part = &torn[..torn.len() - zeros];
+    let begins = |whole: &[u8], part: &[u8]| part.iter().zip(whole).all(|(found, wanted)| found == wanted);
+    // What was written first may be what the disk has lost.
+    match torn.first() == Some(&0) || begins(line::BEGIN.as_bytes(), part) {
+        true => Ok(()),
+        false => Err(io::Error::new(
+            io::ErrorKind::InvalidData,
+            "its end is not one that a journal has, and nothing of it was changed: move the file away, and the next `ieap run` writes the journal from the database",
+        )),
     }
 }
 

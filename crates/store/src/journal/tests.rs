@@ -74,6 +74,31 @@ fn half_a_line_is_noticed_and_cut_off_by_the_next_to_write() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_file_of_somebody_else_in_the_place_of_the_journal_keeps_all_its_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path()).unwrap();
+    let (path, theirs) = (path_in(folder.path()), folder.path().join("thesis.tex"));
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let text = "\\begin{document}\nwithout an end";
+    std::fs::write(&theirs, text).unwrap();
+    let by: [fn(&Path, &Path) -> std::io::Result<()>; 2] = [
+        |from, to| std::os::unix::fs::symlink(from, to),
+        |from, to| std::fs::hard_link(from, to),
+    ];
+    for link in by {
+        link(&theirs, &path).unwrap();
+        assert!(
+            store
+                .add_hand_tags("2026-01-01T00:00:00Z", &[tag("one")])
+                .is_err()
+        );
+        assert_eq!(std::fs::read_to_string(&theirs).unwrap(), text);
+        std::fs::remove_file(&path).unwrap();
+    }
+}
+
 #[test]
 fn a_flipped_byte_costs_one_line_and_a_lost_line_is_missed() {
     let folder = tempfile::tempdir().unwrap();

@@ -40,6 +40,24 @@ fn a_png_is_read_pixel_by_pixel() {
     assert!((of_colours.row(3)[5] - gray.row(3)[5]).abs() < 1e-3);
 }
 
+/// A picture of a few pixels with a text of a megabyte, in less memory than the text has.
+#[test]
+fn a_text_in_a_png_is_passed_by_however_large_it_is() {
+    let bytes = values(20, 12);
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 20, 12);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Eight);
+    let text = "a".repeat(1 << 20);
+    encoder
+        .add_text_chunk("Comment".to_owned(), text.clone())
+        .unwrap();
+    encoder.add_ztxt_chunk("Comment".to_owned(), text).unwrap();
+    encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
+    let gray = png_within(&file, 1 << 18).unwrap();
+    assert_eq!((gray.width(), gray.height()), (20, 12));
+}
+
 #[test]
 fn a_tiff_of_sixteen_bits_is_read_and_a_stack_is_not() {
     let gray = decode(&tiff_of(1)).unwrap();

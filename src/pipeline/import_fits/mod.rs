@@ -1,5 +1,8 @@
-//! Brings results that were computed elsewhere into the campaign: each is held against the run that it is of, and stored as if
-//! it had been computed here.
+//! Brings results that were computed elsewhere into the campaign: each is held against its checksum and against the run that it
+//! is of, a share of them is fitted again, and what holds is stored as if it had been computed here.
+
+mod again;
+mod part;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -9,12 +12,13 @@ use serde::Serialize;
 use super::context::now;
 use super::fit::{Due, FitRuns, NOT_FITTED, input_hash};
 use super::fit_plan::fit_plan;
-use super::fit_result::{FitResult, SCHEMA};
-use super::{Context, PipelineError};
+use super::fit_result::FitResult;
+use super::{Context, Observer, PipelineError};
 use crate::domain::{AskedFit, Fit, Issue};
-use crate::ingest::parquet_texts;
 use crate::store::FitStamp;
 use crate::system::fs;
+use again::Again;
+use part::{Part, has_ending};
 
 /// Rows stored in one step.
 const BATCH: usize = 256;
@@ -39,8 +43,40 @@ pub struct ImportSummary {
     pub up_to_date: usize,
     /// Runs that could not be fitted elsewhere, with the reason, which is stored.
     pub failed: Vec<(String, Issue)>,
+    /// Rows that were fitted again here before they were taken.
+    pub fitted_again: usize,
     /// Rows that were not taken, with the reason.
     pub refused: Vec<RefusedRow>,
+    /// Files that lack rows, or may, with the reason.
+    pub damaged_files: Vec<DamagedFile>,
+}
+
+impl ImportSummary {
+    /// Whether everything was taken.
+    pub fn is_whole(&self) -> bool {
+        self.refused.is_empty() && self.damaged_files.is_empty()
+    }
+}
+
+/// A file that is not as it was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct DamagedFile {
+    /// The file.
+    pub file: PathBuf,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+impl ImportSummary {
+    fn refuse(&mut self, file: &Path, row: usize, run: Option<String>, reason: String) {
+        let file = file.to_owned();
+        self.refused.push(RefusedRow {
+            file,
+            row,
+            run,
+            reason,
+        });
+    }
 }
 
 /// A row that was not taken.
@@ -68,29 +104,32 @@ impl ImportFits {
     ///
     /// # Errors
     /// A file cannot be read at all, or the database fails.
-    pub fn run(&self, context: &mut Context) -> Result<ImportSummary, PipelineError> {
+    pub fn run(
+        &self,
+        context: &mut Context,
+        observer: &dyn Observer,
+    ) -> Result<ImportSummary, PipelineError> {
         let mut summary = ImportSummary::default();
-        let mut known = Known::default();
+        let (mut known, mut again) = (Known::default(), Again::default());
         for file in self.listed()? {
+            let part = Part::read(&file)?;
             summary.files += 1;
-            let texts = rows_of(&file)?;
+            summary.rows += part.rows.len();
+            let damage = part.damage.into_iter();
+            summary.damaged_files.extend(damage.map(|reason| DamagedFile {
+                file: file.clone(),
+                reason,
+            }));
             let mut rows = Vec::new();
-            for (at, text) in texts.into_iter().enumerate() {
-                summary.rows += 1;
-                match text.and_then(|text| read(&text)) {
-                    Ok(result) => rows.push(Row {
-                        file: &file,
-                        row: at + 1,
-                        result,
-                    }),
-                    Err((run, reason)) => summary.refused.push(RefusedRow {
-                        file: file.clone(),
-                        row: at + 1,
-                        run,
-                        reason,
-                    }),
+            for (row, read) in (1..).zip(part.rows) {
+                let file = file.as_path();
+                match read {
+                    Ok(result) => rows.push(Row { file, row, result }),
+                    Err((run, reason)) => summary.refuse(file, row, run, reason),
                 }
             }
+            let rows = of_campaign(context, rows, &mut known, &mut summary)?;
+            let rows = again.held(context, rows, &mut known, &mut summary, observer)?;
             for batch in rows.chunks(BATCH) {
                 take(context, batch, &mut known, &mut summary)?;
             }
@@ -133,78 +172,6 @@ impl ImportFits {
     }
 }
 
-fn has_ending(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|found| found == ending)
-}
-
-/// Why a row cannot be used, with the run that it names.
-type Refusal = (Option<String>, String);
-
-/// The rows of a file, each as the JSON of a [`FitResult`].
-fn rows_of(file: &Path) -> Result<Vec<Result<String, Refusal>>, PipelineError> {
-    let bytes = fs::read(file).map_err(|source| PipelineError::File {
-        path: file.to_owned(),
-        doing: "reading results",
-        source,
-    })?;
-    if has_ending(file, "parquet") {
-        let table = parquet_texts::read(&bytes).map_err(|reason| PipelineError::BadArgument {
-            what: "FILES",
-            found: format!("{}: {reason}", file.display()),
-            needed:
-                "a Parquet file with the text columns run, data_hash, input_hash, code_version, fit and issue"
-                    .to_owned(),
-        })?;
-        return Ok(table.into_iter().map(of_columns).collect());
-    }
-    let lines = bytes.split(|byte| *byte == b'\n');
-    let is_blank = |line: &&[u8]| line.iter().all(u8::is_ascii_whitespace);
-    let text = |line: &[u8]| {
-        String::from_utf8(line.to_vec()).map_err(|_| {
-            (
-                None,
-                "found bytes that are no UTF-8; needed a line of JSON".to_owned(),
-            )
-        })
-    };
-    Ok(lines.filter(|line| !is_blank(line)).map(text).collect())
-}
-
-/// A row of texts by column as the JSON of a [`FitResult`]: `fit`, `issue` and `asked` hold JSON themselves.
-fn of_columns(columns: BTreeMap<String, String>) -> Result<String, Refusal> {
-    let run = columns.get("run").cloned();
-    let mut object = serde_json::Map::new();
-    object.insert("schema".to_owned(), SCHEMA.into());
-    for (name, text) in columns {
-        let value = match name.as_str() {
-            "fit" | "issue" | "asked" => serde_json::from_str(&text)
-                .map_err(|error| (run.clone(), format!("column {name}: {error}; needed JSON")))?,
-            _ => text.into(),
-        };
-        object.insert(name, value);
-    }
-    Ok(serde_json::Value::Object(object).to_string())
-}
-
-fn read(text: &str) -> Result<FitResult, Refusal> {
-    let result: FitResult = serde_json::from_str(text).map_err(|error| {
-        let read: Option<serde_json::Value> = serde_json::from_str(text).ok();
-        let run = read
-            .as_ref()
-            .and_then(|value| value["run"].as_str())
-            .map(str::to_owned);
-        (run, format!("{error}; needed a result of a fit ({SCHEMA})"))
-    })?;
-    let refused = |reason: &str| Err((Some(result.run.clone()), reason.to_owned()));
-    match result.outcome() {
-        _ if result.schema != SCHEMA => {
-            refused(&format!("found schema {:?}, needed {SCHEMA:?}", result.schema))
-        }
-        None => refused("needed either a fit or an issue that says why there is none"),
-        Some(_) => Ok(result),
-    }
-}
-
 /// What the campaign would fit, by how it is asked for; and what came in already.
 #[derive(Default)]
 struct Known {
@@ -231,7 +198,38 @@ impl Known {
     }
 }
 
-/// Stores what of a batch is of this campaign.
+/// The rows that are of runs of this campaign, as they are now, and whose results it does not have yet.
+fn of_campaign<'a>(
+    context: &Context,
+    rows: Vec<Row<'a>>,
+    known: &mut Known,
+    summary: &mut ImportSummary,
+) -> Result<Vec<Row<'a>>, PipelineError> {
+    let mut of_campaign = Vec::new();
+    for row in rows {
+        let reason = match known.due(context, &row.result.asked, &row.result.run) {
+            Ok(Some(due)) => match is_of(due, &row.result) {
+                Ok(()) if FitRuns::default().is_done(due) || !known.taken.insert(row.result.run.clone()) => {
+                    summary.up_to_date += 1;
+                    continue;
+                }
+                Ok(()) => {
+                    of_campaign.push(row);
+                    continue;
+                }
+                Err(reason) => reason,
+            },
+            Ok(None) => "the campaign has no run of that name that is fitted by itself; needed the name as `ieap fit --json` has it".to_owned(),
+            // How it was asked for makes no sense here: an unknown model is that row's fault alone.
+            Err(error) if !error.is_storage() => error.to_string(),
+            Err(error) => return Err(error),
+        };
+        summary.refuse(row.file, row.row, Some(row.result.run), reason);
+    }
+    Ok(of_campaign)
+}
+
+/// Stores a batch.
 fn take(
     context: &mut Context,
     batch: &[Row<'_>],
@@ -240,37 +238,10 @@ fn take(
 ) -> Result<(), PipelineError> {
     let now = now();
     let mut fits: Vec<(FitStamp, Fit)> = Vec::new();
-    for Row { file, row, result } in batch {
-        let already = known.taken.contains(&result.run);
-        let mut refuse = |reason: String| {
-            summary.refused.push(RefusedRow {
-                file: file.to_path_buf(),
-                row: *row,
-                run: Some(result.run.clone()),
-                reason,
-            });
-        };
-        let due = match known.due(context, &result.asked, &result.run) {
-            Ok(Some(due)) => due,
-            Ok(None) => {
-                refuse("the campaign has no run of that name that is fitted by itself; needed the name as `ieap fit --json` has it".to_owned());
-                continue;
-            }
-            // How it was asked for makes no sense here: an unknown model is that row's fault alone.
-            Err(error) if !error.is_storage() => {
-                refuse(error.to_string());
-                continue;
-            }
-            Err(error) => return Err(error),
-        };
-        if let Err(reason) = is_of(due, result) {
-            refuse(reason);
+    for Row { result, .. } in batch {
+        let Some(due) = known.due(context, &result.asked, &result.run)? else {
             continue;
-        }
-        if already || FitRuns::default().is_done(due) {
-            summary.up_to_date += 1;
-            continue;
-        }
+        };
         let stamp = FitStamp {
             run_id: due.1.task.run_id,
             input_hash: result.input_hash.clone(),
@@ -279,18 +250,12 @@ fn take(
         };
         match (&result.fit, &result.issue) {
             (Some(fit), _) => fits.push((stamp, fit.clone())),
-            // A fault of the program elsewhere says nothing of the run.
-            (None, Some(issue)) if issue.code != NOT_FITTED => {
-                refuse(format!("not fitted there: {}", issue.message));
-                continue;
-            }
             (None, Some(issue)) => {
                 context.store.save_fit_failure(&now, &stamp, issue)?;
                 summary.failed.push((result.run.clone(), issue.clone()));
             }
             (None, None) => {}
         }
-        known.taken.insert(result.run.clone());
     }
     summary.imported += fits.len();
     Ok(context.store.save_fits(&now, &fits)?)
@@ -306,6 +271,10 @@ fn is_of((hash, planned): &Due, result: &FitResult) -> Result<(), String> {
             "the run's drive, dimensions, model or method are others now (input_hash differs); fit it again"
                 .to_owned(),
         );
+    }
+    // A fault of the program elsewhere says nothing of the run.
+    if let Some(issue) = result.issue.as_ref().filter(|issue| issue.code != NOT_FITTED) {
+        return Err(format!("not fitted there: {}", issue.message));
     }
     let Some(fit) = &result.fit else { return Ok(()) };
     let model = planned.chosen.options.model;

@@ -1,0 +1,180 @@
+//! Pipes, devices and links in the place of a campaign's own files: no verb waits for them, and nobody's file is changed.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::campaign::{CampaignFolder, command, ieap, run_table};
+
+/// Time after which a verb is taken to wait for ever: many times what one takes.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A campaign with everything that stands in files, and a backup of it.
+fn campaign(elsewhere: &Path) -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.write("runs/b.csv", run_table(2));
+    folder.write("runs/a.csv.toml", "cycle = 2\n");
+    folder.write("runs/plan.csv", "planned,file,note\nP01,b,as planned\n");
+    folder.write("runs/other.csv", "date\n3/4/2026\n");
+    folder.write(
+        "profiles/lab.toml",
+        "[profile]\nversion = 1\n\n[recognise]\nname = \"*.lab\"\n\n[layout]\nseparator = \"semicolon\"\ndecimal = \"point\"\nheader_line = 1\n\n\
+         [time]\nbase = \"epoch\"\ncolumn = \"t\"\nunit = \"ms\"\n\n[[column]]\ncolumn = \"d\"\nquantity = \"current\"\nunit = \"A\"\n",
+    );
+    let _ = folder.ieap(&["run", "--no-diagnose"]);
+    folder.ieap(&["tag", "runs/b.csv", "note=by hand"]).expect(0);
+    let _ = folder.ieap(&["backup", elsewhere.join("backup").to_str().unwrap()]);
+    folder
+}
+
+/// Whether it ends; what is left of it is ended.
+fn ends(folder: &Path, arguments: &[&str]) -> bool {
+    let mut command = command(folder, arguments);
+    let quiet = command
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null());
+    let mut child = quiet.spawn().unwrap();
+    let begun = Instant::now();
+    while begun.elapsed() < PATIENCE {
+        if child.try_wait().unwrap().is_some() {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let _ = child.kill();
+    let _ = child.wait();
+    false
+}
+
+/// What is put in the place of a file.
+const IN_ITS_PLACE: [&str; 3] = ["a pipe", "a link to a device", "a link to a file"];
+
+fn put(what: &str, path: &Path, theirs: &Path) {
+    use std::os::unix::fs::symlink;
+    match what {
+        "a pipe" => rustix::fs::mkfifoat(rustix::fs::CWD, path, rustix::fs::Mode::RWXU).unwrap(),
+        "a link to a device" => symlink("/dev/zero", path).unwrap(),
+        _ => symlink(theirs, path).unwrap(),
+    }
+}
+
+/// A raw file of an archive.
+fn raw_file(of: &Path) -> PathBuf {
+    let mut folders: Vec<PathBuf> = std::fs::read_dir(of.join("archive"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    folders.sort();
+    let first = folders.into_iter().find(|path| path.is_dir()).unwrap();
+    std::fs::read_dir(first).unwrap().next().unwrap().unwrap().path()
+}
+
+#[test]
+fn no_verb_waits_for_what_stands_in_the_place_of_an_own_file_or_changes_it() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let folder = campaign(elsewhere.path());
+    let backup = elsewhere.path().join("backup");
+    let theirs = elsewhere.path().join("precious");
+    let text = "first line\nlast line without an end";
+    std::fs::write(&theirs, text).unwrap();
+    let own = [
+        "campaign.toml",
+        "profiles/lab.toml",
+        "runs/tags.toml",
+        "runs/a.csv.toml",
+        "runs/a.csv",
+        "runs/plan.csv",
+        "campaign.db",
+        "campaign.db.lock",
+        "archive/journal.jsonl",
+        "archive/database-id",
+        "report/.made-from",
+        "report/.written",
+        "report/index.html",
+    ];
+    let paths = own.iter().map(|name| folder.join(name));
+    let paths: Vec<PathBuf> = paths
+        .chain([
+            raw_file(folder.path()),
+            raw_file(&backup),
+            backup.join("backup.json"),
+        ])
+        .collect();
+    let backup_to = backup.to_str().unwrap();
+    let verbs: [&[&str]; 5] = [
+        &["tag", "runs/b.csv", "note=again"],
+        &["run", "--no-diagnose"],
+        &["verify"],
+        &["status"],
+        &["backup", backup_to],
+    ];
+    for path in &paths {
+        let kept = elsewhere.path().join("kept");
+        std::fs::rename(path, &kept).unwrap();
+        for what in IN_ITS_PLACE {
+            put(what, path, &theirs);
+            for verb in verbs {
+                assert!(
+                    ends(folder.path(), verb),
+                    "{verb:?} waits for {what}: {}",
+                    path.display()
+                );
+                assert_eq!(
+                    std::fs::read_to_string(&theirs).unwrap(),
+                    text,
+                    "{verb:?}, {}",
+                    path.display()
+                );
+            }
+            std::fs::remove_file(path).unwrap();
+        }
+        std::fs::rename(&kept, path).unwrap();
+    }
+    // All is as it was.
+    folder.ieap(&["tag", "runs/b.csv", "note=after"]).expect(0);
+    assert!([0, 3].contains(&folder.ieap(&["run", "--no-diagnose"]).status));
+    folder.ieap(&["verify"]).expect(0);
+    assert!([0, 3].contains(&ieap(elsewhere.path(), &["restore", "backup", "new"]).status));
+}
+
+#[test]
+fn what_stands_in_the_place_of_a_file_is_said() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let folder = campaign(elsewhere.path());
+    let theirs = elsewhere.path().join("precious");
+    std::fs::write(&theirs, "mine").unwrap();
+    for (name, verb, status) in [
+        ("campaign.toml", "status", 2),
+        ("campaign.db", "status", 4),
+        ("archive/journal.jsonl", "verify", 4),
+        ("archive/database-id", "run", 4),
+    ] {
+        let (path, kept) = (folder.join(name), elsewhere.path().join("kept"));
+        std::fs::rename(&path, &kept).unwrap();
+        put("a pipe", &path, &theirs);
+        let told = folder.ieap(&[verb]).expect(status);
+        let said = format!("{}{}", told.stdout, told.stderr);
+        assert!(
+            said.contains(name) && said.contains("a regular file is needed"),
+            "{name}: {said}"
+        );
+        std::fs::remove_file(&path).unwrap();
+        std::fs::rename(&kept, &path).unwrap();
+    }
+}
+
+/// People share what they write; only what is not theirs is no way around.
+#[test]
+fn a_statement_may_be_a_link_to_a_file() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let folder = campaign(elsewhere.path());
+    for name in ["campaign.toml", "runs/tags.toml", "profiles/lab.toml"] {
+        let shared = elsewhere.path().join("shared");
+        std::fs::rename(folder.join(name), &shared).unwrap();
+        std::os::unix::fs::symlink(&shared, folder.join(name)).unwrap();
+        let run = folder.ieap(&["run", "--no-diagnose"]);
+        assert!([0, 3].contains(&run.status), "{name}: {run:#?}");
+        std::fs::remove_file(folder.join(name)).unwrap();
+        std::fs::rename(&shared, folder.join(name)).unwrap();
+    }
+}
