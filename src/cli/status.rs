@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{ALARM, CliError, DONE};
+use super::exit::{self, ALARM, CliError, DONE};
 use super::output::{Output, counted};
 use super::{CampaignArg, ingest};
 use crate::domain::{Fault, Issue};
@@ -28,7 +28,7 @@ pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     }
     print(&status, output);
     output.document(&json!({ "schema": "ieap/status/1", "status": status }))?;
-    Ok(DONE)
+    Ok(exit::after(false, status.words_missed.is_empty()))
 }
 
 /// The alarms alone, with an exit status that scripts can act on.
@@ -107,6 +107,7 @@ fn print(status: &Status, output: &Output) {
         "lost from the archive",
         &status.raw_files_lost,
     );
+    words_missed(status, output);
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
     ingest::pattern(output, status.proposed_pattern.as_ref());
@@ -158,6 +159,17 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", outdated, &status.findings_out_of_date);
     if let Some(refused) = &status.report_refused {
         output.result(&format!("report that cannot be written anew:\n  {refused}"));
+    }
+}
+
+/// Words that may be lost since a rebuilding.
+fn words_missed(status: &Status, output: &Output) {
+    if status.words_missed.is_empty() {
+        return;
+    }
+    output.result("words that may be lost since a rebuilding:");
+    for missed in &status.words_missed {
+        issue(output, "  ", missed);
     }
 }
 

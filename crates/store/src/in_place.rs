@@ -175,6 +175,40 @@ impl Store {
         })
     }
 
+    /// Closes a database that was made, with everything in its one file, opens that file once more and holds what it says
+    /// against what was made.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; [`StoreError::NotAsMade`] where a part is not in the file.
+    pub fn close_whole(self) -> Result<(), StoreError> {
+        let (made, path) = (self.content()?, self.path.clone());
+        let doing = "writing everything into the new database";
+        // Whoever closes hears nothing of what fails here: it is done, and its result read, while one can.
+        let (is_busy, left): (bool, i64) = self
+            .connection
+            .query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| {
+                Ok((row.get(0)?, row.get(1)?))
+            })
+            .map_err(|e| self.failed(doing, e))?;
+        let not_as_made = |detail: &str| StoreError::NotAsMade {
+            path: path.clone(),
+            detail: detail.to_owned(),
+        };
+        if is_busy || left > 0 {
+            return Err(not_as_made("its write-ahead log is still in use"));
+        }
+        let closed = self.connection.close();
+        closed.map_err(|(_, e)| StoreError::from_sql(&path, doing, e))?;
+        let written = Store::open_copy(&path)?;
+        if let Some(fault) = written.check_all()?.into_iter().next() {
+            return Err(not_as_made(&fault));
+        }
+        match written.content()?.differences(&made).first() {
+            None => Ok(()),
+            Some((kind, name)) => Err(not_as_made(&format!("{kind} {name} is another one"))),
+        }
+    }
+
     /// Copies the database, as it is at one moment, into `folder` and opens the copy. What is said to it goes to no journal.
     ///
     /// # Errors
