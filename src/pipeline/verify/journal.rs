@@ -27,12 +27,6 @@ pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
 /// # Errors
 /// It or the database cannot be read.
 pub fn part(context: &Context) -> Result<Part, PipelineError> {
-    let mut differences = differences(context)?;
-    if !differences.is_empty() {
-        // Somebody may have said something between the two readings: what differs twice differs.
-        let again = self::differences(context)?;
-        differences.retain(|issue| again.contains(issue));
-    }
     let found = journal::read(&context.folder)?;
     if found.is_none() && context.store.journal_entries()?.is_empty() {
         return Ok(Part {
@@ -42,10 +36,11 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
         });
     }
     let mut part = of_lines(found.as_ref());
-    if found.is_some() {
-        part.findings.extend(differences);
+    part.findings.extend(missed(context)?);
+    match context.store.is_agreed(&context.folder)? {
+        true => part.findings.extend(differences(context)?),
+        false => part.findings.extend(course(context)?),
     }
-    part.findings.extend(course(context)?);
     Ok(part)
 }
 
@@ -64,27 +59,32 @@ fn of_lines(found: Option<&Found>) -> Part {
     }
 }
 
+/// Where what is stored is not what the journal says though their courses agree.
 fn differences(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let mut found = differences_now(context)?;
+    if !found.is_empty() {
+        // Somebody may have said something between the two readings: what differs twice differs.
+        let again = differences_now(context)?;
+        found.retain(|issue| again.contains(issue));
+    }
+    Ok(found)
+}
+
+fn differences_now(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let stored = context.store.journal_entries()?;
     let stored = Told::of(stored.iter().map(|(_, entry)| entry));
     let lines = journal::read(&context.folder)?.unwrap_or_default().lines;
     let told = Told::of(lines.iter().map(|line| &line.entry));
     let issue = |(what, of): (String, String)| {
         let message = format!("{what} of {of} in the database is not as in the journal");
-        Issue::error("journal-differs", message).mend(
-            "where the database is right, move archive/journal.jsonl away, and the next `ieap run` writes it from there; where \
-             the journal is right, `ieap rebuild`",
-        )
+        Issue::error("journal-differs", message).mend("`ieap rebuild` makes it anew as the journal says")
     };
     Ok(told.differences(&stored).into_iter().map(issue).collect())
 }
 
-/// What one of them lacks, and what is known to be lost.
+/// What one of them lacks.
 fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
-    let mut found = missed(context)?;
-    if context.store.is_agreed(&context.folder)? {
-        return Ok(found);
-    }
+    let mut found = Vec::new();
     let compared = match context.store.compared(&context.folder) {
         Ok(compared) => compared,
         Err(error @ StoreError::Parted { .. }) => {

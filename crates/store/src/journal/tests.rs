@@ -95,12 +95,24 @@ fn a_flipped_byte_costs_one_line_and_a_lost_line_is_missed() {
     assert!(found.gaps.is_empty());
     fs::write(&path, [lines[0], lines[2], lines[3]].concat()).unwrap();
     assert_eq!(read(folder.path()).unwrap().unwrap().gaps, [2]);
-    // The last line is damaged: the next one has its own number all the same.
-    fs::write(&path, whole.replacen("four", "fouR", 1)).unwrap();
+    // The last line is damaged: the next to write takes it from the database, and keeps what was there.
+    let damaged = whole.replacen("four", "fouR", 1);
+    fs::write(&path, &damaged).unwrap();
     say(&mut store, "five");
+    assert!(fs::read_to_string(&path).unwrap().starts_with(&whole));
     let found = read(folder.path()).unwrap().unwrap();
-    assert_eq!((found.damaged.len(), found.lines.last().unwrap().n), (1, 5));
-    assert!(found.gaps.is_empty());
+    assert_eq!((found.damaged.len(), found.last_number), (0, 5));
+    assert!(beside(folder.path(), "set-aside").iter().any(|text| *text == damaged));
+}
+
+/// What the files beside the journal hold whose names say that.
+fn beside(folder: &Path, name: &str) -> Vec<String> {
+    let entries = fs::read_dir(folder.join(FOLDER)).unwrap();
+    let named = entries.map(|entry| entry.unwrap().path());
+    named
+        .filter(|path| path.to_string_lossy().contains(name))
+        .map(|path| fs::read_to_string(path).unwrap())
+        .collect()
 }
 
 #[test]
