@@ -167,7 +167,7 @@ fn words_missed(status: &Status, output: &Output) {
     if status.words_missed.is_empty() {
         return;
     }
-    output.result("words that may be lost since a rebuilding:");
+    output.result("words that may be lost:");
     for missed in &status.words_missed {
         issue(output, "  ", missed);
     }

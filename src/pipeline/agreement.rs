@@ -14,9 +14,9 @@ use crate::store::journal::{self, Entry, Line};
 /// # Errors
 /// They are of two courses; the database, the archive or the disk refuses.
 pub fn agree(context: &mut Context, whole: bool) -> Result<Vec<Issue>, PipelineError> {
-    let mut done = match context.store.course()?.is_empty() {
-        true => taken_up(context)?,
-        false => Vec::new(),
+    let mut done = match context.store.has_course()? {
+        false => taken_up(context)?,
+        true => Vec::new(),
     };
     if !whole && context.store.is_agreed(&context.folder)? {
         return Ok(done);
@@ -54,7 +54,7 @@ fn say_again(context: &mut Context, lines: &[Line]) -> Result<(), PipelineError>
         FitRuns::default().run_as_kept(context, &replayed.asked, &Silent)?;
     }
     let lost = replayed.lost.into_iter().map(|lost| {
-        let lost = format!("{} does not come back: {}", lost.name, lost.issue.message);
+        let lost = format!("{} did not come back: {}", lost.name, lost.issue.message);
         (now(), Entry::Missed { lost })
     });
     Ok(context.store.say(&now(), lost.collect())?)
@@ -85,8 +85,11 @@ fn taken_up(context: &mut Context) -> Result<Vec<Issue>, PipelineError> {
         (now(), Entry::Missed { lost })
     };
     let lost = only.into_iter().map(lost);
-    context.store.say(&now(), entries.into_iter().chain(lost).collect())?;
-    let message = "the journal did not say what the database says: it was written anew from the database, and kept as";
+    context
+        .store
+        .say(&now(), entries.into_iter().chain(lost).collect())?;
+    let message =
+        "the journal did not say what the database says: it was written anew from the database, and kept as";
     let aside = format!("{message} archive/journal.jsonl.set-aside-{mark}");
     Ok(vec![Issue::warning("journal-set-aside", aside)])
 }

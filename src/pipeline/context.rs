@@ -160,7 +160,7 @@ impl Context {
         refuse_network(folder, allow_network)?;
         holdings::refuse_lost_database(folder)?;
         let is_ready = match Store::open_read_only(folder) {
-            Ok(Some(store)) => !store.course()?.is_empty() && store.is_agreed(folder)?,
+            Ok(Some(store)) => store.has_course()? && store.is_agreed(folder)?,
             Ok(None) => true,
             Err(StoreError::Older { .. }) => false,
             Err(error) => return Err(error.into()),

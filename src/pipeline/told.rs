@@ -121,7 +121,10 @@ impl Told {
 
     /// Revisions and wishes of `other` that are not the same here.
     fn lacks_of(&self, other: &Told) -> Vec<(String, String)> {
-        let read = other.read.iter().filter(|(run, files)| self.read.get(*run) != Some(*files));
+        let read = other
+            .read
+            .iter()
+            .filter(|(run, files)| self.read.get(*run) != Some(*files));
         let read = read.map(|((run, revision), _)| (format!("revision {revision}"), run.clone()));
         let asked = (other.asked.iter()).filter(|(run, asked)| self.asked.get(*run) != Some(*asked));
         let asked = asked.map(|(run, _)| ("how a fit was asked for".to_owned(), run.clone()));

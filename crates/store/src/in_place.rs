@@ -289,6 +289,32 @@ mod tests {
     }
 
     #[test]
+    fn a_database_that_does_not_read_back_as_it_was_made_is_refused() {
+        let (folder, older) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let store = Store::open(folder.path()).unwrap();
+        drop(store.copy_in(older.path()).unwrap());
+        store.close_whole().unwrap();
+        let log = folder.path().join(format!("{FILE_NAME}-wal"));
+        assert!(!log.exists());
+        let mut store = Store::open(folder.path()).unwrap();
+        let file = crate::FileRow::unseen(
+            "runs/a.csv".to_owned(),
+            ieap_domain::FileState::Pending,
+            String::new(),
+        );
+        store.record_files("now", &[file]).unwrap();
+        // The file under its name is not the one that was written to.
+        let path = folder.path().join(FILE_NAME);
+        std::fs::rename(&path, folder.path().join("away")).unwrap();
+        std::fs::copy(older.path().join(FILE_NAME), &path).unwrap();
+        let refused = store.close_whole().unwrap_err();
+        assert!(
+            matches!(refused, StoreError::NotAsMade { .. }) && refused.to_string().contains("runs/a.csv"),
+            "{refused}"
+        );
+    }
+
+    #[test]
     fn each_database_has_an_id_of_its_own_and_keeps_it() {
         let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let id = |folder: &Path| Store::open(folder).unwrap().identity().unwrap();

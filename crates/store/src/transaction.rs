@@ -110,8 +110,7 @@ impl Store {
             connection.prepare_cached(sql)?.execute([now])?;
             let mut intended = None;
             if !in_batch {
-                seals.close(connection)?;
-                intended = journal.write(connection, || place.check(path))?;
+                intended = end_changes((seals, journal), connection, || place.check(path))?;
             }
             Ok((outcome, intended))
         };
@@ -148,7 +147,10 @@ impl Store {
     /// See [`StoreError`]; also where the database gave the batch up because of an earlier error.
     pub fn commit_batch(&mut self) -> Result<(), StoreError> {
         let ended = match self.in_batch() {
-            true => self.end_changes(),
+            true => {
+                let in_place = || self.place.check(&self.path);
+                end_changes((&self.seals, &self.journal), &self.connection, in_place)
+            }
             false => Ok(None),
         };
         let committed = ended.and_then(|intended| {
@@ -166,13 +168,6 @@ impl Store {
         committed.map_err(self.named("ending a batch"))
     }
 
-    /// Seals what changed and writes down what was said.
-    fn end_changes(&self) -> Result<Option<Intended>, StepError> {
-        self.seals.close(&self.connection)?;
-        let in_place = || self.place.check(&self.path);
-        self.journal.write(&self.connection, in_place)
-    }
-
     fn forget_changes(&self) {
         self.seals.forget();
         self.journal.keep_first(0);
@@ -181,6 +176,19 @@ impl Store {
     fn in_batch(&self) -> bool {
         !self.connection.is_autocommit()
     }
+}
+
+/// Seals what changed and writes down what was said.
+fn end_changes(
+    (seals, journal): (&Seals, &Journal),
+    connection: &Connection,
+    in_place: impl Fn() -> Result<(), StoreError>,
+) -> Result<Option<Intended>, StepError> {
+    if journal.len() > 0 {
+        seals.check(connection, &Subject::JournalEnd)?;
+    }
+    seals.close(connection)?;
+    journal.write(connection, in_place)
 }
 
 fn alone<T>(

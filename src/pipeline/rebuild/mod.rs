@@ -101,8 +101,15 @@ impl Rebuild {
         let held = journal::hold(folder)?;
         let mut kept = context.store.kept_for_later();
         say_what_came_meanwhile(&mut context, &found, observer)?;
-        let missed = old.wrong.iter().chain(lost.iter().map(|(_, issue)| issue));
-        kept.extend(missed.map(|issue| (now(), Entry::Missed { lost: issue.message.clone() })));
+        let of_journal = old
+            .wrong
+            .iter()
+            .map(|issue| format!("{}: {}", issue.place, issue.message));
+        let of_runs = lost
+            .iter()
+            .map(|(name, issue)| format!("{name} did not come back: {}", issue.message));
+        let missed = of_journal.chain(of_runs);
+        kept.extend(missed.map(|lost| (now(), Entry::Missed { lost })));
         context.store.say_held(&now(), (folder, &held), kept)?;
         Archive::new(folder).set_owner(&context.store.identity()?)?;
         let summary = RebuildSummary {
@@ -178,7 +185,10 @@ pub(super) fn what_is_wrong(found: Option<&Found>) -> Vec<Issue> {
         Issue::error("journal-damaged", reason.clone()).at(format!("{JOURNAL}, line {line}"))
     });
     // What a rebuilding found missing is asked of a person, and no gap any more.
-    let told = found.lines.iter().filter(|line| matches!(line.entry, Entry::Missed { .. }));
+    let told = found
+        .lines
+        .iter()
+        .filter(|line| matches!(line.entry, Entry::Missed { .. }));
     let told = told.map(|line| line.n).max().unwrap_or(0);
     let gaps = found.gaps.iter().filter(|n| **n >= told).map(|n| {
         Issue::error(

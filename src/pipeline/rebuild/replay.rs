@@ -57,8 +57,10 @@ pub fn replay(
         interrupt::check();
         let archived = ArchivedFiles::of(context);
         let holding: Vec<&Line> = batch.iter().filter(|line| hold.contains(&line.n)).collect();
-        let read: Vec<Vec<Result<PreparedFile, Issue>>> =
-            holding.par_iter().map(|line| read_again(&archived, line)).collect();
+        let read: Vec<Vec<Result<PreparedFile, Issue>>> = holding
+            .par_iter()
+            .map(|line| read_again(&archived, line))
+            .collect();
         together(context, |context| {
             let mut of_batch = holding.into_iter().zip(read);
             of_batch.try_for_each(|(line, read)| replayed.say(context, line, read))?;

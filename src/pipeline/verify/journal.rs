@@ -103,7 +103,10 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     }
     let lacking = compared.of_database.len();
     if lacking > 0 && journal::path_in(&context.folder).exists() {
-        let message = format!("the journal lacks {} that the database has", counted(lacking, "line"));
+        let message = format!(
+            "the journal lacks {} that the database has",
+            counted(lacking, "line")
+        );
         found.push(
             Issue::error("journal-lags", message).mend("the next `ieap run` writes them from the database"),
         );
@@ -115,7 +118,8 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
 pub fn missed(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let issue = |lost: String| {
         Issue::error("words-may-be-lost", lost).mend(
-            "look whether a tag, a dropped run or a wish how to fit is missing, say it again, then `ieap answer --why ...`",
+            "look which run, tag, dropped run or wish how to fit is missing, put it back or say it again, then \
+             `ieap answer --why ...`",
         )
     };
     Ok(context.store.words_missed()?.into_iter().map(issue).collect())

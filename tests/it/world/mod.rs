@@ -2,6 +2,7 @@
 //!
 //! A world is its seed: `IEAP_WORLD_SEED=n cargo test --test it world::` plays one again and tells what happens in it.
 
+mod back;
 mod computer;
 mod day;
 mod disk;
@@ -94,6 +95,8 @@ struct World {
     acknowledged: BTreeSet<String>,
     /// Tags by hand that it said it has stored: run and value.
     tagged: Vec<(String, String)>,
+    /// The database and the journal as they were at some time.
+    older: Option<back::Older>,
     tells: bool,
 }
 
@@ -108,6 +111,7 @@ impl World {
             context: None,
             acknowledged: BTreeSet::new(),
             tagged: Vec::new(),
+            older: None,
             tells,
         }
     }
@@ -128,6 +132,7 @@ impl World {
             self.step(weather);
             if self.rng.random_bool(0.2) {
                 self.close();
+                self.goes_back();
             }
         }
         self.end();
@@ -162,7 +167,7 @@ impl World {
                 self.context = None;
                 self.computer.restart();
                 self.tell(|| format!("   power lost at call {calls}"));
-                self.computer.have(Weather::default());
+                self.opens();
                 self.nothing_lost();
             }
             Some(Ok(())) => self.tell(|| {
@@ -236,6 +241,13 @@ impl World {
             Ok(Some(run))
         });
         tagged.map(|tagged| tagged.map(|run| self.tagged.extend(run.map(|run| (run, value)))))
+    }
+
+    /// The next opening, without faults: what the journal and the database lack of each other is made good.
+    fn opens(&mut self) {
+        self.computer.have(Weather::default());
+        self.asks(|_| Ok(())).unwrap().unwrap();
+        self.close();
     }
 
     fn close(&mut self) {

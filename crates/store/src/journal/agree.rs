@@ -9,6 +9,7 @@ use rusqlite::Connection;
 use super::entry::{Entry, Line};
 use super::write::locked;
 use super::{Compared, FILE_NAME, Found, PARTIAL, course, failed, opened, path_in, read, tail};
+use crate::seal::Subject;
 use crate::{FILE_NAME as DATABASE, StepError, Store, StoreError};
 use ieap_system::Temporary;
 use ieap_system::fs::{self, File};
@@ -40,7 +41,8 @@ impl Store {
                     tail::last(file, size).map_err(|source| failed(&path, source))?
                 }
             };
-            let stored = course::last(&self.connection).map_err(|e| self.failed(DOING, e))?;
+            self.check_seal(&Subject::JournalEnd)?;
+            let stored = course::last(&self.connection).map_err(self.named(DOING))?;
             Ok((in_file.n, in_file.sum) == stored)
         };
         let mut file = match File::open(&path) {
@@ -75,11 +77,13 @@ impl Store {
         let Some(campaign) = self.journal.campaign().map(Path::to_owned) else {
             return Ok(Agreed::default());
         };
-        if !path_in(&campaign).exists() && self.course()?.is_empty() {
+        if !path_in(&campaign).exists() && !self.has_course()? {
             return Ok(Agreed::default());
         }
         self.begin_batch()?;
-        let brought = locked(&campaign)
+        let sound = self.check_seal(&Subject::JournalEnd);
+        let brought = sound
+            .and_then(|()| locked(&campaign))
             .map_err(StepError::from)
             .and_then(|file| brought_up(&self.connection, &campaign, file));
         let ended = self.commit_batch();
@@ -103,7 +107,10 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn hear(&mut self, now: &str, lines: &[Line]) -> Result<(), StoreError> {
-        self.write(DOING, now, |transaction| course::store(transaction, lines))
+        self.write(DOING, now, |transaction| {
+            transaction.changes(Subject::JournalEnd)?;
+            course::store(transaction, lines)
+        })
     }
 
     /// Says what nothing is stored of beside.
@@ -126,7 +133,18 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn course(&self) -> Result<Vec<Line>, StoreError> {
-        course::stored(&self.connection).map_err(|e| self.failed(DOING, e))
+        self.check_seal(&Subject::JournalEnd)?;
+        course::stored(&self.connection, course::ALL).map_err(self.named(DOING))
+    }
+
+    /// Whether it has lines of the journal: one that an earlier version of the program wrote has none.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn has_course(&self) -> Result<bool, StoreError> {
+        self.check_seal(&Subject::JournalEnd)?;
+        let last = course::last(&self.connection).map_err(self.named(DOING))?;
+        Ok(last.0 > 0)
     }
 
     /// What may be lost, in words, until a person answered.
@@ -135,7 +153,9 @@ impl Store {
     /// See [`StoreError`].
     pub fn words_missed(&self) -> Result<Vec<String>, StoreError> {
         let mut missed = Vec::new();
-        for line in self.course()? {
+        self.check_seal(&Subject::JournalEnd)?;
+        let lines = course::stored(&self.connection, course::LOST).map_err(self.named(DOING))?;
+        for line in lines {
             match line.entry {
                 Entry::Missed { lost } => missed.push(lost),
                 Entry::Answered { .. } => missed.clear(),
@@ -156,7 +176,7 @@ pub(super) fn brought_up(
     campaign: &Path,
     file: File,
 ) -> Result<(Compared, File), StepError> {
-    let stored = course::stored(connection)?;
+    let stored = course::stored(connection, course::ALL)?;
     let found = read(campaign)?.unwrap_or_default();
     let compared = Compared::of(&stored, &found).map_err(|detail| parted(campaign, detail))?;
     if compared.of_database.is_empty() {

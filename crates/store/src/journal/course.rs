@@ -17,43 +17,53 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rusqlite::{Connection, params};
 
-use super::entry::Line;
+use super::entry::{Entry, Line};
 use super::{Found, line};
-use crate::StepError;
+use crate::seal::{self, Subject};
+use crate::{StepError, StoreError};
 
 /// Lines that a message names of each side.
 const NAMED: usize = 5;
 
-/// The lines that a database has, in order; those that cannot be read are not among them.
-pub(super) fn stored(connection: &Connection) -> rusqlite::Result<Vec<Line>> {
-    let mut statement = connection.prepare_cached("SELECT line FROM journal_line ORDER BY n")?;
+/// Every line that a database has.
+pub(super) const ALL: &str = "SELECT n, line FROM journal_line ORDER BY n";
+/// Those of them that say that words may be lost, or answer that.
+pub(super) const LOST: &str = "SELECT n, line FROM journal_line WHERE is_lost = 1 ORDER BY n";
+
+/// Lines of a database, in order; one that is not as it was written is damage.
+pub(super) fn stored(connection: &Connection, sql: &str) -> Result<Vec<Line>, StepError> {
+    let mut statement = connection.prepare_cached(sql)?;
     let mut rows = statement.query([])?;
     let mut lines = Vec::new();
     while let Some(row) = rows.next()? {
-        lines.extend(line::read(row.get_ref(0)?.as_bytes()?).ok());
+        let n: i64 = row.get(0)?;
+        let text = row.get_ref(1)?.as_bytes().unwrap_or_default();
+        let read = line::read(text).ok().filter(|line| line.n == n.unsigned_abs());
+        lines.push(read.ok_or_else(|| StoreError::Damaged {
+            what: format!("line {n} of the journal in it"),
+        })?);
     }
     Ok(lines)
 }
 
-/// Number and checksum of the last line that a database has.
-pub(super) fn last(connection: &Connection) -> rusqlite::Result<(u64, Option<String>)> {
-    let sql = "SELECT line FROM journal_line ORDER BY n DESC LIMIT 1";
-    let mut statement = connection.prepare_cached(sql)?;
-    let mut rows = statement.query([])?;
-    let read = match rows.next()? {
-        Some(row) => line::read(row.get_ref(0)?.as_bytes()?).ok(),
-        None => None,
-    };
-    Ok(read.map_or((0, None), |line| (line.n, Some(line.sum().to_owned()))))
+/// Number and checksum of the last line that a database has. That there is none after it says its seal.
+pub(super) fn last(connection: &Connection) -> Result<(u64, Option<String>), StepError> {
+    let last = stored(
+        connection,
+        "SELECT n, line FROM journal_line ORDER BY n DESC LIMIT 1",
+    )?;
+    let end = last.first().map(|line| (line.n, Some(line.sum().to_owned())));
+    Ok(end.unwrap_or_default())
 }
 
 /// Writes lines into a database, which says from then on that it has what they say.
 pub(super) fn store(connection: &Connection, lines: &[Line]) -> Result<(), StepError> {
-    let mut statement = connection.prepare_cached("INSERT INTO journal_line VALUES (?1, ?2)")?;
+    let mut statement = connection.prepare_cached("INSERT INTO journal_line VALUES (?1, ?2, ?3)")?;
     for line in lines {
-        statement.execute(params![line.n.cast_signed(), line.text])?;
+        let is_lost = matches!(line.entry, Entry::Missed { .. } | Entry::Answered { .. });
+        statement.execute(params![line.n.cast_signed(), line.text, is_lost])?;
     }
-    Ok(())
+    Ok(seal::close(connection, &Subject::JournalEnd)?)
 }
 
 /// The lines of the database and of the journal, held against each other.
@@ -91,7 +101,7 @@ impl Compared {
         let end = last(&database).max(journal.last_number);
         // What a rebuilding found missing it wrote down, and a person is asked.
         let known = [&database, &file].into_iter().flat_map(|lines| lines.values());
-        let known = known.filter(|line| matches!(line.entry, super::Entry::Missed { .. }));
+        let known = known.filter(|line| matches!(line.entry, Entry::Missed { .. }));
         let told = known.map(|line| line.n).max().unwrap_or(0);
         let has = |n: &u64| database.contains_key(n) || file.contains_key(n) || *n < told;
         Ok(Compared {

@@ -148,7 +148,10 @@ impl Entry {
             }
             Entry::Word(word) => {
                 let said = if word.drops { "dropped" } else { "put back" };
-                let why = word.why.as_deref().map_or(String::new(), |why| format!(" ({why})"));
+                let why = word
+                    .why
+                    .as_deref()
+                    .map_or(String::new(), |why| format!(" ({why})"));
                 format!("{} {said} by {}{why}", word.run_path, word.said_by)
             }
             Entry::Asked { run, .. } => format!("how {run} is fitted"),

@@ -57,7 +57,8 @@ fn lines_of(path: &Path, owner: Option<&str>) -> rusqlite::Result<Vec<Line>> {
     let mut lines = Vec::new();
     // From both ends: a page that cannot be read ends each.
     for order in ["", "DESC"] {
-        let mut statement = connection.prepare(&format!("SELECT line FROM journal_line ORDER BY n {order}"))?;
+        let mut statement =
+            connection.prepare(&format!("SELECT line FROM journal_line ORDER BY n {order}"))?;
         let mut rows = statement.query([])?;
         while let Ok(Some(row)) = rows.next() {
             let read = row.get_ref(0).ok().and_then(|text| text.as_bytes().ok());
