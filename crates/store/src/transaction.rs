@@ -208,9 +208,8 @@ fn or_taken_back(
     intended: Option<Intended>,
     committed: Result<(), StepError>,
 ) -> Result<(), StepError> {
-    match (&committed, intended) {
-        (Err(_), Some(intended)) => journal.take_back(intended)?,
-        _ => {}
+    if let (Err(_), Some(intended)) = (&committed, intended) {
+        journal.take_back(intended)?;
     }
     committed
 }
