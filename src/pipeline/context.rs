@@ -54,11 +54,13 @@ impl Context {
         // Whoever was killed while it archived left these; with the lock held nobody writes them now.
         Archive::new(folder).remove_partial()?;
         holdings::refuse_lost_database(folder)?;
-        let store = open_locked(folder, &mut lock)?;
+        let store = open_locked(folder, &lock)?;
         holdings::check_and_mark(folder, &store)?;
         let ended_in_order = lock.last_ended_in_order();
-        let mut context = Context::with(folder, loaded, store, Some(lock))?;
+        let mut context = Context::with(folder, loaded, store, None)?;
         context.agreed = agreement::agree(&mut context, !ended_in_order)?;
+        lock.found_sound();
+        context._lock = Some(lock);
         context.agreed.extend(verify::missed(&context)?);
         if !ended_in_order {
             context.damage = verify::of_archive(&context)?;
@@ -98,11 +100,13 @@ impl Context {
         refuse_network(folder, allow_network)?;
         let mut lock = InstanceLock::take(folder)?;
         holdings::refuse_lost_database(folder)?;
-        let mut store = open_locked(folder, &mut lock)?;
+        let mut store = open_locked(folder, &lock)?;
         store.read_again(&now())?;
         Archive::new(folder).set_owner(&store.identity()?)?;
-        let mut context = Context::with(folder, loaded, store, Some(lock))?;
-        context.agreed = agreement::agree(&mut context, false)?;
+        let mut context = Context::with(folder, loaded, store, None)?;
+        context.agreed = agreement::agree(&mut context, !lock.last_ended_in_order())?;
+        lock.found_sound();
+        context._lock = Some(lock);
         Ok(context)
     }
 
@@ -280,11 +284,10 @@ impl Context {
 }
 
 /// Opens the database for whoever holds the lock; after a disorderly end its structure is looked at first.
-fn open_locked(folder: &Path, lock: &mut InstanceLock) -> Result<Store, StoreError> {
+fn open_locked(folder: &Path, lock: &InstanceLock) -> Result<Store, StoreError> {
     let store = Store::open(folder)?;
     if !lock.last_ended_in_order() {
         store.check_structure()?;
-        lock.found_sound();
     }
     Ok(store)
 }

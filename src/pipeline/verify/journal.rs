@@ -37,10 +37,7 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
     }
     let mut part = of_lines(found.as_ref());
     part.findings.extend(missed(context)?);
-    match context.store.is_agreed(&context.folder)? {
-        true => part.findings.extend(differences(context)?),
-        false => part.findings.extend(course(context)?),
-    }
+    part.findings.extend(course(context)?);
     Ok(part)
 }
 
@@ -82,7 +79,7 @@ fn differences_now(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     Ok(told.differences(&stored).into_iter().map(issue).collect())
 }
 
-/// What one of them lacks.
+/// What one of them lacks, or what is not the same in both though none lacks anything.
 fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
     let mut found = Vec::new();
     let compared = match context.store.compared(&context.folder) {
@@ -93,6 +90,9 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
         }
         Err(error) => return Err(error.into()),
     };
+    if context.store.is_agreed(&context.folder)? {
+        return differences(context);
+    }
     if !compared.is_database_whole() {
         let message = format!("the database lacks what the journal says: {}", compared.lacks());
         let mend = match compared.can_be_said_again() {

@@ -7,6 +7,9 @@ use rand::RngExt;
 
 use super::World;
 
+/// Files of the program that somebody else changes here.
+const OURS: [&str; 3] = ["campaign.db.lock", "archive/journal.jsonl", "archive/database-id"];
+
 /// A database and a journal of one moment.
 pub struct Older {
     database: Vec<u8>,
@@ -27,7 +30,7 @@ impl World {
         let Ok(said) = fs::read(&journal) else {
             return;
         };
-        if !is_whole || self.context.is_some() {
+        if !is_whole || said.is_empty() || self.context.is_some() {
             return;
         }
         let Some(older) = self.older.take() else {
@@ -39,10 +42,27 @@ impl World {
             });
             return;
         };
-        // Else both would be older than what was said.
-        let what = match self.rng.random_range(0..5) {
+        let what = self.goes(&older, &said);
+        self.tell(|| format!("   {what}"));
+        self.disturbed();
+        // What is damaged in the middle only a whole look finds.
+        fs::write(
+            self.folder.path().join("campaign.db.lock"),
+            "process 1 on another\n",
+        )
+        .unwrap();
+        self.computer.settle(&OURS);
+        self.opens();
+        self.nothing_lost();
+    }
+
+    /// One of the files goes back, or is damaged; gives which, in words. Both would be older than what was said.
+    fn goes(&mut self, older: &Older, said: &[u8]) -> &'static str {
+        let [database, journal] = self.places();
+        match self.rng.random_range(0..5) {
             0 => {
                 fs::write(&database, &older.database).unwrap();
+                let _ = fs::remove_file(self.folder.path().join("campaign.db-shm"));
                 "the database is an older one"
             }
             1 => {
@@ -57,27 +77,22 @@ impl World {
                 "the journal is cut at a line end"
             }
             3 => {
-                let mut flipped = said.clone();
-                if let Some(at) = said.len().checked_sub(1) {
-                    flipped[self.rng.random_range(0..=at)] ^= 1;
-                }
+                let mut flipped = said.to_vec();
+                let at = self.rng.random_range(0..said.len());
+                flipped[at] ^= 1;
                 fs::write(&journal, flipped).unwrap();
-                // Only a whole look finds that in the middle.
-                fs::write(
-                    self.folder.path().join("campaign.db.lock"),
-                    "process 1 on another\n",
-                )
-                .unwrap();
                 "a byte of the journal is flipped"
             }
             _ => {
                 fs::remove_file(&journal).unwrap();
                 "the journal is lost"
             }
-        };
-        let _ = fs::remove_file(self.folder.path().join("campaign.db-shm"));
-        self.tell(|| format!("   {what}"));
-        self.computer.settle();
+        }
+    }
+
+    /// An opening in any weather.
+    fn disturbed(&mut self) {
+        self.computer.settle(&OURS);
         let weather = self.weather();
         self.tell(|| format!("   {weather:?}"));
         self.computer.have(weather);
@@ -86,7 +101,5 @@ impl World {
             self.computer.restart();
         }
         self.close();
-        self.opens();
-        self.nothing_lost();
     }
 }

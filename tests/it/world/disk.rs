@@ -225,7 +225,7 @@ impl Disk {
     }
 
     /// Takes what was there before into the model, as safe.
-    fn known(&mut self, path: &Path) {
+    pub fn known(&mut self, path: &Path) {
         let Ok(inside) = path.strip_prefix(&self.root).map(Path::to_owned) else {
             return;
         };

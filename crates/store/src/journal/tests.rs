@@ -102,11 +102,7 @@ fn a_flipped_byte_costs_one_line_and_a_lost_line_is_missed() {
     assert!(fs::read_to_string(&path).unwrap().starts_with(&whole));
     let found = read(folder.path()).unwrap().unwrap();
     assert_eq!((found.damaged.len(), found.last_number), (0, 5));
-    assert!(
-        beside(folder.path(), "set-aside")
-            .iter()
-            .any(|text| *text == damaged)
-    );
+    assert!(beside(folder.path(), "set-aside").contains(&damaged));
 }
 
 /// What the files beside the journal hold whose names say that.
