@@ -132,6 +132,15 @@ fn call_on<T>(call: Call<'_>, work: impl FnOnce() -> io::Result<T>) -> io::Resul
     Ok(done)
 }
 
+/// Asks the world, where there is one, before a call that something else than this crate does, such as SQLite's writing to
+/// its files in tests.
+///
+/// # Errors
+/// What the world says.
+pub fn asked(kind: Kind, path: &Path) -> io::Result<()> {
+    call(kind, path, || Ok(()))
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Mutex;

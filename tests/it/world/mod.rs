@@ -9,6 +9,7 @@ mod disk;
 mod found;
 mod nth;
 mod people;
+mod sqlite;
 
 use std::collections::BTreeSet;
 use std::panic::AssertUnwindSafe;
@@ -45,6 +46,7 @@ pub fn folder() -> TempDir {
 
 /// Does `work` on that computer, in one thread; none where the power went meanwhile.
 pub fn on<T: Send>(computer: &Arc<Computer>, work: impl FnOnce() -> T + Send) -> Option<T> {
+    sqlite::through_worlds();
     let world = Arc::clone(computer);
     let done = std::panic::catch_unwind(AssertUnwindSafe(|| {
         let build = rayon::ThreadPoolBuilder::new().num_threads(1);

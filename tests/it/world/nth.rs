@@ -191,3 +191,53 @@ fn whichever_call_of_a_person_s_word_fails_or_is_the_last_both_stores_agree() {
     eprintln!("{} tries at {calls} calls", tried.len());
     each(tried.into_iter(), |weather| Some(spoken(path, weather)));
 }
+
+/// A rebuilding of which any call fails leaves the old database, or says what the old one said.
+#[test]
+#[ignore = "slow: cargo test -- --ignored"]
+fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
+    let campaign = folder();
+    let path = campaign.path();
+    for k in 0..2 {
+        std::fs::write(path.join(format!("runs/{k}.csv")), crate::campaign::run_table(k)).unwrap();
+    }
+    let mut context = Context::open(path, false).unwrap();
+    Ingest { ready: &mut |_| true }.run(&mut context, &Silent).unwrap();
+    FitRuns::default().run(&mut context, &Silent).unwrap();
+    drop(context);
+    let rebuilt = |weather: Weather| -> (u64, bool) {
+        let folder = folder();
+        let path = folder.path();
+        copied(campaign.path(), path);
+        let content = || Store::open_read_only(path).unwrap().unwrap().content().unwrap();
+        let before = content();
+        let computer = Arc::new(Computer::new(path, 1));
+        computer.have(weather);
+        let outcome = on(&computer, || Rebuild::default().run(path, &Silent)).unwrap();
+        let (calls, refused) = computer.calls();
+        assert!(outcome.is_ok() || refused > 0, "refused for no reason of the system: {outcome:?}");
+        computer.have(Weather::default());
+        if !path.join("campaign.db").exists() {
+            // Refused between the two namings: the next rebuilding puts it in place.
+            assert!(outcome.is_err(), "{weather:?}");
+            on(&computer, || Rebuild::default().run(path, &Silent)).unwrap().unwrap();
+        }
+        assert_eq!(content().differences(&before), [], "{weather:?}");
+        let verified = on(&computer, || Verify::default().run(path, &Silent)).unwrap().unwrap();
+        assert!(verified.is_sound(), "{weather:?}: {verified:#?}");
+        (calls, outcome.is_ok())
+    };
+    let (calls, _) = rebuilt(Weather::default());
+    let step = counted(5, 1);
+    let tried: Vec<Weather> = (1..=calls)
+        .flat_map(|nth| (0..2).map(move |which| (nth, which)))
+        .step_by(step)
+        .map(|refused| Weather {
+            refused: Some(refused),
+            ..Weather::default()
+        })
+        .collect();
+    eprintln!("{} tries at {calls} calls", tried.len());
+    let done = each(tried.into_iter(), |weather| Some(rebuilt(weather).1));
+    eprintln!("{} of them done all the same", done.iter().filter(|done| **done).count());
+}
