@@ -11,7 +11,7 @@ use crate::ingest::climate_log;
 use crate::numerics::interrupt;
 use crate::pipeline::climate::{Shelf, new_log};
 use crate::pipeline::context::now;
-use crate::pipeline::ingest::{Outcome, PreparedFile, Readers, runs_of, together};
+use crate::pipeline::ingest::{Outcome, PreparedFile, Readers, files_of_runs, runs_of, together};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FileRow;
 use crate::store::journal::{Entry, Line, NamedBytes, NamedRun};
@@ -114,7 +114,12 @@ impl Replayed {
                 }
                 store.forget_files(at, std::slice::from_ref(old))?;
             }
-            Entry::Gone { path } => store.mark_missing(at, std::slice::from_ref(path))?,
+            Entry::Gone { path } => {
+                // The run's own file, though another one lay in its place.
+                let held = files_of_runs(store, std::slice::from_ref(path))?;
+                store.record_files(at, &held)?;
+                store.mark_missing(at, std::slice::from_ref(path))?;
+            }
             Entry::Tag(tag) => {
                 self.words += 1;
                 store.add_hand_tags(at, std::slice::from_ref(tag))?;

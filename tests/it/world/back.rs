@@ -7,9 +7,6 @@ use rand::RngExt;
 
 use super::World;
 
-/// Files of the program that somebody else changes here.
-const OURS: [&str; 3] = ["campaign.db.lock", "archive/journal.jsonl", "archive/database-id"];
-
 /// A database and a journal of one moment.
 pub struct Older {
     database: Vec<u8>,
@@ -51,7 +48,7 @@ impl World {
             "process 1 on another\n",
         )
         .unwrap();
-        self.computer.settle(&OURS);
+        self.computer.settle();
         self.opens();
         self.nothing_lost();
     }
@@ -92,13 +89,12 @@ impl World {
 
     /// An opening in any weather.
     fn disturbed(&mut self) {
-        self.computer.settle(&OURS);
+        self.computer.settle();
         let weather = self.weather();
         self.tell(|| format!("   {weather:?}"));
         self.computer.have(weather);
         if self.asks(|_| Ok(())).is_none() {
             self.context = None;
-            self.computer.restart();
         }
         self.close();
     }

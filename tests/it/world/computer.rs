@@ -79,11 +79,9 @@ impl Computer {
         (state.weather, state.calls, state.refused) = (weather, 0, 0);
     }
 
-    /// From here on all that is on the disk is safe: somebody else changed it, these files among others.
-    pub fn settle(&self, changed: &[&str]) {
-        let mut disk = Disk::new(&self.root);
-        changed.iter().for_each(|name| disk.known(&self.root.join(name)));
-        self.state().disk = disk;
+    /// From here on all that is on the disk is safe: somebody else changed it.
+    pub fn settle(&self) {
+        self.state().disk.settle();
     }
 
     /// Sets the clock.

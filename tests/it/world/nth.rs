@@ -202,7 +202,9 @@ fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
         std::fs::write(path.join(format!("runs/{k}.csv")), crate::campaign::run_table(k)).unwrap();
     }
     let mut context = Context::open(path, false).unwrap();
-    Ingest { ready: &mut |_| true }.run(&mut context, &Silent).unwrap();
+    Ingest { ready: &mut |_| true }
+        .run(&mut context, &Silent)
+        .unwrap();
     FitRuns::default().run(&mut context, &Silent).unwrap();
     drop(context);
     let rebuilt = |weather: Weather| -> (u64, bool) {
@@ -215,15 +217,22 @@ fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
         computer.have(weather);
         let outcome = on(&computer, || Rebuild::default().run(path, &Silent)).unwrap();
         let (calls, refused) = computer.calls();
-        assert!(outcome.is_ok() || refused > 0, "refused for no reason of the system: {outcome:?}");
+        assert!(
+            outcome.is_ok() || refused > 0,
+            "refused for no reason of the system: {outcome:?}"
+        );
         computer.have(Weather::default());
         if !path.join("campaign.db").exists() {
             // Refused between the two namings: the next rebuilding puts it in place.
             assert!(outcome.is_err(), "{weather:?}");
-            on(&computer, || Rebuild::default().run(path, &Silent)).unwrap().unwrap();
+            on(&computer, || Rebuild::default().run(path, &Silent))
+                .unwrap()
+                .unwrap();
         }
         assert_eq!(content().differences(&before), [], "{weather:?}");
-        let verified = on(&computer, || Verify::default().run(path, &Silent)).unwrap().unwrap();
+        let verified = on(&computer, || Verify::default().run(path, &Silent))
+            .unwrap()
+            .unwrap();
         assert!(verified.is_sound(), "{weather:?}: {verified:#?}");
         (calls, outcome.is_ok())
     };
@@ -239,5 +248,8 @@ fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
         .collect();
     eprintln!("{} tries at {calls} calls", tried.len());
     let done = each(tried.into_iter(), |weather| Some(rebuilt(weather).1));
-    eprintln!("{} of them done all the same", done.iter().filter(|done| **done).count());
+    eprintln!(
+        "{} of them done all the same",
+        done.iter().filter(|done| **done).count()
+    );
 }

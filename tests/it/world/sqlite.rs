@@ -44,7 +44,10 @@ pub fn through_worlds() {
         own.pNext = std::ptr::null_mut();
         own.xOpen = Some(open);
         let _ = SYSTEM.set(Lasting(system));
-        assert_eq!(ffi::sqlite3_vfs_register(Box::leak(Box::new(own)), 1), ffi::SQLITE_OK);
+        assert_eq!(
+            ffi::sqlite3_vfs_register(Box::leak(Box::new(own)), 1),
+            ffi::SQLITE_OK
+        );
     });
 }
 
