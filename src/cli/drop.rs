@@ -69,6 +69,7 @@ pub fn run_undrop(args: &UndropArgs, global: &Global, output: &Output) -> Result
 fn speak(mut said: SpeakOfRuns, global: &Global, output: &Output) -> Result<u8, CliError> {
     let folder = take_places(&mut said.runs, said.deleted)?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
+    super::say_what_was_agreed(&context, output);
     let spoken = said.run(&mut context)?;
     let list = |title: &str, runs: &[SetAside], with_mend: bool| {
         if !runs.is_empty() {

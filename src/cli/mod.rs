@@ -1,5 +1,6 @@
 //! The command line: one file a verb, progress and messages on stderr, results on stdout, exit status.
 
+mod answer;
 mod asked_strip;
 mod backup;
 mod colour;
@@ -140,6 +141,7 @@ enum Verb {
     Status(status::StatusArgs),
     Verify(verify::VerifyArgs),
     Rebuild(rebuild::RebuildArgs),
+    Answer(answer::AnswerArgs),
     Table(table::TableArgs),
     Explain(explain::ExplainArgs),
     Figure(figure::FigureArgs),
@@ -223,6 +225,12 @@ impl CampaignArg {
 fn say_what_is_not_understood(context: &Context, output: &Output) {
     let warnings = context.warnings.iter();
     warnings.for_each(|issue| output.issue("campaign.toml", issue));
+    say_what_opening_found(context, output);
+}
+
+/// What opening the campaign found and put right.
+fn say_what_opening_found(context: &Context, output: &Output) {
+    say_what_was_agreed(context, output);
     if !context.damage.is_empty() {
         output.message(
             "After the disorderly end of the last ieap, this was found (`ieap verify` looks at everything):",
@@ -230,6 +238,12 @@ fn say_what_is_not_understood(context: &Context, output: &Output) {
         let damage = context.damage.iter();
         damage.for_each(|issue| output.issue("damage", issue));
     }
+}
+
+/// What the database and the journal lacked of each other, and what may be lost.
+fn say_what_was_agreed(context: &Context, output: &Output) {
+    let agreed = context.agreed.iter();
+    agreed.for_each(|issue| output.issue("database and journal", issue));
 }
 
 /// The campaign folder meant by `given`, or found from the current folder upward.
@@ -327,6 +341,7 @@ fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
         Verb::Status(args) => status::run(args, output),
         Verb::Verify(args) => verify::run(args, output),
         Verb::Rebuild(args) => rebuild::run(args, global, output),
+        Verb::Answer(args) => answer::run(args, global, output),
         Verb::Table(args) => table::run(args, output),
         Verb::Explain(args) => explain::run(args, output),
         Verb::Figure(args) => figure::run(args, output),

@@ -40,6 +40,12 @@ fn print(summary: &RebuildSummary, output: &Output) {
     if let Some(aside) = &summary.set_aside {
         output.result(&format!("The old database is kept: {}", aside.display()));
     }
+    if !summary.of_old_database.is_empty() {
+        output.result("The journal lacked, and has from the old database now:");
+    }
+    for words in &summary.of_old_database {
+        output.result(&format!("  {words}"));
+    }
     for issue in &summary.journal {
         output.issue("journal", issue);
     }
@@ -59,6 +65,11 @@ fn print(summary: &RebuildSummary, output: &Output) {
         ));
         let paths = summary.without_name.iter();
         paths.for_each(|path| output.message(&format!("  {path}")));
+    }
+    if !summary.journal.is_empty() || !summary.lost.is_empty() {
+        output.message(
+            "Something may be lost. `ieap status` says so until you looked and said it: `ieap answer --why ...`.",
+        );
     }
     ingest::left_out(&summary.ingest, output);
     output.message("`ieap run` diagnoses and renders from it.");

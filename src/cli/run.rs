@@ -9,6 +9,7 @@ use super::output::{Output, counted};
 use super::{CampaignArg, Global, diagnose, ingest, report, signals};
 use crate::domain::Fault;
 use crate::pipeline::status::raw_files_lost;
+use crate::pipeline::verify::missed;
 use crate::pipeline::{Context, DiagnoseSummary, Made, Observer, Run, RunSummary, left};
 
 /// Take in new files, fit every run, diagnose every group and render the report; once. Running again does only what is new
@@ -52,6 +53,7 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         }
         all_taken &= lost.is_empty();
     }
+    all_taken &= missed(&context)?.is_empty();
     Ok(status(&summary, all_taken))
 }
 

@@ -31,8 +31,9 @@ macro_rules! schemas {
 }
 
 /// Every document that `--json` prints, by name. tests/it/schemas.rs holds what is printed against them.
-pub const SCHEMAS: [Schema; 40] = schemas![
+pub const SCHEMAS: [Schema; 41] = schemas![
     "alarms",
+    "answer",
     "backup",
     "comparison",
     "convert",

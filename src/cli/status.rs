@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::exit::{self, ALARM, CliError, DONE};
 use super::output::{Output, counted};
-use super::{CampaignArg, ingest, say_what_is_not_understood};
+use super::{CampaignArg, ingest, say_what_is_not_understood, say_what_opening_found};
 use crate::domain::{Fault, Issue};
 use crate::pipeline::Context;
 use crate::pipeline::mends::together;
@@ -29,9 +29,13 @@ pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
         say_what_is_not_understood(&context, output);
         return alarms_only(&status, output);
     }
+    say_what_opening_found(&context, output);
     print(&status, output);
     output.document(&json!({ "schema": "ieap/status/1", "status": status }))?;
-    Ok(exit::after(false, !status.has_slip()))
+    Ok(exit::after(
+        false,
+        !status.has_slip() && status.words_missed.is_empty(),
+    ))
 }
 
 /// The alarms alone, with an exit status that scripts can act on.
@@ -115,6 +119,7 @@ fn print(status: &Status, output: &Output) {
         "lost from the archive",
         &status.raw_files_lost,
     );
+    words_missed(status, output);
     let untagged = "without the tags to be fitted";
     section(output, "run", untagged, &status.untagged);
     ingest::pattern(output, status.proposed_pattern.as_ref());
@@ -166,6 +171,17 @@ fn print(status: &Status, output: &Output) {
     list(output, "group", outdated, &status.findings_out_of_date);
     if let Some(refused) = &status.report_refused {
         output.result(&format!("report that cannot be written anew:\n  {refused}"));
+    }
+}
+
+/// Words that may be lost since a rebuilding.
+fn words_missed(status: &Status, output: &Output) {
+    if status.words_missed.is_empty() {
+        return;
+    }
+    output.result("words that may be lost:");
+    for missed in &status.words_missed {
+        issue(output, "  ", missed);
     }
 }
 

@@ -33,6 +33,7 @@ pub fn run(args: &TagArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let named = named.or_else(|| args.campaign.clone());
     let (folder, run) = place(&args.run, named.as_deref())?;
     let mut context = Context::open_beside(&folder, global.i_know)?;
+    super::say_what_was_agreed(&context, output);
     let set = SetTags {
         run,
         pairs,

@@ -11,7 +11,7 @@ use crate::store::{self, InstanceLock, Store, StoreError};
 
 use super::ingest::ReadFile;
 use super::rebuild::aside;
-use super::{PipelineError, holdings, verify};
+use super::{PipelineError, agreement, holdings, verify};
 
 /// Version of this program, as fits and reports record it.
 pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -33,6 +33,8 @@ pub struct Context {
     pub campaign_digest: String,
     /// What a look at the campaign found that followed a disorderly end: raw files that are lost, a damaged journal.
     pub damage: Vec<Issue>,
+    /// What the database and the journal lacked of each other and have now, and what may be lost until a person answers.
+    pub agreed: Vec<Issue>,
     /// The database.
     pub store: Store,
     /// How data files are read.
@@ -52,11 +54,14 @@ impl Context {
         // Whoever was killed while it archived left these; with the lock held nobody writes them now.
         Archive::new(folder).remove_partial()?;
         holdings::refuse_lost_database(folder)?;
-        let mut store = open_locked(folder, &mut lock)?;
+        let store = open_locked(folder, &lock)?;
         holdings::check_and_mark(folder, &store)?;
-        store.begin_journal()?;
         let ended_in_order = lock.last_ended_in_order();
-        let mut context = Context::with(folder, loaded, store, Some(lock))?;
+        let mut context = Context::with(folder, loaded, store, None)?;
+        context.agreed = agreement::agree(&mut context, !ended_in_order)?;
+        lock.found_sound();
+        context._lock = Some(lock);
+        context.agreed.extend(verify::missed(&context)?);
         if !ended_in_order {
             context.damage = verify::of_archive(&context)?;
         }
@@ -95,11 +100,14 @@ impl Context {
         refuse_network(folder, allow_network)?;
         let mut lock = InstanceLock::take(folder)?;
         holdings::refuse_lost_database(folder)?;
-        let mut store = open_locked(folder, &mut lock)?;
+        let mut store = open_locked(folder, &lock)?;
         store.read_again(&now())?;
         Archive::new(folder).set_owner(&store.identity()?)?;
-        store.begin_journal()?;
-        Context::with(folder, loaded, store, Some(lock))
+        let mut context = Context::with(folder, loaded, store, None)?;
+        context.agreed = agreement::agree(&mut context, !lock.last_ended_in_order())?;
+        lock.found_sound();
+        context._lock = Some(lock);
+        Ok(context)
     }
 
     /// Begins a new database of a campaign beside the one that it has, in a folder of its own; nothing that is done with it
@@ -121,7 +129,8 @@ impl Context {
     /// Puts the database that was begun so in the place of the old one, which is moved aside; gives its new name.
     ///
     /// # Errors
-    /// A file cannot be renamed; the new database then stays where it was made.
+    /// The new database does not read back from its file as it was made, or a file cannot be renamed; the new database then
+    /// stays where it was made.
     pub fn put_in_place(self) -> Result<Option<PathBuf>, PipelineError> {
         let Context {
             folder,
@@ -129,8 +138,7 @@ impl Context {
             _lock: mut lock,
             ..
         } = self;
-        // The last connection writes everything into the one file.
-        drop(store);
+        store.close_whole()?;
         let mark = now().replace([':', '-'], "");
         let old = store::put_in_place(&aside::path_in(&folder), &folder, &mark)?;
         aside::remove(&folder)?;
@@ -149,26 +157,67 @@ impl Context {
     /// Opens a campaign beside a working instance, for changes that do not read files or fit.
     ///
     /// # Errors
-    /// As [`Context::open`]; the lock is needed only where the database is to be brought up to date.
+    /// As [`Context::open`]; the lock is needed only where the database is to be brought up to date, or it and the journal do
+    /// not say the same.
     pub fn open_beside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         refuse_network(folder, allow_network)?;
         holdings::refuse_lost_database(folder)?;
-        if let Err(StoreError::Older { .. }) = Store::open_read_only(folder) {
-            // Only who holds the lock brings a database up to date.
-            let mut lock = InstanceLock::take(folder)?;
-            open_locked(folder, &mut lock)?;
-        }
+        let is_ready = match Store::open_read_only(folder) {
+            Ok(Some(store)) => store.has_course()? && store.is_agreed(folder)?,
+            Ok(None) => true,
+            Err(StoreError::Older { .. }) => false,
+            Err(error) => return Err(error.into()),
+        };
+        let agreed = match is_ready {
+            true => Vec::new(),
+            // Only who holds the lock brings a database up to date, and it and its journal together.
+            false => Context::open(folder, allow_network)?.agreed,
+        };
         let store = Store::open(folder)?;
         holdings::check(folder, &store)?;
-        Context::with(folder, loaded, store, None)
+        let context = Context::with(folder, loaded, store, None)?;
+        Ok(Context { agreed, ..context })
     }
 
-    /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in.
+    /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in. Where the database
+    /// and the journal do not say the same, that is made good first.
+    ///
+    /// # Errors
+    /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read, or lacks what the journal says
+    /// and cannot be told it now.
+    pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
+        let context = Context::open_as_it_is(folder)?;
+        // An empty one in memory has no file.
+        if !context.store.path().exists() || context.store.is_agreed(folder)? {
+            return Ok(context);
+        }
+        match Context::open(folder, false) {
+            Ok(Context { agreed, .. }) => {
+                let context = Context::open_as_it_is(folder)?;
+                Ok(Context { agreed, ..context })
+            }
+            Err(error) => {
+                let compared = context.store.compared(folder)?;
+                match compared.is_database_whole() {
+                    // The journal lacks something: who writes next makes it good.
+                    true => Ok(context),
+                    false => Err(StoreError::Lags {
+                        path: context.store.path().to_owned(),
+                        lacks: compared.lacks(),
+                        why: error.to_string(),
+                    }
+                    .into()),
+                }
+            }
+        }
+    }
+
+    /// The same, but nothing is made good.
     ///
     /// # Errors
     /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read.
-    pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
+    pub fn open_as_it_is(folder: &Path) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
         holdings::refuse_lost_database(folder)?;
         let store = match Store::open_read_only(folder)? {
@@ -226,6 +275,7 @@ impl Context {
             campaign: loaded.campaign,
             warnings: loaded.warnings,
             damage: Vec::new(),
+            agreed: Vec::new(),
             store,
             read_file: scan::read_stable,
             _lock: lock,
@@ -234,11 +284,10 @@ impl Context {
 }
 
 /// Opens the database for whoever holds the lock; after a disorderly end its structure is looked at first.
-fn open_locked(folder: &Path, lock: &mut InstanceLock) -> Result<Store, StoreError> {
+fn open_locked(folder: &Path, lock: &InstanceLock) -> Result<Store, StoreError> {
     let store = Store::open(folder)?;
     if !lock.last_ended_in_order() {
         store.check_structure()?;
-        lock.found_sound();
     }
     Ok(store)
 }

@@ -37,7 +37,7 @@ pub enum HoldingsError {
     },
     /// Database and archive are of two campaigns.
     #[error(
-        "{}: the database has the id {found}, the archive beside it belongs to the database {needed} (archive/database-id). Put the database and the archive back that belong together. If these two are meant to be one campaign from now on, delete archive/database-id.", path.display()
+        "{}: the database has the id {found}, the archive beside it belongs to the database {needed} (archive/database-id). Put the database and the archive back that belong together. If these two are meant to be one campaign from now on, delete archive/database-id and move archive/journal.jsonl away.", path.display()
     )]
     Foreign {
         /// The database file.

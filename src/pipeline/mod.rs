@@ -2,8 +2,10 @@
 
 mod across_runs;
 mod adopt;
+mod agreement;
 pub mod alarms;
 mod along;
+mod answer;
 pub mod at_hand;
 pub mod backup;
 pub mod blocked;
@@ -68,6 +70,7 @@ pub mod status;
 pub mod strip_modulus;
 pub mod tables;
 mod tag;
+mod told;
 pub mod trace;
 pub mod verify;
 mod watch;
@@ -79,6 +82,7 @@ pub use crate::numerics::interrupt::Interrupt;
 pub use across_runs::campaign_laws;
 pub use adopt::{Adopt, AdoptSummary};
 pub use alarms::{AlarmSummary, RaiseAlarms, TakenBack};
+pub use answer::{Answer, Answered};
 pub use climate::LogSummary;
 pub use compare::{CompareModels, CompareSummary, current_comparisons};
 pub use context::{CODE_VERSION, Context};

@@ -17,7 +17,7 @@ use super::mends::{Together, together};
 use super::planned::{Planned, planned};
 use super::report::report_faults;
 use super::standing::{Runs, SetAside};
-use super::{Context, PipelineError, standing};
+use super::{Context, PipelineError, standing, verify};
 use crate::domain::tag::keys;
 use crate::domain::{
     Alarm, ClimateAssessment, Fault, FileState, Issue, RunKind, RunRecord, RunState, Severity,
@@ -74,6 +74,8 @@ pub struct Status {
     pub pending: Vec<Reasoned>,
     /// Raw files that the archive lacks or holds with another size, by a file of the run or log that they are of.
     pub raw_files_lost: Vec<Reasoned>,
+    /// Words that may be lost since a rebuilding, until a person answers.
+    pub words_missed: Vec<Issue>,
     /// Number of files that hold the same bytes as a run's file.
     pub aliases: usize,
     /// These files, each with the run.
@@ -246,6 +248,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         unreadable_tags: unreadable_tags(context)?,
         pending: file_list(FileState::Pending),
         raw_files_lost: raw_files_lost(context)?,
+        words_missed: verify::missed(context)?,
         aliases: file_list(FileState::Alias).len(),
         alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
         missing_files: missing.map(|file| file.path.clone()).collect(),

@@ -108,6 +108,7 @@ fn the_database_of_another_campaign_is_noticed() {
         refused.stderr
     );
     fs::remove_file(one.join("archive/database-id")).unwrap();
+    fs::remove_file(one.join("archive/journal.jsonl")).unwrap();
     one.ieap(&["run", "--no-diagnose"]).expect(0);
 }
 

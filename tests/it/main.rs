@@ -78,6 +78,7 @@ mod stiffness;
 mod stops;
 mod tables;
 mod terminal;
+mod two_stores;
 mod unreadable_tags;
 mod verify;
 mod watch;

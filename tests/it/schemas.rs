@@ -96,9 +96,10 @@ fn cannot_be(value: &Value, place: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Words of a sentence that are no number, or one that is too large to be.
-pub fn words_that_cannot_be(text: &str) -> Vec<&str> {
-    let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || ".+-".contains(c)));
+/// Words of a sentence that are no number, or one that is too large to be; what is quoted somebody else wrote.
+fn words_that_cannot_be(text: &str) -> Vec<&str> {
+    let own = text.split('"').step_by(2);
+    let words = own.flat_map(|own| own.split(|c: char| !(c.is_ascii_alphanumeric() || "_.+-".contains(c))));
     let is_impossible = |word: &&str| {
         let plain = word.trim_matches(|c: char| "+-.".contains(c));
         matches!(plain, "NaN" | "inf" | "nan") || {
@@ -111,7 +112,7 @@ pub fn words_that_cannot_be(text: &str) -> Vec<&str> {
 
 #[test]
 fn a_number_that_cannot_be_is_found_in_a_sentence() {
-    let bad = "alpha was too large: 5.5e150 standard errors, 3 +- NaN, -inf ohm, 2e-40 A, run 12e99x, 4.1e3 s";
+    let bad = "alpha was too large: 5.5e150 standard errors, 3 +- NaN, -inf ohm, 2e-40 A, run 12e99x, 4.1e3 s, alpha_inf, cell \"NaN\"";
     assert_eq!(words_that_cannot_be(bad), ["5.5e150", "NaN", "-inf"]);
 }
 

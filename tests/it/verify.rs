@@ -122,7 +122,7 @@ fn a_journal_that_is_gone_damaged_or_says_something_else_is_found() {
     fs::remove_file(&path).unwrap();
     assert_eq!(found(&folder, &[]).1, ["no-journal"]);
     fs::write(&path, whole.replacen("by hand", "by haNd", 1)).unwrap();
-    assert_eq!(found(&folder, &[]).1, ["journal-damaged", "journal-differs"]);
+    assert_eq!(found(&folder, &[]).1, ["journal-damaged", "journal-lags"]);
     fs::write(&path, lines[1..].concat()).unwrap();
     assert_eq!(
         found(&folder, &[]).1,

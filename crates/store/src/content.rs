@@ -3,8 +3,8 @@
 //! Left out is what cannot be the same in a database that is made anew: row ids, when something was stored and by which
 //! version of the program, fingerprints of files in the folder (size, time, inode), how often the database changed, the
 //! readings of earlier revisions as an earlier reader had them, and results that are no longer current. A word of a person
-//! is in it with who and when. Comparisons of models are left out: they are made when they are asked for, and no other
-//! result is made from them.
+//! is in it with who and when. The lines of the journal are left out, for they say what the rest says. Comparisons of models
+//! are left out: they are made when they are asked for, and no other result is made from them.
 
 use std::collections::BTreeMap;
 

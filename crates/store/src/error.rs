@@ -176,6 +176,38 @@ pub enum StoreError {
         /// Which rows.
         what: String,
     },
+    /// The journal has what the database lacks, and it cannot be said again now.
+    #[error(
+        "{path}: the database lacks what archive/journal.jsonl says: {lacks}. Nothing is read from it or written to it as it is; {why}."
+    )]
+    Lags {
+        /// The database file.
+        path: PathBuf,
+        /// What, in words.
+        lacks: String,
+        /// What is in the way, or how to mend it.
+        why: String,
+    },
+    /// The database and the journal say different things.
+    #[error(
+        "{path}: the database and archive/journal.jsonl say different things, and nothing was changed: {detail}. Decide which of the two is right and move the other away (campaign.db with campaign.db-wal, or the journal), then run `ieap rebuild`; what only the other says is to be said again."
+    )]
+    Parted {
+        /// The database file.
+        path: PathBuf,
+        /// Where they part, and what each says.
+        detail: String,
+    },
+    /// A database that was made is not what was written into it.
+    #[error(
+        "{path}: the new database does not read back as it was made ({detail}). The old one is as it was; make room on the disk, or use another one, then run `ieap rebuild` again."
+    )]
+    NotAsMade {
+        /// The database file.
+        path: PathBuf,
+        /// What was found.
+        detail: String,
+    },
     /// Any other failure of SQLite.
     #[error("{path}: {doing} failed: {detail}")]
     Sql {
@@ -203,6 +235,8 @@ impl StoreError {
                 | E::Replaced { .. }
                 | E::Damaged { .. }
                 | E::BadValue { .. }
+                | E::Lags { .. }
+                | E::Parted { .. }
         )
     }
 

@@ -188,6 +188,40 @@ impl Store {
         })
     }
 
+    /// Closes a database that was made, with everything in its one file, opens that file once more and holds what it says
+    /// against what was made.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; [`StoreError::NotAsMade`] where a part is not in the file.
+    pub fn close_whole(self) -> Result<(), StoreError> {
+        let (made, path) = (self.content()?, self.path.clone());
+        let doing = "writing everything into the new database";
+        // Whoever closes hears nothing of what fails here: it is done, and its result read, while one can.
+        let (is_busy, left): (bool, i64) = self
+            .connection
+            .query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| {
+                Ok((row.get(0)?, row.get(1)?))
+            })
+            .map_err(|e| self.failed(doing, e))?;
+        let not_as_made = |detail: &str| StoreError::NotAsMade {
+            path: path.clone(),
+            detail: detail.to_owned(),
+        };
+        if is_busy || left > 0 {
+            return Err(not_as_made("its write-ahead log is still in use"));
+        }
+        let closed = self.connection.close();
+        closed.map_err(|(_, e)| StoreError::from_sql(&path, doing, e))?;
+        let written = Store::open_copy(&path)?;
+        if let Some(fault) = written.check_all()?.into_iter().next() {
+            return Err(not_as_made(&fault));
+        }
+        match written.content()?.differences(&made).first() {
+            None => Ok(()),
+            Some((kind, name)) => Err(not_as_made(&format!("{kind} {name} is another one"))),
+        }
+    }
+
     /// Copies the database, as it is at one moment, into `folder` and opens the copy. What is said to it goes to no journal.
     ///
     /// # Errors
@@ -265,6 +299,32 @@ mod tests {
             std::fs::copy(&away, &path).unwrap();
             assert!(store.check_in_place().is_err(), "a copy is another file");
         }
+    }
+
+    #[test]
+    fn a_database_that_does_not_read_back_as_it_was_made_is_refused() {
+        let (folder, older) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let store = Store::open(folder.path()).unwrap();
+        drop(store.copy_in(older.path()).unwrap());
+        store.close_whole().unwrap();
+        let log = folder.path().join(format!("{FILE_NAME}-wal"));
+        assert!(!log.exists());
+        let mut store = Store::open(folder.path()).unwrap();
+        let file = crate::FileRow::unseen(
+            "runs/a.csv".to_owned(),
+            ieap_domain::FileState::Pending,
+            String::new(),
+        );
+        store.record_files("now", &[file]).unwrap();
+        // The file under its name is not the one that was written to.
+        let path = folder.path().join(FILE_NAME);
+        std::fs::rename(&path, folder.path().join("away")).unwrap();
+        std::fs::copy(older.path().join(FILE_NAME), &path).unwrap();
+        let refused = store.close_whole().unwrap_err();
+        assert!(
+            matches!(refused, StoreError::NotAsMade { .. }) && refused.to_string().contains("runs/a.csv"),
+            "{refused}"
+        );
     }
 
     #[test]

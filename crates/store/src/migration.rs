@@ -11,7 +11,7 @@ use super::in_place::has_no_tables;
 use super::views;
 
 /// Every migration in order. Append only: never change, remove or reorder one.
-pub(super) const HISTORY: [&str; 15] = [
+pub(super) const HISTORY: [&str; 16] = [
     include_str!("../../../migrations/0001_initial.sql"),
     include_str!("../../../migrations/0002_climate.sql"),
     include_str!("../../../migrations/0003_modulus_logs.sql"),
@@ -27,6 +27,7 @@ pub(super) const HISTORY: [&str; 15] = [
     include_str!("../../../migrations/0014_diagnosis_document.sql"),
     include_str!("../../../migrations/0015_run_comparison.sql"),
     include_str!("../../../migrations/0016_impedance.sql"),
+    include_str!("../../../migrations/0017_journal_lines.sql"),
 ];
 
 /// Schema version that this program writes.

@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use rusqlite::{Connection, ToSql, TransactionBehavior};
 
-use super::journal::{Entry, Journal};
+use super::journal::{Entry, Intended, Journal};
 use super::{Seals, StepError, Store, StoreError, Subject};
 
 /// The transaction that a change is made in.
@@ -108,15 +108,15 @@ impl Store {
             seals.open(connection, Subject::Changes)?;
             let sql = "UPDATE change_count SET changes = changes + 1, changed_at = ?1";
             connection.prepare_cached(sql)?.execute([now])?;
+            let mut intended = None;
             if !in_batch {
-                seals.close(connection)?;
-                journal.write(connection, || place.check(path))?;
+                intended = end_changes((seals, journal), connection, || place.check(path))?;
             }
-            Ok(outcome)
+            Ok((outcome, intended))
         };
         let outcome = match in_batch {
-            true => step(&mut self.connection, whole),
-            false => alone(&mut self.connection, whole),
+            true => step(&mut self.connection, whole).map(|(outcome, _)| outcome),
+            false => alone(&mut self.connection, journal, whole),
         };
         if outcome.is_err() {
             self.journal.keep_first(said_before);
@@ -147,24 +147,25 @@ impl Store {
     /// See [`StoreError`]; also where the database gave the batch up because of an earlier error.
     pub fn commit_batch(&mut self) -> Result<(), StoreError> {
         let ended = match self.in_batch() {
-            true => self.end_changes(),
-            false => Ok(()),
+            true => {
+                let in_place = || self.place.check(&self.path);
+                end_changes((&self.seals, &self.journal), &self.connection, in_place)
+            }
+            false => Ok(None),
         };
-        let commit = || Ok(self.connection.execute_batch("COMMIT")?);
-        let committed: Result<(), StepError> = ended.and_then(|()| commit());
+        let committed = ended.and_then(|intended| {
+            let committed = self.connection.execute_batch("COMMIT").map_err(StepError::from);
+            if self.in_batch() {
+                // The disk refused: the batch would stay open, and the next one could not begin.
+                let _ = self.connection.execute_batch("ROLLBACK");
+            }
+            or_taken_back(&self.journal, intended, committed)
+        });
         self.forget_changes();
         if self.in_batch() {
-            // The disk refused: the batch would stay open, and the next one could not begin.
             let _ = self.connection.execute_batch("ROLLBACK");
         }
         committed.map_err(self.named("ending a batch"))
-    }
-
-    /// Seals what changed and writes down what was said.
-    fn end_changes(&self) -> Result<(), StepError> {
-        self.seals.close(&self.connection)?;
-        let in_place = || self.place.check(&self.path);
-        self.journal.write(&self.connection, in_place)
     }
 
     fn forget_changes(&self) {
@@ -177,14 +178,40 @@ impl Store {
     }
 }
 
+/// Seals what changed and writes down what was said.
+fn end_changes(
+    (seals, journal): (&Seals, &Journal),
+    connection: &Connection,
+    in_place: impl Fn() -> Result<(), StoreError>,
+) -> Result<Option<Intended>, StepError> {
+    if journal.len() > 0 {
+        seals.check(connection, &Subject::JournalEnd)?;
+    }
+    seals.close(connection)?;
+    journal.write(connection, in_place)
+}
+
 fn alone<T>(
     connection: &mut Connection,
-    work: impl FnOnce(&Connection) -> Result<T, StepError>,
+    journal: &Journal,
+    work: impl FnOnce(&Connection) -> Result<(T, Option<Intended>), StepError>,
 ) -> Result<T, StepError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-    let outcome = work(&transaction)?;
-    transaction.commit()?;
-    Ok(outcome)
+    let (outcome, intended) = work(&transaction)?;
+    let committed = transaction.commit().map_err(StepError::from);
+    or_taken_back(journal, intended, committed).map(|()| outcome)
+}
+
+/// The end of a transaction; where it was refused, what it intended is taken back from the journal.
+fn or_taken_back(
+    journal: &Journal,
+    intended: Option<Intended>,
+    committed: Result<(), StepError>,
+) -> Result<(), StepError> {
+    if let (Err(_), Some(intended)) = (&committed, intended) {
+        journal.take_back(intended)?;
+    }
+    committed
 }
 
 /// A step of a batch; one that fails takes nothing back but itself.

@@ -142,6 +142,15 @@ fn once<T>(call: &Call<'_>, work: &mut impl FnMut() -> io::Result<T>) -> io::Res
     Ok(done)
 }
 
+/// Asks the world, where there is one, before a call that something else than this crate does, such as SQLite's writing to
+/// its files in tests.
+///
+/// # Errors
+/// What the world says.
+pub fn asked(kind: Kind, path: &Path) -> io::Result<()> {
+    call(kind, path, || Ok(()))
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Mutex;

@@ -257,7 +257,7 @@ fn drill(
 ) -> Result<usize, PipelineError> {
     let fails = |detail: String| BackupError::DrillFailed { detail };
     let status: Status = {
-        let context = Context::open_read_only(folder)?;
+        let context = Context::open_as_it_is(folder)?;
         if let Some(detail) = context.store.check_all()?.into_iter().next() {
             return Err(fails(detail).into());
         }

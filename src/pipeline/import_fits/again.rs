@@ -165,7 +165,7 @@ fn difference(row: &FitResult, made: &Outcome) -> Option<String> {
     let mut differing = pairs.filter_map(|(found, own)| {
         let (what, found, made) = differs(&found.estimate, &own.estimate)?;
         Some(format!(
-            "it gives {} with {what} {made}, the row says {found}",
+            "it gives {} with {what} {made}, the row says \"{found}\"",
             own.key
         ))
     });

@@ -39,7 +39,7 @@ pub use known::files_due;
 pub use prepare::ReadFile;
 pub(super) use prepare::{Outcome, PreparedFile, RunPart, With, joined, prepare_bytes, run_parts};
 pub use retag::{retag_runs, run_window};
-pub(super) use settle::{content_of, runs_of, set_aside};
+pub(super) use settle::{content_of, files_of_runs, runs_of, set_aside};
 
 /// The verb `ingest`.
 pub struct Ingest<'a> {

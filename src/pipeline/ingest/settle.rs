@@ -446,7 +446,10 @@ pub fn gone(
 }
 
 /// Files of the current runs that stand under these names: what was refused in the place of a run leaves it where it was.
-fn files_of_runs(store: &Store, paths: &[String]) -> Result<Vec<FileRow>, PipelineError> {
+pub(in crate::pipeline) fn files_of_runs(
+    store: &Store,
+    paths: &[String],
+) -> Result<Vec<FileRow>, PipelineError> {
     let mut rows = Vec::new();
     for path in paths {
         let held = store.contents_of(path)?;

@@ -1,14 +1,15 @@
 //! A new database from what cannot be made again: the raw files of the archive and the journal, and the files that stand in
 //! the campaign beside them (campaign.toml, profiles, tag files, run sheets), as they are now.
 //!
-//! It is made beside the old one and takes its place when it is whole. Runs come back in the order in which they came, with
+//! What only the old database knows is brought into the journal before. It is made beside the old one and takes its place when it is whole. Runs come back in the order in which they came, with
 //! their names, revisions, times and all that was said of them; then the folder is scanned, and runs are fitted.
 
 pub(super) mod archived;
 pub(super) mod aside;
 mod fingerprints;
+mod old;
 mod plan;
-mod replay;
+pub(super) mod replay;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -42,6 +43,8 @@ pub struct RebuildSummary {
     pub climate_logs: usize,
     /// Tags set by hand, words on runs and wishes how to fit that came back.
     pub words: usize,
+    /// What the journal lacked and the old database had, in words.
+    pub of_old_database: Vec<String>,
     /// Runs and logs that did not come back, by name, and why.
     pub lost: Vec<(String, Issue)>,
     /// What is wrong with the journal.
@@ -73,33 +76,49 @@ impl RebuildSummary {
 }
 
 impl Rebuild {
-    /// Makes the database of the campaign in `folder` anew.
+    /// Makes the database of the campaign in `folder` anew, of all that the old one and the journal know.
     ///
     /// # Errors
-    /// campaign.toml is wrong; another instance works; the disk, the archive or the new database refuses. The old database
-    /// then is as it was.
+    /// campaign.toml is wrong; another instance works; the old database and the journal say different things; the disk, the
+    /// archive or the new database refuses. The old database then is as it was.
     pub fn run(&self, folder: &Path, observer: &dyn Observer) -> Result<RebuildSummary, PipelineError> {
+        let old = old::brought_in(folder, self.allow_network)?;
         let mut context = Context::open_aside(folder, self.allow_network)?;
-        let read = journal::read(folder)?;
-        let wrong = what_is_wrong(read.as_ref());
-        let found = read.unwrap_or_default();
+        let found = journal::read(folder)?.unwrap_or_default();
         let replayed = replay::replay(&mut context, &found.lines, observer)?;
         if let Some(id) = Archive::new(folder).owner()? {
             context.store.take_identity(&now(), &id)?;
         }
         fingerprints::note(&mut context)?;
-        // What is new from here on was never said before.
-        context.store.keep_journal_in(Some(folder));
+        // What is new from here on was never said before; others say words meanwhile, which come before it.
+        context.store.keep_journal_for_later();
         let ingest = Ingest { ready: &mut |_| true }.run(&mut context, observer)?;
         let fits = FitRuns::default();
         let fit = fits.run_as_kept(&mut context, &replayed.asked, observer)?;
         let modulus = AnalyseModulus::default().run(&mut context, observer)?;
+        let lost = still_lost(&context, replayed.lost)?;
+        // From here on nobody can say anything until the new database is there.
+        let held = journal::hold(folder)?;
+        let mut kept = context.store.kept_for_later();
+        say_what_came_meanwhile(&mut context, &found, observer)?;
+        let of_journal = old
+            .wrong
+            .iter()
+            .map(|issue| format!("{}: {}", issue.place, issue.message));
+        let of_runs = lost
+            .iter()
+            .map(|(name, issue)| format!("{name} did not come back: {}", issue.message));
+        let missed = of_journal.chain(of_runs);
+        kept.extend(missed.map(|lost| (now(), Entry::Missed { lost })));
+        context.store.say_held(&now(), (folder, &held), kept)?;
+        Archive::new(folder).set_owner(&context.store.identity()?)?;
         let summary = RebuildSummary {
             runs: context.store.tag_digests()?.len(),
             climate_logs: context.store.logs()?.len(),
             words: replayed.words,
-            lost: still_lost(&context, replayed.lost)?,
-            journal: wrong,
+            of_old_database: old.of_database,
+            lost,
+            journal: old.wrong,
             without_name: without_name(&context)?,
             ingest,
             fit,
@@ -107,10 +126,6 @@ impl Rebuild {
             content_hash: context.store.content()?.hash(),
             set_aside: None,
         };
-        // From here on nobody can say anything until the new database is there.
-        let _held = journal::hold(folder)?;
-        say_what_came_meanwhile(&mut context, &found, observer)?;
-        Archive::new(folder).set_owner(&context.store.identity()?)?;
         let set_aside = context.put_in_place()?;
         Ok(RebuildSummary { set_aside, ..summary })
     }
@@ -137,12 +152,8 @@ fn say_what_came_meanwhile(
     known: &Found,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
-    context.store.keep_journal_in(None);
-    let last = known.lines.last().map_or(0, |line| line.n);
-    let now_there = journal::read(&context.folder)?.unwrap_or_default();
-    let is_word = |entry: &Entry| matches!(entry, Entry::Tag(_) | Entry::Word(_));
-    let mut said = now_there.lines;
-    said.retain(|line| line.n > last && is_word(&line.entry));
+    let mut said = journal::read(&context.folder)?.unwrap_or_default().lines;
+    said.retain(|line| line.n > known.last_number);
     if said.is_empty() {
         return Ok(());
     }
@@ -173,7 +184,13 @@ pub(super) fn what_is_wrong(found: Option<&Found>) -> Vec<Issue> {
     let damaged = found.damaged.iter().map(|(line, reason)| {
         Issue::error("journal-damaged", reason.clone()).at(format!("{JOURNAL}, line {line}"))
     });
-    let gaps = found.gaps.iter().map(|n| {
+    // What a rebuilding found missing is asked of a person, and no gap any more.
+    let told = found
+        .lines
+        .iter()
+        .filter(|line| matches!(line.entry, Entry::Missed { .. }));
+    let told = told.map(|line| line.n).max().unwrap_or(0);
+    let gaps = found.gaps.iter().filter(|n| **n >= told).map(|n| {
         Issue::error(
             "journal-lines-missing",
             format!("lines before number {} are missing", n + 1),

@@ -44,7 +44,13 @@ mod tests {
 
     fn line(n: u64, entry: Entry) -> Line {
         let at = "2026-01-01T00:00:00Z".to_owned();
-        Line { n, at, entry }
+        Line {
+            n,
+            at,
+            entry,
+            after: None,
+            text: String::new(),
+        }
     }
 
     fn read(n: u64, name: &str, revision: i64) -> Line {

@@ -1,6 +1,6 @@
 //! Says everything again that a journal holds, to a new database.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
@@ -10,7 +10,8 @@ use crate::domain::{AskedFit, FileState, Issue, RunKind};
 use crate::ingest::climate_log;
 use crate::numerics::interrupt;
 use crate::pipeline::climate::{Shelf, new_log};
-use crate::pipeline::ingest::{Outcome, PreparedFile, Readers, runs_of, together};
+use crate::pipeline::context::now;
+use crate::pipeline::ingest::{Outcome, PreparedFile, Readers, files_of_runs, runs_of, together};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FileRow;
 use crate::store::journal::{Entry, Line, NamedBytes, NamedRun};
@@ -50,16 +51,21 @@ pub fn replay(
     observer: &dyn Observer,
 ) -> Result<Replayed, PipelineError> {
     let mut replayed = Replayed::default();
-    let lines = plan::that_hold(lines);
+    let hold: BTreeSet<u64> = plan::that_hold(lines).into_iter().map(|line| line.n).collect();
     observer.begin("reading raw files again", lines.len() as u64);
     for batch in lines.chunks(BATCH) {
         interrupt::check();
         let archived = ArchivedFiles::of(context);
-        let read: Vec<Vec<Result<PreparedFile, Issue>>> =
-            batch.par_iter().map(|line| read_again(&archived, line)).collect();
+        let holding: Vec<&Line> = batch.iter().filter(|line| hold.contains(&line.n)).collect();
+        let read: Vec<Vec<Result<PreparedFile, Issue>>> = holding
+            .par_iter()
+            .map(|line| read_again(&archived, line))
+            .collect();
         together(context, |context| {
-            let mut of_batch = batch.iter().zip(read);
-            of_batch.try_for_each(|(line, read)| replayed.say(context, line, read))
+            let mut of_batch = holding.into_iter().zip(read);
+            of_batch.try_for_each(|(line, read)| replayed.say(context, line, read))?;
+            // With what they say, or a program that is ended here would say it twice.
+            Ok(context.store.hear(&now(), batch)?)
         })?;
         batch.iter().for_each(|_| observer.advance());
     }
@@ -108,7 +114,12 @@ impl Replayed {
                 }
                 store.forget_files(at, std::slice::from_ref(old))?;
             }
-            Entry::Gone { path } => store.mark_missing(at, std::slice::from_ref(path))?,
+            Entry::Gone { path } => {
+                // The run's own file, though another one lay in its place.
+                let held = files_of_runs(store, std::slice::from_ref(path))?;
+                store.record_files(at, &held)?;
+                store.mark_missing(at, std::slice::from_ref(path))?;
+            }
             Entry::Tag(tag) => {
                 self.words += 1;
                 store.add_hand_tags(at, std::slice::from_ref(tag))?;
@@ -123,6 +134,8 @@ impl Replayed {
             }
             Entry::Told(alarm) => store.save_told(at, alarm)?,
             Entry::Command { id, status } => store.save_alarm_command(at, id, status)?,
+            // The line itself is all that is stored of it.
+            Entry::Missed { .. } | Entry::Answered { .. } => {}
         }
         Ok(())
     }

@@ -1,14 +1,14 @@
 //! The journal: its lines, and whether it says what the database says.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::{Part, counted};
-use crate::domain::{AskedFit, Issue, RunWord};
+use crate::domain::Issue;
 use crate::pipeline::rebuild::what_is_wrong;
+use crate::pipeline::told::Told;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::journal::{self, Entry, Found};
-use crate::store::{HandTag, Store};
+use crate::store::journal::{self, Found};
+use crate::store::{Store, StoreError};
 
 /// Name of the part.
 const NAME: &str = "journal";
@@ -27,12 +27,6 @@ pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
 /// # Errors
 /// It or the database cannot be read.
 pub fn part(context: &Context) -> Result<Part, PipelineError> {
-    let mut differences = differences(context)?;
-    if !differences.is_empty() {
-        // Somebody may have said something between the two readings: what differs twice differs.
-        let again = self::differences(context)?;
-        differences.retain(|issue| again.contains(issue));
-    }
     let found = journal::read(&context.folder)?;
     if found.is_none() && context.store.journal_entries()?.is_empty() {
         return Ok(Part {
@@ -42,9 +36,8 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
         });
     }
     let mut part = of_lines(found.as_ref());
-    if found.is_some() {
-        part.findings.extend(differences);
-    }
+    part.findings.extend(missed(context)?);
+    part.findings.extend(course(context)?);
     Ok(part)
 }
 
@@ -63,12 +56,24 @@ fn of_lines(found: Option<&Found>) -> Part {
     }
 }
 
+/// Where what is stored is not what the journal says though their courses agree.
 fn differences(context: &Context) -> Result<Vec<Issue>, PipelineError> {
-    let found = || Ok(journal::read(&context.folder)?.unwrap_or_default());
-    against(found, &context.store)
+    let now = || {
+        against(
+            || Ok(journal::read(&context.folder)?.unwrap_or_default()),
+            &context.store,
+        )
+    };
+    let mut found = now()?;
+    if !found.is_empty() {
+        // Somebody may have said something between the two readings: what differs twice differs.
+        let again = now()?;
+        found.retain(|issue| again.contains(issue));
+    }
+    Ok(found)
 }
 
-/// What a journal lacks of what a database says, and the words of it that the database does not know.
+/// Where what a database says is not what a journal says, which is read after it: there it is said first.
 ///
 /// # Errors
 /// One of them cannot be read.
@@ -78,111 +83,57 @@ pub fn against(
 ) -> Result<Vec<Issue>, PipelineError> {
     let stored = store.journal_entries()?;
     let stored = Told::of(stored.iter().map(|(_, entry)| entry));
-    // After the database: it is said there first.
     let lines = found()?.lines;
-    Ok(Told::of(lines.iter().map(|line| &line.entry)).against(&stored))
+    let told = Told::of(lines.iter().map(|line| &line.entry));
+    let issue = |(what, of): (String, String)| {
+        let message = format!("{what} of {of} in the database is not as in the journal");
+        Issue::error("journal-differs", message).mend("`ieap rebuild` makes it anew as the journal says")
+    };
+    Ok(told.differences(&stored).into_iter().map(issue).collect())
 }
 
-/// What holds after everything was said.
-#[derive(Debug, Default)]
-struct Told {
-    /// Hashes of the files of every revision of every run and log, by name and number.
-    read: BTreeMap<(String, i64), Vec<String>>,
-    tags: BTreeMap<(String, String), HandTag>,
-    words: BTreeMap<String, RunWord>,
-    asked: BTreeMap<String, AskedFit>,
+/// What one of them lacks, or what is not the same in both though none lacks anything.
+fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let mut found = Vec::new();
+    let compared = match context.store.compared(&context.folder) {
+        Ok(compared) => compared,
+        Err(error @ StoreError::Parted { .. }) => {
+            found.push(Issue::error("journal-parted", error.to_string()));
+            return Ok(found);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if context.store.is_agreed(&context.folder)? {
+        return differences(context);
+    }
+    if !compared.is_database_whole() {
+        let message = format!("the database lacks what the journal says: {}", compared.lacks());
+        let mend = match compared.can_be_said_again() {
+            true => "the next `ieap run` takes it up",
+            false => "`ieap rebuild` makes a database of all that either has",
+        };
+        found.push(Issue::error("database-lags", message).mend(mend));
+    }
+    let lacking = compared.of_database.len();
+    if lacking > 0 && journal::path_in(&context.folder).exists() {
+        let message = format!(
+            "the journal lacks {} that the database has",
+            counted(lacking, "line")
+        );
+        found.push(
+            Issue::error("journal-lags", message).mend("the next `ieap run` writes them from the database"),
+        );
+    }
+    Ok(found)
 }
 
-impl Told {
-    fn of<'a>(entries: impl Iterator<Item = &'a Entry>) -> Told {
-        let mut told = Told::default();
-        entries.for_each(|entry| told.hear(entry));
-        told.asked.retain(|_, asked| !asked.is_open());
-        told
-    }
-
-    fn hear(&mut self, entry: &Entry) {
-        match entry {
-            Entry::Read { files, runs, .. } => {
-                let hashes: Vec<String> = files.iter().map(|file| file.hash.clone()).collect();
-                let named = runs
-                    .iter()
-                    .map(|run| ((run.name.clone(), run.revision), hashes.clone()));
-                self.read.extend(named);
-            }
-            Entry::Log { file, revision } => {
-                let name = (file.path.clone(), *revision);
-                self.read.insert(name, vec![file.hash.clone()]);
-            }
-            Entry::Renamed { old, file } => self.rename(old, &file.path),
-            Entry::Tag(tag) => {
-                let key = (tag.run_path.clone(), tag.key.clone());
-                self.tags.insert(key, tag.clone());
-            }
-            Entry::Word(word) => {
-                self.words.insert(word.run_path.clone(), word.clone());
-            }
-            Entry::Asked { run, asked } => {
-                self.asked.insert(run.clone(), asked.clone());
-            }
-            // Which file lies where the folder shows; an alarm that is told twice is no loss.
-            Entry::Alias { .. } | Entry::Gone { .. } | Entry::Told(_) | Entry::Command { .. } => {}
-        }
-    }
-
-    fn rename(&mut self, old: &str, new: &str) {
-        let renamed = |name: String| if name == old { new.to_owned() } else { name };
-        let read = std::mem::take(&mut self.read).into_iter();
-        self.read = read
-            .map(|((name, n), files)| ((renamed(name), n), files))
-            .collect();
-        let tags = std::mem::take(&mut self.tags).into_iter();
-        let moved = |((run, key), tag): ((String, String), HandTag)| {
-            let run_path = renamed(run);
-            ((run_path.clone(), key), HandTag { run_path, ..tag })
-        };
-        self.tags = tags.map(moved).collect();
-        if let Some(word) = self.words.remove(old) {
-            let run_path = new.to_owned();
-            self.words.insert(new.to_owned(), RunWord { run_path, ..word });
-        }
-        if let Some(asked) = self.asked.remove(old) {
-            self.asked.insert(new.to_owned(), asked);
-        }
-    }
-
-    /// What the journal lacks of what is stored, and the words that were never stored.
-    fn against(&self, stored: &Told) -> Vec<Issue> {
-        let mut found = Vec::new();
-        let mut lacks = |what: &str, name: &str| {
-            let message = format!("{what} of {name} in the database is not as in the journal");
-            found.push(Issue::error("journal-differs", message).mend(
-                "where the database is right, move archive/journal.jsonl away, and the next `ieap run` writes it from \
-                 there; where the journal is right, `ieap rebuild`",
-            ));
-        };
-        for (run, files) in &stored.read {
-            if self.read.get(run) != Some(files) {
-                lacks(&format!("revision {}", run.1), &run.0);
-            }
-        }
-        let keys = stored.tags.keys().chain(self.tags.keys());
-        for key in keys.collect::<std::collections::BTreeSet<_>>() {
-            if self.tags.get(key) != stored.tags.get(key) {
-                lacks(&format!("the tag {} set by hand", key.1), &key.0);
-            }
-        }
-        let runs = stored.words.keys().chain(self.words.keys());
-        for run in runs.collect::<std::collections::BTreeSet<_>>() {
-            if self.words.get(run) != stored.words.get(run) {
-                lacks("the word (dropped, or put back)", run);
-            }
-        }
-        for (run, asked) in &stored.asked {
-            if self.asked.get(run) != Some(asked) {
-                lacks("how a fit was asked for", run);
-            }
-        }
-        found
-    }
+/// What may be lost since a rebuilding, until a person answers.
+pub fn missed(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let issue = |lost: String| {
+        Issue::error("words-may-be-lost", lost).mend(
+            "look which run, tag, dropped run or wish how to fit is missing, put it back or say it again, then \
+             `ieap answer --why ...`",
+        )
+    };
+    Ok(context.store.words_missed()?.into_iter().map(issue).collect())
 }

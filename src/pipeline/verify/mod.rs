@@ -15,6 +15,7 @@ use serde::Serialize;
 use super::{Context, Observer, PipelineError};
 use crate::domain::{Issue, Severity};
 pub(super) use journal::against as journal_against;
+pub use journal::missed;
 pub(super) use weekly::Weekly;
 
 /// The verb `verify`.
@@ -68,7 +69,7 @@ impl Verify {
     /// # Errors
     /// campaign.toml is wrong, or there was never a database; the archive or the report cannot be looked through.
     pub fn run(&self, folder: &Path, observer: &dyn Observer) -> Result<Verified, PipelineError> {
-        let context = match Context::open_read_only(folder) {
+        let context = match Context::open_as_it_is(folder) {
             Ok(context) => context,
             Err(error) if error.is_storage() => return without_database(folder, &error),
             Err(error) => return Err(error),

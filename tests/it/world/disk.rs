@@ -90,6 +90,17 @@ impl Disk {
         }
     }
 
+    /// Somebody else changed files of the program, or took some away, a while ago: all that is there is safe.
+    pub fn settle(&mut self) {
+        for (id, path) in self.paths(&self.names) {
+            self.nodes[id].is_lost = false;
+            if !self.root.join(path).exists() {
+                self.names.retain(|_, other| *other != id);
+            }
+        }
+        self.all_synced();
+    }
+
     /// Before a call: keeps the bytes of what will lose its name.
     pub fn before(&mut self, call: &Call<'_>) {
         let loses = match call.kind {

@@ -2,12 +2,14 @@
 //!
 //! A world is its seed: `IEAP_WORLD_SEED=n cargo test --test it world::` plays one again and tells what happens in it.
 
+mod back;
 mod computer;
 mod day;
 mod disk;
 mod found;
 mod nth;
 mod people;
+mod sqlite;
 
 use std::collections::BTreeSet;
 use std::panic::AssertUnwindSafe;
@@ -44,6 +46,7 @@ pub fn folder() -> TempDir {
 
 /// Does `work` on that computer, in one thread; none where the power went meanwhile.
 pub fn on<T: Send>(computer: &Arc<Computer>, work: impl FnOnce() -> T + Send) -> Option<T> {
+    sqlite::through_worlds();
     let world = Arc::clone(computer);
     let done = std::panic::catch_unwind(AssertUnwindSafe(|| {
         let build = rayon::ThreadPoolBuilder::new().num_threads(1);
@@ -94,6 +97,8 @@ struct World {
     acknowledged: BTreeSet<String>,
     /// Tags by hand that it said it has stored: run and value.
     tagged: Vec<(String, String)>,
+    /// The database and the journal as they were at some time.
+    older: Option<back::Older>,
     tells: bool,
 }
 
@@ -108,6 +113,7 @@ impl World {
             context: None,
             acknowledged: BTreeSet::new(),
             tagged: Vec::new(),
+            older: None,
             tells,
         }
     }
@@ -128,6 +134,7 @@ impl World {
             self.step(weather);
             if self.rng.random_bool(0.2) {
                 self.close();
+                self.goes_back();
             }
         }
         self.end();
@@ -162,7 +169,7 @@ impl World {
                 self.context = None;
                 self.computer.restart();
                 self.tell(|| format!("   power lost at call {calls}"));
-                self.computer.have(Weather::default());
+                self.opens();
                 self.nothing_lost();
             }
             Some(Ok(())) => self.tell(|| {
@@ -238,9 +245,17 @@ impl World {
         tagged.map(|tagged| tagged.map(|run| self.tagged.extend(run.map(|run| (run, value)))))
     }
 
+    /// The next opening, without faults: what the journal and the database lack of each other is made good.
+    fn opens(&mut self) {
+        self.computer.have(Weather::default());
+        self.asks(|_| Ok(())).unwrap().unwrap();
+        self.close();
+    }
+
     fn close(&mut self) {
         let context = self.context.take();
         on(&self.computer, || drop(context));
+        self.computer.restart();
     }
 
     /// What was said to be stored is there.
@@ -301,9 +316,7 @@ impl World {
         self.verified(deep);
         let leftovers = self.leftovers();
         assert!(leftovers.is_empty(), "{leftovers:?}");
-        if self.rng.random_bool(0.02) {
-            self.comes_back();
-        }
+        self.comes_back();
     }
 
     /// Every file that is there is a run, another name of one, or refused for what it holds.
@@ -362,7 +375,12 @@ impl World {
             .chain(&rebuilt)
             .filter(|row| is_named(&row.path))
             .collect();
-        assert_eq!(differences, [], "before and after: {rows:#?}");
+        let said = store().course().unwrap();
+        let said = said
+            .iter()
+            .map(|line| format!("{} {}", line.n, line.entry.in_words()));
+        let said: Vec<String> = said.collect();
+        assert_eq!(differences, [], "before and after: {rows:#?}, of {said:#?}");
     }
 }
 

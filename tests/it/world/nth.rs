@@ -1,9 +1,14 @@
 //! Every call of a run refused once, under each error that such a call may have, and the power lost before every call.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use ieap::pipeline::verify::Verify;
-use ieap::pipeline::{Context, Ingest, PipelineError, RenderReport, Silent};
+use ieap::pipeline::{
+    Context, FitRuns, Ingest, PipelineError, Rebuild, RenderReport, SetTags, Silent, SpeakOfRuns,
+};
+use ieap::store::Store;
+use ieap::store::journal::Entry;
 
 use super::computer::{Computer, Weather};
 use super::{each, folder, on};
@@ -75,4 +80,176 @@ fn whichever_call_fails_or_is_the_last_the_next_run_makes_it_good() {
     let differs = |weather: Weather| (taken_in(files, weather).0 != expected).then_some(weather);
     let wrong: Vec<Weather> = each(tried.into_iter(), differs);
     assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// Every file of a folder, copied into another.
+fn copied(from: &Path, to: &Path) {
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let (path, to) = (entry.path(), to.join(entry.file_name()));
+        match path.is_dir() {
+            true => {
+                std::fs::create_dir_all(&to).unwrap();
+                copied(&path, &to);
+            }
+            false => drop(std::fs::copy(&path, &to).unwrap()),
+        }
+    }
+}
+
+/// A person drops a run and tags another under that weather; then the campaign is opened again without any. Gives the number
+/// of calls.
+fn spoken(campaign: &Path, weather: Weather) -> u64 {
+    let folder = folder();
+    let path = folder.path();
+    copied(campaign, path);
+    let computer = Arc::new(Computer::new(path, 1));
+    let speak = || -> Result<(), PipelineError> {
+        let mut context = Context::open_beside(path, false)?;
+        let said_by = "ann".to_owned();
+        let drop = SpeakOfRuns {
+            runs: vec!["runs/0.csv".to_owned()],
+            deleted: false,
+            drops: true,
+            why: Some("wet".to_owned()),
+            said_by: said_by.clone(),
+        };
+        drop.run(&mut context)?;
+        let tags = SetTags {
+            run: "runs/1.csv".to_owned(),
+            pairs: vec![("note".to_owned(), "dry".to_owned())],
+            set_by: said_by,
+        };
+        tags.run(&mut context, &Silent).map(|_| ())
+    };
+    computer.have(weather);
+    let outcome = on(&computer, speak);
+    let (calls, refused) = computer.calls();
+    match &outcome {
+        None => computer.restart(),
+        Some(Err(error)) => assert!(refused > 0, "refused for no reason of the system: {error}"),
+        Some(Ok(())) => {}
+    }
+    computer.have(Weather::default());
+    let opened = on(&computer, || {
+        Context::open_read_only(path).map(|context| context.store.course())
+    });
+    let lines = opened.unwrap().unwrap().unwrap();
+    let said = lines
+        .iter()
+        .filter(|line| matches!(line.entry, Entry::Word(_) | Entry::Tag(_)));
+    let said = said.count();
+    assert!(
+        said == 2 || !matches!(outcome, Some(Ok(()))),
+        "{weather:?}: {said} words are there"
+    );
+    // What was tagged shows in the run's tags at the next look.
+    let look = || -> Result<_, PipelineError> {
+        let mut context = Context::open(path, false)?;
+        Ingest { ready: &mut |_| true }.run(&mut context, &Silent)?;
+        FitRuns::default().run(&mut context, &Silent)
+    };
+    on(&computer, look).unwrap().unwrap();
+    let verify = || Verify::default().run(path, &Silent);
+    let verified = on(&computer, verify).unwrap().unwrap();
+    assert!(verified.is_sound(), "{weather:?}: {verified:#?}");
+    let content = || Store::open_read_only(path).unwrap().unwrap().content().unwrap();
+    let before = content();
+    on(&computer, || Rebuild::default().run(path, &Silent))
+        .unwrap()
+        .unwrap();
+    assert_eq!(content().differences(&before), [], "{weather:?}");
+    calls
+}
+
+/// Ended anywhere in it, or refused anything, a word is in both stores or in none.
+#[test]
+fn whichever_call_of_a_person_s_word_fails_or_is_the_last_both_stores_agree() {
+    let campaign = folder();
+    let path = campaign.path();
+    for k in 0..2 {
+        std::fs::write(path.join(format!("runs/{k}.csv")), crate::campaign::run_table(k)).unwrap();
+    }
+    let mut context = Context::open(path, false).unwrap();
+    Ingest { ready: &mut |_| true }
+        .run(&mut context, &Silent)
+        .unwrap();
+    FitRuns::default().run(&mut context, &Silent).unwrap();
+    drop(context);
+    let calls = spoken(path, Weather::default());
+    let (step, errors) = (counted(3, 1), counted(1, MOST_ERRORS as usize));
+    let refused = (1..=calls).flat_map(|nth| {
+        (0..errors).map(move |which| Weather {
+            refused: Some((nth, which)),
+            ..Weather::default()
+        })
+    });
+    let lost = (1..=calls).map(|nth| Weather {
+        power_lost_at: Some(nth),
+        ..Weather::default()
+    });
+    let tried: Vec<Weather> = refused.chain(lost).step_by(step).collect();
+    eprintln!("{} tries at {calls} calls", tried.len());
+    each(tried.into_iter(), |weather| Some(spoken(path, weather)));
+}
+
+/// A rebuilding of which any call fails leaves the old database, or says what the old one said.
+#[test]
+#[ignore = "slow: cargo test -- --ignored"]
+fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
+    let campaign = folder();
+    let path = campaign.path();
+    for k in 0..2 {
+        std::fs::write(path.join(format!("runs/{k}.csv")), crate::campaign::run_table(k)).unwrap();
+    }
+    let mut context = Context::open(path, false).unwrap();
+    Ingest { ready: &mut |_| true }
+        .run(&mut context, &Silent)
+        .unwrap();
+    FitRuns::default().run(&mut context, &Silent).unwrap();
+    drop(context);
+    let rebuilt = |weather: Weather| -> (u64, bool) {
+        let folder = folder();
+        let path = folder.path();
+        copied(campaign.path(), path);
+        let content = || Store::open_read_only(path).unwrap().unwrap().content().unwrap();
+        let before = content();
+        let computer = Arc::new(Computer::new(path, 1));
+        computer.have(weather);
+        let outcome = on(&computer, || Rebuild::default().run(path, &Silent)).unwrap();
+        let (calls, refused) = computer.calls();
+        assert!(
+            outcome.is_ok() || refused > 0,
+            "refused for no reason of the system: {outcome:?}"
+        );
+        computer.have(Weather::default());
+        if !path.join("campaign.db").exists() {
+            // Refused between the two namings: the next rebuilding puts it in place.
+            assert!(outcome.is_err(), "{weather:?}");
+            on(&computer, || Rebuild::default().run(path, &Silent))
+                .unwrap()
+                .unwrap();
+        }
+        assert_eq!(content().differences(&before), [], "{weather:?}");
+        let verified = on(&computer, || Verify::default().run(path, &Silent))
+            .unwrap()
+            .unwrap();
+        assert!(verified.is_sound(), "{weather:?}: {verified:#?}");
+        (calls, outcome.is_ok())
+    };
+    let (calls, _) = rebuilt(Weather::default());
+    let step = counted(5, 1);
+    let tried: Vec<Weather> = (1..=calls)
+        .flat_map(|nth| (0..2).map(move |which| (nth, which)))
+        .step_by(step)
+        .map(|refused| Weather {
+            refused: Some(refused),
+            ..Weather::default()
+        })
+        .collect();
+    eprintln!("{} tries at {calls} calls", tried.len());
+    let done = each(tried.into_iter(), |weather| Some(rebuilt(weather).1));
+    eprintln!(
+        "{} of them done all the same",
+        done.iter().filter(|done| **done).count()
+    );
 }

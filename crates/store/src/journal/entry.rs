@@ -64,6 +64,18 @@ pub enum Entry {
         /// How it ended.
         status: String,
     },
+    /// Words may be lost: a rebuilding did not find lines of the journal.
+    Missed {
+        /// Which, in words.
+        lost: String,
+    },
+    /// A person looked after the words that may be lost.
+    Answered {
+        /// What came of it.
+        why: String,
+        /// Who looked.
+        by: String,
+    },
 }
 
 /// Bytes of the archive under the name that they came in with.
@@ -110,4 +122,43 @@ pub struct Line {
     pub at: String,
     /// What it says.
     pub entry: Entry,
+    /// Checksum of the line before it. None in the first line, and in those that an earlier version of the program wrote.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
+    /// The line as it stands, with its checksum and without its line feed.
+    #[serde(skip)]
+    pub text: String,
+}
+
+impl Entry {
+    /// What it says, for a person who has to tell two entries from each other.
+    pub fn in_words(&self) -> String {
+        match self {
+            Entry::Read { runs, .. } => {
+                let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+                format!("{} read", names.join(", "))
+            }
+            Entry::Log { file, .. } => format!("{} read", file.path),
+            Entry::Alias { file } => format!("{} known as a copy", file.path),
+            Entry::Renamed { old, file } => format!("{old} renamed to {}", file.path),
+            Entry::Gone { path } => format!("{path} deleted"),
+            Entry::Tag(tag) => {
+                let value = tag.value.as_deref().unwrap_or("");
+                format!("{} tagged {}={value} by {}", tag.run_path, tag.key, tag.set_by)
+            }
+            Entry::Word(word) => {
+                let said = if word.drops { "dropped" } else { "put back" };
+                let why = word
+                    .why
+                    .as_deref()
+                    .map_or(String::new(), |why| format!(" ({why})"));
+                format!("{} {said} by {}{why}", word.run_path, word.said_by)
+            }
+            Entry::Asked { run, .. } => format!("how {run} is fitted"),
+            Entry::Told(alarm) => format!("alarm {} told", alarm.id),
+            Entry::Command { id, .. } => format!("command of alarm {id} ended"),
+            Entry::Missed { lost } => format!("words may be lost: {lost}"),
+            Entry::Answered { why, by } => format!("lost words answered by {by} ({why})"),
+        }
+    }
 }

@@ -1,29 +1,14 @@
 //! The journal as a database would have it written: for campaigns that had none.
 
-use std::path::Path;
-
 use rusqlite::{Connection, Row};
 
-use super::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+use super::{Entry, NamedBytes, NamedRun, ToldAlarm};
 use crate::standing::{RUN_WORDS, read_word};
 use crate::{HandTag, StepError, from_json, from_key};
 use ieap_domain::RunKind;
 
 /// An entry with the time at which it was said.
 type Said = (String, Entry);
-
-/// Writes the journal of the campaign in `folder`, which has none, from what the connection sees.
-pub(super) fn write(connection: &Connection, folder: &Path) -> Result<(), StepError> {
-    let said = entries(connection)?;
-    if said.is_empty() {
-        return Ok(());
-    }
-    let mut text = String::new();
-    for (n, (at, entry)) in (1..).zip(said) {
-        text += &super::written(&Line { n, at, entry })?;
-    }
-    Ok(super::put(folder, &text)?)
-}
 
 /// Everything that a database holds and no file does, in an order in which it can be said again.
 pub(super) fn entries(connection: &Connection) -> Result<Vec<Said>, StepError> {

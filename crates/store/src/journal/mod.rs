@@ -1,30 +1,35 @@
 //! The journal of a campaign, `archive/journal.jsonl`: what no file holds, on the disk before the database has it.
 //!
-//! A change says what of it no file holds ([`Entry`]); the transaction writes that to the journal, and waits for the disk,
-//! just before it commits. Only who holds the database's write lock writes, so the order is that of the database. A crash
-//! between the two leaves a line of what nobody was told of yet; a crash while a line is written leaves half a line, which
-//! has no line feed: the next one to write cuts it off. Where there is no journal it is written whole from the database.
+//! A change says what of it no file holds ([`Entry`]); the transaction writes that to the journal, waits for the disk, and
+//! writes it into the database with the change itself ([`Compared`] says how the two are held against each other). Only who
+//! holds the database's write lock writes, so the order is that of the database. A crash while a line is written leaves half
+//! a line, which has no line feed: the next one to write cuts it off.
 
+mod agree;
+mod course;
 mod entry;
 mod from_database;
 mod line;
+mod salvage;
 mod tail;
 #[cfg(test)]
 mod tests;
+mod write;
 
-use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use rusqlite::Connection;
-
-use super::{StepError, Store, StoreError};
+use super::{Store, StoreError};
 use ieap_system::Temporary;
 use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
+pub use agree::Agreed;
+pub use course::{Compared, in_words};
 pub use entry::{Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+pub use salvage::{Union, union};
 pub use tail::without_torn_end;
+pub(super) use write::{Intended, Journal};
 
 /// Folder of the journal inside a campaign: that of the raw files.
 const FOLDER: &str = "archive";
@@ -40,99 +45,34 @@ pub fn path_in(folder: &Path) -> PathBuf {
     folder.join(FOLDER).join(FILE_NAME)
 }
 
-/// The journal that the changes of an open database go to.
-#[derive(Debug, Default)]
-pub(super) struct Journal {
-    /// The campaign; none where nothing is to be kept.
-    campaign: Option<PathBuf>,
-    /// What the transaction under way says.
-    said: RefCell<Vec<(String, Entry)>>,
-}
-
-impl Journal {
-    /// That of the campaign in `folder`.
-    pub fn of(folder: &Path) -> Journal {
-        Journal {
-            campaign: Some(folder.to_owned()),
-            said: RefCell::default(),
-        }
-    }
-
-    /// To be written before the transaction under way commits.
-    pub fn says(&self, at: &str, entry: Entry) {
-        self.said.borrow_mut().push((at.to_owned(), entry));
-    }
-
-    /// How much is to be written.
-    pub fn len(&self) -> usize {
-        self.said.borrow().len()
-    }
-
-    /// Forgets what was said after the first `kept`: it was taken back.
-    pub fn keep_first(&self, kept: usize) {
-        self.said.borrow_mut().truncate(kept);
-    }
-
-    /// Brings what was said to the disk. `in_place` is asked when nobody else can write any more.
-    pub fn write(
-        &self,
-        connection: &Connection,
-        in_place: impl Fn() -> Result<(), StoreError>,
-    ) -> Result<(), StepError> {
-        let said = self.said.take();
-        let Some(campaign) = self.campaign.as_ref().filter(|_| !said.is_empty()) else {
-            return Ok(());
-        };
-        let path = path_in(campaign);
-        let mut options = OpenOptions::own();
-        let mut file = match options.read(true).write(true).open(&path) {
-            Ok(file) => file,
-            // The database holds all that was ever said, this included.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                return from_database::write(connection, campaign);
-            }
-            Err(source) => return Err(failed(&path, source).into()),
-        };
-        lock(&file, &path)?;
-        in_place()?;
-        let last = tail::mended(&mut file).map_err(|source| failed(&path, source))?;
-        let mut text = String::new();
-        for (n, (at, entry)) in (last.n + 1..).zip(said) {
-            text += &written(&Line { n, at, entry })?;
-        }
-        let added = file.write_all(text.as_bytes()).and_then(|()| file.sync_all());
-        added.map_err(|source| {
-            // What is left of it has no line feed, or says what is now refused: better cut off.
-            let _ = file.set_len(last.bytes);
-            failed(&path, source).into()
-        })
-    }
-}
-
 impl Store {
     /// From here on, what is said goes to the journal of the campaign in `folder`; nowhere where there is none.
     pub fn keep_journal_in(&mut self, folder: Option<&Path>) {
-        self.journal = folder.map_or_else(Journal::default, Journal::of);
+        self.journal.keep_in(folder);
     }
 
-    /// Writes the journal from the database where the campaign has none: an earlier version of the program kept none, or
-    /// it was lost. Tells whether it did.
+    /// From here on, what is said is kept, to be said at a time of its own.
+    pub fn keep_journal_for_later(&mut self) {
+        self.journal.keep_for_later();
+    }
+
+    /// What was kept for later; from here on what is said goes nowhere.
+    pub fn kept_for_later(&mut self) -> Vec<(String, Entry)> {
+        self.journal.kept_for_later()
+    }
+
+    /// Says this in the journal of the campaign in `folder`, which this program holds, and whatever is said after it.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn begin_journal(&mut self) -> Result<bool, StoreError> {
-        let Some(campaign) = self.journal.campaign.clone() else {
-            return Ok(false);
-        };
-        let path = path_in(&campaign);
-        if fs::exists(&path).map_err(|source| failed(&path, source))? {
-            return Ok(false);
-        }
-        self.begin_batch()?;
-        let begun = from_database::write(&self.connection, &campaign);
-        let ended = self.commit_batch();
-        begun.map_err(self.named("writing the journal"))?;
-        ended.map(|()| true)
+    pub fn say_held(
+        &mut self,
+        now: &str,
+        (folder, held): (&Path, &HeldJournal),
+        entries: Vec<(String, Entry)>,
+    ) -> Result<(), StoreError> {
+        self.journal.keep_in_held(folder, held)?;
+        self.say(now, entries)
     }
 
     /// What the journal of this campaign would say had it been written from the database.
@@ -159,9 +99,7 @@ pub fn set_aside(folder: &Path, mark: &str) -> Result<(), StoreError> {
 
 /// A journal that nobody else can write as long as this lives.
 #[derive(Debug)]
-pub struct HeldJournal {
-    _file: Option<File>,
-}
+pub struct HeldJournal(Option<File>);
 
 /// Holds the journal of the campaign in `folder`, where there is one.
 ///
@@ -169,14 +107,9 @@ pub struct HeldJournal {
 /// It cannot be opened, or somebody else holds it for long.
 pub fn hold(folder: &Path) -> Result<HeldJournal, StoreError> {
     let path = path_in(folder);
-    match OpenOptions::own().read(true).write(true).open(&path) {
-        Ok(file) => {
-            lock(&file, &path)?;
-            Ok(HeldJournal { _file: Some(file) })
-        }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(HeldJournal { _file: None }),
-        Err(source) => Err(failed(&path, source)),
-    }
+    let file = opened(&path)?;
+    file.as_ref().map_or(Ok(()), |file| lock(file, &path))?;
+    Ok(HeldJournal(file))
 }
 
 /// What a journal holds.
@@ -190,6 +123,8 @@ pub struct Found {
     pub gaps: Vec<u64>,
     /// Whether the last line is cut off: nobody was told of what it says.
     pub is_torn: bool,
+    /// Number of the last line, a damaged one counted; 0 where there is none.
+    pub last_number: u64,
 }
 
 /// Reads the journal of the campaign in `folder`; `None` where there is none.
@@ -226,17 +161,20 @@ pub fn found(bytes: &[u8]) -> Found {
             }
         }
     }
+    found.last_number = expected - 1;
     found
 }
 
-fn written(line: &Line) -> Result<String, StoreError> {
-    line::written(line).map_err(|e| StoreError::BadValue {
-        what: "an entry of the journal",
-        detail: e.to_string(),
-    })
+/// The journal, open to be written; none where there is none.
+fn opened(path: &Path) -> Result<Option<File>, StoreError> {
+    match OpenOptions::own().read(true).write(true).open(path) {
+        Ok(file) => Ok(Some(file)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(failed(path, source)),
+    }
 }
 
-/// Puts a whole journal in place.
+/// Puts a whole journal in place where there is none.
 fn put(campaign: &Path, text: &str) -> Result<(), StoreError> {
     let path = path_in(campaign);
     let folder = campaign.join(FOLDER);

@@ -9,11 +9,13 @@ use ieap_system::fs::File;
 const FIRST_LOOK_BYTES: u64 = 16 * 1024;
 
 /// Where a journal ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Last {
     /// Number of the last line; 0 where there is none.
     pub n: u64,
-    /// Size of the file, bytes.
+    /// Its checksum; none where there is no line, or where the last one is damaged.
+    pub sum: Option<String>,
+    /// Bytes up to its end.
     pub bytes: u64,
 }
 
@@ -27,6 +29,22 @@ pub fn without_torn_end(bytes: &[u8]) -> &[u8] {
 /// Cuts off a torn end, and leaves the file where the next line goes.
 pub(super) fn mended(file: &mut File) -> io::Result<Last> {
     let size = file.metadata()?.len();
+    let last = last(file, size)?;
+    if last.bytes < size {
+        let mut torn = Vec::new();
+        file.seek(SeekFrom::Start(last.bytes))?;
+        Read::by_ref(file)
+            .take(size - last.bytes)
+            .read_to_end(&mut torn)?;
+        refuse_foreign(&torn)?;
+        file.set_len(last.bytes)?;
+    }
+    file.seek(SeekFrom::Start(last.bytes))?;
+    Ok(last)
+}
+
+/// The last whole line of the first `size` bytes.
+pub(super) fn last(file: &mut File, size: u64) -> io::Result<Last> {
     let mut look = FIRST_LOOK_BYTES;
     loop {
         let from = size.saturating_sub(look);
@@ -34,17 +52,12 @@ pub(super) fn mended(file: &mut File) -> io::Result<Last> {
         file.seek(SeekFrom::Start(from))?;
         Read::by_ref(file).take(size - from).read_to_end(&mut end)?;
         let whole = without_torn_end(&end);
-        match last_number(whole, from == 0) {
+        match last_line(whole, from == 0) {
             None if from > 0 => look *= 8,
             found => {
+                let (n, sum) = found.unwrap_or_default();
                 let bytes = from + whole.len() as u64;
-                if bytes < size {
-                    refuse_foreign(&end[whole.len()..])?;
-                    file.set_len(bytes)?;
-                }
-                file.seek(SeekFrom::Start(bytes))?;
-                let n = found.unwrap_or(0);
-                return Ok(Last { n, bytes });
+                return Ok(Last { n, sum, bytes });
             }
         }
     }
@@ -65,13 +78,18 @@ fn refuse_foreign(torn: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Number of the last line; damaged ones after the last that can be read count as one each. None where none can be read.
-fn last_number(whole: &[u8], is_from_start: bool) -> Option<u64> {
+/// Number and checksum of the last line; damaged ones after the last that can be read count as one each. None where none can
+/// be read.
+fn last_line(whole: &[u8], is_from_start: bool) -> Option<(u64, Option<String>)> {
     let lines: Vec<&[u8]> = whole.strip_suffix(b"\n")?.split(|&byte| byte == b'\n').collect();
     // The first one may be cut off by where the look begins: its checksum tells.
     let read = lines.iter().rev().enumerate();
-    let mut numbers = read.filter_map(|(after, text)| Some(line::read(text).ok()?.n + after as u64));
-    numbers
+    let mut found = read.filter_map(|(after, text)| {
+        let line = line::read(text).ok()?;
+        let sum = (after == 0).then(|| line.sum().to_owned());
+        Some((line.n + after as u64, sum))
+    });
+    found
         .next()
-        .or_else(|| is_from_start.then_some(lines.len() as u64))
+        .or_else(|| is_from_start.then_some((lines.len() as u64, None)))
 }

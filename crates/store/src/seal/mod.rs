@@ -142,6 +142,7 @@ impl Store {
                 wrong.extend(self.channels_as_read(run_id).err().map(in_words));
             }
         }
+        wrong.extend(self.course().err().map(in_words));
         wrong.dedup();
         Ok(wrong)
     }
@@ -217,7 +218,7 @@ fn computed(connection: &Connection, subject: &Subject) -> rusqlite::Result<Opti
     Ok(is_there.then(|| finished(&hasher)))
 }
 
-fn close(connection: &Connection, subject: &Subject) -> rusqlite::Result<()> {
+pub(super) fn close(connection: &Connection, subject: &Subject) -> rusqlite::Result<()> {
     let (name, id) = (subject.name(), subject.id());
     match computed(connection, subject)? {
         Some(seal) => connection

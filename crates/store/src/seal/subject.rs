@@ -50,6 +50,8 @@ pub(crate) enum Subject {
     File(String),
     /// Alarms that were told.
     Alarms,
+    /// The last line of the journal, and those that say that words may be lost. Each line has a checksum of its own.
+    JournalEnd,
     /// How often the database changed, and when last.
     Changes,
 }
@@ -121,6 +123,7 @@ impl Subject {
             Subject::HandTags(_) => "hand tags",
             Subject::File(_) => "file",
             Subject::Alarms => "alarms",
+            Subject::JournalEnd => "journal end",
             Subject::Changes => "changes",
         }
     }
@@ -139,6 +142,7 @@ impl Subject {
             | S::Logs
             | S::Assessment
             | S::Alarms
+            | S::JournalEnd
             | S::Changes => Vec::new(),
             S::Run(id)
             | S::Readings(id)
@@ -198,6 +202,10 @@ impl Subject {
             Subject::HandTags(_) => &["SELECT * FROM hand_tag WHERE run_path = ?1 ORDER BY id"],
             Subject::File(_) => &["SELECT * FROM source_file WHERE path = ?1"],
             Subject::Alarms => &["SELECT * FROM alarm ORDER BY id"],
+            Subject::JournalEnd => &[
+                "SELECT * FROM journal_line ORDER BY n DESC LIMIT 1",
+                "SELECT * FROM journal_line WHERE is_lost = 1 ORDER BY n",
+            ],
             Subject::Changes => &["SELECT * FROM change_count"],
         }
     }
@@ -216,6 +224,7 @@ impl Subject {
             S::Logs,
             S::Assessment,
             S::Alarms,
+            S::JournalEnd,
             S::Changes,
         ];
         let mut of_ids = |table: &str, of: &[fn(i64) -> Subject]| -> rusqlite::Result<()> {
@@ -263,6 +272,7 @@ impl fmt::Display for Subject {
             Subject::Logs => write!(f, "the list of climate logs"),
             Subject::Assessment => write!(f, "what the climate logs come to"),
             Subject::Alarms => write!(f, "the list of alarms that were told"),
+            Subject::JournalEnd => write!(f, "the end of the journal in it"),
             Subject::Changes => write!(f, "the count of changes"),
             Subject::HandTags(path) => write!(f, "what was tagged by hand of {path}"),
             Subject::File(path) => write!(f, "what is known of the file {path}"),

@@ -1,0 +1,247 @@
+//! Makes the journal and the database of a campaign say the same, as far as that needs no person.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use rusqlite::Connection;
+
+use super::entry::{Entry, Line};
+use super::write::locked;
+use super::{Compared, FILE_NAME, Found, PARTIAL, course, failed, opened, path_in, read, tail};
+use crate::seal::Subject;
+use crate::{FILE_NAME as DATABASE, StepError, Store, StoreError};
+use ieap_system::Temporary;
+use ieap_system::fs::{self, File};
+
+/// Digits of the hash that tells journals that were set aside from each other.
+const MARK_DIGITS: usize = 12;
+
+/// What it came to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Agreed {
+    /// What the journal lacked and has now.
+    pub written: Vec<Line>,
+    /// What the database lacks: it is to be said again.
+    pub to_say: Vec<Line>,
+}
+
+impl Store {
+    /// Whether the last line of the database is the last one of the journal of the campaign in `folder`.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn is_agreed(&self, folder: &Path) -> Result<bool, StoreError> {
+        let path = path_in(folder);
+        let same = |file: Option<&mut File>| -> Result<bool, StoreError> {
+            let in_file = match file {
+                None => tail::Last::default(),
+                Some(file) => {
+                    let size = file.metadata().map_err(|source| failed(&path, source))?.len();
+                    tail::last(file, size).map_err(|source| failed(&path, source))?
+                }
+            };
+            self.check_seal(&Subject::JournalEnd)?;
+            let stored = course::last(&self.connection).map_err(self.named(DOING))?;
+            Ok((in_file.n, in_file.sum) == stored)
+        };
+        let mut file = match File::open_own(&path) {
+            Ok(file) => Some(file),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
+            Err(source) => return Err(failed(&path, source)),
+        };
+        if same(file.as_mut())? {
+            return Ok(true);
+        }
+        // Somebody may be between the two writings, and holds the journal for as long.
+        file.as_ref().map_or(Ok(()), |file| super::lock(file, &path))?;
+        same(file.as_mut())
+    }
+
+    /// Holds the lines of the database against those of the journal of the campaign in `folder`.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; [`StoreError::Parted`] where they are of two courses.
+    pub fn compared(&self, folder: &Path) -> Result<Compared, StoreError> {
+        let lines = self.course()?;
+        let found = read(folder)?.unwrap_or_default();
+        Compared::of(&lines, &found).map_err(|detail| parted(folder, detail))
+    }
+
+    /// Compares both line by line, and writes into the journal what it lacks.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; [`StoreError::Parted`] where they are of two courses, [`StoreError::Lags`] where the database
+    /// lacks what it cannot be told by itself.
+    pub fn agree(&mut self) -> Result<Agreed, StoreError> {
+        let Some(campaign) = self.journal.campaign().map(Path::to_owned) else {
+            return Ok(Agreed::default());
+        };
+        if !path_in(&campaign).exists() && !self.has_course()? {
+            return Ok(Agreed::default());
+        }
+        self.begin_batch()?;
+        let sound = self.check_seal(&Subject::JournalEnd);
+        let brought = sound
+            .and_then(|()| locked(&campaign))
+            .map_err(StepError::from)
+            .and_then(|file| brought_up(&self.connection, &campaign, file));
+        let ended = self.commit_batch();
+        let (compared, _file) = brought.map_err(self.named(DOING))?;
+        ended?;
+        if !compared.can_be_said_again() {
+            return Err(StoreError::Lags {
+                path: campaign.join(DATABASE),
+                lacks: compared.lacks(),
+                why: "`ieap rebuild` makes a database of all that either has".to_owned(),
+            });
+        }
+        Ok(Agreed {
+            written: compared.of_database,
+            to_say: compared.of_journal,
+        })
+    }
+
+    /// Writes lines of the journal into the database, which has what they say.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn hear(&mut self, now: &str, lines: &[Line]) -> Result<(), StoreError> {
+        self.write(DOING, now, |transaction| {
+            transaction.changes(Subject::JournalEnd)?;
+            course::store(transaction, lines)
+        })
+    }
+
+    /// Says what nothing is stored of beside.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn say(&mut self, now: &str, entries: Vec<(String, Entry)>) -> Result<(), StoreError> {
+        if entries.is_empty() {
+            return Ok(());
+        }
+        self.write("writing the journal", now, |transaction| {
+            let each = entries.into_iter();
+            each.for_each(|(at, entry)| transaction.says(&at, entry));
+            Ok(())
+        })
+    }
+
+    /// The lines of the journal that the database has, in order.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn course(&self) -> Result<Vec<Line>, StoreError> {
+        self.check_seal(&Subject::JournalEnd)?;
+        course::stored(&self.connection, course::ALL).map_err(self.named(DOING))
+    }
+
+    /// Whether it has lines of the journal: one that an earlier version of the program wrote has none.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn has_course(&self) -> Result<bool, StoreError> {
+        self.check_seal(&Subject::JournalEnd)?;
+        let last = course::last(&self.connection).map_err(self.named(DOING))?;
+        Ok(last.0 > 0)
+    }
+
+    /// What may be lost, in words, until a person answered.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn words_missed(&self) -> Result<Vec<String>, StoreError> {
+        let mut missed = Vec::new();
+        self.check_seal(&Subject::JournalEnd)?;
+        let lines = course::stored(&self.connection, course::LOST).map_err(self.named(DOING))?;
+        for line in lines {
+            match line.entry {
+                Entry::Missed { lost } => missed.push(lost),
+                Entry::Answered { .. } => missed.clear(),
+                _ => {}
+            }
+        }
+        Ok(missed)
+    }
+}
+
+/// What is being done here, for errors.
+const DOING: &str = "holding the database against the journal";
+
+/// Holds the lines of a database against the journal, which is `file`, and writes into the journal what it lacks; gives the
+/// journal as it is then.
+pub(super) fn brought_up(
+    connection: &Connection,
+    campaign: &Path,
+    file: File,
+) -> Result<(Compared, File), StepError> {
+    let stored = course::stored(connection, course::ALL)?;
+    let found = read(campaign)?.unwrap_or_default();
+    let compared = Compared::of(&stored, &found).map_err(|detail| parted(campaign, detail))?;
+    if compared.of_database.is_empty() {
+        return Ok((compared, file));
+    }
+    let file = completed(campaign, file, &found, &compared)?;
+    Ok((compared, file))
+}
+
+/// Writes into the journal what only the database has. One that lacks no more than its end gets it; any other is written
+/// anew, and kept under another name.
+pub(super) fn completed(
+    campaign: &Path,
+    mut file: File,
+    found: &Found,
+    compared: &Compared,
+) -> Result<File, StoreError> {
+    let path = path_in(campaign);
+    let follow = compared.of_database.iter().all(|line| line.n > found.last_number);
+    if follow && found.damaged.is_empty() && found.gaps.is_empty() {
+        let end = tail::mended(&mut file).map_err(|source| failed(&path, source))?;
+        let text = text_of(compared.of_database.iter());
+        let added = file.write_all(text.as_bytes()).and_then(|()| file.sync_all());
+        return match added {
+            Ok(()) => Ok(file),
+            Err(source) => {
+                let _ = file.set_len(end.bytes);
+                Err(failed(&path, source))
+            }
+        };
+    }
+    let lines = found.lines.iter().chain(&compared.of_database);
+    let lines: BTreeMap<u64, &Line> = lines.map(|line| (line.n, line)).collect();
+    let anew = written_anew(&path, &text_of(lines.into_values()));
+    anew.map_err(|source| failed(&path, source))?;
+    let gone = std::io::Error::from(std::io::ErrorKind::NotFound);
+    let file = opened(&path)?.ok_or_else(|| failed(&path, gone))?;
+    super::lock(&file, &path)?;
+    Ok(file)
+}
+
+/// Puts another text in the place of the journal; what it said is kept beside it.
+fn written_anew(path: &Path, text: &str) -> std::io::Result<()> {
+    let old = fs::read_own(path)?;
+    let mut mark = blake3::hash(&old).to_hex().to_string();
+    mark.truncate(MARK_DIGITS);
+    let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+    let whole = |bytes: &[u8], name: &Path| -> std::io::Result<()> {
+        let mut file = Temporary::new_in(&folder, PARTIAL, "", 0o644)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        file.persist(name)
+    };
+    whole(&old, &folder.join(format!("{FILE_NAME}.set-aside-{mark}")))?;
+    whole(text.as_bytes(), path)?;
+    fs::sync_names(&folder)
+}
+
+fn text_of<'a>(lines: impl Iterator<Item = &'a Line>) -> String {
+    lines.map(|line| format!("{}\n", line.text)).collect()
+}
+
+pub(super) fn parted(campaign: &Path, detail: String) -> StoreError {
+    StoreError::Parted {
+        path: campaign.join(DATABASE),
+        detail,
+    }
+}

@@ -1,0 +1,349 @@
+//! The database and the journal say the same, or a person is told: files that go back in time, are lost or damaged, a program
+//! that was ended between the two, campaigns of earlier versions.
+
+use std::fs;
+use std::path::PathBuf;
+
+use ieap::store::InstanceLock;
+use serde_json::Value;
+
+use crate::campaign::{CampaignFolder, Ended, run_table};
+use crate::rebuild::{content, same, without_database};
+
+/// A campaign of three runs, of which one is tagged by hand.
+fn campaign() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    for seed in 1..4 {
+        folder.write(&format!("runs/{seed}.csv"), run_table(seed));
+    }
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    folder.ieap(&["tag", "runs/1.csv", "note=wet"]).expect(0);
+    folder
+}
+
+fn drops(folder: &CampaignFolder, run: &str) {
+    folder.ieap(&["drop", run, "--why", "clip slipped"]).expect(0);
+}
+
+fn is_dropped(folder: &CampaignFolder, run: &str) -> bool {
+    let status = folder.ieap(&["status"]);
+    status
+        .stdout
+        .contains(&format!("{run}\n      dropped: clip slipped"))
+}
+
+fn journal(folder: &CampaignFolder) -> PathBuf {
+    folder.join("archive/journal.jsonl")
+}
+
+fn run(folder: &CampaignFolder) -> Ended {
+    folder.ieap(&["run", "--no-diagnose"])
+}
+
+/// The database as it is now, in one file.
+fn database(folder: &CampaignFolder) -> Vec<u8> {
+    let connection = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    connection
+        .query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()))
+        .unwrap();
+    fs::read(folder.join("campaign.db")).unwrap()
+}
+
+fn with_database(folder: &CampaignFolder, bytes: &[u8]) {
+    without_database(folder.path());
+    folder.write("campaign.db", bytes);
+}
+
+#[test]
+fn a_rebuilding_carries_over_what_only_the_database_knows() {
+    let folder = campaign();
+    let older = fs::read(journal(&folder)).unwrap();
+    drops(&folder, "runs/2.csv");
+    run(&folder).expect(0);
+    let (before, whole) = (content(&folder), fs::read(journal(&folder)).unwrap());
+    let cut = &whole[..whole[..whole.len() - 1]
+        .iter()
+        .rposition(|&b| b == b'\n')
+        .unwrap()
+        + 1];
+    for journal_now in [Some(&older[..]), Some(cut), Some(b""), None] {
+        let _ = fs::remove_file(journal(&folder));
+        if let Some(bytes) = journal_now {
+            fs::write(journal(&folder), bytes).unwrap();
+        }
+        let rebuilt = folder.ieap(&["rebuild", "--json"]).expect(0).json();
+        let carried = rebuilt["rebuild"]["of_old_database"].as_array().unwrap();
+        assert!(
+            carried
+                .last()
+                .unwrap()
+                .as_str()
+                .unwrap()
+                .contains("runs/2.csv dropped")
+        );
+        same(&content(&folder), &before);
+        assert!(is_dropped(&folder, "runs/2.csv"));
+        folder.ieap(&["verify"]).expect(0);
+    }
+    assert_eq!(fs::read(journal(&folder)).unwrap(), whole);
+}
+
+#[test]
+fn an_older_database_catches_up_whoever_opens_it() {
+    for verb in [
+        &["run", "--no-diagnose"][..],
+        &["status"],
+        &["tag", "runs/3.csv", "note=x"],
+    ] {
+        let folder = campaign();
+        let older = database(&folder);
+        drops(&folder, "runs/2.csv");
+        folder.write("runs/new.csv", run_table(9));
+        fs::remove_file(folder.join("runs/3.csv")).unwrap();
+        folder.ieap(&["fit", "--simultaneous"]).expect(0);
+        let before = content(&folder);
+        with_database(&folder, &older);
+        let found = folder.ieap(&["verify", "--json"]).expect(4).json();
+        assert!(found.to_string().contains("database-lags"), "{found}");
+        let told = folder.ieap(verb).expect(0);
+        assert!(
+            told.stderr
+                .contains("runs/2.csv dropped by tester (clip slipped)"),
+            "{told:#?}"
+        );
+        assert!(is_dropped(&folder, "runs/2.csv"));
+        folder.ieap(&["verify"]).expect(0);
+        if verb[0] == "run" {
+            same(&content(&folder), &before);
+        }
+    }
+}
+
+#[test]
+fn a_lost_or_damaged_write_ahead_log_loses_no_word() {
+    for damage in [None, Some(100)] {
+        let folder = campaign();
+        let reader = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+        let runs = "SELECT count(*) FROM run";
+        let _: i64 = reader.query_row(runs, [], |row| row.get(0)).unwrap();
+        drops(&folder, "runs/2.csv");
+        let kept = ["campaign.db", "campaign.db-wal"].map(|name| fs::read(folder.join(name)).unwrap());
+        drop(reader);
+        with_database(&folder, &kept[0]);
+        if let Some(at) = damage {
+            let mut log = kept[1].clone();
+            assert!(log.len() > at);
+            log[at] ^= 1;
+            folder.write("campaign.db-wal", log);
+        }
+        run(&folder).expect(0);
+        assert!(is_dropped(&folder, "runs/2.csv"));
+        folder.ieap(&["verify"]).expect(0);
+    }
+}
+
+#[test]
+fn a_database_that_lags_is_not_read_while_another_program_holds_the_campaign() {
+    let folder = campaign();
+    let older = database(&folder);
+    drops(&folder, "runs/2.csv");
+    with_database(&folder, &older);
+    let lock = InstanceLock::take(folder.path()).unwrap();
+    for verb in [
+        &["status"][..],
+        &["table", "table5"],
+        &["tag", "runs/1.csv", "note=x"],
+    ] {
+        let refused = folder.ieap(verb).expect(4);
+        assert!(refused.stderr.contains("another ieap works"), "{refused:#?}");
+    }
+    // One that has all is read all the same.
+    drop(lock);
+    folder.ieap(&["status"]).expect(0);
+    fs::remove_file(journal(&folder)).unwrap();
+    let _lock = InstanceLock::take(folder.path()).unwrap();
+    assert!(is_dropped(&folder, "runs/2.csv"));
+}
+
+#[test]
+fn two_courses_are_refused_until_a_person_takes_one_away() {
+    let folder = campaign();
+    let (older, early) = (database(&folder), fs::read(journal(&folder)).unwrap());
+    drops(&folder, "runs/2.csv");
+    let (first, later) = (database(&folder), fs::read(journal(&folder)).unwrap());
+    with_database(&folder, &older);
+    fs::write(journal(&folder), early).unwrap();
+    folder.ieap(&["tag", "runs/3.csv", "note=other"]).expect(0);
+    let (second, other) = (database(&folder), fs::read(journal(&folder)).unwrap());
+    for (database, said) in [(&first, &other), (&second, &later)] {
+        with_database(&folder, database);
+        fs::write(journal(&folder), said).unwrap();
+        for verb in [
+            &["run"][..],
+            &["status"],
+            &["rebuild"],
+            &["tag", "runs/1.csv", "note=x"],
+        ] {
+            let refused = folder.ieap(verb).expect(4);
+            let both = ["runs/2.csv dropped", "runs/3.csv tagged note=other"];
+            assert!(
+                both.iter().all(|said| refused.stderr.contains(said)),
+                "{refused:#?}"
+            );
+        }
+        assert_eq!(&fs::read(journal(&folder)).unwrap(), said);
+        folder.ieap(&["verify"]).expect(4);
+    }
+    // The database is right.
+    fs::rename(journal(&folder), folder.join("away")).unwrap();
+    run(&folder).expect(0);
+    assert!(!is_dropped(&folder, "runs/2.csv"));
+    folder.ieap(&["verify"]).expect(0);
+    // The journal is.
+    without_database(folder.path());
+    fs::write(journal(&folder), later).unwrap();
+    folder.ieap(&["rebuild"]).expect(0);
+    assert!(is_dropped(&folder, "runs/2.csv"));
+}
+
+#[test]
+fn words_that_may_be_lost_are_told_until_a_person_answers() {
+    let folder = campaign();
+    drops(&folder, "runs/2.csv");
+    let said = fs::read_to_string(journal(&folder)).unwrap();
+    for damaged in [
+        said.replace("note", "nOte"),
+        said.replacen("{\"n\":2", "{\"n\":5", 1),
+    ] {
+        without_database(folder.path());
+        fs::write(journal(&folder), damaged).unwrap();
+        let told = folder.ieap(&["rebuild"]).expect(3);
+        assert!(told.stderr.contains("ieap answer --why"), "{told:#?}");
+        let status = folder.ieap(&["status", "--json"]).expect(3).json();
+        let missed = status["status"]["words_missed"].as_array().unwrap();
+        assert!(
+            missed[0]["message"].as_str().unwrap().contains("checksum"),
+            "{missed:?}"
+        );
+        run(&folder).expect(3);
+        assert_eq!(errors(&folder), ["words-may-be-lost"]);
+        // Another rebuilding does not forget it.
+        folder.ieap(&["rebuild"]).expect(0);
+        folder.ieap(&["status"]).expect(3);
+        folder.ieap(&["answer", "--why", " "]).expect(2);
+        let why = &[
+            "answer",
+            "--why",
+            "the tag is said again",
+            "--by",
+            "ann",
+            "--json",
+        ];
+        let answered = folder.ieap(why).expect(0).json();
+        assert_eq!(answered["answer"]["lost"].as_array().unwrap().len(), 1);
+        folder.ieap(&["status"]).expect(0);
+        assert_eq!(errors(&folder), Vec::<String>::new());
+        folder.ieap(&["rebuild"]).expect(0);
+        folder.ieap(&["status"]).expect(0);
+        let nothing = folder.ieap(why).expect(0).json();
+        assert_eq!(nothing["answer"]["lost"], serde_json::json!([]));
+        assert!(is_dropped(&folder, "runs/2.csv"));
+    }
+}
+
+/// Codes of the errors that `verify` finds.
+fn errors(folder: &CampaignFolder) -> Vec<String> {
+    let found = folder.ieap(&["verify", "--json"]).json();
+    let parts = found["verify"]["parts"].as_array().unwrap().iter();
+    let findings = parts.flat_map(|part| part["findings"].as_array().unwrap().clone());
+    let errors = findings.filter(|finding| finding["severity"] == "error");
+    errors
+        .map(|error| error["code"].as_str().unwrap().to_owned())
+        .collect()
+}
+
+/// The campaign as the version before wrote it: no lines in the database, no checksums of lines before.
+fn as_the_version_before_wrote_it(folder: &CampaignFolder) {
+    let text = fs::read_to_string(journal(folder)).unwrap();
+    let old: String = text.lines().map(of_the_version_before).collect();
+    fs::write(journal(folder), old).unwrap();
+    let connection = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
+    let newest: i64 = connection
+        .pragma_query_value(None, "user_version", |row| row.get(0))
+        .unwrap();
+    connection
+        .execute_batch(&format!(
+            "DROP TABLE journal_line; DELETE FROM seal; PRAGMA user_version = {}",
+            newest - 1
+        ))
+        .unwrap();
+}
+
+fn of_the_version_before(line: &str) -> String {
+    let mut open: serde_json::Map<String, Value> = serde_json::from_str(line).unwrap();
+    open.remove("after");
+    open.remove("sum");
+    // The order of the fields is theirs.
+    let fields = ["n", "at", "entry"].map(|key| format!("\"{key}\":{}", open[key]));
+    let body = format!("{{{}", fields.join(","));
+    let sum = blake3::hash(body.as_bytes()).to_hex().to_string();
+    format!("{body},\"sum\":\"{}\"}}\n", &sum[..32])
+}
+
+#[test]
+fn a_campaign_of_the_version_before_is_taken_up_as_it_is() {
+    let folder = campaign();
+    drops(&folder, "runs/2.csv");
+    let before = content(&folder);
+    as_the_version_before_wrote_it(&folder);
+    let said = fs::read(journal(&folder)).unwrap();
+    run(&folder).expect(0);
+    assert_eq!(fs::read(journal(&folder)).unwrap(), said);
+    same(&content(&folder), &before);
+    assert_eq!(errors(&folder), Vec::<String>::new());
+    folder.ieap(&["tag", "runs/3.csv", "note=new"]).expect(0);
+    let said = fs::read_to_string(journal(&folder)).unwrap();
+    assert!(said.lines().last().unwrap().contains("\"after\""));
+    assert_eq!(errors(&folder), Vec::<String>::new());
+}
+
+#[test]
+fn a_campaign_of_the_version_before_whose_stores_parted_is_taken_up_with_what_either_says() {
+    let folder = campaign();
+    let older = database(&folder);
+    drops(&folder, "runs/2.csv");
+    let said = fs::read_to_string(journal(&folder)).unwrap();
+    // A program was ended within its last change, or the database is an older one: it is said again.
+    with_database(&folder, &older);
+    as_the_version_before_wrote_it(&folder);
+    run(&folder).expect(0);
+    assert!(is_dropped(&folder, "runs/2.csv"));
+    // The word was never stored, and others were said after it.
+    with_database(&folder, &older);
+    fs::write(
+        journal(&folder),
+        said.lines()
+            .take(4)
+            .map(|line| format!("{line}\n"))
+            .collect::<String>(),
+    )
+    .unwrap();
+    folder.ieap(&["tag", "runs/3.csv", "note=later"]).expect(0);
+    let later = fs::read_to_string(journal(&folder)).unwrap();
+    let [word, later] = [&said, &later].map(|text| text.lines().last().unwrap().to_owned());
+    let mut lines: Vec<String> = said.lines().take(4).map(str::to_owned).collect();
+    lines.extend([word, later.replacen("{\"n\":5", "{\"n\":6", 1)]);
+    fs::write(journal(&folder), lines.join("\n") + "\n").unwrap();
+    as_the_version_before_wrote_it(&folder);
+    let told = run(&folder).expect(3);
+    assert!(told.stderr.contains("journal.jsonl.set-aside-"), "{told:#?}");
+    let status = folder.ieap(&["status"]).expect(3);
+    assert!(
+        status.stdout.contains("runs/2.csv dropped by tester"),
+        "{status:#?}"
+    );
+    folder.ieap(&["answer", "--why", "it was dry"]).expect(0);
+    assert_eq!(errors(&folder), Vec::<String>::new());
+    folder.ieap(&["rebuild"]).expect(0);
+    folder.ieap(&["status"]).expect(0);
+}
