@@ -103,7 +103,10 @@ fn without(
 
 fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptions) -> GroupDiagnosis {
     let scattered = group.with_scatter(&base.problem.model(&base.at));
-    let scatter = scattered.as_ref().unwrap_or(group).scatter().cloned();
+    let beside_own = scattered.as_ref().unwrap_or(group);
+    let scatter = beside_own
+        .scatter()
+        .map(|_| scatter::told(beside_own, &base.problem.model(&base.at)));
     let scale = scale(group, &base.problem, &base.at);
     let signatures = signatures(&base.problem, &base.at, &scale);
     let bins = residual_bins(group, &base);
@@ -130,7 +133,7 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
         bins: &bins,
         residuals: &residuals,
         p_misfit: null.p_misfit(&observed, calibration.as_ref()),
-        scatter: scatter.as_ref(),
+        scatter: scatter.as_deref().unwrap_or_default(),
         options,
     };
     if builder.p_misfit >= RIGHT {
@@ -156,9 +159,11 @@ fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptio
     if explains_all(&found) {
         return found;
     }
-    // Beside a cause that explains most the runs scatter less than beside none.
+    // Beside a cause that explains most the runs scatter less than beside none. Without it they then differ by more, and it is
+    // not scatter that explains them.
     let extended = selection.model.problem.model(&selection.model.at);
-    beside(group.with_scatter(&extended)).unwrap_or(found)
+    let again = beside(group.with_scatter(&extended));
+    again.filter(|again| again.verdict.is_misfit()).unwrap_or(found)
 }
 
 /// Whether the runs scatter rather than that something is wrong with them, where the best candidate makes the sum of squares

@@ -177,6 +177,16 @@ pub fn spreads(forms: &[Form], known_before: f64, most: f64) -> Vec<Spread> {
     each.collect()
 }
 
+/// Logarithm of the likelihood of those spreads, but for a constant.
+pub fn log_likelihood(forms: &[Form], known_before: f64, spreads: &[f64]) -> f64 {
+    let likelihood = Likelihood {
+        forms,
+        known_before,
+        most: f64::INFINITY,
+    };
+    likelihood.at(spreads)
+}
+
 fn told(spread: f64) -> f64 {
     if spread > LEAST { spread } else { 0.0 }
 }

@@ -29,7 +29,6 @@ use crate::outcome::next_run::next_run;
 use crate::outcome::noise_words::{beside_scatter, of_scatter, of_slow_noise};
 use crate::readings::drawn::{drawn, paired};
 use crate::readings::group::{RunGroup, RunInput, channel_name};
-use crate::readings::scatter::Scatter;
 use crate::readings::tags::not_asked;
 use ieap_model::effects::effect;
 use ieap_numerics::random_effects::Spread;
@@ -56,8 +55,8 @@ pub(crate) struct FindingBuilder<'a, 'g> {
     pub(crate) bins: &'a [ResidualBin],
     pub(crate) residuals: &'a [f64],
     pub(crate) p_misfit: f64,
-    /// What the runs scatter by; none of fewer runs than tell it.
-    pub(crate) scatter: Option<&'a Scatter>,
+    /// What each parameter scatters by; empty of fewer runs than tell it.
+    pub(crate) scatter: &'a [Spread],
     pub(crate) options: &'a DiagnoseOptions,
 }
 
@@ -266,14 +265,13 @@ impl<'g> FindingBuilder<'_, 'g> {
     }
 
     fn scatter(&self) -> Vec<ParameterScatter> {
-        let told = self.scatter.map_or(&[][..], |scatter| &scatter.told);
         let of = |(k, spread): (usize, &Spread)| ParameterScatter {
             key: self.base.base_key(k),
             percent: 100.0 * spread.best,
             low_95_percent: 100.0 * spread.low,
             high_95_percent: 100.0 * spread.high,
         };
-        told.iter().enumerate().map(of).collect()
+        self.scatter.iter().enumerate().map(of).collect()
     }
 
     fn noise(&self) -> Vec<DiagnosisNoise> {

@@ -129,7 +129,8 @@ impl<'a> RunGroup<'a> {
             scatter: Some(Scatter::most(self, model)?),
             ..self.clone()
         };
-        Some(free.renoised(model))
+        // Once more: the noise of a first look holds a part of what differs.
+        Some(free.renoised(model).renoised(model))
     }
 
     /// What was found of the scatter from run to run, where it was looked at.
@@ -205,7 +206,7 @@ impl<'a> RunGroup<'a> {
             group.take_slow_noise(kind, per_signal, &fitted);
         }
         group.open_edges_beside(model);
-        group.scatter = self.scatter.as_ref().map(|scatter| scatter.again(&group, model));
+        group.scatter = self.scatter.as_ref().map(|_| Scatter::found(&group, model));
         group.open_parameters_beside(model);
         group
     }

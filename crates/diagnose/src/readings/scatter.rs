@@ -7,7 +7,7 @@
 use ieap_model::LumpedModel;
 use ieap_model::extended::ExtendedModel;
 use ieap_numerics::least_squares::Local;
-use ieap_numerics::random_effects::{Form, Spread, most_likely, spreads};
+use ieap_numerics::random_effects::{Form, Spread, log_likelihood, most_likely, spreads};
 
 use crate::readings::group::RunGroup;
 use crate::readings::left_open::LeftOpen;
@@ -21,39 +21,46 @@ const BEYOND: f64 = 3.0;
 const RUNS: usize = 3;
 /// Precision with which what the runs share is known before, relative: hardly.
 const KNOWN_BEFORE: f64 = 1e-4;
-/// Rise of the logarithm of the likelihood that scatter must bring, and that more than [`MOST`] must bring beside it.
+/// Rise of the logarithm of the likelihood that scatter must bring.
 const EVIDENCE: f64 = 3.0;
+/// Rise that a spread of more than [`MOST`] must bring (Akaike).
+const WORTH: f64 = 1.0;
 /// Relative step of the slopes.
 const STEP: f64 = 1e-4;
 
-/// Scatter that was looked at.
+/// Scatter that was looked at: relative spreads of the parameters of the base, in the order of [`moved`].
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scatter {
-    /// Relative spread of every parameter of the base, in the order of [`moved`], up to where runs differ rather than scatter.
-    pub(crate) told: Vec<Spread>,
-    /// What of it is taken as noise; empty where the readings ask for none, or for more than scatter.
+    /// The most likely ones, up to where runs differ rather than scatter.
+    likely: Vec<f64>,
+    /// What is taken as noise; empty where the readings ask for none, or for more than scatter.
     pub(crate) taken: Vec<f64>,
 }
 
 impl Scatter {
     /// As much as is still scatter, of every parameter: to begin with.
     pub(crate) fn most(group: &RunGroup, model: &ExtendedModel) -> Option<Scatter> {
-        (group.runs.len() >= RUNS).then(|| Scatter {
-            told: Vec::new(),
-            taken: vec![MOST; parameters(group, &model.base)],
+        let all = vec![MOST; parameters(group, &model.base)];
+        (group.runs.len() >= RUNS).then_some(Scatter {
+            likely: all.clone(),
+            taken: all,
         })
     }
 
-    /// Found anew in the readings beside `model`.
-    pub(crate) fn again(&self, group: &RunGroup, model: &ExtendedModel) -> Scatter {
+    /// Found in the readings beside `model`.
+    pub(crate) fn found(group: &RunGroup, model: &ExtendedModel) -> Scatter {
         let forms = forms(group, model);
         let (taken, gain) = most_likely(&forms, KNOWN_BEFORE, MOST);
-        let is_noise = gain >= EVIDENCE && most_likely(&forms, KNOWN_BEFORE, BEYOND).1 <= gain + EVIDENCE;
+        let (likely, _) = most_likely(&forms, KNOWN_BEFORE, BEYOND);
+        let log_likelihood = |spreads: &[f64]| log_likelihood(&forms, KNOWN_BEFORE, spreads);
+        let is_beyond = |k: usize| {
+            let mut within = likely.clone();
+            within[k] = MOST;
+            likely[k] > MOST && log_likelihood(&likely) > log_likelihood(&within) + WORTH
+        };
+        let is_noise = gain >= EVIDENCE && !(0..likely.len()).any(is_beyond);
         Scatter {
-            told: match self.told.is_empty() {
-                true => spreads(&forms, KNOWN_BEFORE, BEYOND),
-                false => self.told.clone(),
-            },
+            likely,
             taken: if is_noise { taken } else { Vec::new() },
         }
     }
@@ -61,7 +68,7 @@ impl Scatter {
     /// The model of each run: that of the group with the run's own deviations.
     pub(crate) fn own_models(&self, group: &RunGroup, model: &ExtendedModel) -> Vec<ExtendedModel> {
         let of_run = |form: &Form| {
-            let deviations = form.deviations(&self.taken);
+            let deviations = form.deviations(&self.likely);
             let each = deviations.iter().enumerate();
             ExtendedModel {
                 base: each.fold(model.base.clone(), |base, (k, by)| moved(&base, k, *by)),
@@ -70,6 +77,11 @@ impl Scatter {
         };
         forms(group, model).iter().map(of_run).collect()
     }
+}
+
+/// The spread of every parameter beside `model` with its interval, up to where runs differ rather than scatter.
+pub(crate) fn told(group: &RunGroup, model: &ExtendedModel) -> Vec<Spread> {
+    spreads(&forms(group, model), KNOWN_BEFORE, BEYOND)
 }
 
 /// How much more probable scatter makes what runs say of their own parameters: logarithm of the ratio of likelihoods, less one
