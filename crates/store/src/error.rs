@@ -60,6 +60,16 @@ pub enum StoreError {
         /// Schema version needed.
         needed: i64,
     },
+    /// What the database's tables, indexes or triggers are is not what ieap makes.
+    #[error(
+        "{path}: another program changed the schema of the database: {detail}. What is stored may have been changed with it, and nothing is read. Put a backup of it back, or `ieap rebuild` moves it aside and makes a new one from archive and journal."
+    )]
+    ChangedSchema {
+        /// The database file.
+        path: PathBuf,
+        /// What is not as it was made.
+        detail: String,
+    },
     /// The database says that it is empty, and holds tables.
     #[error(
         "{path}: the database holds tables and no version of their schema (user_version is 0): another program wrote to it. Put a backup of it back. If there is none, `ieap run --new-database` moves it aside and makes a new one from the files in the campaign; what only the database held, such as tags set by hand, is lost then."
@@ -228,6 +238,7 @@ impl StoreError {
             self,
             E::NotADatabase { .. }
                 | E::NoVersion { .. }
+                | E::ChangedSchema { .. }
                 | E::NotALock { .. }
                 | E::Older { .. }
                 | E::Migration { .. }

@@ -26,6 +26,7 @@ mod new_run;
 mod origin;
 mod run_climate;
 mod runs;
+mod schema;
 #[cfg(test)]
 mod schema_page_tests;
 mod seal;
@@ -102,6 +103,7 @@ impl Store {
         .map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         configure(&connection).map_err(|e| StoreError::from_sql(&path, "opening", e))?;
         migration::migrate(&mut connection, &path)?;
+        schema::refuse_changed(&connection, &path)?;
         views::put(&mut connection).map_err(|e| StoreError::from_sql(&path, "making the views", e))?;
         let seals = Seals::made(&mut connection)
             .map_err(|e| StoreError::from_sql(&path, "sealing what is stored", e))?;
@@ -146,6 +148,9 @@ impl Store {
         });
         let (connection, found) = opened?;
         migration::refuse_unversioned(&connection, &path, found)?;
+        if found == migration::NEWEST {
+            schema::refuse_changed(&connection, &path)?;
+        }
         match found {
             migration::NEWEST => Ok(Some(Store {
                 seals: Seals::of(&connection)
@@ -245,6 +250,7 @@ impl Store {
 fn open_to_read(path: &Path, name: &str, flags: OpenFlags) -> Result<(Connection, i64), StoreError> {
     let failed = |e| StoreError::from_sql(path, "opening to read", e);
     let connection = Connection::open_with_flags(name, flags).map_err(failed)?;
+    distrust(&connection).map_err(failed)?;
     connection.busy_timeout(BUSY_TIMEOUT).map_err(failed)?;
     connection.set_prepared_statement_cache_capacity(STATEMENTS);
     let version = migration::version(&connection).map_err(failed)?;
@@ -294,10 +300,17 @@ fn check_sqlite() -> Result<(), StoreError> {
     Ok(())
 }
 
+/// A file may come from anywhere: what its schema says calls no function with an effect, and pages that cannot be are damage.
+fn distrust(connection: &Connection) -> rusqlite::Result<()> {
+    connection.pragma_update(None, "trusted_schema", "OFF")?;
+    connection.pragma_update(None, "cell_size_check", "ON")
+}
+
 /// Settings of a writing connection: write-ahead log, an fsync at every commit (a lab computer loses power),
 /// foreign keys enforced.
 fn configure(connection: &Connection) -> rusqlite::Result<()> {
     connection.busy_timeout(BUSY_TIMEOUT)?;
+    distrust(connection)?;
     connection.pragma_update(None, "journal_mode", "WAL")?;
     connection.pragma_update(None, "synchronous", "FULL")?;
     connection.pragma_update(None, "foreign_keys", "ON")?;

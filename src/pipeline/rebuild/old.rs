@@ -55,6 +55,7 @@ fn is_damage(error: &StoreError) -> bool {
         error,
         E::NotADatabase { .. }
             | E::NoVersion { .. }
+            | E::ChangedSchema { .. }
             | E::Migration { .. }
             | E::BadValue { .. }
             | E::Damaged { .. }
