@@ -345,11 +345,13 @@ impl<'g> FindingBuilder<'_, 'g> {
         next_run(self.group, &members)
     }
 
+    /// What a model leaves of every run; where runs scatter, with each run's own deviations, for these are noise.
     fn drawn(&self, model: &Fitted) -> Vec<ResidualCurve> {
         let found = model.problem.model(&model.at);
+        let own = self.group.own_models(&found);
         let of_block = |block: &crate::readings::group::Block| {
             let run = &self.group.runs[block.run];
-            let fitted = &run.fitted(&found, &run.context(block.run, None))[block.channel];
+            let fitted = &run.fitted(&own[block.run], &run.context(block.run, None))[block.channel];
             drawn(self.group, block, fitted, &|_| true)
         };
         self.group.blocks.iter().filter_map(of_block).collect()

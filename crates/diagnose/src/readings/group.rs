@@ -138,6 +138,14 @@ impl<'a> RunGroup<'a> {
         self.scatter.as_ref()
     }
 
+    /// The model of each run: that of the group, and where scatter was looked for with the run's own deviations.
+    pub(crate) fn own_models(&self, model: &ExtendedModel) -> Vec<ExtendedModel> {
+        match &self.scatter {
+            Some(scatter) => scatter.own_models(self, model),
+            None => vec![model.clone(); self.runs.len()],
+        }
+    }
+
     /// Finds anew how the scatter of the parameters changes the whitened rows.
     fn open_parameters_beside(&mut self, model: &ExtendedModel) {
         let Some(scatter) = &self.scatter else { return };

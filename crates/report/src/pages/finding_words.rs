@@ -54,7 +54,13 @@ pub fn lead(found: &GroupDiagnosis, findings: &Findings) -> String {
     let taken: Vec<String> = found.effects.iter().map(|effect| effect.effect.clone()).collect();
     match found.verdict {
         Verdict::Consistent => {
-            format!("The simulation describes {runs} to within the noise; nothing is seen to be missing.")
+            let scatter = match found.scatter_is_noise {
+                true => " and what they scatter by",
+                false => "",
+            };
+            format!(
+                "The simulation describes {runs} to within the noise{scatter}; nothing is seen to be missing."
+            )
         }
         Verdict::Undecided => format!(
             "The simulation may be wrong for {runs}, but chance can look like this: nothing is claimed."
