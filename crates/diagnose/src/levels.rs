@@ -9,6 +9,15 @@ pub(crate) const RIGHT: f64 = 0.05;
 /// seen: what a strip does is known to a few per cent from run to run, and an error that hides behind more is worth a sentence.
 pub(crate) const VISIBLE_PERCENT: f64 = 10.0;
 
+/// Relative standard deviation of a parameter up to which runs scatter; beyond it they differ, which is a finding. Chosen, for
+/// repeats of one strip agree to a few per cent; `cargo run --release --example hide_and_seek -- null 40 1 scatter` counts what
+/// it gives.
+pub(crate) const SCATTER: f64 = 0.1;
+/// Rise of the logarithm of the likelihood that scatter must bring to be taken as noise. Chosen; the same command counts it.
+pub(crate) const SCATTER_EVIDENCE: f64 = 3.0;
+/// Rise that a spread beyond [`SCATTER`] must bring over [`SCATTER`] for runs to differ: what a number is worth (Akaike).
+pub(crate) const DIFFERENCE_EVIDENCE: f64 = 1.0;
+
 /// A candidate is taken where chance gives as much in fewer groups than this, and one that follows a tag where chance does in
 /// fewer deals.
 pub(crate) const TAKEN: f64 = 0.01;

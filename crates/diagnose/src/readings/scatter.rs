@@ -9,22 +9,16 @@ use ieap_model::extended::ExtendedModel;
 use ieap_numerics::least_squares::Local;
 use ieap_numerics::random_effects::{Form, Spread, log_likelihood, most_likely, spreads};
 
+use crate::levels::{DIFFERENCE_EVIDENCE, SCATTER, SCATTER_EVIDENCE};
 use crate::readings::group::RunGroup;
 use crate::readings::left_open::LeftOpen;
 
-/// Relative spread up to which runs scatter; beyond it they differ, which is a finding. Repeats of one strip agree to a few per
-/// cent. Not calibrated.
-pub(crate) const MOST: f64 = 0.1;
 /// Relative spread that is looked at to see whether there is more.
 const BEYOND: f64 = 3.0;
 /// Runs from which on a spread can be told from a difference.
 const RUNS: usize = 3;
 /// Precision with which what the runs share is known before, relative: hardly.
 const KNOWN_BEFORE: f64 = 1e-4;
-/// Rise of the logarithm of the likelihood that scatter must bring.
-const EVIDENCE: f64 = 3.0;
-/// Rise that a spread of more than [`MOST`] must bring (Akaike).
-const WORTH: f64 = 1.0;
 /// Relative step of the slopes.
 const STEP: f64 = 1e-4;
 
@@ -40,7 +34,7 @@ pub(crate) struct Scatter {
 impl Scatter {
     /// As much as is still scatter, of every parameter: to begin with.
     pub(crate) fn most(group: &RunGroup, model: &ExtendedModel) -> Option<Scatter> {
-        let all = vec![MOST; parameters(group, &model.base)];
+        let all = vec![SCATTER; parameters(group, &model.base)];
         (group.runs.len() >= RUNS).then_some(Scatter {
             likely: all.clone(),
             taken: all,
@@ -50,15 +44,15 @@ impl Scatter {
     /// Found in the readings beside `model`.
     pub(crate) fn found(group: &RunGroup, model: &ExtendedModel) -> Scatter {
         let forms = forms(group, model);
-        let (taken, gain) = most_likely(&forms, KNOWN_BEFORE, MOST);
+        let (taken, gain) = most_likely(&forms, KNOWN_BEFORE, SCATTER);
         let (likely, _) = most_likely(&forms, KNOWN_BEFORE, BEYOND);
         let log_likelihood = |spreads: &[f64]| log_likelihood(&forms, KNOWN_BEFORE, spreads);
         let is_beyond = |k: usize| {
             let mut within = likely.clone();
-            within[k] = MOST;
-            likely[k] > MOST && log_likelihood(&likely) > log_likelihood(&within) + WORTH
+            within[k] = SCATTER;
+            likely[k] > SCATTER && log_likelihood(&likely) > log_likelihood(&within) + DIFFERENCE_EVIDENCE
         };
-        let is_noise = gain >= EVIDENCE && !(0..likely.len()).any(is_beyond);
+        let is_noise = gain >= SCATTER_EVIDENCE && !(0..likely.len()).any(is_beyond);
         Scatter {
             likely,
             taken: if is_noise { taken } else { Vec::new() },
@@ -87,7 +81,7 @@ pub(crate) fn told(group: &RunGroup, model: &ExtendedModel) -> Vec<Spread> {
 /// How much more probable scatter makes what runs say of their own parameters: logarithm of the ratio of likelihoods, less one
 /// for each spread that is found.
 pub(crate) fn gain(forms: &[Form]) -> f64 {
-    let (taken, gain) = most_likely(forms, KNOWN_BEFORE, MOST);
+    let (taken, gain) = most_likely(forms, KNOWN_BEFORE, SCATTER);
     gain - taken.iter().filter(|spread| **spread > 0.0).count() as f64
 }
 
