@@ -231,6 +231,11 @@ fn whichever_call_of_a_rebuilding_fails_no_half_database_takes_a_place() {
         }
         if outcome.as_ref().is_ok_and(|done| done.ingest.left_out_inputs()) {
             // A file or folder could not be read, which it said, and the database has it so: the next reading takes it in.
+            let differing = content().differences(&before);
+            assert!(
+                differing.iter().all(|(kind, _)| *kind == "file"),
+                "{weather:?}: {differing:?}"
+            );
             on(&computer, || Rebuild::default().run(path, &Silent))
                 .unwrap()
                 .unwrap();
